@@ -1,0 +1,63 @@
+# cgcontact: everything a user or a developer types. Settings: BACKEND=serial (default) or openmp.
+#
+#   make            install what is missing and build
+#   make demo       run the paper's scene and say where its pictures are
+#   make test       build and run all tests
+#   make asan       the same with address and undefined-behaviour sanitizers
+#   make format     format the sources; format-check, tidy: complain only
+#   make clean      remove what these commands built
+
+BACKEND ?= serial
+ifeq ($(filter $(BACKEND),serial openmp asan),)
+  $(error BACKEND=$(BACKEND): expected serial or openmp)
+endif
+SCENE ?= scenes/two_solids.toml
+OUT ?= out/$(basename $(notdir $(SCENE)))
+CLANG_FORMAT ?= clang-format-14
+CLANG_TIDY ?= clang-tidy
+
+build := build/$(BACKEND)
+folders := core kernels recovery contact perf tests
+sources = $(shell find $(folders) -name '*.[ch]pp')
+
+.NOTPARALLEL:
+.PHONY: all build configure demo test asan format format-check tidy clean deps deps-test deps-format
+all: build
+
+deps:
+	@scripts/install_dependencies.sh
+deps-test:
+	@scripts/install_dependencies.sh --test
+deps-format:
+	@scripts/install_dependencies.sh --format
+
+configure: deps
+	@cmake --preset $(BACKEND) --log-level=WARNING
+
+build: configure
+	@cmake --build --preset $(BACKEND)
+
+demo: configure
+	@cmake --build --preset $(BACKEND) --target cgcontact
+	$(build)/cgcontact run $(SCENE) --out $(OUT)
+	@echo "The pictures:"
+	@ls -1 $(OUT)/*.svg $(OUT)/*.png 2>/dev/null | sed 's/^/  /'
+	@ls -1 $(OUT)/*.vtkhdf $(OUT)/*.vtu 2>/dev/null | sed 's/^/  /; s/$$/   (for ParaView)/'
+
+test: deps-test build
+	@ctest --preset $(BACKEND)
+
+asan:
+	@$(MAKE) --no-print-directory test BACKEND=asan
+
+format: deps-format
+	@$(CLANG_FORMAT) -i $(sources)
+format-check: deps-format
+	@$(CLANG_FORMAT) --dry-run -Werror $(sources)
+
+tidy: build
+	@command -v $(CLANG_TIDY) >/dev/null || { echo "make tidy: $(CLANG_TIDY) is not here (Debian package clang-tidy)"; exit 1; }
+	@$(CLANG_TIDY) -p $(build) --quiet $(shell find core kernels recovery contact -name '*.cpp')
+
+clean:
+	rm -rf build/serial build/openmp build/asan out

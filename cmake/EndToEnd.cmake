@@ -1,0 +1,32 @@
+# cgcontact_end_to_end_tests(FOLDER): every test_*.sh and test_*.py in FOLDER becomes the test end_to_end.<name>. It runs in
+# an empty directory of its own, with CGCONTACT (the built program) and CGCONTACT_SOURCE_DIR in its environment, and passes
+# when it exits with 0. A line "# timeout: SECONDS" near its top replaces the limit of 900 seconds; "# alone" keeps
+# ctest from running other tests beside it (for tests that measure time).
+find_program(CGCONTACT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)  # Debian's own: the one that has VTK
+find_program(CGCONTACT_PYTHON python3)
+
+function(cgcontact_end_to_end_tests folder)
+  file(GLOB scripts CONFIGURE_DEPENDS ${folder}/test_*.sh ${folder}/test_*.py)
+  foreach(script ${scripts})
+    get_filename_component(name ${script} NAME_WE)
+    string(REPLACE "test_" "" name ${name})
+    if(script MATCHES "\\.py$")
+      set(interpreter ${CGCONTACT_PYTHON})
+    else()
+      set(interpreter bash)
+    endif()
+    set(work_dir ${CMAKE_CURRENT_BINARY_DIR}/end_to_end/${name})
+    add_test(NAME end_to_end.${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
+      COMMAND bash -c "rm -rf \"$1\" && mkdir -p \"$1\" && cd \"$1\" && exec \"$2\" \"$3\"" _
+        ${work_dir} ${interpreter} ${script})
+    file(STRINGS ${script} timeout REGEX "^# timeout: [0-9]+$" LIMIT_COUNT 1)
+    string(REGEX MATCH "[0-9]+" timeout "${timeout};900")
+    file(STRINGS ${script} alone REGEX "^# alone$" LIMIT_COUNT 1)
+    set_tests_properties(end_to_end.${name} PROPERTIES LABELS end_to_end TIMEOUT ${timeout}
+      ENVIRONMENT "CGCONTACT=$<TARGET_FILE:cgcontact>;CGCONTACT_SOURCE_DIR=${CMAKE_SOURCE_DIR}")
+    if(alone)
+      set_tests_properties(end_to_end.${name} PROPERTIES RUN_SERIAL ON)
+    endif()
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${script})
+  endforeach()
+endfunction()

@@ -1,0 +1,31 @@
+/// Plain SPR of just the patches that touch supports and contact, for the stabilising stress of the outer loop.
+#pragma once
+
+#include <utility>
+
+#include "kernels/system.hpp"
+#include "recovery/spr.hpp"
+
+namespace cgcontact {
+
+/// Recovered stress of one body in selected cells.
+class BoundaryStress {
+ public:
+  /// `cells`: active cells in which the stress will be evaluated.
+  BoundaryStress(const BodyMesh& mesh, const PatchSet& patches, const std::vector<int>& cells);
+
+  /// Recovers from the displacements (all bodies).
+  void update(const RealView& u);
+
+  /// n . sigma* . e at cell coordinates of one of the cells; n, e in global axes; units Scales::stress.
+  double traction(int cell, const Vec3& xi, const Vec3& n, const Vec3& e) const;
+
+ private:
+  const BodyMesh& mesh_;
+  const PatchSet& patches_;
+  IntView nodes_, patch_cells_;
+  CellStressView stress_;
+  CoefficientView coefficients_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,16 @@
+/// What `cgcontact check` prints: the scene on its grids, without solving.
+#pragma once
+
+#include <string>
+
+#include "contact/simulation.hpp"
+
+namespace cgcontact {
+
+/// Bodies with volume, faces, cells and unknowns; pairs; expected memory. A few lines per body.
+std::string describe(const Scene& scene, const Preparation& preparation);
+
+/// Expected peak memory of a run in bytes; measured model, see check.cpp.
+long long expected_memory(const Preparation& preparation);
+
+}  // namespace cgcontact

@@ -1,0 +1,219 @@
+#include "contact/contact_pairs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace cgcontact {
+namespace {
+
+/// Gauss points per direction of a contact piece: exact for the product of two trilinear traces on a plane.
+constexpr int contact_order = 3;
+
+/// Planes of the other grid that cross a cell, in the cell's grid coordinates.
+std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
+  const Mat3 to_other = other.rotation.transpose() * grid.rotation * (grid.cell_size / other.cell_size);
+  const Vec3 shift = other.to_grid(grid.origin);
+  std::vector<Plane> planes;
+  for (int d = 0; d < 3; ++d) {
+    double low = 1e300, high = -1e300;
+    for (int a = 0; a < 8; ++a) {
+      const Vec3 corner(cell[0] + (a & 1), cell[1] + (a >> 1 & 1), cell[2] + (a >> 2));
+      const double value = to_other.row(d).dot(corner) + shift[d];
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+    const double norm = to_other.row(d).norm();
+    const int first = static_cast<int>(std::ceil(std::max(low + 1e-9, 0.0)));
+    const int last = static_cast<int>(std::floor(std::min(high - 1e-9, 1.0 * other.num_cells[d])));
+    for (int k = first; k <= last; ++k) planes.push_back({to_other.row(d).transpose() / norm, (k - shift[d]) / norm});
+  }
+  return planes;
+}
+
+/// Active cells of the primary body with the surfaces of the face in them.
+std::map<int, std::set<int>> cells_with_face(const BodyModel& body, const FaceSpec& face) {
+  std::map<int, std::set<int>> cells;
+  const BoundaryPoints& boundary = body.cut_cells.boundary;
+  for (int p = 0; p < static_cast<int>(boundary.size()); ++p)
+    if (face.contains(body.surface_names(p), body.point(p), body.normal(p)))
+      cells[boundary.cell[p]].insert(boundary.surface[p]);
+  return cells;
+}
+
+/// Points of one cell and surface that have an opposite; appends a group if there are any.
+void add_group(const std::vector<BodyModel>& bodies, int cell, int surface, ContactPair& pair) {
+  const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+  const Grid& grid = primary.cut_cells.grid;
+  BoundaryPoints points;
+  boundary_points_of_cell(primary.cut_cells, cell, {surface},
+                          other_grid_planes(grid, primary.cut_cells.cells[cell], secondary.cut_cells.grid),
+                          contact_order, points);
+  ContactGroup group;
+  group.first_point = static_cast<int>(pair.points.size());
+  const auto& names = primary.cut_cells.solid.surfaces()[surface].names;
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    ContactPoint point;
+    point.x = grid.to_global(points.position[q]);
+    point.normal = grid.rotation * points.normal[q];
+    if (!pair.face(pair.primary).contains(names, point.x, point.normal)) continue;
+    const auto opposite = find_opposite(secondary, pair.face(pair.secondary), point.x, point.normal, pair.search);
+    if (!opposite) continue;
+    point.group = static_cast<int>(pair.groups.size());
+    point.primary_cell = cell;
+    point.primary_position = points.position[q];
+    point.primary_xi = cell_coordinates(primary.cut_cells, cell, points.position[q]);
+    point.secondary_cell = opposite->cell;
+    point.secondary_position = opposite->position;
+    point.secondary_xi = cell_coordinates(secondary.cut_cells, opposite->cell, opposite->position);
+    point.weight = points.weight[q] * grid.cell_size * grid.cell_size;
+    point.distance = opposite->distance;
+    group.area += point.weight;
+    group.initial_gap += point.weight * (point.distance - pair.spec->interference);
+    pair.points.push_back(point);
+  }
+  group.last_point = static_cast<int>(pair.points.size());
+  if (!(group.area > 0)) {
+    pair.points.resize(group.first_point);
+    return;
+  }
+  group.initial_gap /= group.area;
+  pair.groups.push_back(group);
+}
+
+/// Marks the default boundary points of one side that face the other body.
+void mark_boundary_points(const ContactPair& pair, int index, int body, int other, std::vector<BodyModel>& bodies) {
+  BodyModel& model = bodies[body];
+  for (int p = 0; p < static_cast<int>(model.cut_cells.boundary.size()); ++p) {
+    const Vec3 x = model.point(p), n = model.normal(p);
+    if (model.boundary.pair_of_point[p] >= 0 || !pair.face(body).contains(model.surface_names(p), x, n)) continue;
+    if (find_opposite(bodies[other], pair.face(other), x, n, pair.search)) model.boundary.pair_of_point[p] = index;
+  }
+}
+
+ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::vector<BodyModel>& bodies) {
+  ContactPair pair;
+  pair.spec = &spec;
+  const auto h = [&](int b) { return bodies[b].cut_cells.grid.cell_size; };
+  const int a = spec.first.body, b = spec.second.body;
+  pair.primary = h(b) > h(a) ? b : a;
+  pair.secondary = pair.primary == a ? b : a;
+  const double E1 = scene.bodies[a].material.youngs_modulus, E2 = scene.bodies[b].material.youngs_modulus;
+  pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));
+  pair.search = spec.search_distance > 0 ? spec.search_distance : 2 * std::max(h(a), h(b));
+  for (const auto& [cell, surfaces] : cells_with_face(bodies[pair.primary], pair.face(pair.primary)))
+    for (int surface : surfaces) add_group(bodies, cell, surface, pair);
+  return pair;
+}
+
+}  // namespace
+
+std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpec& face, const Vec3& x, const Vec3& n,
+                                           double search) {
+  const Grid& grid = other.cut_cells.grid;
+  const Solid& solid = other.cut_cells.solid;
+  const Vec3 origin = grid.to_grid(x), direction = grid.rotation.transpose() * n;
+  const double reach = search / grid.cell_size;
+  std::optional<OppositePoint> best;
+  std::vector<char> side(solid.surfaces().size());
+  for (std::size_t s = 0; s < solid.surfaces().size(); ++s) {
+    double t[2];
+    const int count = solid.surfaces()[s].intersect_line(origin, direction, t);
+    for (int r = 0; r < count; ++r) {
+      if (std::abs(t[r]) > reach || (best && std::abs(t[r]) >= std::abs(best->distance))) continue;
+      const Vec3 y = origin + t[r] * direction;
+      for (std::size_t k = 0; k < side.size(); ++k) side[k] = solid.surfaces()[k].signed_distance(y) <= 0;
+      side[s] = 1;
+      const bool inside = solid.evaluate(side);
+      side[s] = 0;
+      if (inside == solid.evaluate(side)) continue;  // not on the body's boundary here
+      const Vec3 normal = (inside ? 1.0 : -1.0) * solid.surfaces()[s].gradient(y);
+      if (normal.dot(direction) > -0.1) continue;  // does not face this point
+      if (!face.contains(solid.surfaces()[s].names, grid.to_global(y), grid.rotation * normal)) continue;
+      // The cell on the inner side of the surface, also where the surface lies on a grid plane.
+      const int cell = other.cut_cells.locate(y - 1e-9 * normal);
+      if (cell >= 0) best = OppositePoint{t[r], cell, y};
+    }
+  }
+  if (best) best->distance *= grid.cell_size;
+  return best;
+}
+
+std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies) {
+  std::vector<ContactPair> pairs;
+  for (const ContactSpec& spec : scene.contacts) {
+    ContactPair pair = make_pair(scene, spec, bodies);
+    if (pair.points.empty()) {
+      if (spec.automatic) continue;
+      throw InputError(spec.place, spec.name, "no point of the first face has the second face within reach",
+                       fmt::format("faces closer than search_distance = {:g} m along the normal", pair.search));
+    }
+    for (const ContactPoint& point : pair.points) {
+      const double limit = 0.5 * std::min(bodies[pair.primary].cut_cells.grid.cell_size,
+                                          bodies[pair.secondary].cut_cells.grid.cell_size);
+      if (-point.distance > limit)
+        throw InputError(spec.place, spec.name,
+                         fmt::format("the bodies overlap by {:g} m at ({:g}, {:g}, {:g})", -point.distance, point.x[0],
+                                     point.x[1], point.x[2]),
+                         fmt::format("overlap up to half a cell, {:g} m", limit));
+    }
+    const int index = static_cast<int>(pairs.size());
+    mark_boundary_points(pair, index, pair.primary, pair.secondary, bodies);
+    mark_boundary_points(pair, index, pair.secondary, pair.primary, bodies);
+    pairs.push_back(std::move(pair));
+  }
+  return pairs;
+}
+
+std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
+                                      const ElasticSystem& system) {
+  std::vector<GroupRow> rows;
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& group : pair.groups) {
+      std::map<int, double> entries;
+      const auto add = [&](int body, int cell, const Vec3& xi, const Vec3& direction) {
+        const Vec3 local = bodies[body].cut_cells.grid.rotation.transpose() * direction;
+        double N[8];
+        hex_shape(xi.data(), N);
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i)
+            if (local[i] != 0) entries[3 * system.meshes[body].cell_nodes[cell][a] + i] += N[a] * local[i];
+      };
+      for (int q = group.first_point; q < group.last_point; ++q) {
+        const ContactPoint& point = pair.points[q];
+        const Vec3 direction = point.weight / group.area * point.normal;
+        add(pair.primary, point.primary_cell, point.primary_xi, -direction);
+        add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
+      }
+      rows.push_back({{entries.begin(), entries.end()}});
+    }
+  return rows;
+}
+
+void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies) {
+  for (BodyModel& body : bodies) {
+    body.boundary.links.clear();
+    for (auto& list : body.boundary.links_of_cell) list.clear();
+  }
+  const auto add = [&](int body, ContactLink link) {
+    BoundaryData& data = bodies[body].boundary;
+    data.links_of_cell[link.cell].push_back(static_cast<int>(data.links.size()));
+    data.links.push_back(std::move(link));
+  };
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const ContactPair& pair = pairs[p];
+    const Mat3 &R1 = bodies[pair.primary].cut_cells.grid.rotation, &R2 = bodies[pair.secondary].cut_cells.grid.rotation;
+    for (const ContactPoint& q : pair.points) {
+      const int index = static_cast<int>(p);
+      add(pair.primary, {q.primary_cell, index, q.primary_position, R1.transpose() * q.normal, q.weight, pair.secondary,
+                         q.secondary_cell, q.secondary_position, q.distance, q.active});
+      add(pair.secondary, {q.secondary_cell, index, q.secondary_position, -(R2.transpose() * q.normal), q.weight,
+                           pair.primary, q.primary_cell, q.primary_position, q.distance, q.active});
+    }
+  }
+}
+
+}  // namespace cgcontact

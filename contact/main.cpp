@@ -1,0 +1,71 @@
+/// The program: reads the command line, runs or checks a scene, writes the results.
+/// Exit codes: 0 solved, 1 bad input, 2 did not converge (results still written and marked so).
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include "contact/check.hpp"
+#include "contact/simulation.hpp"
+#include "core/cli.hpp"
+#include "core/output.hpp"
+#include "core/progress.hpp"
+#include "kernels/linear_solver.hpp"
+
+namespace {
+
+using namespace cgcontact;
+
+std::string output_directory(const CommandLine& options, const Scene& scene) {
+  if (!options.out.empty()) return options.out;
+  if (!scene.output.directory.empty()) return scene.output.directory;
+  return "out/" + std::filesystem::path(scene.file).stem().string();
+}
+
+int check(const Scene& scene) {
+  const Preparation preparation = prepare(scene);
+  fmt::print("{}", describe(scene, preparation));
+  return 0;
+}
+
+int run(const Scene& scene, const CommandLine& options) {
+  const std::string directory = output_directory(options, scene);
+  check_output_directory(directory);
+  const TrilinosScope trilinos(options.threads);
+  Progress progress;
+  ProgressCallbacks callbacks;
+  callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
+  callbacks.step = [&](const OuterStep& s) { progress.outer_iteration(s.iteration, s.active_points, s.residual); };
+  Simulation simulation(scene);
+  simulation.run(callbacks);
+  progress.begin_phase("output");
+  Results& results = simulation.results;
+  results.backend = TrilinosScope::backend();
+  results.threads = TrilinosScope::concurrency();
+  for (const std::string& warning : write_results(results, scene, directory)) progress.message("warning: " + warning);
+  progress.finish();
+  fmt::print("{}", summary(results, directory));
+  if (results.converged) return 0;
+  fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
+  return 2;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int exit_code = 0;
+  try {
+    const auto options = parse_command_line(argc, argv, exit_code);
+    if (!options) return exit_code;
+    const Scene scene = read_scene(options->scene, options->overrides);
+    return options->command == CommandLine::check ? check(scene) : run(scene, *options);
+  } catch (const InputError& error) {
+    fmt::print(stderr, "cgcontact: {}\n", error.what());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "cgcontact: out of memory: larger cell_size needed (see cgcontact check)\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "cgcontact: {}\n", error.what());
+  }
+  return 1;
+}

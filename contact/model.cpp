@@ -1,0 +1,192 @@
+#include "contact/model.hpp"
+
+#include <map>
+
+namespace cgcontact {
+namespace {
+
+/// Supports and loads whose faces contain a boundary point.
+struct PointConditions {
+  std::vector<int> supports, loads;
+  bool operator<(const PointConditions& o) const { return std::tie(supports, loads) < std::tie(o.supports, o.loads); }
+};
+
+TractionCondition make_condition(const Scene& scene, const PointConditions& key) {
+  TractionCondition condition;
+  for (int s : key.supports) {
+    const SupportSpec& support = scene.supports[s];
+    condition.normal_held |= support.symmetry;
+    for (int i = 0; i < 3; ++i) condition.component_held[i] |= support.displacement[i].has_value();
+  }
+  if (!key.loads.empty())
+    condition.traction = [&scene, loads = key.loads](const Vec3& x, const Vec3& n) {
+      Vec3 t = Vec3::Zero();
+      for (int l : loads) {
+        const LoadSpec& load = scene.loads[l];
+        t += Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * n;
+      }
+      return t;
+    };
+  return condition;
+}
+
+/// Ties every boundary point of a body to the supports and loads that hold there.
+void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vector<char>& support_used,
+                       std::vector<char>& load_used) {
+  const std::size_t num_points = model.cut_cells.boundary.size();
+  BoundaryData& data = model.boundary;
+  std::map<PointConditions, int> index;
+  data.condition_of_point.resize(num_points);
+  data.pair_of_point.assign(num_points, -1);
+  data.points_of_cell.resize(model.cut_cells.cells.size());
+  data.links_of_cell.resize(model.cut_cells.cells.size());
+  for (std::size_t p = 0; p < num_points; ++p) {
+    const int point = static_cast<int>(p);
+    const Vec3 x = model.point(point), n = model.normal(point);
+    PointConditions key;
+    for (std::size_t s = 0; s < scene.supports.size(); ++s)
+      if (scene.supports[s].face.body == body && scene.supports[s].face.face.contains(model.surface_names(point), x, n))
+        key.supports.push_back(static_cast<int>(s)), support_used[s] = 1;
+    for (std::size_t l = 0; l < scene.loads.size(); ++l)
+      if (scene.loads[l].face.body == body && scene.loads[l].face.face.contains(model.surface_names(point), x, n))
+        key.loads.push_back(static_cast<int>(l)), load_used[l] = 1;
+    const auto [entry, is_new] = index.emplace(key, static_cast<int>(data.conditions.size()));
+    if (is_new) data.conditions.push_back(make_condition(scene, key));
+    data.condition_of_point[p] = entry->second;
+    data.points_of_cell[model.cut_cells.boundary.cell[p]].push_back(point);
+  }
+}
+
+bool has_body_force(const BodySpec& body) {
+  return !(body.body_force[0].is_zero() && body.body_force[1].is_zero() && body.body_force[2].is_zero());
+}
+
+/// Adds N(xi)^T force (global axes, dimensionless) of one point to the load vector.
+void add_force(const BodyModel& body, const BodyMesh& mesh, int cell, const Vec3& xi, const Vec3& force,
+               std::vector<double>& f) {
+  const Vec3 local = body.cut_cells.grid.rotation.transpose() * force;
+  double N[8];
+  hex_shape(xi.data(), N);
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) f[3 * mesh.cell_nodes[cell][a] + i] += N[a] * local[i];
+}
+
+void add_body_force(const BodyModel& body, const BodyMesh& mesh, const Scales& scales, std::vector<double>& f) {
+  const CutCells& cc = body.cut_cells;
+  const double factor = std::pow(mesh.cell_size, 3) / 8 * scales.length / scales.stress;
+  double weights[125];
+  for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+    const int cut = cc.cut_of_active[e];
+    fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 5, weights);
+    for (int q = 0; q < 125; ++q) {
+      const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
+      const Index3& c = cc.cells[e];
+      const Vec3 x = cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
+      add_force(body, mesh, static_cast<int>(e), xi, factor * weights[q] * body.boundary.body_force_at(x), f);
+    }
+  }
+}
+
+}  // namespace
+
+Grid make_grid(const BodySpec& body) {
+  Grid grid;
+  grid.cell_size = body.cell_size;
+  grid.rotation = body.grid_rotation;
+  Vec3 min, max;
+  const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
+  if (!rotated.bounding_box(min, max))
+    throw InputError(body.place, body.name, "the body is not bounded", "intersect half-spaces with a box");
+  const Vec3 start = min - body.cell_size * body.grid_offset;
+  for (int d = 0; d < 3; ++d) {
+    // A face that lies on a grid plane up to rounding needs no further cell.
+    const double cells = (max[d] - start[d]) / body.cell_size;
+    if (!(cells < 20000))
+      throw InputError(body.place, std::to_string(body.cell_size), "more than 20000 cells along one axis",
+                       "a larger cell_size");
+    grid.num_cells[d] = std::max(1, static_cast<int>(std::ceil(cells - 1e-9)));
+  }
+  grid.origin = body.grid_rotation * start;
+  return grid;
+}
+
+std::vector<BodyModel> make_body_models(const Scene& scene) {
+  std::vector<BodyModel> bodies(scene.bodies.size());
+  std::vector<char> support_used(scene.supports.size()), load_used(scene.loads.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    BodyModel& model = bodies[b];
+    model.spec = &scene.bodies[b];
+    const Grid grid = make_grid(*model.spec);
+    const Solid solid = model.spec->solid.transformed(
+        grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
+    try {
+      model.cut_cells = make_cut_cells(solid, grid);
+    } catch (const InputError& error) {
+      throw InputError(model.spec->place, model.spec->name, error.what());
+    }
+    assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
+    if (has_body_force(*model.spec))
+      model.boundary.body_force_at = [spec = model.spec](const Vec3& x) {
+        return Vec3(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x));
+      };
+  }
+  for (std::size_t s = 0; s < support_used.size(); ++s)
+    if (!support_used[s])
+      throw InputError(scene.supports[s].face.place, scene.supports[s].face.face.name,
+                       "the face selects no point of the body's boundary");
+  for (std::size_t l = 0; l < load_used.size(); ++l)
+    if (!load_used[l])
+      throw InputError(scene.loads[l].face.place, scene.loads[l].face.face.name,
+                       "the face selects no point of the body's boundary");
+  return bodies;
+}
+
+Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& x) {
+  const Index3& c = cut_cells.cells[cell];
+  return 2 * (x - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+}
+
+std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {
+  std::vector<SupportPoint> points;
+  for (const SupportSpec& support : scene.supports) {
+    const int b = support.face.body;
+    const BodyModel& body = bodies[b];
+    const BoundaryPoints& boundary = body.cut_cells.boundary;
+    for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+      const Vec3 x = body.point(p), n = body.normal(p);
+      if (!support.face.face.contains(body.surface_names(p), x, n)) continue;
+      SupportPoint point{b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
+                         n, n, body.area(p), 0.0};
+      if (support.symmetry) points.push_back(point);
+      for (int i = 0; i < 3; ++i)
+        if (support.displacement[i]) {
+          point.direction = Vec3::Unit(i);
+          point.value = (*support.displacement[i])(x);
+          points.push_back(point);
+        }
+    }
+  }
+  return points;
+}
+
+std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies,
+                                     const ElasticSystem& system, const Scales& scales) {
+  std::vector<double> f(system.num_dofs(), 0.0);
+  const double area_scale = scales.length * scales.length;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyModel& body = bodies[b];
+    const BodyMesh& mesh = system.meshes[b];
+    const BoundaryPoints& boundary = body.cut_cells.boundary;
+    for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+      const TractionCondition& condition = body.boundary.conditions[body.boundary.condition_of_point[p]];
+      if (!condition.traction) continue;
+      const Vec3 force = body.area(p) / area_scale / scales.stress * condition.traction(body.point(p), body.normal(p));
+      add_force(body, mesh, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
+                force, f);
+    }
+    if (body.boundary.body_force_at) add_body_force(body, mesh, scales, f);
+  }
+  return f;
+}
+
+}  // namespace cgcontact

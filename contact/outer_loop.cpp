@@ -1,0 +1,350 @@
+#include "contact/outer_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "contact/boundary_stress.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Inner tolerance as a fraction of the last outer residual (multigrid.md, table I).
+constexpr double inner_fraction = 0.005;
+constexpr double loosest_inner_tolerance = 1e-3;
+
+double norm(const std::vector<double>& v) {
+  double sum = 0;
+  for (double x : v) sum += x * x;
+  return std::sqrt(sum);
+}
+
+class OuterLoop {
+ public:
+  explicit OuterLoop(OuterProblem& problem);
+  OuterResult run(const std::function<void(const OuterStep&)>& progress);
+
+ private:
+  double support_stiffness(const SupportPoint& p) const {
+    const BodySpec& body = problem_.scene.bodies[p.body];
+    return support_kappa_factor * problem_.scene.solver.kappa * body.material.youngs_modulus / body.cell_size;
+  }
+  /// Weight (m^2) and stiffness (Pa/m) -> system units.
+  double to_stiffness(double pa_per_m, double area) const { return pa_per_m * area / (scales().stress * scales().length); }
+  const Scales& scales() const { return problem_.scales; }
+
+  NearNullSpace near_null_space() const;
+  void initialise_active_set();
+  void assemble_right_hand_side();
+  std::vector<double> group_force(bool with_displacement) const;
+  std::vector<double> group_stiffness() const;
+  std::vector<double> group_gap_change() const;
+  long long update_active_set();
+  double update_recovered_stress();
+  long long count_active() const;
+  void polish(OuterResult& result);
+
+  OuterProblem& problem_;
+  NearNullSpace near_null_space_;
+  LinearSolver solver_;
+  std::vector<BoundaryStress> boundary_stress_;
+  std::vector<double> load_, support_stress_;       // system units; units Scales::stress
+  std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
+  RealView u_, rhs_;
+  double force_norm_ = 0;
+};
+
+OuterLoop::OuterLoop(OuterProblem& problem)
+    : problem_(problem), near_null_space_(near_null_space()), solver_(problem.system, near_null_space_) {
+  std::vector<std::set<int>> cells(problem.bodies.size());
+  for (const SupportPoint& p : problem.supports) cells[p.body].insert(p.cell);
+  for (const ContactPair& pair : problem.pairs)
+    for (const ContactPoint& q : pair.points) {
+      cells[pair.primary].insert(q.primary_cell);
+      cells[pair.secondary].insert(q.secondary_cell);
+    }
+  boundary_stress_.reserve(cells.size());
+  for (std::size_t b = 0; b < cells.size(); ++b)
+    boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b],
+                                  std::vector<int>(cells[b].begin(), cells[b].end()));
+  load_ = make_load_vector(problem.bodies, problem.system, problem.scales);
+  support_stress_.assign(problem.supports.size(), 0.0);
+  for (const ContactPair& pair : problem.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
+  u_ = RealView("cgcontact::outer_loop::u", problem.system.num_dofs());
+  rhs_ = RealView("cgcontact::outer_loop::rhs", problem.system.num_dofs());
+}
+
+NearNullSpace OuterLoop::near_null_space() const {
+  NearNullSpace space;
+  for (std::size_t b = 0; b < problem_.bodies.size(); ++b) {
+    const Grid& grid = problem_.bodies[b].cut_cells.grid;
+    space.axes.push_back(grid.rotation);
+    for (const Index3& n : problem_.system.meshes[b].nodes) {
+      space.position.push_back(grid.to_global(Vec3(n[0], n[1], n[2])) / scales().length);
+      space.body_of_node.push_back(static_cast<int>(b));
+    }
+  }
+  return space;
+}
+
+/// Closed at the start: all points whose gap is not positive and, if there is none, those near the smallest gap.
+void OuterLoop::initialise_active_set() {
+  for (ContactPair& pair : problem_.pairs) {
+    double smallest = 1e300;
+    for (const ContactGroup& g : pair.groups) smallest = std::min(smallest, g.initial_gap);
+    const double h = std::min(problem_.scene.bodies[pair.primary].cell_size, problem_.scene.bodies[pair.secondary].cell_size);
+    const double limit = std::max(smallest + 0.02 * h, 1e-9 * h);
+    for (ContactPoint& q : pair.points) q.active = pair.groups[q.group].initial_gap <= limit;
+  }
+}
+
+std::vector<double> OuterLoop::group_stiffness() const {
+  std::vector<double> stiffness;
+  for (const ContactPair& pair : problem_.pairs)
+    for (const ContactGroup& g : pair.groups) {
+      double area = 0;
+      for (int q = g.first_point; q < g.last_point; ++q)
+        if (pair.points[q].active) area += pair.points[q].weight;
+      stiffness.push_back(to_stiffness(pair.stiffness, area));
+    }
+  return stiffness;
+}
+
+void OuterLoop::assemble_right_hand_side() {
+  std::vector<double> f = load_, values(load_.size(), 0.0);
+  const double area_scale = scales().length * scales().length;
+  for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
+    const SupportPoint& p = problem_.supports[s];
+    const Vec3 d = problem_.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
+    const double stress_force = support_stress_[s] * p.weight / area_scale;
+    const double value_force = to_stiffness(support_stiffness(p), p.weight) * p.value / scales().length;
+    double N[8];
+    hex_shape(p.xi.data(), N);
+    for (int a = 0; a < 8; ++a)
+      for (int i = 0; i < 3; ++i) {
+        const int dof = 3 * problem_.system.meshes[p.body].cell_nodes[p.cell][a] + i;
+        f[dof] += N[a] * d[i] * stress_force;
+        values[dof] += N[a] * d[i] * value_force;
+      }
+  }
+  // Scale of the linear tolerance: the real forces. The terms kappa E/h (prescribed displacement or gap) are larger by
+  // orders and nearly cancel against the solution's; they serve only while no stress is known.
+  const double forces = norm(f);
+  const std::vector<double> force = group_force(false);
+  for (std::size_t row = 0; row < force.size(); ++row)
+    for (const auto& [dof, value] : problem_.system.group_rows[row].entries) f[dof] += value * force[row];
+  for (std::size_t i = 0; i < f.size(); ++i) f[i] += values[i];
+  force_norm_ = forces > 0 ? forces : 1e-2 * norm(f);
+  auto host = Kokkos::create_mirror_view(rhs_);
+  for (std::size_t i = 0; i < f.size(); ++i) host(i) = f[i];
+  Kokkos::deep_copy(rhs_, host);
+}
+
+/// Force of each group, sum over its closed points of w (p* - kappa E/h gap): with the gap of the current displacement, or
+/// with the initial gap only (the right-hand side).
+std::vector<double> OuterLoop::group_force(bool with_displacement) const {
+  std::vector<double> forces;
+  const double area_scale = scales().length * scales().length;
+  const std::vector<double> change =
+      with_displacement ? group_gap_change() : std::vector<double>(problem_.system.group_rows.size(), 0.0);
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
+    const ContactPair& pair = problem_.pairs[k];
+    for (const ContactGroup& g : pair.groups) {
+      const double gap = (g.initial_gap + change[forces.size()]) / scales().length;
+      double force = 0;
+      for (int q = g.first_point; q < g.last_point; ++q)
+        if (pair.points[q].active)
+          force += contact_stress_[k][q] * pair.points[q].weight / area_scale -
+                   to_stiffness(pair.stiffness, pair.points[q].weight) * gap;
+      forces.push_back(force);
+    }
+  }
+  return forces;
+}
+
+/// Change of the mean gap of every group, m.
+std::vector<double> OuterLoop::group_gap_change() const {
+  auto u = Kokkos::create_mirror_view(u_);
+  Kokkos::deep_copy(u, u_);
+  std::vector<double> change;
+  for (const GroupRow& row : problem_.system.group_rows) {
+    double sum = 0;
+    for (const auto& [dof, value] : row.entries) sum += value * u(dof);
+    change.push_back(sum * scales().length);
+  }
+  return change;
+}
+
+/// Active where p* - kappa E/h gap > 0 (p* of the previous iterate); returns the number of points that changed.
+long long OuterLoop::update_active_set() {
+  const std::vector<double> change = group_gap_change();
+  long long changed = 0;
+  std::size_t first_group = 0;
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
+    ContactPair& pair = problem_.pairs[k];
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      ContactPoint& point = pair.points[q];
+      const double gap = pair.groups[point.group].initial_gap + change[first_group + point.group];
+      const bool active = contact_stress_[k][q] * scales().stress - pair.stiffness * gap > 0;
+      changed += active != point.active;
+      point.active = active;
+    }
+    first_group += pair.groups.size();
+  }
+  return changed;
+}
+
+/// New sigma* at supports and contact; returns the relative change (area-weighted, L2).
+double OuterLoop::update_recovered_stress() {
+  for (BoundaryStress& s : boundary_stress_) s.update(u_);
+  double difference = 0, norm = 0;
+  const auto add = [&](double weight, double before, double after) {
+    difference += weight * (after - before) * (after - before);
+    norm += weight * after * after;
+  };
+  for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
+    const SupportPoint& p = problem_.supports[s];
+    const double value = boundary_stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
+    add(p.weight, support_stress_[s], value);
+    support_stress_[s] = value;
+  }
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
+    const ContactPair& pair = problem_.pairs[k];
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      const ContactPoint& c = pair.points[q];
+      const double value =
+          -0.5 * (boundary_stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.normal) +
+                  boundary_stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.normal));
+      add(c.weight, contact_stress_[k][q], value);
+      contact_stress_[k][q] = value;
+    }
+  }
+  return norm > 0 ? std::sqrt(difference / norm) : 0.0;
+}
+
+long long OuterLoop::count_active() const {
+  long long active = 0;
+  for (const ContactPair& pair : problem_.pairs)
+    for (const ContactPoint& q : pair.points) active += q.active;
+  return active;
+}
+
+/// Last linear solve with the final state, so that the forces are in equilibrium to the linear tolerance.
+void OuterLoop::polish(OuterResult& result) {
+  const SolverSpec& solver = problem_.scene.solver;
+  set_group_stiffness(problem_.system, group_stiffness());
+  assemble_right_hand_side();
+  const LinearSolveResult solve =
+      solver_.solve(rhs_, u_, solver.linear_tolerance * force_norm_, solver.max_linear_iterations);
+  result.linear_iterations.push_back(solve.iterations);
+  result.group_force = group_force(true);
+}
+
+OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress) {
+  OuterResult result;
+  result.u = u_;
+  const SolverSpec& solver = problem_.scene.solver;
+  initialise_active_set();
+  double outer_residual = 1;
+  std::set<std::vector<bool>> seen;
+  int repeats = 0;
+  for (int iteration = 1; iteration <= solver.max_outer_iterations; ++iteration) {
+    OuterStep step;
+    step.iteration = iteration;
+    set_group_stiffness(problem_.system, group_stiffness());
+    assemble_right_hand_side();
+    const double inner = std::clamp(inner_fraction * outer_residual, solver.linear_tolerance, loosest_inner_tolerance);
+    if (!solver_.has_preconditioner()) {
+      solver_.rebuild_preconditioner();
+      ++result.preconditioner_setups;
+    }
+    const LinearSolveResult solve = solver_.solve(rhs_, u_, inner * force_norm_, solver.max_linear_iterations);
+    step.linear_iterations = solve.iterations;
+    result.linear_iterations.push_back(solve.iterations);
+    if (!std::isfinite(solve.residual) || solve.iterations >= solver.max_linear_iterations) {
+      result.iterations = iteration;
+      result.diagnosis = fmt::format("the linear solver stopped after {} iterations at a relative residual of {:.2e} "
+                                     "(solver.max_linear_iterations, solver.linear_tolerance)",
+                                     solve.iterations, solve.residual / force_norm_);
+      result.group_force = group_force(true);
+      const std::string motion = find_free_motion(problem_);
+      if (!motion.empty()) result.diagnosis += "; " + motion;
+      return result;
+    }
+    step.changed_points = update_active_set();
+    step.residual = update_recovered_stress();
+    step.active_points = count_active();
+    result.residuals.push_back(step.residual);
+    result.iterations = iteration;
+    outer_residual = step.residual;
+    progress(step);
+    if (step.changed_points == 0 && step.residual < solver.tolerance) {
+      result.converged = true;
+      polish(result);
+      return result;
+    }
+    std::vector<bool> state;
+    for (const ContactPair& pair : problem_.pairs)
+      for (const ContactPoint& q : pair.points) state.push_back(q.active);
+    if (step.changed_points > 0 && !seen.insert(state).second) ++repeats;
+  }
+  polish(result);
+  result.diagnosis =
+      repeats > 2 ? fmt::format("the active set cycles ({} repeated states)", repeats)
+                  : fmt::format("outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, "
+                                "solver.max_outer_iterations = {})",
+                                outer_residual, result.iterations, solver.tolerance, solver.max_outer_iterations);
+  return result;
+}
+
+}  // namespace
+
+OuterResult solve_contact(OuterProblem& problem, const std::function<void(const OuterStep&)>& progress) {
+  return OuterLoop(problem).run(progress);
+}
+
+std::string find_free_motion(const OuterProblem& problem) {
+  const std::size_t n = problem.bodies.size();
+  std::vector<Vec3> centre(n, Vec3::Zero());
+  std::vector<double> size(n, 0.0);
+  for (std::size_t b = 0; b < n; ++b) {
+    const Grid& grid = problem.bodies[b].cut_cells.grid;
+    centre[b] = grid.to_global(0.5 * Vec3(grid.num_cells[0], grid.num_cells[1], grid.num_cells[2]));
+    size[b] = grid.cell_size * *std::max_element(grid.num_cells.begin(), grid.num_cells.end());
+  }
+  // Rigid motion of body b: translation t and rotation r / size; u . d = t . d + (r x (x - c) / size) . d.
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6 * n, 6 * n);
+  const auto row = [&](Eigen::VectorXd& v, int b, const Vec3& x, const Vec3& d) {
+    v.segment<3>(6 * b) += d;
+    v.segment<3>(6 * b + 3) += ((x - centre[b]) / size[b]).cross(d);
+  };
+  for (const SupportPoint& p : problem.supports) {
+    const CutCells& cc = problem.bodies[p.body].cut_cells;
+    const Index3& c = cc.cells[p.cell];
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * n);
+    row(v, p.body, cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones())), p.direction);
+    A += p.weight / (size[p.body] * size[p.body]) * v * v.transpose();
+  }
+  for (const ContactPair& pair : problem.pairs)
+    for (const ContactPoint& q : pair.points) {
+      if (!q.active) continue;
+      Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * n);
+      row(v, pair.primary, q.x, -q.normal);
+      row(v, pair.secondary, q.x, q.normal);
+      A += q.weight / (size[pair.primary] * size[pair.primary]) * v * v.transpose();
+    }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  if (eigen.eigenvalues()[0] > 1e-9 * eigen.eigenvalues()[6 * n - 1]) return {};
+  const Eigen::VectorXd mode = eigen.eigenvectors().col(0);
+  Eigen::Index largest;
+  mode.cwiseAbs().maxCoeff(&largest);
+  const std::size_t body = largest / 6;
+  const bool rotation = largest % 6 >= 3;
+  const Vec3 axis = mode.segment<3>(6 * body + (rotation ? 3 : 0)).normalized();
+  return fmt::format("body \"{}\" is free to {} ({:.3f}, {:.3f}, {:.3f}): add a support or a contact that holds it",
+                     problem.scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1], axis[2]);
+}
+
+}  // namespace cgcontact

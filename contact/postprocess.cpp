@@ -1,0 +1,347 @@
+#include "contact/postprocess.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/reference.hpp"
+#include "recovery/error_estimate.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Stress in Pa and global axes of one of the three fields at cell coordinates.
+Sym3 to_global(const Simulation& sim, int body, const double s[6]) {
+  const Mat3& R = sim.bodies[body].cut_cells.grid.rotation;
+  const Sym3 local = Eigen::Map<const Sym3>(s) * sim.scales.stress;
+  return voigt(R * tensor(local) * R.transpose());
+}
+
+void corner_displacements(const Simulation& sim, int body, int cell, double out[8][3]) {
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) out[a][i] = sim.outer.u(3 * sim.system.meshes[body].cell_nodes[cell][a] + i);
+}
+
+Sym3 raw_stress(const Simulation& sim, int body, int cell, const Vec3& xi) {
+  const BodyMesh& mesh = sim.system.meshes[body];
+  double u[8][3], s[6];
+  corner_displacements(sim, body, cell, u);
+  hex_stress(mesh.law, u, xi.data(), s);
+  for (double& v : s) v *= mesh.stress_factor();
+  return to_global(sim, body, s);
+}
+
+Sym3 recovered_stress(const Simulation& sim, const CoefficientView& coefficients, int body, int cell, const Vec3& xi) {
+  double s[6];
+  evaluate_recovered(sim.system.meshes[body], coefficients, cell, xi.data(), s);
+  return to_global(sim, body, s);
+}
+
+Vec3 displacement(const Simulation& sim, int body, int cell, const Vec3& xi) {
+  double u[8][3], N[8];
+  corner_displacements(sim, body, cell, u);
+  hex_shape(xi.data(), N);
+  Vec3 sum = Vec3::Zero();
+  for (int a = 0; a < 8; ++a) sum += N[a] * Vec3(u[a][0], u[a][1], u[a][2]);
+  return sim.scales.length * (sim.bodies[body].cut_cells.grid.rotation * sum);
+}
+
+double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
+
+/// Contact pair whose faces contain a boundary point of a body (index), or -1.
+int pair_of_face(const Simulation& sim, int body, const std::vector<std::string>& names, const Vec3& x, const Vec3& n) {
+  for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
+    const ContactPair& pair = sim.pairs[p];
+    if ((pair.primary == body || pair.secondary == body) && pair.face(body).contains(names, x, n))
+      return static_cast<int>(p);
+  }
+  return -1;
+}
+
+int other_body(const ContactPair& pair, int body) { return pair.primary == body ? pair.secondary : pair.primary; }
+
+/// State of the contact point nearest to a grid position in the same cell (open if the cell has none).
+bool is_active(const BodyModel& body, int cell, const Vec3& position, int pair) {
+  const ContactLink* nearest = nullptr;
+  for (int l : body.boundary.links_of_cell[cell]) {
+    const ContactLink& link = body.boundary.links[l];
+    if (link.pair != pair) continue;
+    if (!nearest || (link.position - position).squaredNorm() < (nearest->position - position).squaredNorm())
+      nearest = &link;
+  }
+  return nearest && nearest->active;
+}
+
+/// Gap after deformation from x along n, m; infinite if there is nothing opposite.
+double deformed_gap(const Simulation& sim, const ContactPair& pair, int body, int cell, const Vec3& xi, const Vec3& x,
+                    const Vec3& n) {
+  const int other = other_body(pair, body);
+  const auto opposite = find_opposite(sim.bodies[other], pair.face(other), x, n, pair.search);
+  if (!opposite) return std::numeric_limits<double>::infinity();
+  const Vec3 other_xi = cell_coordinates(sim.bodies[other].cut_cells, opposite->cell, opposite->position);
+  const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, body, cell, xi);
+  return opposite->distance - pair.spec->interference + relative.dot(n);
+}
+
+ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
+  const BodyModel& model = sim.bodies[body];
+  ContactRow row;
+  row.body = body;
+  row.pair = pair;
+  row.cell = cell;
+  row.x = model.cut_cells.grid.to_global(position);
+  row.normal = n;
+  const Vec3 xi = cell_coordinates(model.cut_cells, cell, position);
+  row.stress_raw = raw_stress(sim, body, cell, xi);
+  row.stress_spr = recovered_stress(sim, sim.spr[body], body, cell, xi);
+  row.stress_sprc = recovered_stress(sim, sim.sprc[body], body, cell, xi);
+  row.pressure_raw = pressure(row.stress_raw, n);
+  row.pressure_spr = pressure(row.stress_spr, n);
+  row.pressure_sprc = pressure(row.stress_sprc, n);
+  row.active = is_active(model, cell, position, pair);
+  row.gap = deformed_gap(sim, sim.pairs[pair], body, cell, xi, row.x, n);
+  return row;
+}
+
+/// Ends of the path: the scene's, or the longest direction of the contact rows through their centroid.
+std::pair<Vec3, Vec3> path_ends(const Simulation& sim, const Results& results) {
+  if (sim.scene.output.path) return *sim.scene.output.path;
+  Vec3 centroid = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  double area = 0;
+  for (const ContactRow& r : results.contact_rows) centroid += r.weight * r.x, area += r.weight;
+  centroid /= area;
+  for (const ContactRow& r : results.contact_rows) {
+    const Vec3 d = r.x - centroid;
+    second += r.weight * d * d.transpose();
+  }
+  const Vec3 e = Eigen::SelfAdjointEigenSolver<Mat3>(second).eigenvectors().col(2);
+  double low = 0, high = 0;
+  for (const ContactRow& r : results.contact_rows) {
+    low = std::min(low, e.dot(r.x - centroid));
+    high = std::max(high, e.dot(r.x - centroid));
+  }
+  return {centroid + low * e, centroid + high * e};
+}
+
+/// Nearest point of a body's contact faces to x: surface projection of the nearest contact row's surface.
+std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& results, int body, const Vec3& x) {
+  const BodyModel& model = sim.bodies[body];
+  const Grid& grid = model.cut_cells.grid;
+  const ContactRow* nearest = nullptr;
+  for (const ContactRow& r : results.contact_rows)
+    if (r.body == body && (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm())) nearest = &r;
+  if (!nearest || (nearest->x - x).norm() > grid.cell_size) return std::nullopt;
+  const Vec3 g = grid.to_grid(x), row_position = grid.to_grid(nearest->x);
+  const Surface* surface = nullptr;
+  for (const Surface& s : model.cut_cells.solid.surfaces())
+    if (std::abs(s.signed_distance(row_position)) < 1e-6 &&
+        (!surface || std::abs(s.signed_distance(row_position)) < std::abs(surface->signed_distance(row_position))))
+      surface = &s;
+  if (!surface) return std::nullopt;
+  const Vec3 position = g - surface->signed_distance(g) * surface->gradient(g);
+  Vec3 n = surface->gradient(position);
+  if (n.dot(grid.rotation.transpose() * nearest->normal) < 0) n = -n;
+  const int cell = model.cut_cells.locate(position - 1e-9 * n);
+  if (cell < 0) return std::nullopt;
+  return make_row(sim, body, nearest->pair, cell, position, grid.rotation * n);
+}
+
+double frobenius(const Sym3& s) { return tensor(s).norm(); }
+
+}  // namespace
+
+void add_supports(const Scene& scene, const std::vector<SupportPoint>& supports, const Scales& scales,
+                  ElasticSystem& system) {
+  std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
+  for (const SupportPoint& p : supports) {
+    const BodySpec& body = scene.bodies[p.body];
+    const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
+    const double stiffness = support_kappa_factor * scene.solver.kappa * body.material.youngs_modulus / body.cell_size * p.weight /
+                             (scales.stress * scales.length);
+    terms[p.body].push_back({p.cell, p.xi, R.transpose() * p.direction, stiffness});
+  }
+  for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
+}
+
+void fill_counts(const Simulation& sim, Results& results) {
+  results.scene_file = sim.scene.file;
+  results.title = sim.scene.title;
+  results.unknowns = sim.system.num_dofs();
+  for (const BodyModel& body : sim.bodies) {
+    const long long active = static_cast<long long>(body.cut_cells.cells.size());
+    const long long cut = static_cast<long long>(body.cut_cells.moments.size());
+    results.cells.active += active;
+    results.cells.cut += cut;
+    results.cells.interior += active - cut;
+    if (body.cut_cells.num_pruned > 0)
+      results.warnings.push_back(std::to_string(body.cut_cells.num_pruned) + " cells of body \"" + body.spec->name +
+                                 "\" with a volume fraction below 1e-12 were joined with their neighbours");
+  }
+  results.outer_iterations = sim.outer.iterations;
+  results.linear_iterations = sim.outer.linear_iterations;
+  results.outer_residuals = sim.outer.residuals;
+  results.converged = sim.outer.converged;
+  results.diagnosis = sim.outer.diagnosis;
+  for (const ContactPair& pair : sim.pairs)
+    for (const ContactPoint& q : pair.points) results.active_points += q.active;
+  results.patches_by_kind = sim.recovery_counts.patches_by_kind;
+  if (sim.recovery_counts.grown > 0) results.patches_by_kind["grown"] = sim.recovery_counts.grown;
+  if (sim.recovery_counts.without_auxiliary > 0)
+    results.patches_by_kind["contact_without_auxiliary"] = sim.recovery_counts.without_auxiliary;
+  results.truncated_rows = sim.recovery_counts.truncated_rows;
+  results.inconsistent_patches = sim.recovery_counts.inconsistent;
+}
+
+void fill_body_fields(const Simulation& sim, Results& results) {
+  const double energy = sim.scales.stress * std::pow(sim.scales.length, 3);
+  double error = 0, solution = 0, exact_error = 0;
+  const ReferenceSpec& reference = sim.scene.reference;
+  for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
+    ExactStress exact;
+    if (!reference.stress_of_body.empty())
+      exact = [&reference, b](const Vec3& x) {
+        Sym3 s;
+        for (int k = 0; k < 6; ++k) s[k] = reference.stress_of_body[b][k](x);
+        return s;
+      };
+    const EnergySums sums = estimate_error(sim.system.meshes[b], sim.scales, sim.sprc[b], sim.outer.u, exact);
+    error += sums.error;
+    solution += sums.solution;
+    exact_error += sums.exact_error;
+    BodyFields fields;
+    fields.name = sim.bodies[b].spec->name;
+    fields.cut_cells = &sim.bodies[b].cut_cells;
+    fields.material = sim.bodies[b].spec->material;
+    fields.displacement = [&sim, b](int cell, const Vec3& xi) { return displacement(sim, b, cell, xi); };
+    fields.stress_raw = [&sim, b](int cell, const Vec3& xi) { return raw_stress(sim, b, cell, xi); };
+    fields.stress_recovered = [&sim, b](int cell, const Vec3& xi) {
+      return recovered_stress(sim, sim.sprc[b], b, cell, xi);
+    };
+    for (double e : sums.error_of_cell) fields.error_of_cell.push_back(std::sqrt(e * energy));
+    if (!sim.patch_kinds.empty()) fields.patch_status_of_node = sim.patch_kinds[b];
+    results.bodies.push_back(std::move(fields));
+  }
+  results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);
+  results.estimated_error_relative = std::sqrt(std::max(error, 0.0) / std::max(solution, 1e-300));
+  if (!reference.stress_of_body.empty() && exact_error > 0) {
+    results.has_effectivity = true;
+    results.exact_error = std::sqrt(exact_error * energy);
+    results.effectivity = std::sqrt(std::max(error, 0.0) / exact_error);
+  }
+}
+
+void fill_contact_rows(const Simulation& sim, Results& results) {
+  for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
+    const BodyModel& body = sim.bodies[b];
+    for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
+      int pair = body.boundary.pair_of_point[p];
+      if (pair < 0) pair = pair_of_face(sim, b, body.surface_names(p), body.point(p), body.normal(p));
+      if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic)) continue;
+      ContactRow row = make_row(sim, b, pair, body.cut_cells.boundary.cell[p], body.cut_cells.boundary.position[p],
+                                body.normal(p));
+      row.weight = body.area(p);
+      results.contact_rows.push_back(row);
+    }
+  }
+}
+
+void fill_pair_figures(const Simulation& sim, Results& results) {
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < sim.pairs.size(); ++k) {
+    const ContactPair& pair = sim.pairs[k];
+    PairFigures figures;
+    figures.name = pair.spec->name;
+    const bool primary_first = pair.spec->first.body == pair.primary;
+    figures.body_first = sim.scene.bodies[pair.spec->first.body].name;
+    figures.body_second = sim.scene.bodies[pair.spec->second.body].name;
+    Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()};
+    const double unit = sim.scales.stress * sim.scales.length * sim.scales.length;
+    // Nodal forces of every group, summed per body: what really acts in the discrete equilibrium.
+    for (std::size_t g = 0; g < pair.groups.size(); ++g, ++row)
+      for (const auto& [dof, value] : sim.system.group_rows[row].entries) {
+        const int node = dof / 3;
+        const int side = node >= sim.system.meshes[pair.primary].first_node &&
+                                 node < sim.system.meshes[pair.primary].first_node +
+                                            sim.system.meshes[pair.primary].num_nodes
+                             ? 0
+                             : 1;
+        const int body = side == 0 ? pair.primary : pair.secondary;
+        const Grid& grid = sim.bodies[body].cut_cells.grid;
+        const Index3& n = sim.system.meshes[body].nodes[node - sim.system.meshes[body].first_node];
+        const Vec3 f = unit * value * sim.outer.group_force[row] * grid.rotation.col(dof % 3);
+        force[side] += f;
+        moment[side] += grid.to_global(Vec3(n[0], n[1], n[2])).cross(f);
+      }
+    figures.force_on_first = force[primary_first ? 0 : 1];
+    figures.force_on_second = force[primary_first ? 1 : 0];
+    figures.moment_on_first = moment[primary_first ? 0 : 1];
+    figures.moment_on_second = moment[primary_first ? 1 : 0];
+    for (const ContactPoint& q : pair.points) {
+      ++figures.points;
+      figures.active_points += q.active;
+      if (q.active) figures.area += q.weight;
+    }
+    for (const ContactRow& r : results.contact_rows)
+      if (r.pair == static_cast<int>(k)) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
+    results.pairs.push_back(figures);
+  }
+}
+
+void fill_path(const Simulation& sim, Results& results) {
+  if (results.contact_rows.empty()) return;
+  constexpr int num_samples = 401;
+  const Reference reference(sim.scene);
+  const auto [from, to] = path_ends(sim, results);
+  const bool by_coordinate = !sim.scene.reference.pressure_file.empty();
+  for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b)
+    for (int i = 0; i < num_samples; ++i) {
+      const double t = (i + 0.5) / num_samples;
+      const auto row = project_to_face(sim, results, b, (1 - t) * from + t * to);
+      if (!row) continue;
+      PathSample sample;
+      sample.body = b;
+      sample.x = row->x;
+      sample.s = by_coordinate ? reference.coordinate(row->x) : t * (to - from).norm();
+      sample.pressure_raw = row->pressure_raw;
+      sample.pressure_spr = row->pressure_spr;
+      sample.pressure_sprc = row->pressure_sprc;
+      sample.has_reference = reference.has_pressure();
+      if (sample.has_reference) sample.pressure_reference = reference.pressure(row->x);
+      results.path.push_back(sample);
+    }
+}
+
+void fill_pressure_errors(const Simulation& sim, Results& results) {
+  const Reference reference(sim.scene);
+  if (reference.has_stress())
+    for (const ContactRow& r : results.contact_rows) {
+      const Sym3 exact = reference.stress(r.body, r.x);
+      results.stress_errors.push_back({r.body, r.x, frobenius(r.stress_raw - exact), frobenius(r.stress_spr - exact),
+                                       frobenius(r.stress_sprc - exact)});
+    }
+  if (!reference.has_pressure() || results.contact_rows.empty()) return;
+  std::vector<ZoneError> errors{{"whole", 0, 0, 0}};
+  for (const auto& zone : sim.scene.reference.zones) errors.push_back({zone.first, 0, 0, 0});
+  double norm = 0;
+  for (const ContactRow& r : results.contact_rows) {
+    const double p = reference.pressure(r.x);
+    norm += r.weight * p * p;
+    const auto add = [&](ZoneError& zone) {
+      zone.raw += r.weight * std::pow(r.pressure_raw - p, 2);
+      zone.spr += r.weight * std::pow(r.pressure_spr - p, 2);
+      zone.sprc += r.weight * std::pow(r.pressure_sprc - p, 2);
+    };
+    add(errors[0]);
+    for (std::size_t z = 0; z < sim.scene.reference.zones.size(); ++z)
+      if (sim.scene.reference.zones[z].second(r.x) != 0) add(errors[1 + z]);
+  }
+  for (ZoneError& zone : errors) {
+    zone.raw = std::sqrt(zone.raw / norm);
+    zone.spr = std::sqrt(zone.spr / norm);
+    zone.sprc = std::sqrt(zone.sprc / norm);
+  }
+  results.pressure_errors = errors;
+}
+
+}  // namespace cgcontact

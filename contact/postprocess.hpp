@@ -1,0 +1,22 @@
+/// From the solved simulation to the Results that the output writes. SI units, global axes.
+#pragma once
+
+#include "contact/simulation.hpp"
+
+namespace cgcontact {
+
+/// Condenses the support points into the cell matrices.
+void add_supports(const Scene& scene, const std::vector<SupportPoint>& supports, const Scales& scales,
+                  ElasticSystem& system);
+
+void fill_counts(const Simulation& simulation, Results& results);
+/// Displacement and stress fields, error estimate and effectivity.
+void fill_body_fields(const Simulation& simulation, Results& results);
+void fill_contact_rows(const Simulation& simulation, Results& results);
+void fill_pair_figures(const Simulation& simulation, Results& results);
+/// Pressure along the scene's path; without one, along the longest direction of the contact face.
+void fill_path(const Simulation& simulation, Results& results);
+/// Relative L2 errors of the pressure per zone (norm of the reference over the whole face) and stress errors.
+void fill_pressure_errors(const Simulation& simulation, Results& results);
+
+}  // namespace cgcontact

@@ -1,0 +1,115 @@
+#include "contact/simulation.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "contact/postprocess.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Wall time of named phases.
+class PhaseClock {
+ public:
+  PhaseClock(std::vector<std::pair<std::string, double>>& times, const ProgressCallbacks& progress)
+      : times_(times), progress_(progress) {}
+  template <class Work>
+  void operator()(const std::string& phase, const Work& work) {
+    progress_.phase(phase);
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    Kokkos::fence();
+    times_.emplace_back(phase, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+
+ private:
+  std::vector<std::pair<std::string, double>>& times_;
+  const ProgressCallbacks& progress_;
+};
+
+Scales make_scales(const Scene& scene) {
+  Scales scales{0, 0};
+  for (const BodySpec& body : scene.bodies) {
+    scales.length = std::max(scales.length, body.cell_size);
+    scales.stress = std::max(scales.stress, body.material.youngs_modulus);
+  }
+  return scales;
+}
+
+}  // namespace
+
+Preparation prepare(const Scene& scene) {
+  Preparation p;
+  p.bodies = make_body_models(scene);
+  p.supports = make_support_points(scene, p.bodies);
+  p.pairs = make_contact_pairs(scene, p.bodies);
+  return p;
+}
+
+void Simulation::run(const ProgressCallbacks& progress) {
+  PhaseClock phase(results.times_s, progress);
+  phase("cut cells", [&] {
+    Preparation p = prepare(scene);
+    bodies = std::move(p.bodies);
+    supports = std::move(p.supports);
+    pairs = std::move(p.pairs);
+  });
+  phase("operator", [&] {
+    scales = make_scales(scene);
+    std::vector<const CutCells*> cut_cells;
+    std::vector<Material> materials;
+    for (const BodyModel& body : bodies) {
+      cut_cells.push_back(&body.cut_cells);
+      materials.push_back(body.spec->material);
+    }
+    system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
+    add_supports(scene, supports, scales, system);
+    set_group_rows(system, make_group_rows(pairs, bodies, system));
+    for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
+  });
+  phase("solve", [&] {
+    OuterProblem problem{scene, bodies, patches, pairs, supports, system, scales};
+    outer = solve_contact(problem, progress.step);
+  });
+  phase("recovery", [&] { recover(); });
+  phase("error estimate", [&] { fill_results(); });
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  results.peak_memory_bytes = 1024LL * usage.ru_maxrss;
+}
+
+void Simulation::recover() {
+  std::vector<RecoveryBody> input;
+  update_contact_links(pairs, bodies);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    RecoveryBody body{&mesh, &patches[b], &bodies[b].boundary,
+                      CellStressView("cgcontact::simulation::cell_stress", mesh.cell_nodes.size()),
+                      CoefficientView("cgcontact::simulation::spr", mesh.num_nodes)};
+    integrate_cell_stress(ExecSpace(), mesh, patches[b], IntView(), outer.u, body.stress);
+    const int singular = fit_patches(mesh, patches[b], IntView(), body.stress, body.unconstrained);
+    if (singular > 0)
+      results.warnings.push_back(std::to_string(singular) + " patches of body \"" + bodies[b].spec->name +
+                                 "\" were singular: constant stress used there");
+    spr.push_back(body.unconstrained);
+    input.push_back(body);
+  }
+  if (scene.recovery.spr_c)
+    recovery_counts = recover_constrained(
+        input, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth}, sprc, patch_kinds);
+  else
+    sprc = spr;
+}
+
+void Simulation::fill_results() {
+  fill_counts(*this, results);
+  fill_body_fields(*this, results);
+  fill_contact_rows(*this, results);
+  fill_pair_figures(*this, results);
+  fill_path(*this, results);
+  fill_pressure_errors(*this, results);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,56 @@
+/// The whole computation, one call per step: the page to read first.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "contact/contact_pairs.hpp"
+#include "contact/outer_loop.hpp"
+#include "core/results.hpp"
+#include "recovery/recover_stress.hpp"
+
+namespace cgcontact {
+
+/// Called when a phase starts (seconds = 0) or ends, and after every outer iteration.
+struct ProgressCallbacks {
+  std::function<void(const std::string& phase)> phase = [](const std::string&) {};
+  std::function<void(const OuterStep&)> step = [](const OuterStep&) {};
+};
+
+/// Scene on its grids: what `cgcontact check` shows, and what run() continues from.
+struct Preparation {
+  std::vector<BodyModel> bodies;
+  std::vector<ContactPair> pairs;
+  std::vector<SupportPoint> supports;
+};
+
+Preparation prepare(const Scene& scene);
+
+/// Everything a run leaves behind; `results` refers to the other members.
+struct Simulation {
+  explicit Simulation(const Scene& s) : scene(s) {}
+  Simulation(const Simulation&) = delete;
+
+  const Scene& scene;
+  Scales scales;
+  std::vector<BodyModel> bodies;
+  std::vector<ContactPair> pairs;
+  std::vector<SupportPoint> supports;
+  ElasticSystem system;
+  std::vector<PatchSet> patches;
+  OuterResult outer;
+  std::vector<CoefficientView> spr, sprc;   ///< per body
+  std::vector<std::vector<int>> patch_kinds;
+  RecoveryCounts recovery_counts;
+  Results results;
+
+  /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results.
+  void run(const ProgressCallbacks& progress);
+
+ private:
+  void recover();
+  void fill_results();
+};
+
+}  // namespace cgcontact

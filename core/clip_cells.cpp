@@ -1,0 +1,388 @@
+#include "core/clip_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+
+namespace cgcontact {
+
+namespace {
+
+constexpr int max_subdivision = 8;
+/// Largest distance between a curved surface and its chords that needs no subdivision, cell units.
+constexpr double max_sagitta = 0.008;
+/// Points nearer to a surface than this lie on it (cell units). Above what make_cut_cells prunes, so that a face
+/// whose sliver of a cell was pruned is found on the neighbour.
+constexpr double on_tolerance = 1e-10;
+/// Pieces below this volume (cell units) are rounding only.
+constexpr double min_volume = 1e-25;
+
+using Hexahedron = std::array<int, 8>;
+using Tetrahedron = std::array<int, 4>;
+
+struct EdgeKey {
+  std::uint64_t points;
+  int surface;
+  bool operator==(const EdgeKey& other) const { return points == other.points && surface == other.surface; }
+};
+
+struct EdgeHash {
+  std::size_t operator()(const EdgeKey& key) const {
+    std::uint64_t x = key.points * 0x9e3779b97f4a7c15ull + static_cast<std::uint64_t>(key.surface);
+    return x ^ (x >> 29);
+  }
+};
+
+/// Corners of a hexahedron in VTK order, and its faces with outward orientation.
+constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+constexpr int face[6][4] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}};
+/// The tetrahedra around the diagonal 0-6: one for each order in which the axes can be walked.
+constexpr int kuhn[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 3, 2, 6}, {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
+
+double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return (b - a).cross(c - a).dot(d - a) / 6;
+}
+
+class Clipper {
+ public:
+  Clipper(const CutCells& cut_cells, const Solid& solid);
+  ClippedMesh run();
+
+ private:
+  void clip_cell(int active);
+  void clip_cube(int active, const Index3& fine, int size, const std::vector<int>& surfaces);
+  void clip_tetrahedron(const Tetrahedron& tetrahedron, const std::vector<int>& surfaces);
+  void bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& pieces);
+  void emit_leaf(Tetrahedron leaf, const std::vector<int>& surfaces);
+  void emit_hexahedron(const Hexahedron& hexahedron, const std::vector<int>& surfaces);
+  void emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces);
+
+  std::vector<int> surfaces_near(const Vec3& centre, double half_diagonal, const std::vector<int>& candidates) const;
+  int node(const Index3& fine);
+  int edge_point(int a, int b, int surface);
+  int side(int point, int surface) const;
+  int measured_side(const Vec3& x, int surface) const;
+  template <class Points>
+  void set_sides(const Points& points, const std::vector<int>& surfaces);
+  void drop_inner_triangles();
+  void drop_unused_points();
+
+  const CutCells& cut_cells_;
+  const Solid& solid_;
+  const std::vector<Surface>& surfaces_;
+  bool whole_body_;
+  int subdivision_ = 1;
+  std::vector<int> all_surfaces_;
+  int active_ = -1;               ///< the cell in work
+  std::vector<char> inner_side_;  ///< sides of the piece in work
+  /// Per point: surface and side, where it counts as on another side than it measures.
+  std::vector<std::vector<std::pair<int, int>>> fixed_sides_;
+  std::unordered_map<std::uint64_t, int> nodes_;
+  std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
+  std::vector<Tetrahedron> pieces_, next_pieces_;
+  ClippedMesh mesh_;
+};
+
+Clipper::Clipper(const CutCells& cut_cells, const Solid& solid)
+    : cut_cells_(cut_cells),
+      solid_(solid),
+      surfaces_(solid.surfaces()),
+      whole_body_(&solid == &cut_cells.solid),
+      inner_side_(solid.surfaces().size(), 0) {
+  double curvature = 0;
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    all_surfaces_.push_back(static_cast<int>(s));
+    curvature = std::max(curvature, surfaces_[s].max_curvature());
+  }
+  while (subdivision_ < max_subdivision && curvature / (8.0 * subdivision_ * subdivision_) > max_sagitta)
+    subdivision_ *= 2;
+}
+
+ClippedMesh Clipper::run() {
+  for (std::size_t active = 0; active < cut_cells_.cells.size(); ++active) clip_cell(static_cast<int>(active));
+  drop_inner_triangles();
+  drop_unused_points();
+  return std::move(mesh_);
+}
+
+std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_diagonal,
+                                        const std::vector<int>& candidates) const {
+  std::vector<int> near;
+  for (int s : candidates)
+    if (std::abs(surfaces_[s].signed_distance(centre)) <= half_diagonal + on_tolerance) near.push_back(s);
+  return near;
+}
+
+void Clipper::clip_cell(int active) {
+  active_ = active;
+  const Index3& c = cut_cells_.cells[active];
+  const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
+  const std::vector<int> near = surfaces_near(centre, std::sqrt(0.75), all_surfaces_);
+  for (int s : all_surfaces_) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
+
+  const bool full = whole_body_ && cut_cells_.cut_of_active[active] < 0;
+  const bool curved = std::any_of(near.begin(), near.end(), [&](int s) { return surfaces_[s].max_curvature() > 0; });
+  const int parts = curved && !full ? subdivision_ : 1;
+  const int size = max_subdivision / parts;
+  for (int k = 0; k < parts; ++k)
+    for (int j = 0; j < parts; ++j)
+      for (int i = 0; i < parts; ++i) {
+        const Index3 fine{c[0] * max_subdivision + i * size, c[1] * max_subdivision + j * size,
+                          c[2] * max_subdivision + k * size};
+        clip_cube(active, fine, size, near);
+      }
+}
+
+/// Cube of `size` fine units at `fine`, inside one active cell.
+void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vector<int>& surfaces) {
+  const double length = static_cast<double>(size) / max_subdivision;
+  const Vec3 centre = Vec3(fine[0], fine[1], fine[2]) / max_subdivision + Vec3::Constant(length / 2);
+  for (int s : surfaces) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
+  const std::vector<int> near = surfaces_near(centre, length * std::sqrt(0.75), surfaces);
+  const bool full = whole_body_ && cut_cells_.cut_of_active[active] < 0;
+  if (near.empty() && !full && !solid_.evaluate(inner_side_)) return;
+
+  Hexahedron points;
+  for (int v = 0; v < 8; ++v)
+    points[v] = node({fine[0] + size * corner[v][0], fine[1] + size * corner[v][1], fine[2] + size * corner[v][2]});
+  const bool cut = std::any_of(near.begin(), near.end(), [&](int s) {
+    bool inner = false, outer = false;
+    for (int p : points) {
+      const int where = side(p, s);
+      inner |= where < 0;
+      outer |= where > 0;
+    }
+    return inner && outer;
+  });
+  if (full || !cut) {
+    set_sides(points, near);
+    if (full || solid_.evaluate(inner_side_)) emit_hexahedron(points, near);
+    return;
+  }
+  for (const auto& t : kuhn) clip_tetrahedron({points[t[0]], points[t[1]], points[t[2]], points[t[3]]}, near);
+}
+
+void Clipper::clip_tetrahedron(const Tetrahedron& tetrahedron, const std::vector<int>& surfaces) {
+  pieces_.assign(1, tetrahedron);
+  for (int s : surfaces) {
+    next_pieces_.clear();
+    for (const Tetrahedron& piece : pieces_) bisect(piece, s, next_pieces_);
+    pieces_.swap(next_pieces_);
+  }
+  for (const Tetrahedron& piece : pieces_) emit_leaf(piece, surfaces);
+}
+
+void Clipper::bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& pieces) {
+  int sides[4];
+  for (int v = 0; v < 4; ++v) sides[v] = side(tetrahedron[v], surface);
+  int first = -1, second = -1;
+  std::pair<int, int> lowest{0, 0};
+  for (int a = 0; a < 4; ++a)
+    for (int b = a + 1; b < 4; ++b) {
+      if (sides[a] * sides[b] >= 0) continue;
+      const std::pair<int, int> key = std::minmax(tetrahedron[a], tetrahedron[b]);
+      if (first < 0 || key < lowest) {
+        lowest = key;
+        first = a;
+        second = b;
+      }
+    }
+  if (first < 0) {
+    pieces.push_back(tetrahedron);
+    return;
+  }
+  const int middle = edge_point(lowest.first, lowest.second, surface);
+  Tetrahedron half = tetrahedron;
+  half[first] = middle;
+  bisect(half, surface, pieces);
+  half = tetrahedron;
+  half[second] = middle;
+  bisect(half, surface, pieces);
+}
+
+/// Sides of a piece that no surface cuts: those of its points, or of its centroid when all points lie on the surface.
+template <class Points>
+void Clipper::set_sides(const Points& points, const std::vector<int>& surfaces) {
+  for (int s : surfaces) {
+    int where = 0;
+    for (std::size_t v = 0; v < points.size() && where == 0; ++v) where = side(points[v], s);
+    if (where == 0) {
+      Vec3 centroid = Vec3::Zero();
+      for (int p : points) centroid += mesh_.points[p] / static_cast<double>(points.size());
+      where = surfaces_[s].signed_distance(centroid) < 0 ? -1 : 1;
+    }
+    inner_side_[s] = where < 0;
+  }
+}
+
+void Clipper::emit_leaf(Tetrahedron leaf, const std::vector<int>& surfaces) {
+  set_sides(leaf, surfaces);
+  if (!solid_.evaluate(inner_side_)) return;
+  const auto& x = mesh_.points;
+  const double volume = tetrahedron_volume(x[leaf[0]], x[leaf[1]], x[leaf[2]], x[leaf[3]]);
+  if (std::abs(volume) < min_volume) return;
+  if (volume < 0) std::swap(leaf[2], leaf[3]);
+  mesh_.tetrahedra.push_back(leaf);
+  mesh_.cell_of_tetrahedron.push_back(active_);
+  emit_boundary({leaf[1], leaf[2], leaf[3]}, surfaces);
+  emit_boundary({leaf[0], leaf[3], leaf[2]}, surfaces);
+  emit_boundary({leaf[0], leaf[1], leaf[3]}, surfaces);
+  emit_boundary({leaf[0], leaf[2], leaf[1]}, surfaces);
+}
+
+void Clipper::emit_hexahedron(const Hexahedron& hexahedron, const std::vector<int>& surfaces) {
+  mesh_.hexahedra.push_back(hexahedron);
+  mesh_.cell_of_hexahedron.push_back(active_);
+  if (surfaces.empty()) return;
+  for (const auto& f : face) {
+    const std::array<int, 4> q{hexahedron[f[0]], hexahedron[f[1]], hexahedron[f[2]], hexahedron[f[3]]};
+    // Split along the diagonal that the tetrahedra use.
+    emit_boundary({q[0], q[1], q[2]}, surfaces);
+    emit_boundary({q[0], q[2], q[3]}, surfaces);
+  }
+}
+
+/// Adds a face of the piece in work if it lies on a surface and the body ends there.
+void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces) {
+  for (int s : surfaces) {
+    if (side(points[0], s) != 0 || side(points[1], s) != 0 || side(points[2], s) != 0) continue;
+    inner_side_[s] = !inner_side_[s];
+    const bool inside_beyond = solid_.evaluate(inner_side_);
+    inner_side_[s] = !inner_side_[s];
+    if (inside_beyond) continue;
+    mesh_.boundary.push_back({points, active_, s});
+    return;
+  }
+}
+
+int Clipper::node(const Index3& fine) {
+  const auto key = (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
+                   static_cast<std::uint64_t>(fine[0]);
+  const auto [entry, added] = nodes_.try_emplace(key, static_cast<int>(mesh_.points.size()));
+  if (added) {
+    mesh_.points.push_back(Vec3(fine[0], fine[1], fine[2]) / max_subdivision);
+    mesh_.cell_of_point.push_back(active_);
+    fixed_sides_.emplace_back();
+  }
+  return entry->second;
+}
+
+int Clipper::edge_point(int a, int b, int surface) {
+  const EdgeKey key{(static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint64_t>(b), surface};
+  const auto [entry, added] = edge_points_.try_emplace(key, static_cast<int>(mesh_.points.size()));
+  if (!added) return entry->second;
+
+  const Vec3 x = mesh_.points[a], d = mesh_.points[b] - mesh_.points[a];
+  const double da = surfaces_[surface].signed_distance(x);
+  const double linear = da / (da - surfaces_[surface].signed_distance(mesh_.points[b]));
+  double roots[2], t = linear, best = 1;
+  const int num_roots = surfaces_[surface].intersect_line(x, d, roots);
+  for (int r = 0; r < num_roots; ++r)
+    if (roots[r] >= 0 && roots[r] <= 1 && std::abs(roots[r] - linear) < best) {
+      best = std::abs(roots[r] - linear);
+      t = roots[r];
+    }
+  const Vec3 middle = x + t * d;
+  std::vector<std::pair<int, int>> fixed{{surface, 0}};
+  for (int s : all_surfaces_) {
+    const int side_a = side(a, s), side_b = side(b, s);
+    // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
+    const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
+    const int linear_side = side_a != 0 ? side_a : side_b;
+    if (s != surface && decided && linear_side != measured_side(middle, s)) fixed.emplace_back(s, linear_side);
+  }
+  mesh_.points.push_back(middle);
+  mesh_.cell_of_point.push_back(active_);
+  fixed_sides_.push_back(std::move(fixed));
+  return entry->second;
+}
+
+/// -1 inner, 0 on, +1 outer side of a surface.
+int Clipper::measured_side(const Vec3& x, int surface) const {
+  const double distance = surfaces_[surface].signed_distance(x);
+  if (std::abs(distance) <= on_tolerance) return 0;
+  return distance < 0 ? -1 : 1;
+}
+
+int Clipper::side(int point, int surface) const {
+  for (const auto& [fixed, where] : fixed_sides_[point])
+    if (fixed == surface) return where;
+  return measured_side(mesh_.points[point], surface);
+}
+
+/// A triangle that belongs to two pieces lies inside the body (chords of a curved surface).
+void Clipper::drop_inner_triangles() {
+  std::vector<std::pair<std::array<int, 3>, std::size_t>> order;
+  order.reserve(mesh_.boundary.size());
+  for (std::size_t i = 0; i < mesh_.boundary.size(); ++i) {
+    std::array<int, 3> key = mesh_.boundary[i].points;
+    std::sort(key.begin(), key.end());
+    order.emplace_back(key, i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<char> keep(mesh_.boundary.size(), 1);
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (order[i].first == order[i - 1].first) keep[order[i].second] = keep[order[i - 1].second] = 0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) mesh_.boundary[n++] = mesh_.boundary[i];
+  mesh_.boundary.resize(n);
+}
+
+void Clipper::drop_unused_points() {
+  std::vector<int> number(mesh_.points.size(), -1);
+  for (const auto& h : mesh_.hexahedra)
+    for (int p : h) number[p] = 0;
+  for (const auto& t : mesh_.tetrahedra)
+    for (int p : t) number[p] = 0;
+  int count = 0;
+  for (std::size_t p = 0; p < number.size(); ++p)
+    if (number[p] == 0) {
+      mesh_.points[count] = mesh_.points[p];
+      mesh_.cell_of_point[count] = mesh_.cell_of_point[p];
+      number[p] = count++;
+    }
+  mesh_.points.resize(count);
+  mesh_.cell_of_point.resize(count);
+  for (auto& h : mesh_.hexahedra)
+    for (int& p : h) p = number[p];
+  for (auto& t : mesh_.tetrahedra)
+    for (int& p : t) p = number[p];
+  for (auto& b : mesh_.boundary)
+    for (int& p : b.points) p = number[p];
+}
+
+}  // namespace
+
+ClippedMesh clip_cells(const CutCells& cut_cells) { return Clipper(cut_cells, cut_cells.solid).run(); }
+
+ClippedMesh clip_cells(const CutCells& cut_cells, const Solid& part) { return Clipper(cut_cells, part).run(); }
+
+Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point) {
+  const Index3& c = cut_cells.cells[active_cell];
+  const Vec3 xi = 2 * (point - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+  return xi.cwiseMax(-1.0).cwiseMin(1.0);
+}
+
+double ClippedMesh::volume() const {
+  double sum = 0;
+  for (const auto& h : hexahedra) {
+    const Vec3 d = points[h[6]] - points[h[0]];
+    sum += d[0] * d[1] * d[2];
+  }
+  for (const auto& t : tetrahedra) sum += tetrahedron_volume(points[t[0]], points[t[1]], points[t[2]], points[t[3]]);
+  return sum;
+}
+
+double ClippedMesh::boundary_area() const {
+  double sum = 0;
+  for (const auto& b : boundary) {
+    const Vec3& a = points[b.points[0]];
+    sum += (points[b.points[1]] - a).cross(points[b.points[2]] - a).norm() / 2;
+  }
+  return sum;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,25 @@
+/// Errors that a user can cause, with the place they come from.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace cgcontact {
+
+/// Place in a scene file; line 0 means "no line known" (for example a value given by --set).
+struct SourcePlace {
+  std::string file;
+  int line = 0;
+  std::string key;  ///< dotted key, for example body[0].material.E
+};
+
+/// Bad input: what() is one complete message "file:line: key = value: problem (allowed: ...)".
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+  /// value and allowed may be empty.
+  InputError(const SourcePlace& place, const std::string& value, const std::string& problem,
+             const std::string& allowed = {});
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,159 @@
+#include "core/output.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "core/output_csv.hpp"
+#include "core/output_fields.hpp"
+#include "core/output_picture.hpp"
+#include "core/output_plots.hpp"
+#include "core/output_vtk.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path absolute_directory(const std::string& directory) {
+  fs::path path = fs::weakly_canonical(fs::absolute(directory)).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();  // a trailing slash
+  if (!path.has_filename()) throw InputError(fmt::format("cannot write results to {}", directory));
+  return path;
+}
+
+/// Files of this program in an existing result directory; throws if it is something else.
+std::vector<std::string> old_files(const fs::path& directory) {
+  if (!fs::exists(directory)) return {};
+  if (!fs::is_directory(directory))
+    throw InputError(fmt::format("cannot write results to {}: it is not a directory", directory.string()));
+  if (fs::is_empty(directory)) return {};
+  const fs::path report = directory / "report.json";
+  if (!fs::exists(report))
+    throw InputError(fmt::format("will not replace {}: it is not empty and holds no report.json of an earlier run",
+                                 directory.string()));
+  return files_of_report(report.string());
+}
+
+/// The directory everything is written to first; removed with its contents unless it has been moved away.
+class TemporaryDirectory {
+ public:
+  explicit TemporaryDirectory(const fs::path& target)
+      : path_(target.parent_path() / fmt::format(".{}.tmp-{}", target.filename().string(), getpid())) {
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    fs::remove_all(path_, error);
+    error.clear();
+    fs::create_directory(path_, error);
+    if (error) throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.message()));
+  }
+  ~TemporaryDirectory() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+  }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+
+  const fs::path& path() const { return path_; }
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  fs::path path_;
+};
+
+/// Exchanges two directories in one step where the file system can, else in two.
+void exchange(const fs::path& a, const fs::path& b) {
+  if (renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return;
+  const fs::path aside = a.string() + ".old";
+  if (std::rename(b.c_str(), aside.c_str()) != 0)
+    throw InputError(fmt::format("cannot replace {}: {}", b.string(), std::strerror(errno)));
+  if (std::rename(a.c_str(), b.c_str()) != 0) {
+    const int reason = errno;
+    if (std::rename(aside.c_str(), b.c_str()) != 0)
+      throw InputError(fmt::format("cannot replace {}: the old result is now {}", b.string(), aside.string()));
+    throw InputError(fmt::format("cannot replace {}: {}", b.string(), std::strerror(reason)));
+  }
+  std::rename(aside.c_str(), a.c_str());
+}
+
+/// Puts the new result in the place of the old one; files that are not in `old` move to the new directory.
+void replace(const fs::path& written, const fs::path& target, const std::vector<std::string>& old) {
+  if (!fs::exists(target)) {
+    if (std::rename(written.c_str(), target.c_str()) != 0)
+      throw InputError(fmt::format("cannot write results to {}: {}", target.string(), std::strerror(errno)));
+    return;
+  }
+  exchange(written, target);
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(written, error)) {
+    const std::string name = entry.path().filename().string();
+    if (std::find(old.begin(), old.end(), name) != old.end() || fs::exists(target / name)) continue;
+    fs::rename(entry.path(), target / name, error);
+  }
+}
+
+std::vector<DrawnBody> draw_bodies(const Results& results) {
+  std::vector<DrawnBody> drawn;
+  for (const BodyFields& body : results.bodies) drawn.push_back(draw_body(body));
+  return drawn;
+}
+
+/// All files but the report.
+std::vector<std::string> write_files(const Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
+  std::vector<std::string> warnings;
+  if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
+  if (!scene.output.vtk && !scene.output.plots) return warnings;
+
+  const std::vector<DrawnBody> drawn = draw_bodies(results);
+  if (scene.output.vtk) {
+    write_vtk(results, drawn, temporary.file("result.vtkhdf"));
+    const ContactSurface surface = make_contact_surface(results, drawn);
+    if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
+  }
+  if (scene.output.plots) {
+    write_plots(results, scene, temporary.path().string(), warnings);
+    write_picture(results, drawn, temporary.path().string(), warnings);
+    std::error_code error;
+    if (warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
+  }
+  return warnings;
+}
+
+}  // namespace
+
+void check_output_directory(const std::string& directory) {
+  const fs::path target = absolute_directory(directory);
+  old_files(target);
+  fs::path existing = target.parent_path();
+  while (!fs::exists(existing) && existing.has_relative_path()) existing = existing.parent_path();
+  if (!fs::is_directory(existing) || access(existing.c_str(), W_OK | X_OK) != 0)
+    throw InputError(
+        fmt::format("cannot write results to {}: no directory can be made in {}", target.string(), existing.string()));
+}
+
+std::vector<std::string> write_results(const Results& results, const Scene& scene, const std::string& directory) {
+  const fs::path target = absolute_directory(directory);
+  try {
+    const std::vector<std::string> old = old_files(target);
+    const TemporaryDirectory temporary(target);
+    std::vector<std::string> warnings = write_files(results, scene, temporary);
+    std::vector<std::string> files{"report.json"};
+    for (const fs::directory_entry& entry : fs::directory_iterator(temporary.path()))
+      files.push_back(entry.path().filename().string());
+    std::sort(files.begin(), files.end());
+    write_report(results, files, warnings, temporary.file("report.json"));
+    replace(temporary.path(), target, old);
+    return warnings;
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.code().message()));
+  }
+}
+
+}  // namespace cgcontact

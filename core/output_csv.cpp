@@ -1,0 +1,37 @@
+#include "core/output_csv.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "core/output_text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+/// Quoted if it holds a comma, a quote or a line break.
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
+void write_contact_csv(const Results& results, const std::string& file_name) {
+  std::vector<std::string> names;
+  for (const BodyFields& body : results.bodies) names.push_back(csv_text(body.name));
+  std::string text = "body,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,active\n";
+  for (const ContactRow& row : results.contact_rows)
+    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", names.at(row.body), row.x[0],
+                   row.x[1], row.x[2], row.normal[0], row.normal[1], row.normal[2], row.weight, row.gap,
+                   row.pressure_raw, row.pressure_spr, row.pressure_sprc, row.active ? 1 : 0);
+  write_text(file_name, text);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,166 @@
+#include "core/output_fields.hpp"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace cgcontact {
+
+namespace {
+
+using PieceRows = std::map<std::pair<int, int>, std::vector<const ContactRow*>>;
+
+/// The elementary surface a row lies on.
+int surface_of_row(const CutCells& cut_cells, const ContactRow& row) {
+  const Vec3 x = cut_cells.grid.to_grid(row.x);
+  const Vec3 n = cut_cells.grid.rotation.transpose() * row.normal;
+  int best = -1;
+  double nearest = std::numeric_limits<double>::max();
+  const std::vector<Surface>& surfaces = cut_cells.solid.surfaces();
+  for (std::size_t s = 0; s < surfaces.size(); ++s) {
+    if (std::abs(surfaces[s].gradient(x).dot(n)) < 0.9) continue;
+    const double distance = std::abs(surfaces[s].signed_distance(x));
+    if (distance >= nearest) continue;
+    nearest = distance;
+    best = static_cast<int>(s);
+  }
+  return best;
+}
+
+/// Rows of one body by active cell and surface.
+PieceRows rows_by_piece(const Results& results, int body) {
+  PieceRows pieces;
+  const CutCells& cut_cells = *results.bodies[body].cut_cells;
+  for (const ContactRow& row : results.contact_rows)
+    if (row.body == body) pieces[{row.cell, surface_of_row(cut_cells, row)}].push_back(&row);
+  return pieces;
+}
+
+/// Appends a triangle with the inverse-distance mean of the rows.
+void add_triangle(const Vec3& centroid, double spacing, const std::vector<const ContactRow*>& rows,
+                  ContactSurface& surface) {
+  std::array<double, ContactSurface::num_values> sum{};
+  double total = 0, nearest = std::numeric_limits<double>::max();
+  const ContactRow* nearest_row = rows.front();
+  for (const ContactRow* row : rows) {
+    const double distance = (row->x - centroid).squaredNorm();
+    const double weight = 1 / (distance + 1e-4 * spacing * spacing);
+    sum[ContactSurface::gap] += weight * row->gap;
+    sum[ContactSurface::pressure_raw] += weight * row->pressure_raw;
+    sum[ContactSurface::pressure_spr] += weight * row->pressure_spr;
+    sum[ContactSurface::pressure_sprc] += weight * row->pressure_sprc;
+    total += weight;
+    if (distance < nearest) {
+      nearest = distance;
+      nearest_row = row;
+    }
+  }
+  for (double& value : sum) value /= total;
+  surface.triangle_values.push_back(sum);
+  surface.body.push_back(nearest_row->body);
+  surface.pair.push_back(nearest_row->pair);
+  surface.active.push_back(nearest_row->active);
+}
+
+/// Pieces that hold rows but no triangle: slivers too thin to draw, whose face appears on a neighbouring cell.
+PieceRows undrawn_pieces(const DrawnBody& drawn, PieceRows pieces) {
+  for (const BoundaryTriangle& triangle : drawn.mesh.boundary) pieces.erase({triangle.cell, triangle.surface});
+  return pieces;
+}
+
+/// Rows of the triangle's cell and surface, or of an undrawn neighbour; nullptr if it is not on a contact face.
+const std::vector<const ContactRow*>* rows_of_triangle(const CutCells& cut_cells, const BoundaryTriangle& triangle,
+                                                       const PieceRows& pieces, const PieceRows& undrawn) {
+  const auto own = pieces.find({triangle.cell, triangle.surface});
+  if (own != pieces.end()) return &own->second;
+  if (undrawn.empty()) return nullptr;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int step : {-1, 1}) {
+      Index3 neighbour = cut_cells.cells[triangle.cell];
+      neighbour[axis] += step;
+      const auto rows = undrawn.find({cut_cells.find(neighbour), triangle.surface});
+      if (rows != undrawn.end()) return &rows->second;
+    }
+  return nullptr;
+}
+
+void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows& pieces, ContactSurface& surface) {
+  const PieceRows undrawn = undrawn_pieces(drawn, pieces);
+  std::vector<int> number(drawn.position.size(), -1);
+  for (const BoundaryTriangle& triangle : drawn.mesh.boundary) {
+    const auto* rows = rows_of_triangle(cut_cells, triangle, pieces, undrawn);
+    if (!rows) continue;
+    std::array<int, 3> points;
+    Vec3 centroid = Vec3::Zero();
+    for (int v = 0; v < 3; ++v) {
+      const int p = triangle.points[v];
+      if (number[p] < 0) {
+        number[p] = static_cast<int>(surface.position.size());
+        surface.position.push_back(drawn.position[p]);
+        if (!drawn.displacement.empty()) surface.displacement.push_back(drawn.displacement[p]);
+      }
+      points[v] = number[p];
+      centroid += drawn.position[p] / 3;
+    }
+    surface.triangles.push_back(points);
+    add_triangle(centroid, cut_cells.grid.cell_size, *rows, surface);
+  }
+}
+
+void average_to_points(ContactSurface& surface) {
+  surface.point_values.assign(surface.position.size(), {});
+  std::vector<double> total(surface.position.size(), 0.0);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const auto& t = surface.triangles[i];
+    const Vec3& a = surface.position[t[0]];
+    const double area = (surface.position[t[1]] - a).cross(surface.position[t[2]] - a).norm();
+    for (int p : t) {
+      total[p] += area;
+      for (int k = 0; k < ContactSurface::num_values; ++k)
+        surface.point_values[p][k] += area * surface.triangle_values[i][k];
+    }
+  }
+  for (std::size_t p = 0; p < total.size(); ++p)
+    if (total[p] > 0)
+      for (double& value : surface.point_values[p]) value /= total[p];
+}
+
+}  // namespace
+
+double von_mises(const Sym3& s) {
+  const double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
+  return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
+  DrawnBody drawn;
+  drawn.mesh = std::move(mesh);
+  const CutCells& cut_cells = *fields.cut_cells;
+  const std::size_t n = drawn.mesh.points.size();
+  drawn.position.reserve(n);
+  if (fields.displacement) drawn.displacement.reserve(n);
+  if (fields.stress_recovered) drawn.stress.reserve(n);
+  for (std::size_t p = 0; p < n; ++p) {
+    const int cell = drawn.mesh.cell_of_point[p];
+    const Vec3 xi = clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]);
+    drawn.position.push_back(cut_cells.grid.to_global(drawn.mesh.points[p]));
+    if (fields.displacement) drawn.displacement.push_back(fields.displacement(cell, xi));
+    if (fields.stress_recovered) drawn.stress.push_back(fields.stress_recovered(cell, xi));
+  }
+  return drawn;
+}
+
+DrawnBody draw_body(const BodyFields& fields) { return draw_body(fields, clip_cells(*fields.cut_cells)); }
+
+ContactSurface make_contact_surface(const Results& results, const std::vector<DrawnBody>& bodies) {
+  ContactSurface surface;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const PieceRows pieces = rows_by_piece(results, static_cast<int>(b));
+    if (!pieces.empty()) add_body(bodies[b], *results.bodies[b].cut_cells, pieces, surface);
+  }
+  average_to_points(surface);
+  return surface;
+}
+
+}  // namespace cgcontact

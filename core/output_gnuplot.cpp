@@ -1,0 +1,125 @@
+#include "core/output_gnuplot.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "core/output_text.hpp"
+
+extern char** environ;
+
+namespace cgcontact {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::array<double, 3>, 7> colours{{{0.15, 0.18, 0.50},
+                                                        {0.13, 0.43, 0.71},
+                                                        {0.30, 0.69, 0.76},
+                                                        {0.72, 0.87, 0.70},
+                                                        {0.97, 0.86, 0.45},
+                                                        {0.93, 0.50, 0.20},
+                                                        {0.68, 0.11, 0.13}}};
+
+/// Runs gnuplot in a folder; 0, or an error number when it could not be started, or -1 when it failed.
+int spawn_gnuplot(const std::string& folder, const std::string& script, const std::string& log) {
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, 1, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_adddup2(&actions, 1, 2);
+  std::string program = "gnuplot", option = "-d", file = script;
+  char* const arguments[] = {program.data(), option.data(), file.data(), nullptr};
+  pid_t child = 0;
+  const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) return error;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return errno;
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;
+}
+
+void add_once(std::vector<std::string>& warnings, const std::string& warning) {
+  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+}
+
+}  // namespace
+
+void run_gnuplot(const std::string& directory, const std::string& name, const std::string& script,
+                 const std::string& picture, std::vector<std::string>& warnings) {
+  const fs::path folder = fs::path(directory) / "plots";
+  write_text((folder / (name + ".gp")).string(), script);
+  const std::string log = name + ".log";
+  const int status = spawn_gnuplot(folder.string(), name + ".gp", log);
+  std::error_code error;
+  if (status == ENOENT) {
+    add_once(warnings,
+             "no pictures: the program gnuplot was not found (Debian package gnuplot-nox); its scripts and data are in "
+             "the folder plots of the result");
+    return;
+  }
+  if (status > 0) {
+    add_once(warnings, fmt::format("no pictures: gnuplot could not be started ({})", std::strerror(status)));
+    return;
+  }
+  const bool drawn =
+      fs::exists(fs::path(directory) / picture) && fs::file_size(fs::path(directory) / picture, error) > 0;
+  if (status != 0 || !drawn) {
+    fs::remove(fs::path(directory) / picture, error);
+    add_once(warnings,
+             fmt::format("no {}: gnuplot failed on plots/{}.gp, its messages are in plots/{}", picture, name, log));
+  }
+}
+
+std::array<double, 3> palette_colour(double value) {
+  const double position = std::clamp(value, 0.0, 1.0) * (colours.size() - 1);
+  const std::size_t k = std::min(static_cast<std::size_t>(position), colours.size() - 2);
+  std::array<double, 3> colour;
+  for (int c = 0; c < 3; ++c)
+    colour[c] = colours[k][c] + (position - static_cast<double>(k)) * (colours[k + 1][c] - colours[k][c]);
+  return colour;
+}
+
+std::string gnuplot_palette() {
+  std::string text = "set palette defined (";
+  for (std::size_t k = 0; k < colours.size(); ++k)
+    text += fmt::format("{}{} {} {} {}", k ? ", " : "", k, colours[k][0], colours[k][1], colours[k][2]);
+  return text + ")\n";
+}
+
+AxisUnit length_unit(double largest) {
+  if (largest >= 1) return {1, "m"};
+  if (largest >= 1e-3) return {1e3, "mm"};
+  return {1e6, "um"};
+}
+
+AxisUnit stress_unit(double largest) {
+  if (largest >= 1e9) return {1e-9, "GPa"};
+  if (largest >= 1e6) return {1e-6, "MPa"};
+  if (largest >= 1e3) return {1e-3, "kPa"};
+  return {1, "Pa"};
+}
+
+std::string gnuplot_text(const std::string& text) {
+  std::string quoted = "\"";
+  for (char c : text) {
+    if (c == '"' || c == '\\')
+      quoted += '\\';
+    else if (std::strchr("{}^_@&~", c))
+      quoted += "\\\\";  // enhanced mode takes the character as it is after a backslash
+    quoted += c == '\n' ? ' ' : c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace cgcontact

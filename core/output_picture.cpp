@@ -1,0 +1,284 @@
+#include "core/output_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/output_gnuplot.hpp"
+#include "core/output_raster.hpp"
+#include "core/output_text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr int long_side = 1000, oversampling = 3;
+/// Largest drawn displacement over the diagonal of the scene.
+constexpr double drawn_displacement = 0.03;
+/// The contact is inside the scene, and the scene cut open, if it is this far (fraction of the extent) from its sides.
+constexpr double inside_fraction = 0.15;
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+  void add(const Vec3& x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  Vec3 extent() const { return high - low; }
+};
+
+Box bounds(const std::vector<DrawnBody>& bodies) {
+  Box box;
+  for (const DrawnBody& body : bodies)
+    for (const Vec3& x : body.position) box.add(x);
+  return box;
+}
+
+/// How the scene is looked at.
+struct View {
+  Camera camera;
+  int thin_axis = -1;        ///< axis along which a thin scene is seen, or -1: view in space
+  double exaggeration = 1;   ///< of the displacement
+  double low = 0, high = 1;  ///< Pa, range of colours
+  Box box;
+};
+
+/// 1, 2 or 5 times a power of ten, not above the value.
+double round_down(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  for (double digit : {5.0, 2.0})
+    if (digit * power <= value * (1 + 1e-9)) return digit * power;
+  return power;
+}
+
+double choose_exaggeration(const std::vector<DrawnBody>& bodies, const Box& box) {
+  double largest = 0;
+  for (const DrawnBody& body : bodies)
+    for (const Vec3& u : body.displacement) largest = std::max(largest, u.norm());
+  if (!(largest > 0) || !std::isfinite(largest)) return 1;
+  const double factor = drawn_displacement * box.extent().norm() / largest;
+  return factor <= 1 ? 1 : round_down(factor);
+}
+
+int find_thin_axis(const Results& results, const Box& box) {
+  double cell = std::numeric_limits<double>::max();
+  for (const BodyFields& body : results.bodies) cell = std::min(cell, body.cut_cells->grid.cell_size);
+  const Vec3 extent = box.extent();
+  int axis = 0;
+  extent.minCoeff(&axis);
+  const double others = std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);
+  return extent[axis] < 2.01 * cell && extent[axis] < 0.34 * others ? axis : -1;
+}
+
+/// Range of the stress on the boundary without its highest half per cent.
+void choose_colours(const std::vector<DrawnBody>& bodies, View& view) {
+  std::vector<double> values;
+  for (const DrawnBody& body : bodies)
+    for (const BoundaryTriangle& triangle : body.mesh.boundary)
+      for (int p : triangle.points)
+        if (const double value = von_mises(body.stress[p]); std::isfinite(value)) values.push_back(value);
+  if (values.empty()) return;
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  view.high = *place > 0 ? *place : 1;
+}
+
+/// Stress-weighted area that faces the viewer.
+double visible_stress(const std::vector<DrawnBody>& bodies, const Vec3& eye) {
+  double sum = 0;
+  for (const DrawnBody& body : bodies)
+    for (const BoundaryTriangle& triangle : body.mesh.boundary) {
+      const auto& t = triangle.points;
+      const Vec3& a = body.position[t[0]];
+      const double area = (body.position[t[1]] - a).cross(body.position[t[2]] - a).dot(eye);
+      if (area > 0) sum += area * von_mises(body.stress[t[0]]);
+    }
+  return sum;
+}
+
+void look_along_axis(int axis, Camera& camera) {
+  camera.right = axis == 0 ? Vec3::UnitY() : Vec3::UnitX();
+  camera.up = axis == 2 ? Vec3::UnitY() : Vec3::UnitZ();
+  camera.eye = camera.right.cross(camera.up);
+}
+
+/// From above, from the corner that shows the most stress.
+void look_from_corner(const std::vector<DrawnBody>& bodies, Camera& camera) {
+  double best = -1;
+  Vec3 eye = Vec3::UnitZ();
+  for (double x : {1.0, -1.0})
+    for (double y : {-1.0, 1.0}) {
+      const Vec3 candidate = Vec3(0.55 * x, 0.75 * y, 0.42).normalized();
+      const double stress = visible_stress(bodies, candidate);
+      if (stress <= best * (1 + 1e-6)) continue;
+      best = stress;
+      eye = candidate;
+    }
+  camera.eye = eye;
+  camera.right = Vec3::UnitZ().cross(eye).normalized();
+  camera.up = eye.cross(camera.right);
+}
+
+/// Scales the camera so that the deformed scene fits; returns width and height in pixels, 0 if there is nothing to see.
+std::array<int, 2> fit_camera(const std::vector<DrawnBody>& bodies, View& view) {
+  double low[2], high[2];
+  std::fill(low, low + 2, std::numeric_limits<double>::max());
+  std::fill(high, high + 2, -std::numeric_limits<double>::max());
+  for (const DrawnBody& body : bodies)
+    for (std::size_t p = 0; p < body.position.size(); ++p) {
+      Vec3 x = body.position[p];
+      if (!body.displacement.empty()) x += view.exaggeration * body.displacement[p];
+      if (!x.allFinite()) continue;
+      const double on_paper[2] = {view.camera.right.dot(x), view.camera.up.dot(x)};
+      for (int k = 0; k < 2; ++k) {
+        low[k] = std::min(low[k], on_paper[k]);
+        high[k] = std::max(high[k], on_paper[k]);
+      }
+    }
+  const double largest = std::max(high[0] - low[0], high[1] - low[1]);
+  if (!(largest > 0)) return {0, 0};
+  const double margin = 0.02 * largest;
+  view.camera.pixels_per_metre = long_side / (largest + 2 * margin);
+  std::array<int, 2> size;
+  for (int k = 0; k < 2; ++k) {
+    view.camera.low[k] = low[k] - margin;
+    size[k] = static_cast<int>(std::ceil((high[k] - low[k] + 2 * margin) * view.camera.pixels_per_metre));
+  }
+  return size;
+}
+
+/// Centre and main direction of the closed contact, if it lies inside the scene.
+struct ContactPlace {
+  Vec3 centre;
+  int axis;  ///< coordinate axis nearest to the normal
+};
+
+std::optional<ContactPlace> contact_inside(const Results& results, const Box& box) {
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  double area = 0;
+  for (const ContactRow& row : results.contact_rows) {
+    if (!row.active) continue;
+    centre += row.weight * row.x;
+    normal += row.weight * row.normal.cwiseAbs();
+    area += row.weight;
+  }
+  if (!(area > 0)) return std::nullopt;
+  ContactPlace place{centre / area, 0};
+  normal.maxCoeff(&place.axis);
+  for (int k = 0; k < 3; ++k) {
+    if (k == place.axis) continue;
+    const double fraction = (place.centre[k] - box.low[k]) / box.extent()[k];
+    if (fraction < inside_fraction || fraction > 1 - inside_fraction) return std::nullopt;
+  }
+  return place;
+}
+
+/// The bodies without the quarter towards the viewer around the contact.
+std::vector<DrawnBody> cut_open(const Results& results, const ContactPlace& place, const Vec3& eye) {
+  std::vector<DrawnBody> drawn;
+  for (const BodyFields& body : results.bodies) {
+    const CutCells& cut_cells = *body.cut_cells;
+    const Vec3 centre = cut_cells.grid.to_grid(place.centre);
+    std::vector<Solid> halves;  // the sides towards the viewer
+    for (int k = 0; k < 3; ++k) {
+      if (k == place.axis) continue;
+      const Vec3 towards_viewer = cut_cells.grid.rotation.transpose() * (Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0));
+      halves.push_back(Solid::half_space(centre, -towards_viewer, "cut"));
+    }
+    const Solid part = Solid::subtract(cut_cells.solid, Solid::intersect(halves[0], halves[1]));
+    drawn.push_back(draw_body(body, clip_cells(cut_cells, part)));
+  }
+  return drawn;
+}
+
+std::string render(const std::vector<DrawnBody>& bodies, const View& view, const std::array<int, 2>& size) {
+  RasterImage image(size[0], size[1], oversampling, view.camera);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const DrawnBody& body = bodies[b];
+    for (const BoundaryTriangle& triangle : body.mesh.boundary) {
+      std::array<RasterVertex, 3> vertices;
+      for (int v = 0; v < 3; ++v) {
+        const int p = triangle.points[v];
+        vertices[v].position = body.position[p];
+        if (!body.displacement.empty()) vertices[v].position += view.exaggeration * body.displacement[p];
+        vertices[v].grid = body.mesh.points[p];
+        vertices[v].value = (von_mises(body.stress[p]) - view.low) / (view.high - view.low);
+      }
+      image.draw(vertices, static_cast<int>(b), view.thin_axis < 0 ? 1.0 : 0.0);
+    }
+  }
+  image.draw_outlines();
+  return image.pixels();
+}
+
+std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size) {
+  const AxisUnit stress = stress_unit(view.high);
+  const AxisUnit length = length_unit(view.box.extent().maxCoeff());
+  const bool flat = view.thin_axis >= 0;
+  const int left = flat ? 125 : 30, right = 170, bottom = flat ? 80 : 40, top = 60;
+  const int width = size[0] + left + right, height = size[1] + bottom + top;
+  std::string script =
+      fmt::format("set terminal pngcairo size {},{} enhanced font 'sans-serif,15' background 'white'\n", width, height);
+  script += "set output '../scene.png'\nunset key\n" + gnuplot_palette();
+  script += fmt::format(
+      "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
+      static_cast<double>(left) / width, static_cast<double>(left + size[0]) / width,
+      static_cast<double>(bottom) / height, static_cast<double>(bottom + size[1]) / height);
+  script += fmt::format("set title {} font ',18'\n", gnuplot_text(results.title));
+  script += fmt::format("set cbrange [{}:{}]\nset cblabel 'von Mises stress [{}]'\n", view.low * stress.factor,
+                        view.high * stress.factor, stress.name);
+  script += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n",
+                        static_cast<double>(left + size[0] + 25) / width, (bottom + 0.1 * size[1]) / height,
+                        24.0 / width, 0.8 * size[1] / height);
+  const double step = length.factor / view.camera.pixels_per_metre;
+  const double x = view.camera.low[0] * length.factor, y = view.camera.low[1] * length.factor;
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x, x + size[0] * step, y, y + size[1] * step);
+  const std::string scale = view.exaggeration > 1 ? fmt::format("displacement x {:.0f}", view.exaggeration) : "";
+  if (flat) {
+    const char* right_axis = view.thin_axis == 0 ? "y" : "x";
+    const char* up_axis = view.thin_axis == 2 ? "y" : "z";
+    script += "set border 3 lc rgb '#404040'\nset tics nomirror out\n";
+    script += fmt::format("set xlabel '{} [{}]{}'\nset ylabel '{} [{}]'\n", right_axis, length.name,
+                          scale.empty() ? "" : "     (" + scale + ")", up_axis, length.name);
+  } else {
+    script += "unset border\nunset xtics\nunset ytics\n";
+    script += fmt::format("set xlabel '{}'\n", scale);
+  }
+  script += fmt::format(
+      "plot 'scene.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage, \\\n"
+      "  '+' using 1:(NaN):1 with points palette\n",
+      size[0], size[1], x + step / 2, y + step / 2, step, step);
+  return script;
+}
+
+}  // namespace
+
+void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& directory,
+                   std::vector<std::string>& warnings) {
+  const bool complete =
+      std::all_of(bodies.begin(), bodies.end(), [](const DrawnBody& body) { return !body.stress.empty(); });
+  if (bodies.empty() || !complete) return;
+  View view;
+  view.box = bounds(bodies);
+  view.thin_axis = find_thin_axis(results, view.box);
+  view.exaggeration = choose_exaggeration(bodies, view.box);
+
+  std::vector<DrawnBody> opened;
+  if (view.thin_axis >= 0) {
+    look_along_axis(view.thin_axis, view.camera);
+  } else {
+    look_from_corner(bodies, view.camera);
+    if (const auto place = contact_inside(results, view.box)) opened = cut_open(results, *place, view.camera.eye);
+  }
+  const std::vector<DrawnBody>& drawn = opened.empty() ? bodies : opened;
+  choose_colours(drawn, view);
+  const std::array<int, 2> size = fit_camera(drawn, view);
+  if (size[0] < 1 || size[1] < 1) return;
+  write_text(directory + "/plots/scene.rgb", render(drawn, view, size));
+  run_gnuplot(directory, "scene", picture_script(results, view, size), "scene.png", warnings);
+}
+
+}  // namespace cgcontact

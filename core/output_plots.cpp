@@ -1,0 +1,128 @@
+#include "core/output_plots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+
+#include "core/output_gnuplot.hpp"
+#include "core/output_stress_error.hpp"
+#include "core/output_text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+/// Samples of the path by body, each sorted along the path.
+std::vector<std::vector<PathSample>> samples_by_body(const Results& results) {
+  std::vector<std::vector<PathSample>> bodies;
+  for (std::size_t b = 0; b < results.bodies.size(); ++b) {
+    std::vector<PathSample> samples;
+    for (const PathSample& sample : results.path)
+      if (sample.body == static_cast<int>(b)) samples.push_back(sample);
+    std::stable_sort(samples.begin(), samples.end(), [](const auto& p, const auto& q) { return p.s < q.s; });
+    if (!samples.empty()) bodies.push_back(std::move(samples));
+  }
+  return bodies;
+}
+
+/// Range of the recovered and reference pressure; the raw one may leave it.
+std::pair<double, double> pressure_range(const Results& results) {
+  double low = 0, high = 0;
+  for (const PathSample& sample : results.path)
+    for (double p :
+         {sample.pressure_spr, sample.pressure_sprc, sample.has_reference ? sample.pressure_reference : 0.0}) {
+      if (!std::isfinite(p)) continue;
+      low = std::min(low, p);
+      high = std::max(high, p);
+    }
+  if (high <= low) high = low + 1;
+  return {low - 0.08 * (high - low), high + 0.12 * (high - low)};
+}
+
+struct PressureAxes {
+  AxisUnit length, stress;
+  double low, high;  ///< Pa
+};
+
+/// One block per body: s, raw, SPR, SPR-C, reference.
+std::string pressure_data(const std::vector<std::vector<PathSample>>& bodies, const PressureAxes& axes) {
+  std::string data;
+  for (const auto& samples : bodies) {
+    for (const PathSample& p : samples)
+      fmt::format_to(std::back_inserter(data), "{} {} {} {} {}\n", p.s * axes.length.factor,
+                     p.pressure_raw * axes.stress.factor, p.pressure_spr * axes.stress.factor,
+                     p.pressure_sprc * axes.stress.factor,
+                     p.has_reference ? fmt::format("{}", p.pressure_reference * axes.stress.factor) : "NaN");
+    data += "\n\n";
+  }
+  return data;
+}
+
+/// First body as full lines, the second one dashed, with one line of legend for each kind of pressure.
+std::string pressure_curves(const Results& results, const std::vector<std::vector<PathSample>>& bodies) {
+  struct Curve {
+    int column;
+    const char *name, *colour;
+    double width;
+  };
+  std::vector<Curve> curves{{2, "raw stress", "#b0b0b0", 1.0}, {3, "SPR", "#2070b8", 1.8}};
+  curves.push_back({4, "SPR-C", "#d2501e", 2.4});
+  std::string text;
+  for (const Curve& curve : curves)
+    for (std::size_t b = 0; b < std::min<std::size_t>(bodies.size(), 2); ++b)
+      text += fmt::format("  'pressure.dat' index {} using 1:{} with lines lc rgb '{}' lw {} dt {} {}, \\\n", b,
+                          curve.column, curve.colour, b == 0 ? curve.width : 0.8 * curve.width, b == 0 ? "1" : "(6,4)",
+                          b == 0 ? fmt::format("title '{}'", curve.name) : "notitle");
+  if (std::any_of(results.path.begin(), results.path.end(), [](const PathSample& p) { return p.has_reference; }))
+    text += "  'pressure.dat' index 0 using 1:5 with lines lc rgb 'black' lw 1.4 dt (2,3) title 'reference', \\\n";
+  if (bodies.size() > 1)
+    for (int b = 0; b < 2; ++b)
+      text += fmt::format("  NaN with lines lc rgb '#606060' lw 1.6 dt {} title {}, \\\n", b == 0 ? "1" : "(6,4)",
+                          gnuplot_text(results.bodies[bodies[b].front().body].name));
+  return text;
+}
+
+void write_pressure_plot(const Results& results, const Scene& scene, const std::string& directory,
+                         std::vector<std::string>& warnings) {
+  const auto bodies = samples_by_body(results);
+  if (bodies.empty()) return;
+  double first = results.path.front().s, last = first;
+  for (const PathSample& p : results.path) {
+    first = std::min(first, p.s);
+    last = std::max(last, p.s);
+  }
+  const auto [low, high] = pressure_range(results);
+  const PressureAxes axes{length_unit(std::max(-first, last)), stress_unit(std::max(-low, high) / 1.12), low, high};
+  write_text(directory + "/plots/pressure.dat", pressure_data(bodies, axes));
+
+  const bool by_reference = !scene.reference.pressure_file.empty();
+  std::string script = "set terminal svg size 900,560 fixed enhanced font 'sans-serif,15' background 'white'\n";
+  script += "set output '../pressure.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n";
+  script +=
+      "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset key outside right center vertical Left reverse samplen 2.6 spacing "
+      "1.25\n";
+  script += fmt::format("set title {}\n", gnuplot_text("Contact pressure: " + results.title));
+  script += fmt::format("set xlabel '{} [{}]'\nset ylabel 'contact pressure [{}]'\n",
+                        by_reference ? scene.reference.coordinate : "position on the path", axes.length.name,
+                        axes.stress.name);
+  script += fmt::format("set yrange [{}:{}]\nset xzeroaxis lc rgb '#808080' lw 1 dt 1\n", low * axes.stress.factor,
+                        high * axes.stress.factor);
+  if (last > first)
+    script += fmt::format("set xrange [{}:{}]\n", first * axes.length.factor, last * axes.length.factor);
+  script += "plot \\\n" + pressure_curves(results, bodies) + "  NaN notitle\n";
+  run_gnuplot(directory, "pressure", script, "pressure.svg", warnings);
+}
+
+}  // namespace
+
+void write_plots(const Results& results, const Scene& scene, const std::string& directory,
+                 std::vector<std::string>& warnings) {
+  std::filesystem::create_directory(directory + "/plots");
+  write_pressure_plot(results, scene, directory, warnings);
+  write_stress_error_plot(results, directory, warnings);
+}
+
+}  // namespace cgcontact

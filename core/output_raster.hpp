@@ -1,0 +1,63 @@
+/// A small software renderer for the picture of the result: coloured triangles with a depth buffer, the lines of the
+/// body's own grid drawn on them, outlines where body, depth or direction change.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace cgcontact {
+
+/// Parallel projection; `right`, `up`, `eye` are orthonormal and right-handed, `eye` points to the viewer.
+struct Camera {
+  Vec3 right = Vec3::UnitX(), up = Vec3::UnitZ(), eye = -Vec3::UnitY();
+  double low[2] = {0, 0};  ///< lower left corner of the picture in (right, up), m
+  double pixels_per_metre = 1;
+};
+
+struct RasterVertex {
+  Vec3 position;  ///< m, where it is drawn
+  Vec3 grid;      ///< grid coordinates, for the grid lines
+  double value;   ///< in [0,1], gives the colour
+};
+
+class RasterImage {
+ public:
+  /// The image is drawn `oversampling` times finer in each direction and then averaged.
+  RasterImage(int width, int height, int oversampling, const Camera& camera);
+
+  /// `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light.
+  void draw(const std::array<RasterVertex, 3>& triangle, int body, double shading);
+  void draw_outlines();
+  /// Bytes red, green, blue by row from the bottom, white where nothing was drawn.
+  std::string pixels() const;
+
+ private:
+  struct Pixel {
+    float depth, red, green, blue;
+    float nx, ny, nz;
+    int body;
+  };
+  /// A triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
+  struct Screen {
+    double x[3], y[3], z[3];
+    Mat3 slope, grid, gradient;
+    Vec3 normal;
+    double shade;
+    int body;
+  };
+  /// False if the triangle is seen from behind or from the side.
+  bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
+  void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row);
+  /// Fraction of the pixel that lies on a grid line.
+  double line_cover(const Vec3& grid, const Mat3& gradient) const;
+  bool is_outline(int x, int y) const;
+
+  int width_, height_, oversampling_;
+  Camera camera_;
+  std::vector<Pixel> fine_;
+};
+
+}  // namespace cgcontact

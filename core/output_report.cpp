@@ -1,0 +1,162 @@
+#include "core/output_report.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/errors.hpp"
+#include "core/output_text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
+
+/// An object also when it has no entries.
+Json object() { return Json::object(); }
+
+Json json_of(const PairFigures& pair) {
+  Json json;
+  json["name"] = pair.name;
+  json["bodies"] = {pair.body_first, pair.body_second};
+  json["force"] = {{pair.body_first, json_of(pair.force_on_first)}, {pair.body_second, json_of(pair.force_on_second)}};
+  json["moment"] = {{pair.body_first, json_of(pair.moment_on_first)},
+                    {pair.body_second, json_of(pair.moment_on_second)}};
+  json["area"] = pair.area;
+  json["max_pressure"] = pair.max_pressure;
+  json["points"] = pair.points;
+  json["active_points"] = pair.active_points;
+  return json;
+}
+
+void add_errors(const Results& results, Json& json) {
+  json["estimated_error"] = {{"absolute", results.estimated_error}, {"relative", results.estimated_error_relative}};
+  if (results.has_effectivity) {
+    json["exact_error"] = results.exact_error;
+    json["effectivity"] = results.effectivity;
+  }
+  Json patches = object();
+  for (const auto& [kind, count] : results.patches_by_kind) patches[kind] = count;
+  json["recovery"] = {{"patches", patches},
+                      {"truncated_rows", results.truncated_rows},
+                      {"inconsistent_patches", results.inconsistent_patches}};
+  json["pressure_error"] = Json::array();
+  for (const ZoneError& zone : results.pressure_errors)
+    json["pressure_error"].push_back({{"zone", zone.zone}, {"raw", zone.raw}, {"spr", zone.spr}, {"sprc", zone.sprc}});
+}
+
+void add_solution(const Results& results, Json& json) {
+  json["outer_iterations"] = results.outer_iterations;
+  json["linear_iterations"] = results.linear_iterations;
+  json["outer_residuals"] = results.outer_residuals;
+  json["active_points"] = results.active_points;
+  json["converged"] = results.converged;
+  json["diagnosis"] = results.diagnosis;
+  json["contact"] = Json::array();
+  for (const PairFigures& pair : results.pairs) json["contact"].push_back(json_of(pair));
+}
+
+std::string force_line(const PairFigures& pair) {
+  const Vec3& f = pair.force_on_first;
+  return fmt::format("  contact {}: force on {} {} ({}, {}, {}), area {} m^2, max pressure {}\n", pair.name,
+                     pair.body_first, scaled(f.norm(), "N", 6), short_number(f[0]), short_number(f[1]),
+                     short_number(f[2]), short_number(pair.area), scaled(pair.max_pressure, "Pa", 5));
+}
+
+std::string recovery_line(const Results& results) {
+  std::string kinds;
+  long long total = 0;
+  for (const auto& [kind, count] : results.patches_by_kind) {
+    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
+    total += count;
+  }
+  return fmt::format("  recovery: {} patches ({}), {} rows truncated, {} patches inconsistent\n", total, kinds,
+                     results.truncated_rows, results.inconsistent_patches);
+}
+
+std::string times_line(const Results& results) {
+  std::string phases;
+  double total = 0;
+  for (const auto& [phase, seconds] : results.times_s) {
+    if (phase == "total") continue;
+    phases += fmt::format("{}{} {:.3g}", phases.empty() ? "" : ", ", phase, seconds);
+    total += seconds;
+  }
+  return fmt::format("  time: {:.3g} s ({}), peak memory {}, {} thread{} ({})\n", total, phases,
+                     scaled(static_cast<double>(results.peak_memory_bytes), "B"), results.threads,
+                     results.threads == 1 ? "" : "s", results.backend);
+}
+
+}  // namespace
+
+void write_report(const Results& results, const std::vector<std::string>& files,
+                  const std::vector<std::string>& warnings, const std::string& file_name) {
+  Json json;
+  json["program"] = "cgcontact";
+  json["scene"] = results.scene_file;
+  json["title"] = results.title;
+  json["version"] = CGCONTACT_VERSION;
+  json["backend"] = results.backend;
+  json["threads"] = results.threads;
+  json["unknowns"] = results.unknowns;
+  json["cells"] = {{"active", results.cells.active}, {"cut", results.cells.cut}, {"interior", results.cells.interior}};
+  add_solution(results, json);
+  add_errors(results, json);
+  Json times = object();
+  for (const auto& [phase, seconds] : results.times_s) times[phase] = seconds;
+  json["times_s"] = times;
+  json["peak_memory_bytes"] = results.peak_memory_bytes;
+  json["warnings"] = results.warnings;
+  for (const std::string& warning : warnings) json["warnings"].push_back(warning);
+  json["files"] = files;
+  write_text(file_name, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+std::vector<std::string> files_of_report(const std::string& file_name) {
+  const Json json = Json::parse(read_text(file_name), nullptr, false);
+  const auto is_ours = [&] {
+    if (!json.is_object() || json.value("program", Json()) != "cgcontact") return false;
+    const Json files = json.value("files", Json());
+    if (!files.is_array()) return false;
+    for (const Json& file : files)
+      if (!file.is_string()) return false;
+    return true;
+  };
+  if (!is_ours()) throw InputError(fmt::format("{} is not a report of cgcontact", file_name));
+  return json["files"].get<std::vector<std::string>>();
+}
+
+std::string summary(const Results& results, const std::string& directory) {
+  std::string text = results.converged ? "solved" : "DID NOT CONVERGE";
+  if (!results.title.empty()) text += fmt::format(": {}", results.title);
+  text += '\n';
+  if (!results.diagnosis.empty()) text += fmt::format("  diagnosis: {}\n", results.diagnosis);
+  text += fmt::format("  {} cells ({} cut, {} interior), {} unknowns\n", results.cells.active, results.cells.cut,
+                      results.cells.interior, results.unknowns);
+  long long linear = 0;
+  for (int n : results.linear_iterations) linear += n;
+  text += fmt::format("  {} outer iterations, {} linear iterations", results.outer_iterations, linear);
+  text += results.pairs.empty() ? "\n" : fmt::format(", {} active contact points\n", results.active_points);
+  for (const PairFigures& pair : results.pairs) text += force_line(pair);
+  text += fmt::format("  estimated error {:.3g} % of the energy norm", 100 * results.estimated_error_relative);
+  if (results.has_effectivity) text += fmt::format(", effectivity {:.3f}", results.effectivity);
+  text += '\n';
+  for (const ZoneError& zone : results.pressure_errors)
+    text += fmt::format("  pressure error, {}: raw {:.2g} %, SPR {:.2g} %, SPR-C {:.2g} %\n", zone.zone, 100 * zone.raw,
+                        100 * zone.spr, 100 * zone.sprc);
+  if (!results.patches_by_kind.empty()) text += recovery_line(results);
+  if (!results.times_s.empty()) text += times_line(results);
+  for (const std::string& warning : results.warnings) text += fmt::format("  warning: {}\n", warning);
+
+  std::string files;
+  for (const char* name : {"scene.png", "pressure.svg", "stress_error.svg", "result.vtkhdf", "contact.csv"})
+    if (std::filesystem::exists(std::filesystem::path(directory) / name)) files += fmt::format(" {}", name);
+  text += fmt::format("  results in {}:{} report.json\n", directory, files);
+  return text;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,21 @@
+/// result.vtkhdf and contact.vtkhdf: unstructured grids in VTKHDF 1.0, which VTK 9.1 and ParaView 5.11 open.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/output_fields.hpp"
+#include "core/results.hpp"
+
+namespace cgcontact {
+
+/// All bodies as clipped cells. Cell arrays: body, cell, stress_raw (at the centroid), estimated_error (energy norm
+/// over the active cell, sqrt(J)), estimated_error_density (the same per square root of volume). Point arrays:
+/// displacement, stress_recovered, von_mises. Stress components: XX, YY, ZZ, XY, YZ, XZ.
+void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& file_name);
+
+/// Triangles of the contact faces. Cell arrays: body, pair, status (1 closed, 0 open), gap, pressure_raw, pressure_spr,
+/// pressure_sprc; the last four as point arrays "..._smooth" too, and displacement.
+void write_vtk_contact(const ContactSurface& surface, const std::string& file_name);
+
+}  // namespace cgcontact

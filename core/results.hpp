@@ -1,0 +1,101 @@
+/// What a run hands to the output: fields as functions, contact rows, figures. SI units, global axes.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/cut_cells.hpp"
+#include "core/scene.hpp"
+
+namespace cgcontact {
+
+/// Fields of one body; `cell` is an active cell, xi the cell coordinates in [-1,1]^3.
+struct BodyFields {
+  std::string name;
+  const CutCells* cut_cells = nullptr;
+  Material material;
+  std::function<Vec3(int cell, const Vec3& xi)> displacement;      ///< m
+  std::function<Sym3(int cell, const Vec3& xi)> stress_raw;        ///< Pa, sigma_h
+  std::function<Sym3(int cell, const Vec3& xi)> stress_recovered;  ///< Pa, sigma*
+  std::vector<double> error_of_cell;  ///< estimated error, energy norm per active cell, sqrt(J)
+  std::vector<int> patch_status_of_node;
+};
+
+/// One boundary point of a contact face.
+struct ContactRow {
+  int body = 0;
+  int pair = 0;
+  int cell = 0;                                                  ///< active cell of the body
+  Vec3 x = Vec3::Zero(), normal = Vec3::Zero();                  ///< m; outward
+  double weight = 0;                                             ///< m^2
+  double gap = 0;                                                ///< m, after deformation, positive when open
+  double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;  ///< Pa, positive in compression
+  Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
+  bool active = false;
+};
+
+/// Pressure along the scene's path, one entry per sample and body.
+struct PathSample {
+  int body = 0;
+  double s = 0;  ///< m, the coordinate that the reference uses, else arc length
+  Vec3 x = Vec3::Zero();
+  double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;
+  bool has_reference = false;
+  double pressure_reference = 0;
+};
+
+/// Stress error at a contact point against the reference, for stress_error.svg.
+struct StressErrorSample {
+  int body = 0;
+  Vec3 x = Vec3::Zero();
+  double error_raw = 0, error_spr = 0, error_sprc = 0;  ///< Frobenius norm of the stress difference, Pa
+};
+
+/// Figures of one contact pair.
+struct PairFigures {
+  std::string name, body_first, body_second;
+  Vec3 force_on_first = Vec3::Zero(), force_on_second = Vec3::Zero();    ///< N
+  Vec3 moment_on_first = Vec3::Zero(), moment_on_second = Vec3::Zero();  ///< N m about the origin
+  double area = 0;                                                       ///< m^2, where the pair is closed
+  double max_pressure = 0;  ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
+  int points = 0, active_points = 0;
+};
+
+/// Relative L2 error of the pressure in a zone.
+struct ZoneError {
+  std::string zone;
+  double raw = 0, spr = 0, sprc = 0;
+};
+
+struct Results {
+  std::string scene_file, title, backend;
+  int threads = 1;
+  long long unknowns = 0;
+  struct CellCounts {
+    long long active = 0, cut = 0, interior = 0;
+  } cells;
+  int outer_iterations = 0;
+  std::vector<int> linear_iterations;
+  std::vector<double> outer_residuals;
+  long long active_points = 0;
+  bool converged = false;
+  std::string diagnosis;  ///< why not, if not
+  std::vector<std::string> warnings;
+  std::vector<PairFigures> pairs;
+  double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
+  bool has_effectivity = false;
+  double exact_error = 0, effectivity = 0;
+  std::map<std::string, long long> patches_by_kind;
+  long long truncated_rows = 0, inconsistent_patches = 0;
+  std::vector<std::pair<std::string, double>> times_s;  ///< phases in order
+  long long peak_memory_bytes = 0;
+  std::vector<BodyFields> bodies;
+  std::vector<ContactRow> contact_rows;
+  std::vector<PathSample> path;
+  std::vector<StressErrorSample> stress_errors;
+  std::vector<ZoneError> pressure_errors;
+};
+
+}  // namespace cgcontact

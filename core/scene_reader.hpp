@@ -1,0 +1,45 @@
+/// Turns the parsed scene file into a Scene, checking every value. Used by read_scene() only.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/scene.hpp"
+#include "core/scene_shapes.hpp"
+#include "core/toml_cursor.hpp"
+
+namespace cgcontact {
+
+/// Values of the table [parameters]; entries may be expressions of other entries, in any order.
+Constants read_parameters(const TomlCursor& table);
+
+class SceneReader {
+ public:
+  /// `root`: the whole document; the text's parameters must have been read.
+  Scene read(const TomlCursor& root);
+
+ private:
+  void read_bodies(const TomlCursor& root);
+  BodySpec read_body(const TomlCursor& node, const Shape& shape) const;
+  FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
+  void read_supports(const TomlCursor& root);
+  void read_loads(const TomlCursor& root);
+  void read_contacts(const TomlCursor& root);
+  ContactSpec read_contact(const TomlCursor& node) const;
+  void add_automatic_contacts(const TomlCursor& node);
+  FaceRef resolve_face(const TomlCursor& node) const;
+  int body_index(const std::string& name) const;
+  std::vector<std::string> body_names() const;
+  std::vector<std::string> face_names(int body) const;
+
+  Scene scene_;
+  std::vector<Shape> shapes_;  ///< one per body
+};
+
+// Sections without references to bodies' faces (scene_settings.cpp).
+SolverSpec read_solver(const TomlCursor& node);
+RecoverySpec read_recovery(const TomlCursor& node);
+OutputSpec read_output(const TomlCursor& node);
+ReferenceSpec read_reference(const TomlCursor& node, const std::vector<std::string>& body_names);
+
+}  // namespace cgcontact

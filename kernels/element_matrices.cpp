@@ -1,0 +1,57 @@
+#include "kernels/element_matrices.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// K += factor sum_q w_q B_q^T D B_q over the 27 Gauss points.
+template <class Matrix>
+void integrate_stiffness(const UnitElasticity& law, const double weights[27], double factor, const Matrix& matrix) {
+  double K[24][24] = {};
+  for (int q = 0; q < 27; ++q) {
+    const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
+    double dN[8][3];
+    hex_gradient(xi, dN);
+    const double w = weights[q] / 8;  // cell coordinates -> cell units
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b) {
+        const double dot = dN[a][0] * dN[b][0] + dN[a][1] * dN[b][1] + dN[a][2] * dN[b][2];
+        for (int i = 0; i < 3; ++i) {
+          for (int j = 0; j < 3; ++j)
+            K[3 * a + i][3 * b + j] += w * (law.lambda * dN[a][i] * dN[b][j] + law.mu * dN[a][j] * dN[b][i]);
+          K[3 * a + i][3 * b + i] += w * law.mu * dot;
+        }
+      }
+  }
+  for (int r = 0; r < 24; ++r)
+    for (int c = 0; c < 24; ++c) matrix(r, c) = factor * 0.5 * (K[r][c] + K[c][r]);
+}
+
+}  // namespace
+
+CellMatrixView make_cell_matrices(const BodyMesh& mesh) {
+  const CutCells& cc = *mesh.cut_cells;
+  const std::size_t num_cut = cc.moments.size();
+  CellMatrixView matrices("cgcontact::element_matrices::cells", 1 + num_cut);
+  auto host = Kokkos::create_mirror_view(matrices);
+  const double factor = mesh.modulus * mesh.cell_size;
+  for (std::size_t m = 0; m <= num_cut; ++m) {
+    double weights[27];
+    fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], 3, weights);
+    integrate_stiffness(mesh.law, weights, factor, Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));
+  }
+  Kokkos::deep_copy(matrices, host);
+  return matrices;
+}
+
+GhostMatrix make_ghost_matrix(const BodyMesh& mesh, double gamma) {
+  const double factor = gamma * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.cell_size;
+  const double jump[3] = {1, -2, 1};          // [d_n u] of the three node layers, constant along n
+  const double mass[2][2] = {{1. / 3, 1. / 6}, {1. / 6, 1. / 3}};
+  GhostMatrix g;
+  for (int r = 0; r < 12; ++r)
+    for (int c = 0; c < 12; ++c)
+      g[r][c] = factor * jump[r / 4] * jump[c / 4] * mass[r & 1][c & 1] * mass[r >> 1 & 1][c >> 1 & 1];
+  return g;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,45 @@
+/// Numbering of one body's active nodes and cells, in the order the kernels use.
+#pragma once
+
+#include <vector>
+
+#include "core/cut_cells.hpp"
+#include "core/scene.hpp"
+#include "kernels/hex.hpp"
+#include "kernels/views.hpp"
+
+namespace cgcontact {
+
+/// Scales of the dimensionless system: lengths by `length`, stresses by `stress`.
+struct Scales {
+  double length = 1;  ///< m
+  double stress = 1;  ///< Pa
+};
+
+/// Active nodes of one body (corners of active cells), cells by colour, ghost-penalty faces.
+/// Displacements are stored node by node (x, y, z in grid axes), in units of Scales::length;
+/// node numbers run through all bodies (first_node .. first_node + num_nodes).
+struct BodyMesh {
+  const CutCells* cut_cells = nullptr;
+  UnitElasticity law;
+  double modulus = 1;       ///< E / Scales::stress
+  double cell_size = 1;     ///< h / Scales::length
+  int first_node = 0, num_nodes = 0;
+  std::vector<Index3> nodes;           ///< grid index of each active node
+  std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
+  std::vector<std::vector<int>> cells_of_node;  ///< active cells around each node of this body
+
+  CellNodesView nodes_of_cell;   ///< same as cell_nodes, cells ordered by colour
+  IntView matrix_of_cell;        ///< 0: interior, 1 + cut index otherwise; same order
+  std::vector<int> colour_begin;  ///< first cell of each colour, and the end (9 entries)
+
+  FaceNodesView nodes_of_face;    ///< ghost faces by colour: layer * 4 + tangential corner
+  std::vector<int> face_colour_begin;
+
+  /// Factor from gradients per cell unit to stresses in units of Scales::stress.
+  double stress_factor() const { return modulus / cell_size; }
+};
+
+BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node);
+
+}  // namespace cgcontact

@@ -1,0 +1,27 @@
+#include "kernels/operator.hpp"
+
+namespace cgcontact {
+
+Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system,
+                                           const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
+  return Teuchos::rcp(new TpetraMap(static_cast<Tpetra::global_size_t>(system.num_dofs()), 0, comm));
+}
+
+void ElasticityOperator::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp, double alpha,
+                               double beta) const {
+  const ExecSpace exec;
+  const auto x_all = X.getLocalViewDevice(Tpetra::Access::ReadOnly);
+  const auto y_all = beta == 0 ? Y.getLocalViewDevice(Tpetra::Access::OverwriteAll)
+                               : Y.getLocalViewDevice(Tpetra::Access::ReadWrite);
+  const RealView product = product_;
+  for (std::size_t column = 0; column < X.getNumVectors(); ++column) {
+    const auto x = Kokkos::subview(x_all, Kokkos::ALL, column);
+    const auto y = Kokkos::subview(y_all, Kokkos::ALL, column);
+    system_.apply(exec, x, product);
+    Kokkos::parallel_for(
+        "cgcontact::operator::combine", Kokkos::RangePolicy<ExecSpace>(exec, 0, system_.num_dofs()),
+        KOKKOS_LAMBDA(const int i) { y(i) = alpha * product(i) + (beta == 0 ? 0.0 : beta * y(i)); });
+  }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,102 @@
+#include "recovery/constraints.hpp"
+
+#include <map>
+#include <tuple>
+
+namespace cgcontact {
+namespace {
+
+/// Voigt index of component (i, j).
+constexpr int voigt_index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
+/// Pieces smaller than this (standard deviation, cell units) get one constraint point along that direction: a
+/// stretch of 0.1 cells, below which three points differ by less than the fit can tell (prototype, section 4).
+constexpr double min_spread = 0.1 / 3.4641016151377544;
+
+/// Moments of a group of boundary points.
+struct GroupMoments {
+  double area = 0;
+  Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+};
+
+Vec3 project(const Surface& surface, const Vec3& x) {
+  return x - surface.signed_distance(x) * surface.gradient(x);
+}
+
+/// Three points c + sqrt(2) (cos t s1 e1 + sin t s2 e2): same area moments up to degree 2 as the group.
+void place_points(const GroupMoments& g, const Surface& surface, ConstraintGroup& group) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(g.second);
+  const Vec3 spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();  // ascending: normal direction first
+  const Vec3 s1 = spread[2] * eigen.eigenvectors().col(2), s2 = spread[1] * eigen.eigenvectors().col(1);
+  std::vector<Vec3> points;
+  if (spread[2] < min_spread) {
+    points = {g.centroid};
+  } else if (spread[1] < min_spread) {
+    points = {g.centroid - s1, g.centroid + s1};
+  } else {
+    for (int i = 0; i < 3; ++i) {
+      const double t = M_PI / 2 + i * 2 * M_PI / 3;
+      points.push_back(g.centroid + std::sqrt(2.0) * (std::cos(t) * s1 + std::sin(t) * s2));
+    }
+  }
+  for (const Vec3& p : points) {
+    const Vec3 x = project(surface, p);
+    Vec3 n = surface.gradient(x);
+    if (n.dot(g.normal) < 0) n = -n;
+    group.position.push_back(x);
+    group.normal.push_back(n);
+  }
+}
+
+}  // namespace
+
+Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e) {
+  const double p[num_terms] = {1, d[0], d[1], d[2]};
+  Row24 row = Row24::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int t = 0; t < num_terms; ++t) row[voigt_index[i][j] * num_terms + t] += e[i] * n[j] * p[t];
+  return row;
+}
+
+Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows() {
+  Eigen::Matrix<double, 3, 6 * num_terms> rows = decltype(rows)::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) rows(i, voigt_index[i][j] * num_terms + 1 + j) = 1;
+  return rows;
+}
+
+std::vector<ConstraintGroup> constraint_groups(const CutCells& cut_cells, const BoundaryData& boundary,
+                                               const int* cells, int num_cells) {
+  using Key = std::tuple<int, int, int>;  // surface, condition, pair
+  std::map<Key, std::vector<int>> members;
+  for (int c = 0; c < num_cells; ++c)
+    for (int p : boundary.points_of_cell[cells[c]])
+      members[{cut_cells.boundary.surface[p], boundary.condition_of_point[p], boundary.pair_of_point[p]}].push_back(p);
+
+  std::vector<ConstraintGroup> groups;
+  for (const auto& [key, points] : members) {
+    GroupMoments g;
+    for (int p : points) {
+      const double w = cut_cells.boundary.weight[p];
+      g.area += w;
+      g.centroid += w * cut_cells.boundary.position[p];
+      g.normal += w * cut_cells.boundary.normal[p];
+    }
+    if (!(g.area > 0)) continue;
+    g.centroid /= g.area;
+    for (int p : points) {
+      const Vec3 d = cut_cells.boundary.position[p] - g.centroid;
+      g.second += cut_cells.boundary.weight[p] / g.area * d * d.transpose();
+    }
+    ConstraintGroup group;
+    std::tie(group.surface, group.condition, group.pair) = key;
+    group.area = g.area;
+    place_points(g, cut_cells.solid.surfaces()[group.surface], group);
+    groups.push_back(std::move(group));
+  }
+  return groups;
+}
+
+}  // namespace cgcontact

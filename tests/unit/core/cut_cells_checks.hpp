@@ -1,0 +1,93 @@
+// What the tests of cut cells share: placing a solid in a grid of its own, and totals over all cells.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/cut_cells.hpp"
+
+namespace cgcontact {
+
+inline const double pi = std::acos(-1.0);
+
+inline Mat3 rotation(const Vec3& axis, double angle) {
+  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+}
+
+/// Cut cells of the solid after a rotation and a shift by the fractions of a cell given, in a grid that just holds it.
+inline CutCells cut(const Solid& solid, const Mat3& turn = Mat3::Identity(), const Vec3& fraction = Vec3::Zero()) {
+  Vec3 min, max;
+  const Solid turned = solid.transformed(turn, Vec3::Zero());
+  EXPECT_TRUE(turned.bounding_box(min, max));
+  const Solid placed = turned.transformed(Mat3::Identity(), fraction - min);
+  Grid grid;
+  for (int k = 0; k < 3; ++k) grid.num_cells[k] = static_cast<int>(std::ceil(max[k] - min[k] + fraction[k] - 1e-9));
+  return make_cut_cells(placed, grid);
+}
+
+struct Totals {
+  double volume = 0, area = 0;
+  double flux = 0;                  ///< integral of x . n / 3 over the boundary
+  Vec3 closure = Vec3::Zero();      ///< integral of n
+};
+
+inline Totals totals(const CutCells& cells) {
+  Totals sum;
+  long double volume = 0, area = 0;
+  for (std::size_t a = 0; a < cells.cells.size(); ++a) volume += cells.volume_fraction(static_cast<int>(a));
+  for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
+    const double w = cells.boundary.weight[i];
+    area += w;
+    sum.flux += w * cells.boundary.position[i].dot(cells.boundary.normal[i]) / 3;
+    sum.closure += w * cells.boundary.normal[i];
+  }
+  sum.volume = static_cast<double>(volume);
+  sum.area = static_cast<double>(area);
+  return sum;
+}
+
+inline std::vector<int> all_surfaces(const CutCells& cells) {
+  std::vector<int> result;
+  for (std::size_t i = 0; i < cells.solid.surfaces().size(); ++i) result.push_back(static_cast<int>(i));
+  return result;
+}
+
+/// Area from boundary_points_of_cell over all active cells.
+inline double area_by_cells(const CutCells& cells, const std::vector<Plane>& dividers, int order) {
+  BoundaryPoints points;
+  for (std::size_t a = 0; a < cells.cells.size(); ++a)
+    boundary_points_of_cell(cells, static_cast<int>(a), all_surfaces(cells), dividers, order, points);
+  double area = 0;
+  for (double w : points.weight) area += w;
+  return area;
+}
+
+/// The bookkeeping of the structure is consistent, whatever the geometry.
+inline void check_structure(const CutCells& cells) {
+  const int num_active = static_cast<int>(cells.cells.size());
+  ASSERT_EQ(cells.cut_of_active.size(), cells.cells.size());
+  ASSERT_EQ(cells.active_of_cut.size(), cells.moments.size());
+  for (int a = 0; a < num_active; ++a) {
+    EXPECT_EQ(cells.find(cells.cells[a]), a);
+    EXPECT_GT(cells.volume_fraction(a), 0.99e-12);
+    EXPECT_LT(cells.volume_fraction(a), 1 + 1e-11) << "pruned neighbours may add a few 1e-12";
+    if (a > 0) {
+      EXPECT_LT(cells.grid.cell_index(cells.cells[a - 1]), cells.grid.cell_index(cells.cells[a]));
+    }
+  }
+  for (std::size_t c = 0; c < cells.moments.size(); ++c)
+    EXPECT_EQ(cells.cut_of_active[cells.active_of_cut[c]], static_cast<int>(c));
+  for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
+    const int owner = cells.boundary.cell[i];
+    ASSERT_TRUE(owner >= 0 && owner < num_active) << "a point is owned by an inactive cell";
+    EXPECT_GE(cells.cut_of_active[owner], 0) << "a point is owned by an interior cell";
+    EXPECT_GT(cells.boundary.weight[i], 0);
+    EXPECT_NEAR(cells.boundary.normal[i].norm(), 1, 1e-14);
+    if (i > 0) {
+      EXPECT_LE(cells.boundary.cell[i - 1], owner);
+    }
+  }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,104 @@
+#include <gtest/gtest.h>
+
+#include "core/cli.hpp"
+#include "core/progress.hpp"
+
+namespace cgcontact {
+namespace {
+
+struct Outcome {
+  std::optional<CommandLine> line;
+  int exit_code = -1;
+  std::string out, err;
+};
+
+Outcome parse(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "cgcontact");
+  Outcome outcome;
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  outcome.line = parse_command_line(static_cast<int>(arguments.size()), arguments.data(), outcome.exit_code);
+  outcome.out = testing::internal::GetCapturedStdout();
+  outcome.err = testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+TEST(CommandLine, run_takes_all_options) {
+  const Outcome outcome =
+      parse({"run", "a.toml", "--set", "n=3", "--out", "dir", "--set", "b.c=[0, 1]", "--threads", "4", "-v"});
+  ASSERT_TRUE(outcome.line);
+  EXPECT_EQ(outcome.line->command, CommandLine::run);
+  EXPECT_EQ(outcome.line->scene, "a.toml");
+  EXPECT_EQ(outcome.line->out, "dir");
+  EXPECT_EQ(outcome.line->threads, 4);
+  EXPECT_EQ(outcome.line->overrides, (std::vector<std::string>{"n=3", "b.c=[0, 1]"}));
+  EXPECT_TRUE(outcome.line->verbose);
+}
+
+TEST(CommandLine, set_does_not_swallow_the_scene) {
+  const Outcome outcome = parse({"check", "--set", "n=3", "a.toml"});
+  ASSERT_TRUE(outcome.line);
+  EXPECT_EQ(outcome.line->command, CommandLine::check);
+  EXPECT_EQ(outcome.line->scene, "a.toml");
+}
+
+TEST(CommandLine, help_and_version_end_well) {
+  const Outcome help = parse({"--help"}), run_help = parse({"run", "--help"}), version = parse({"--version"});
+  EXPECT_FALSE(help.line || run_help.line || version.line);
+  EXPECT_EQ(help.exit_code + run_help.exit_code + version.exit_code, 0);
+  EXPECT_NE(help.out.find("Exit codes"), std::string::npos);
+  EXPECT_NE(run_help.out.find("--threads"), std::string::npos);
+  EXPECT_EQ(version.out.rfind("cgcontact ", 0), 0u);
+}
+
+TEST(CommandLine, mistakes_give_one_line_and_exit_code_1) {
+  const std::vector<std::pair<std::vector<const char*>, std::string>> cases = {
+      {{}, "a command is needed"},
+      {{"rnu", "a.toml"}, "did you mean \"run\"?"},
+      {{"a.toml"}, "did you mean \"run a.toml\"?"},
+      {{"run"}, "SCENE is required"},
+      {{"run", "a.toml", "--set"}, "--set"},
+      {{"run", "a.toml", "b.toml"}, "unexpected argument \"b.toml\""},
+      {{"run", "a.toml", "--thread", "2"}, "did you mean \"--threads\"?"},
+      {{"run", "a.toml", "--threads", "0"}, "--threads"},
+      {{"check", "a.toml", "--out", "x"}, "unknown option \"--out\""},
+  };
+  for (const auto& [arguments, text] : cases) {
+    const Outcome outcome = parse(arguments);
+    EXPECT_FALSE(outcome.line);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.err.find('\n'), outcome.err.size() - 1) << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+TEST(Progress, log_has_a_line_per_phase_and_iteration) {
+  std::ostringstream stream;
+  Progress progress(Progress::Mode::log, stream);
+  progress.begin_phase("cut cells");
+  progress.begin_phase("solve");
+  progress.outer_iteration(1, 120, 0.5);
+  progress.linear_iteration(10, 1e-3);
+  progress.message("warning: something");
+  progress.begin_phase("cut cells");
+  progress.finish();
+  const std::string text = stream.str();
+  EXPECT_EQ(
+      text.rfind("cut cells: 0.00 s\nsolve: outer 1, active 120, residual 5.0e-01\nwarning: something\nsolve: ", 0), 0u)
+      << text;
+  ASSERT_EQ(progress.times_s().size(), 2u) << "the phase that came back is summed";
+  EXPECT_EQ(progress.times_s()[0].first, "cut cells");
+}
+
+TEST(Progress, quick_runs_show_nothing_on_a_terminal) {
+  std::ostringstream stream;
+  Progress progress(Progress::Mode::terminal, stream);
+  progress.begin_phase("solve");
+  progress.outer_iteration(1, 120, 0.5);
+  progress.finish();
+  EXPECT_EQ(stream.str(), "");
+}
+
+}  // namespace
+}  // namespace cgcontact

@@ -1,0 +1,156 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "core/clip_cells.hpp"
+
+namespace cgcontact {
+namespace {
+
+CutCells cut(const Solid& solid, int num_cells) {
+  Grid grid;
+  grid.num_cells = {num_cells, num_cells, num_cells};
+  return make_cut_cells(solid, grid);
+}
+
+Solid tilted_box() {
+  const Mat3 rotation = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  return Solid::box({-2, -1.5, -2.5}, {2, 1.5, 2.5}, "box").transformed(rotation, {4.1, 4.2, 3.9});
+}
+
+Solid hollow_box() {
+  return Solid::subtract(Solid::box({0.3, 0.41, 0.77}, {6.1, 7.3, 5.9}, "box"),
+                         Solid::box({2.2, 2.3, 2.4}, {4.4, 4.5, 7}, "hole"));
+}
+
+double volume_of_moments(const CutCells& cells) {
+  double sum = 0;
+  for (std::size_t i = 0; i < cells.cells.size(); ++i) sum += cells.volume_fraction(static_cast<int>(i));
+  return sum;
+}
+
+Vec3 area_vector(const ClippedMesh& mesh, const BoundaryTriangle& triangle) {
+  const Vec3& a = mesh.points[triangle.points[0]];
+  return (mesh.points[triangle.points[1]] - a).cross(mesh.points[triangle.points[2]] - a) / 2;
+}
+
+/// Volume enclosed by the boundary triangles; equals the mesh's volume only if they are closed and turned outward.
+double enclosed_volume(const ClippedMesh& mesh) {
+  double sum = 0;
+  for (const BoundaryTriangle& triangle : mesh.boundary)
+    sum += mesh.points[triangle.points[0]].dot(area_vector(mesh, triangle)) / 3;
+  return sum;
+}
+
+std::map<int, double> area_by_surface(const ClippedMesh& mesh) {
+  std::map<int, double> areas;
+  for (const BoundaryTriangle& triangle : mesh.boundary) areas[triangle.surface] += area_vector(mesh, triangle).norm();
+  return areas;
+}
+
+void expect_sound(const CutCells& cells, const ClippedMesh& mesh) {
+  for (const auto& t : mesh.tetrahedra) {
+    const Vec3& a = mesh.points[t[0]];
+    EXPECT_GT((mesh.points[t[1]] - a).cross(mesh.points[t[2]] - a).dot(mesh.points[t[3]] - a), 0);
+  }
+  for (std::size_t p = 0; p < mesh.points.size(); ++p) {
+    const Index3& c = cells.cells[mesh.cell_of_point[p]];
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_GE(mesh.points[p][k], c[k] - 1e-12);
+      EXPECT_LE(mesh.points[p][k], c[k] + 1 + 1e-12);
+    }
+  }
+}
+
+TEST(clip_cells, planar_bodies_are_exact) {
+  for (const Solid& solid : {Solid::box({0.3, 0.41, 0.77}, {6.1, 7.3, 5.9}, "box"), tilted_box(), hollow_box()}) {
+    const CutCells cells = cut(solid, 8);
+    const ClippedMesh mesh = clip_cells(cells);
+    expect_sound(cells, mesh);
+    EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 1e-12);
+    EXPECT_NEAR(enclosed_volume(mesh) / mesh.volume(), 1, 1e-12);
+    std::map<int, double> areas;
+    for (std::size_t i = 0; i < cells.boundary.size(); ++i)
+      areas[cells.boundary.surface[i]] += cells.boundary.weight[i];
+    const std::map<int, double> drawn = area_by_surface(mesh);
+    ASSERT_EQ(drawn.size(), areas.size());
+    for (const auto& [surface, area] : areas) EXPECT_NEAR(drawn.at(surface) / area, 1, 1e-11) << surface;
+  }
+}
+
+TEST(clip_cells, a_body_on_grid_planes_has_no_tetrahedra) {
+  const CutCells cells = cut(Solid::box({1, 2, 1}, {5, 6, 4}, "box"), 8);
+  const ClippedMesh mesh = clip_cells(cells);
+  EXPECT_EQ(mesh.tetrahedra.size(), 0u);
+  EXPECT_EQ(mesh.hexahedra.size(), 48u);
+  EXPECT_EQ(mesh.points.size(), 100u);
+  EXPECT_EQ(mesh.volume(), 48);
+  EXPECT_EQ(mesh.boundary_area(), 2 * (16 + 12 + 12));
+}
+
+TEST(clip_cells, faces_near_grid_planes_are_found) {
+  for (double shift : {1e-16, 1e-14, 1e-13, 1e-12, 1e-11, 1e-10, 2e-10, 1e-9, 1e-7, 1e-5})
+    for (double sign : {-1.0, 1.0}) {
+      const double low = 2 + sign * shift, high = 5 - 0.5 * sign * shift;
+      const CutCells cells = cut(Solid::box({low, 1.3, 2.2}, {high, 4.7, 5.1}, "box"), 8);
+      const ClippedMesh mesh = clip_cells(cells);
+      EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 2e-10) << sign * shift;
+      EXPECT_NEAR(enclosed_volume(mesh) / mesh.volume(), 1, 1e-9) << sign * shift;
+      EXPECT_NEAR(mesh.boundary_area(), 2 * (3.4 * 2.9 + (high - low) * (3.4 + 2.9)), 1e-8) << sign * shift;
+    }
+}
+
+TEST(clip_cells, a_sphere_converges_with_second_order) {
+  double errors[2];
+  for (int level = 0; level < 2; ++level) {
+    const int n = 16 << level;
+    const double radius = 0.45 * n;
+    const CutCells cells = cut(Solid::sphere({0.5 * n + 0.1, 0.5 * n - 0.07, 0.5 * n + 0.03}, radius, "ball"), n + 1);
+    const ClippedMesh mesh = clip_cells(cells);
+    expect_sound(cells, mesh);
+    errors[level] = std::abs(mesh.volume() / volume_of_moments(cells) - 1);
+    EXPECT_NEAR(enclosed_volume(mesh) / mesh.volume(), 1, 1e-7);
+    EXPECT_NEAR(mesh.boundary_area() / (4 * M_PI * radius * radius), 1, 1e-3);
+  }
+  EXPECT_LT(errors[0], 2e-3);
+  EXPECT_LT(errors[1], 0.27 * errors[0]);
+}
+
+TEST(clip_cells, curved_and_plane_faces_meet_without_gaps) {
+  const Mat3 rotation = Eigen::AngleAxisd(0.3, Vec3(1, 1, 1).normalized()).toRotationMatrix();
+  const Solid cap =
+      Solid::intersect(Solid::sphere({0, 0, 0}, 6, "ball"), Solid::half_space({0, 0, 5.4}, Vec3::UnitZ(), "top"));
+  const Solid ring = Solid::subtract(Solid::cylinder({0, 0, -1}, {0, 0, 1.2}, 5.5, "outer"),
+                                     Solid::cylinder({0, 0, -2}, {0, 0, 2}, 2.5, "inner"));
+  for (const Solid& solid : {cap, ring}) {
+    const Solid placed = solid.transformed(rotation, {7.1, 7.2, 7.3});
+    const CutCells cells = cut(placed, 14);
+    const ClippedMesh mesh = clip_cells(cells);
+    expect_sound(cells, mesh);
+    EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 3e-3);
+    EXPECT_NEAR(enclosed_volume(mesh) / mesh.volume(), 1, 1e-7);
+    for (const Vec3& x : mesh.points)
+      for (std::size_t s = 0; s < 1; ++s) EXPECT_LT(placed.surfaces()[s].signed_distance(x), 1e-9);
+  }
+}
+
+TEST(clip_cells, a_part_of_the_body_can_be_drawn) {
+  const CutCells cells = cut(Solid::box({1, 1, 1}, {5, 5, 5}, "box"), 6);
+  const Solid quarter = Solid::intersect(Solid::half_space({3.1, 0, 0}, -Vec3::UnitX(), "a"),
+                                         Solid::half_space({0, 2.7, 0}, -Vec3::UnitY(), "b"));
+  const ClippedMesh mesh = clip_cells(cells, Solid::subtract(cells.solid, quarter));
+  const double volume = 64 - 1.9 * 2.3 * 4;
+  EXPECT_NEAR(mesh.volume() / volume, 1, 1e-13);
+  EXPECT_NEAR(enclosed_volume(mesh) / volume, 1, 1e-13);
+}
+
+TEST(clip_cells, cell_coordinates_are_those_of_the_cell) {
+  const CutCells cells = cut(Solid::box({1, 1, 1}, {5, 5, 5}, "box"), 6);
+  const int cell = cells.find({2, 3, 4});
+  EXPECT_TRUE(clamped_cell_coordinates(cells, cell, {2, 3.5, 5}).isApprox(Vec3(-1, 0, 1)));
+  EXPECT_TRUE(clamped_cell_coordinates(cells, cell, {1.9, 3.75, 4.5}).isApprox(Vec3(-1, 0.5, 0)));
+}
+
+}  // namespace
+}  // namespace cgcontact

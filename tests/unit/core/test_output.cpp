@@ -1,0 +1,351 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "core/clip_cells.hpp"
+#include "core/output.hpp"
+#include "core/output_text.hpp"
+
+namespace cgcontact {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double cell_size = 1e-3;
+
+/// Two blocks on each other, 4 x 3 x 2 mm each, with linear displacement and stress.
+struct Blocks {
+  CutCells lower, upper;
+  Results results;
+  Scene scene;
+};
+
+CutCells block(double bottom) {
+  Grid grid;
+  grid.cell_size = cell_size;
+  grid.origin = Vec3(-0.3, -0.6, bottom / cell_size - 0.4) * cell_size;
+  grid.num_cells = {5, 4, 3};
+  return make_cut_cells(Solid::box({0.3, 0.6, 0.4}, {4.3, 3.6, 2.4}, "block"), grid);
+}
+
+Vec3 position(const CutCells& cells, int cell, const Vec3& xi) {
+  const Index3& c = cells.cells[cell];
+  return cells.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
+}
+
+void add_body(const std::string& name, const CutCells& cells, Results& results) {
+  const CutCells* const place = &cells;
+  BodyFields fields;
+  fields.name = name;
+  fields.cut_cells = place;
+  fields.displacement = [place](int cell, const Vec3& xi) {
+    return Vec3(1e-4 * position(*place, cell, xi)[1], 0, -2e-4 * position(*place, cell, xi)[2]);
+  };
+  fields.stress_recovered = [place](int cell, const Vec3& xi) {
+    Sym3 s;
+    s << 1, 2, 3, 4, 5, 1000 * position(*place, cell, xi)[0];
+    return s;
+  };
+  fields.stress_raw = fields.stress_recovered;
+  fields.error_of_cell.assign(cells.cells.size(), 0.5);
+  const int body = static_cast<int>(results.bodies.size());
+  const double height = 2e-3;
+  for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
+    ContactRow row;
+    row.x = cells.grid.to_global(cells.boundary.position[i]);
+    if (std::abs(row.x[2] - height) > 1e-12) continue;
+    row.body = body;
+    row.cell = cells.boundary.cell[i];
+    row.normal = cells.boundary.normal[i];
+    row.weight = cells.boundary.weight[i] * cell_size * cell_size;
+    row.gap = 1e-9 / 3;
+    row.pressure_raw = 1e6 / 3;
+    row.pressure_spr = 1e6 * row.x[0];
+    row.pressure_sprc = 2e6 / 7;
+    row.active = true;
+    results.contact_rows.push_back(row);
+    results.stress_errors.push_back({body, row.x, 3, 2, 1});
+    results.path.push_back({body, row.x[1], row.x, 1e6, 1.1e6, 1.2e6, true, 1.3e6});
+  }
+  results.bodies.push_back(fields);
+}
+
+std::unique_ptr<Blocks> make_blocks() {
+  auto blocks = std::make_unique<Blocks>();
+  blocks->lower = block(0);
+  blocks->upper = block(2e-3);
+  Results& results = blocks->results;
+  results.scene_file = "scenes/blocks.toml";
+  results.title = "two blocks";
+  results.backend = "serial";
+  results.converged = true;
+  results.linear_iterations = {9, 4};
+  add_body("lower", blocks->lower, results);
+  add_body("upper, \"second\"", blocks->upper, results);
+  PairFigures pair;
+  pair.name = "interface";
+  pair.body_first = results.bodies[0].name;
+  pair.body_second = results.bodies[1].name;
+  pair.force_on_first = Vec3(0, 0, -12);
+  pair.force_on_second = Vec3(0, 0, 12);
+  results.pairs.push_back(pair);
+  results.pressure_errors.push_back({"all", 0.3, 0.2, 0.1});
+  results.patches_by_kind = {{"interior", 3}, {"contact", 2}};
+  results.times_s = {{"solve", 1.5}};
+  return blocks;
+}
+
+/// A directory of its own for each test, removed at the end.
+class output : public ::testing::Test {
+ protected:
+  output() {
+    std::string pattern = (fs::temp_directory_path() / "cgcontact-test-XXXXXX").string();
+    root_ = mkdtemp(pattern.data());
+    out_ = (root_ / "result").string();
+  }
+  ~output() override { fs::remove_all(root_); }
+  std::string file(const std::string& name) const { return out_ + "/" + name; }
+  /// Names in the parent directory: shows temporary directories left behind.
+  std::set<std::string> siblings() const {
+    std::set<std::string> names;
+    for (const auto& entry : fs::directory_iterator(root_)) names.insert(entry.path().filename().string());
+    return names;
+  }
+  std::string error_of(const Results& results, const Scene& scene, const std::string& directory) const {
+    try {
+      write_results(results, scene, directory);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  fs::path root_;
+  std::string out_;
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(output, contact_csv_reads_back_exactly) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.vtk = blocks->scene.output.plots = false;
+  write_results(blocks->results, blocks->scene, out_);
+  const std::vector<std::string> lines = lines_of(read_text(file("contact.csv")));
+  ASSERT_EQ(lines.size(), blocks->results.contact_rows.size() + 1);
+  EXPECT_EQ(lines[0], "body,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,active");
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    const ContactRow& row = blocks->results.contact_rows[i - 1];
+    const std::string name = row.body == 0 ? "lower," : "\"upper, \"\"second\"\"\",";
+    ASSERT_EQ(lines[i].substr(0, name.size()), name);
+    std::istringstream numbers(lines[i].substr(name.size()));
+    const double expected[] = {row.x[0],         row.x[1],         row.x[2],          row.normal[0],
+                               row.normal[1],    row.normal[2],    row.weight,        row.gap,
+                               row.pressure_raw, row.pressure_spr, row.pressure_sprc, 1};
+    for (double value : expected) {
+      std::string text;
+      std::getline(numbers, text, ',');
+      EXPECT_EQ(std::strtod(text.c_str(), nullptr), value) << lines[i];
+    }
+  }
+}
+
+TEST_F(output, report_holds_the_figures) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.vtk = blocks->scene.output.plots = false;
+  blocks->results.estimated_error = std::nan("");
+  write_results(blocks->results, blocks->scene, out_);
+  const auto json = nlohmann::json::parse(read_text(file("report.json")));
+  for (const char* key : {"scene", "version", "backend", "threads", "unknowns", "cells", "outer_iterations",
+                          "linear_iterations", "active_points", "converged", "contact", "estimated_error", "recovery",
+                          "pressure_error", "times_s", "peak_memory_bytes", "warnings", "diagnosis"})
+    EXPECT_TRUE(json.contains(key)) << key;
+  EXPECT_FALSE(json.contains("effectivity"));
+  EXPECT_EQ(json["scene"], "scenes/blocks.toml");
+  EXPECT_EQ(json["linear_iterations"], nlohmann::json({9, 4}));
+  EXPECT_EQ(json["contact"][0]["force"]["lower"], nlohmann::json({0, 0, -12}));
+  EXPECT_EQ(json["contact"][0]["bodies"][1], "upper, \"second\"");
+  EXPECT_TRUE(json["estimated_error"]["absolute"].is_null());
+  EXPECT_EQ(json["recovery"]["patches"]["contact"], 2);
+  EXPECT_EQ(json["pressure_error"][0]["sprc"], 0.1);
+  EXPECT_EQ(json["times_s"]["solve"], 1.5);
+  EXPECT_EQ(json["cells"]["active"], 0);
+}
+
+TEST_F(output, a_result_is_replaced_and_foreign_files_stay) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.vtk = blocks->scene.output.plots = false;
+  write_results(blocks->results, blocks->scene, out_);
+  write_text(file("notes.txt"), "mine");
+  blocks->scene.output.csv = false;
+  blocks->results.title = "second";
+  write_results(blocks->results, blocks->scene, out_ + "/");
+  EXPECT_EQ(nlohmann::json::parse(read_text(file("report.json")))["title"], "second");
+  EXPECT_FALSE(fs::exists(file("contact.csv")));
+  EXPECT_EQ(read_text(file("notes.txt")), "mine");
+  EXPECT_EQ(siblings(), std::set<std::string>{"result"});
+}
+
+TEST_F(output, parent_directories_are_made_and_an_empty_directory_is_used) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.vtk = blocks->scene.output.plots = false;
+  write_results(blocks->results, blocks->scene, out_ + "/a/b");
+  EXPECT_TRUE(fs::exists(file("a/b/report.json")));
+  fs::create_directory(root_ / "empty");
+  EXPECT_NO_THROW(check_output_directory((root_ / "empty").string()));
+  write_results(blocks->results, blocks->scene, (root_ / "empty").string());
+  EXPECT_TRUE(fs::exists(root_ / "empty" / "report.json"));
+}
+
+TEST_F(output, other_directories_are_not_touched) {
+  const auto blocks = make_blocks();
+  fs::create_directory(out_);
+  write_text(file("thesis.tex"), "years of work");
+  EXPECT_NE(error_of(blocks->results, blocks->scene, out_).find("will not replace"), std::string::npos);
+  EXPECT_THROW(check_output_directory(out_), InputError);
+  write_text(file("report.json"), "{\"program\": \"another\"}");
+  EXPECT_NE(error_of(blocks->results, blocks->scene, out_).find("not a report of cgcontact"), std::string::npos);
+  write_text(file("report.json"), "not json");
+  EXPECT_NE(error_of(blocks->results, blocks->scene, out_), "");
+  EXPECT_EQ(read_text(file("thesis.tex")), "years of work");
+  EXPECT_NE(error_of(blocks->results, blocks->scene, file("thesis.tex")).find("not a directory"), std::string::npos);
+  EXPECT_NE(error_of(blocks->results, blocks->scene, file("thesis.tex/out")), "");
+  EXPECT_THROW(check_output_directory(file("thesis.tex/out")), InputError);
+  EXPECT_EQ(siblings(), std::set<std::string>{"result"});
+}
+
+/// Runs `work` with a limit on the size of files, which fails like a full disk.
+template <class Work>
+void with_file_limit(rlim_t bytes, const Work& work) {
+  rlimit before;
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limited{bytes, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &limited);
+  work();
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+}
+
+TEST_F(output, the_old_result_is_kept_when_writing_fails) {
+  const auto blocks = make_blocks();
+  write_results(blocks->results, blocks->scene, out_);
+  const std::string report = read_text(file("report.json")), csv = read_text(file("contact.csv"));
+  blocks->results.title = "second";
+  for (rlim_t limit : {rlim_t{100}, rlim_t{csv.size() + 10}}) {
+    std::string error;
+    with_file_limit(limit, [&] { error = error_of(blocks->results, blocks->scene, out_); });
+    EXPECT_NE(error.find("cannot write"), std::string::npos) << error;
+    EXPECT_EQ(read_text(file("report.json")), report);
+    EXPECT_EQ(read_text(file("contact.csv")), csv);
+    EXPECT_EQ(siblings(), std::set<std::string>{"result"});
+  }
+}
+
+/// Exit code of the check by VTK's own reader.
+int check_vtk(const std::string& arguments) {
+  const std::string python = fs::exists("/usr/bin/python3") ? "/usr/bin/python3" : "python3";
+  const int status = std::system((python + " " CGCONTACT_SOURCE_DIR "/tests/check_vtk.py " + arguments).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+TEST_F(output, vtk_opens_the_bodies_and_the_contact_faces) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.plots = false;
+  write_results(blocks->results, blocks->scene, out_);
+  std::size_t points = 0, cells = 0;
+  for (const CutCells* body : {&blocks->lower, &blocks->upper}) {
+    const ClippedMesh mesh = clip_cells(*body);
+    points += mesh.points.size();
+    cells += mesh.hexahedra.size() + mesh.tetrahedra.size();
+  }
+  const int status = check_vtk(fmt::format(
+      "{} --points {} --cells {} --volume 48e-9 --tolerance 1e-12 --bounds 0 4e-3 0 3e-3 0 4e-3 "
+      "--point-array displacement:3 --point-array stress_recovered:6 --point-array von_mises:1 --cell-array body:1 "
+      "--cell-array stress_raw:6 --cell-array estimated_error:1 --cell-array estimated_error_density:1",
+      file("result.vtkhdf"), points, cells));
+  if (status == 77) GTEST_SKIP() << "python3-vtk9 is not installed";
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(
+      check_vtk(fmt::format("{} --area 24e-6 --tolerance 1e-12 --bounds 0 4e-3 0 3e-3 2e-3 2e-3 "
+                            "--cell-array pressure_sprc:1 --cell-array pressure_raw:1 --cell-array pressure_spr:1 "
+                            "--cell-array gap:1 --cell-array status:1 --point-array pressure_sprc_smooth:1",
+                            file("contact.vtkhdf"))),
+      0);
+}
+
+TEST_F(output, without_gnuplot_scripts_and_data_stay_and_a_warning_says_so) {
+  const auto blocks = make_blocks();
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", root_.c_str(), 1);
+  const std::vector<std::string> warnings = write_results(blocks->results, blocks->scene, out_);
+  setenv("PATH", path.c_str(), 1);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("gnuplot"), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(read_text(file("report.json")))["warnings"][0], warnings[0]);
+  for (const char* name : {"pressure.gp", "pressure.dat", "stress_error.gp", "stress_error.dat", "scene.gp"})
+    EXPECT_TRUE(fs::exists(file(std::string("plots/") + name))) << name;
+}
+
+TEST_F(output, gnuplot_draws_the_pictures) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const auto blocks = make_blocks();
+  blocks->results.title = "braces {}, 'quotes' and \"more\", under_score ^ @ & ~ back\\slash";
+  EXPECT_EQ(write_results(blocks->results, blocks->scene, out_), std::vector<std::string>{});
+  for (const char* name : {"pressure.svg", "stress_error.svg", "scene.png"})
+    EXPECT_GT(fs::file_size(file(name)), 1000u) << name;
+  EXPECT_NE(read_text(file("pressure.svg")).find("under_score"), std::string::npos);
+  EXPECT_FALSE(fs::exists(file("plots")));
+}
+
+TEST_F(output, a_run_without_contact_or_recovery_is_written_too) {
+  const auto blocks = make_blocks();
+  Results& results = blocks->results;
+  results.bodies.pop_back();
+  results.bodies[0].stress_recovered = nullptr;
+  results.contact_rows.clear();
+  results.stress_errors.clear();
+  results.path.clear();
+  results.pairs.clear();
+  EXPECT_EQ(write_results(results, blocks->scene, out_), std::vector<std::string>{});
+  EXPECT_TRUE(fs::exists(file("result.vtkhdf")));
+  EXPECT_FALSE(fs::exists(file("contact.vtkhdf")));
+  EXPECT_FALSE(fs::exists(file("contact.csv")));
+}
+
+TEST_F(output, the_summary_fits_one_screen) {
+  const auto blocks = make_blocks();
+  const std::vector<std::string> lines = lines_of(summary(blocks->results, out_));
+  EXPECT_LT(lines.size(), 24u);
+  EXPECT_EQ(lines[0], "solved: two blocks");
+  blocks->results.converged = false;
+  blocks->results.diagnosis = "the body lower can move along x";
+  const std::string text = summary(blocks->results, out_);
+  EXPECT_NE(text.find("DID NOT CONVERGE"), std::string::npos);
+  EXPECT_NE(text.find("can move along x"), std::string::npos);
+}
+
+TEST(output_text, numbers_for_people) {
+  EXPECT_EQ(scaled(9373180, "Pa"), "9.373 MPa");
+  EXPECT_EQ(scaled(0, "N"), "0 N");
+  EXPECT_EQ(scaled(-0.0123, "N"), "-12.3 mN");
+  EXPECT_EQ(short_number(1.23456e-7), "1.235e-07");
+}
+
+}  // namespace
+}  // namespace cgcontact
