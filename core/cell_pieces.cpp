@@ -109,7 +109,7 @@ void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* 
 /// Gauss points per direction beyond the order before compression: area to about 1e-9 in every piece.
 int extra_nodes(const Surface& surface, double width) {
   const double turn = surface.max_curvature() * width;
-  return turn < 0.15 ? 2 : turn < 0.3 ? 3 : turn < 0.45 ? 5 : 7;
+  return turn < 0.15 ? 2 : turn < 0.3 ? 3 : turn < 0.45 ? 5 : turn < 0.7 ? 7 : 9;
 }
 
 void add_piece_points(const Leaf& leaf, int i, int order, int owner, BoundaryPoints& points) {

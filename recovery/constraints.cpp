@@ -13,6 +13,10 @@ constexpr int voigt_index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 /// stretch of 0.1 cells, below which three points differ by less than the fit can tell (prototype, section 4).
 constexpr double min_spread = 0.1 / 3.4641016151377544;
 
+/// On a flat contact face the points are spread at least this much, so that an open face is free of traction on its whole
+/// plane however small the piece in the patch is.
+constexpr double min_contact_spread = 0.1;
+
 /// Moments of a group of boundary points.
 struct GroupMoments {
   double area = 0;
@@ -27,7 +31,8 @@ Vec3 project(const Surface& surface, const Vec3& x) {
 /// Three points c + sqrt(2) (cos t s1 e1 + sin t s2 e2): same area moments up to degree 2 as the group.
 void place_points(const GroupMoments& g, const Surface& surface, ConstraintGroup& group) {
   const Eigen::SelfAdjointEigenSolver<Mat3> eigen(g.second);
-  const Vec3 spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();  // ascending: normal direction first
+  Vec3 spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();  // ascending: normal direction first
+  if (group.pair >= 0 && surface.kind == Surface::Kind::plane) spread = spread.cwiseMax(min_contact_spread);
   const Vec3 s1 = spread[2] * eigen.eigenvectors().col(2), s2 = spread[1] * eigen.eigenvectors().col(1);
   std::vector<Vec3> points;
   if (spread[2] < min_spread) {

@@ -27,6 +27,7 @@ class RowSet {
     }
     return C;
   }
+  std::size_t size() const { return value_.size(); }
   Eigen::VectorXd values() const { return Eigen::Map<const Eigen::VectorXd>(value_.data(), value_.size()); }
 
  private:
@@ -96,6 +97,8 @@ class BodyRecovery {
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, RowSet& rows) const;
   void add_contact(const ConstraintGroup& group, const PatchFit& own, const PatchFit* auxiliary,
                    const PairState& state, RowSet& rows) const;
+  void enforce_free_contact(const std::vector<ConstraintGroup>& groups, const std::map<int, PairState>& states,
+                            const PatchFit& own, Eigen::VectorXd& unknowns) const;
   std::map<int, PairState> pair_states(const std::vector<int>& cells) const;
   PatchFit auxiliary_fit(const PairState& state) const;
   const RecoveryBody& other_body(const PairState& state) const {
@@ -219,6 +222,24 @@ void BodyRecovery::add_contact(const ConstraintGroup& group, const PatchFit& own
   }
 }
 
+/// Where contact is open the pressure is exactly zero: conflicting data elsewhere in the patch (a load on a face that
+/// meets the contact face at an edge) must not leak into it through the least-squares solution.
+void BodyRecovery::enforce_free_contact(const std::vector<ConstraintGroup>& groups,
+                                        const std::map<int, PairState>& states, const PatchFit& own,
+                                        Eigen::VectorXd& unknowns) const {
+  RowSet rows;
+  for (const ConstraintGroup& group : groups) {
+    const auto state = states.find(group.pair);
+    if (state == states.end() || state->second.is_closed()) continue;
+    for (std::size_t p = 0; p < group.position.size(); ++p)
+      rows.add(traction_row(group.position[p] - own.centre, group.normal[p], group.normal[p]), 0);
+  }
+  if (rows.size() == 0) return;
+  Eigen::VectorXd a = unknowns.head<num_unknowns>();
+  constrain_fit({own.mass}, rows.matrix(false), rows.values(), options_.rank_tolerance, a);
+  unknowns.head<num_unknowns>() = a;
+}
+
 PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts, Eigen::VectorXd& a) const {
   const PatchSet& patches = *body_.patches;
   const std::vector<int> cells(patches.cells.begin() + patches.begin[n], patches.cells.begin() + patches.begin[n + 1]);
@@ -265,6 +286,7 @@ PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts, Eigen::VectorXd& 
   }
   const ConstrainedFitStatus status =
       constrain_fit(mass, rows.matrix(coupled), rows.values(), options_.rank_tolerance, unknowns);
+  enforce_free_contact(groups, states, own, unknowns);
   counts.truncated_rows += status.truncated;
   counts.inconsistent += status.inconsistent;
   counts.grown += patches.grown[n];
