@@ -179,7 +179,8 @@ LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& 
 LocalSolid make_local_solid(const Solid& solid, const Vec3& corner, double width) {
   const Vec3 half = Vec3::Constant(0.5 * width);
   std::vector<signed char> sides;
-  for (const Surface& s : solid.surfaces()) sides.push_back(static_cast<signed char>(side_of_box(s, corner + half, half)));
+  for (const Surface& s : solid.surfaces())
+    sides.push_back(static_cast<signed char>(side_of_box(s, corner + half, half)));
   return make_local_solid(solid, sides);
 }
 

@@ -1,7 +1,6 @@
 /// One cell of a body: the surfaces that cross it, its moments, and the pieces of the boundary in it.
 #pragma once
 
-#include <functional>
 #include <vector>
 
 #include "core/csg.hpp"

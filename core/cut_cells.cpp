@@ -13,8 +13,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double prune_fraction = 1e-12;   // cells with less volume than this are rounding
-constexpr double full_tolerance = 1e-13;   // moments this near to those of a full cell are made full
+constexpr double prune_fraction = 1e-12;  // cells with less volume than this are rounding
+constexpr double full_tolerance = 1e-13;  // moments this near to those of a full cell are made full
 constexpr int default_order = 3;
 
 /// A cell that a surface may cross, with what was found in it.

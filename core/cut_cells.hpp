@@ -62,7 +62,7 @@ struct CutCells {
   std::vector<int> active_of_cut;   ///< cut cell -> active cell
   std::vector<Moments> moments;     ///< one per cut cell
   BoundaryPoints boundary;          ///< default rule, all surfaces
-  std::vector<Adoption> adoptions;   ///< ascending in active
+  std::vector<Adoption> adoptions;  ///< ascending in active
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
   double volume_fraction(int active) const {
@@ -86,8 +86,8 @@ CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid
 /// Quadrature points of the pieces of the given surfaces in one active cell, the pieces being split additionally at
 /// the `dividers` (planes in grid coordinates, e.g. the grid planes of another body's grid) so that the points of every
 /// part lie on one side of each. On planes the rule of every part integrates polynomials of total degree
-/// <= 2 order - 1 exactly, on curved surfaces polynomials in space of total degree <= order + 1 (to about 1e-9); weights
-/// are positive. Appends to `points`.
+/// <= 2 order - 1 exactly, on curved surfaces polynomials in space of total degree <= order + 1 (to about 1e-9);
+/// weights are positive. Appends to `points`.
 void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,
                              const std::vector<Plane>& dividers, int order, BoundaryPoints& points);
 

@@ -9,8 +9,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double min_slope = 0.3;      // least |component of the unit normal| along the axis of a graph
-constexpr int max_depth = 12;          // of the cutting into octants
+constexpr double min_slope = 0.3;  // least |component of the unit normal| along the axis of a graph
+constexpr int max_depth = 12;      // of the cutting into octants
 constexpr int comfortable_surfaces = 8;
 constexpr int max_dividers = 40;
 constexpr std::uint64_t lower_bit = std::uint64_t{1} << 20, upper_bit = std::uint64_t{1} << 21;
@@ -100,7 +100,8 @@ void visit_leaves(Leaf& leaf, int depth, const std::function<void(const Leaf&)>&
     divide = divide || leaf.axis[i] < 0;
   }
   if (!divide || last) {
-    if (leaf.dividers.size() > max_dividers) throw InputError("the cells of two bodies in contact differ too much in size");
+    if (leaf.dividers.size() > max_dividers)
+      throw InputError("the cells of two bodies in contact differ too much in size");
     return visit(leaf);
   }
   for (int octant = 0; octant < 8; ++octant) {
@@ -166,8 +167,7 @@ Piece::Piece(const Leaf& leaf, int i)
   } else {
     region_.has_graph = true;
     region_.graph.quadric = permuted(expand(surface_, leaf.corner), cyclic_axes(axis_));
-    region_.graph.sign =
-        expand(surface_, leaf.corner + Vec3::Constant(0.5 * leaf.width)).g[axis_] > 0 ? 1.0 : -1.0;
+    region_.graph.sign = expand(surface_, leaf.corner + Vec3::Constant(0.5 * leaf.width)).g[axis_] > 0 ? 1.0 : -1.0;
   }
   add_trims();
   add_dividers();

@@ -1,5 +1,5 @@
-/// A cell is cut into leaves (usually one: the cell itself) in which every curved surface is a graph over a face; pieces of
-/// surfaces and faces of leaves become regions of a square.
+/// A cell is cut into leaves (usually one: the cell itself) in which every curved surface is a graph over a face;
+/// pieces of surfaces and faces of leaves become regions of a square.
 #pragma once
 
 #include <functional>

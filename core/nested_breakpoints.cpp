@@ -84,7 +84,8 @@ void conic_candidates(Candidates& candidates, int f, const Conic& k, double w) {
 }
 
 /// t of the points common to two planes (g.u + c = 0) and the quadric.
-void cross_planes(Candidates& candidates, const Vec3& g1, double c1, const Vec3& g2, double c2, const Quadric& surface) {
+void cross_planes(Candidates& candidates, const Vec3& g1, double c1, const Vec3& g2, double c2,
+                  const Quadric& surface) {
   const Vec3 d = g1.cross(g2);
   const double d2 = d.squaredNorm();
   if (d2 <= 1e-24 * g1.squaredNorm() * g2.squaredNorm()) return;
@@ -141,8 +142,8 @@ std::vector<Vec3> newton_starts(const Region& region) {
   return starts;
 }
 
-/// Curves on the graph without closed form: crossings with the sides of the square, the faces of the cell, other curves,
-/// and tangencies or self-crossings.
+/// Curves on the graph without closed form: crossings with the sides of the square, the faces of the cell, other
+/// curves, and tangencies or self-crossings.
 void general_candidates(Candidates& candidates, const Region& region, int f) {
   const double w = region.width, margin = 1e-6 * w;
   const std::vector<Vec3> starts = newton_starts(region);
@@ -169,7 +170,8 @@ void general_candidates(Candidates& candidates, const Region& region, int f) {
 /// Two conics without radical line.
 void cross_general_conics(Candidates& candidates, const Region& region, const Conic& a, const Conic& b) {
   std::vector<Vec3> points;
-  common_points(cylinder_over(a), cylinder_over(b), coordinate_plane(2, 0), region.width, newton_starts(region), points);
+  common_points(cylinder_over(a), cylinder_over(b), coordinate_plane(2, 0), region.width, newton_starts(region),
+                points);
   for (const Vec3& u : points) candidates.t.push_back(u[1]);
   candidates.scan = true;
 }
@@ -201,7 +203,8 @@ void collect_candidates(const Region& region, Candidates& candidates) {
       conic_candidates(candidates, index, functions[f].conic, region.width);
       for (std::size_t g = 0; g < f; ++g) {
         const bool both_own = (functions[f].bit & own) && (functions[g].bit & own);
-        if (!functions[g].on_graph && !both_own) cross_conics(candidates, region, functions[f].conic, functions[g].conic);
+        if (!functions[g].on_graph && !both_own)
+          cross_conics(candidates, region, functions[f].conic, functions[g].conic);
       }
     }
   }

@@ -60,7 +60,7 @@ double choose_exaggeration(const std::vector<DrawnBody>& bodies, const Box& box)
     for (const Vec3& u : body.displacement) largest = std::max(largest, u.norm());
   if (!(largest > 0) || !std::isfinite(largest)) return 1;
   const double factor = drawn_displacement * box.extent().norm() / largest;
-  return factor <= 1 ? 1 : round_down(factor);
+  return factor <= 1 || factor > 1e9 ? 1 : round_down(factor);  // smaller displacements are rounding
 }
 
 int find_thin_axis(const Results& results, const Box& box) {

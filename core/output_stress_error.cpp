@@ -44,7 +44,7 @@ bool fit_circle(const std::vector<StressErrorSample>& samples, Layout& layout) {
     matrix += row * row.transpose();
     rhs += row * (x * x + y * y);
   }
-  const Vec3 c = matrix.ldlt().solve(rhs);
+  const Vec3 c = matrix.inverse() * rhs;
   const double squared = c[2] + (c[0] * c[0] + c[1] * c[1]) / 4;
   if (!c.allFinite() || squared <= 0) return false;
   layout.radius = scale * std::sqrt(squared);

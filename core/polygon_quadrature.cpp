@@ -126,8 +126,8 @@ class PolygonIntegrator {
       if (area == 0) continue;
       for (std::size_t q = 0; q < triangle.weight.size(); ++q) {
         const double a = triangle.a[q], b = triangle.b[q];
-        points_.push_back({polygon.s[0] + a * as + b * bs, polygon.t[0] + a * at + b * bt, area * triangle.weight[q],
-                           value, mask});
+        points_.push_back(
+            {polygon.s[0] + a * as + b * bs, polygon.t[0] + a * at + b * bt, area * triangle.weight[q], value, mask});
       }
     }
   }
@@ -146,8 +146,8 @@ class PolygonIntegrator {
     for (std::size_t i = 0; i < gauss.node.size(); ++i)
       for (std::size_t j = 0; j < gauss.node.size(); ++j) {
         const double a = gauss.node[i], b = gauss.node[j];
-        points_.push_back({p.s[0] + a * as + b * bs, p.t[0] + a * at + b * bt,
-                           area * gauss.weight[i] * gauss.weight[j], value, mask});
+        points_.push_back({p.s[0] + a * as + b * bs, p.t[0] + a * at + b * bt, area * gauss.weight[i] * gauss.weight[j],
+                           value, mask});
       }
   }
 

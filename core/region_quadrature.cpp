@@ -27,10 +27,11 @@ int quadratic_roots(double a, double b, double c, double roots[2]) {
 
 int Conic::sign_on_square(double w) const {
   // Bernstein coefficients bound the polynomial
-  const double cs = 0.5 * s * w, ct = 0.5 * t * w, b[3][3] = {
-      {c, c + ct, c + 2 * ct + tt * w * w},
-      {c + cs, c + cs + ct + 0.25 * st * w * w, c + cs + 2 * ct + (tt + 0.5 * st) * w * w},
-      {c + 2 * cs + ss * w * w, c + 2 * cs + ct + (ss + 0.5 * st) * w * w, c + 2 * cs + 2 * ct + (ss + st + tt) * w * w}};
+  const double cs = 0.5 * s * w, ct = 0.5 * t * w,
+               b[3][3] = {{c, c + ct, c + 2 * ct + tt * w * w},
+                          {c + cs, c + cs + ct + 0.25 * st * w * w, c + cs + 2 * ct + (tt + 0.5 * st) * w * w},
+                          {c + 2 * cs + ss * w * w, c + 2 * cs + ct + (ss + 0.5 * st) * w * w,
+                           c + 2 * cs + 2 * ct + (ss + st + tt) * w * w}};
   bool negative = true, positive = true;
   for (const auto& row : b)
     for (double value : row) (value < 0 ? positive : negative) = false;

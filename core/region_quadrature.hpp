@@ -53,8 +53,8 @@ struct RegionFunction {
 struct RegionPredicate {
   const std::vector<unsigned char>* table = nullptr;  ///< inside or not for every combination of the surface bits
   std::uint64_t surface_mask = 0;
-  std::uint64_t piece = 0;               ///< bit of the surface whose piece is sought; 0: the region itself
-  std::uint64_t lower = 0, upper = 0;    ///< bits of the piece's surface on the two faces of the cell
+  std::uint64_t piece = 0;             ///< bit of the surface whose piece is sought; 0: the region itself
+  std::uint64_t lower = 0, upper = 0;  ///< bits of the piece's surface on the two faces of the cell
   std::uint64_t divider_mask = 0;
   /// Region: 1 inside, else 0. Piece: 1 if the body lies on the inner side of the surface, -1 if on the outer side,
   /// 0 if this point of the surface is not on the body's boundary or not between the two faces.

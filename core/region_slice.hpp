@@ -29,8 +29,6 @@ class Slicer {
  public:
   void reset(const Region& region);
   const Region& region() const { return *region_; }
-  /// True if a function needs numerical roots.
-  bool has_general_traces() const { return has_general_; }
 
   /// Valid until the next call.
   const std::vector<Segment>& slice(double t);
@@ -47,7 +45,7 @@ class Slicer {
   std::uint64_t mask_at(double s, double t, bool with_general) const;
 
   const Region* region_ = nullptr;
-  bool has_general_ = false;
+  bool has_general_ = false;  ///< a function needs numerical roots
   std::vector<Cut> cuts_;
   std::vector<Segment> segments_;
 };

@@ -28,25 +28,32 @@ Vec3 project(const Surface& surface, const Vec3& x) {
   return x - surface.signed_distance(x) * surface.gradient(x);
 }
 
-/// Three points c + sqrt(2) (cos t s1 e1 + sin t s2 e2): same area moments up to degree 2 as the group.
+/// At most three points on the surface with the same area moments up to degree 2 as the group: c + sqrt(2) F (cos t, sin t)
+/// with F F^T the covariance in the tangent plane. F is its Cholesky factor in a fixed frame, which depends continuously
+/// on the group (principal axes would not, for square pieces).
 void place_points(const GroupMoments& g, const Surface& surface, ConstraintGroup& group) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(g.second);
-  Vec3 spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();  // ascending: normal direction first
-  if (group.pair >= 0 && surface.kind == Surface::Kind::plane) spread = spread.cwiseMax(min_contact_spread);
-  const Vec3 s1 = spread[2] * eigen.eigenvectors().col(2), s2 = spread[1] * eigen.eigenvectors().col(1);
-  std::vector<Vec3> points;
-  if (spread[2] < min_spread) {
-    points = {g.centroid};
-  } else if (spread[1] < min_spread) {
-    points = {g.centroid - s1, g.centroid + s1};
+  const auto [t1, t2] = tangents(g.normal.normalized());
+  Eigen::Matrix2d covariance;
+  covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
+  if (group.pair >= 0 && surface.kind == Surface::Kind::plane)
+    covariance += min_contact_spread * min_contact_spread * Eigen::Matrix2d::Identity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
+  const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
+  std::vector<Eigen::Vector2d> offsets;
+  if (spread[1] < min_spread) {
+    offsets = {Eigen::Vector2d::Zero()};
+  } else if (spread[0] < min_spread) {
+    const Eigen::Vector2d along = spread[1] * eigen.eigenvectors().col(1);
+    offsets = {-along, along};
   } else {
+    const Eigen::Matrix2d factor = covariance.llt().matrixL();
     for (int i = 0; i < 3; ++i) {
       const double t = M_PI / 2 + i * 2 * M_PI / 3;
-      points.push_back(g.centroid + std::sqrt(2.0) * (std::cos(t) * s1 + std::sin(t) * s2));
+      offsets.emplace_back(std::sqrt(2.0) * factor * Eigen::Vector2d(std::cos(t), std::sin(t)));
     }
   }
-  for (const Vec3& p : points) {
-    const Vec3 x = project(surface, p);
+  for (const Eigen::Vector2d& o : offsets) {
+    const Vec3 x = project(surface, g.centroid + o[0] * t1 + o[1] * t2);
     Vec3 n = surface.gradient(x);
     if (n.dot(g.normal) < 0) n = -n;
     group.position.push_back(x);
@@ -55,6 +62,12 @@ void place_points(const GroupMoments& g, const Surface& surface, ConstraintGroup
 }
 
 }  // namespace
+
+std::pair<Vec3, Vec3> tangents(const Vec3& n) {
+  // A fixed choice with one threshold: rounding of n does not turn the frame.
+  const Vec3 t1 = n.cross(std::abs(n[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
+  return {t1, n.cross(t1)};
+}
 
 Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e) {
   const double p[num_terms] = {1, d[0], d[1], d[2]};

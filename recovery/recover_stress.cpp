@@ -35,12 +35,22 @@ class RowSet {
   std::vector<double> value_;
 };
 
-/// Two unit vectors that complete n to an orthonormal frame.
-std::pair<Vec3, Vec3> tangents(const Vec3& n) {
-  int k = 0;
-  n.cwiseAbs().minCoeff(&k);
-  const Vec3 t1 = n.cross(Vec3::Unit(k)).normalized();
-  return {t1, n.cross(t1)};
+/// Unit directions orthogonal to all held ones: those in which the traction at a point with normal n is known.
+std::vector<Vec3> known_directions(const TractionCondition& condition, const Vec3& n, const Mat3& rotation) {
+  std::vector<Vec3> basis;
+  const auto extend = [&](Vec3 v) {
+    for (const Vec3& b : basis) v -= b.dot(v) * b;
+    if (v.norm() < 0.1) return false;
+    basis.push_back(v.normalized());
+    return true;
+  };
+  if (condition.normal_held) extend(n);
+  for (int i = 0; i < 3; ++i)
+    if (condition.component_held[i]) extend(rotation.row(i).transpose());
+  const std::size_t num_held = basis.size();
+  const auto [t1, t2] = tangents(n);
+  for (const Vec3& v : {n, t1, t2}) extend(v);
+  return {basis.begin() + num_held, basis.end()};
 }
 
 /// A fit before constraints: mass matrix and coefficients about a centre.
@@ -137,19 +147,7 @@ void BodyRecovery::add_known_traction(const ConstraintGroup& group, const Vec3& 
     if (condition.traction)
       t = grid_.rotation.transpose() * condition.traction(grid_.to_global(group.position[p]), grid_.rotation * n) /
           scales_.stress;
-    Mat3 held = Mat3::Zero();
-    if (condition.normal_held) held += n * n.transpose();
-    for (int i = 0; i < 3; ++i)
-      if (condition.component_held[i]) {
-        const Vec3 e = grid_.rotation.row(i).transpose();
-        held += e * e.transpose();
-      }
-    const Eigen::SelfAdjointEigenSolver<Mat3> eigen(held);
-    for (int i = 0; i < 3; ++i)
-      if (eigen.eigenvalues()[i] < 1e-6) {
-        const Vec3 e = eigen.eigenvectors().col(i);
-        rows.add(traction_row(d, n, e), e.dot(t));
-      }
+    for (const Vec3& e : known_directions(condition, n, grid_.rotation)) rows.add(traction_row(d, n, e), e.dot(t));
   }
 }
 

@@ -1,4 +1,4 @@
-/// Runs a scene of the repository with overrides, without output.
+/// Runs a scene of the repository (path from its root) with overrides, without output.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ struct SolvedScene {
 
 inline std::unique_ptr<SolvedScene> run_scene(const std::string& name, const std::vector<std::string>& overrides = {}) {
   auto solved = std::make_unique<SolvedScene>();
-  solved->scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/" + name, overrides);
+  solved->scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/" + name, overrides);
   solved->simulation = std::make_unique<Simulation>(solved->scene);
   solved->simulation->run({});
   return solved;

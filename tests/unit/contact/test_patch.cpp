@@ -19,7 +19,7 @@ class ContactPatch : public testing::TestWithParam<PatchCase> {};
 TEST_P(ContactPatch, IsExact) {
   std::vector<std::string> overrides = tight;
   overrides.insert(overrides.end(), GetParam().overrides.begin(), GetParam().overrides.end());
-  const auto solved = test::run_scene("patch_test.toml", overrides);
+  const auto solved = test::run_scene("scenes/patch_test.toml", overrides);
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
   const double p = 1e8, tolerance = 1e-10;

@@ -12,7 +12,7 @@ TEST(TwoSolids, PressureErrorsStayWithinTheBounds) {
     double whole, ratio, interior_ratio;
   };
   for (const Bound& b : {Bound{"n=8", 0.18, 1.4, 2.0}, Bound{"n=16", 0.09, 1.5, 2.5}, Bound{"n=32", 0.05, 1.6, 3.0}}) {
-    const auto solved = test::run_scene("two_solids.toml", {b.n});
+    const auto solved = test::run_scene("scenes/two_solids.toml", {b.n});
     const Results& r = solved->results();
     EXPECT_TRUE(r.converged) << b.n;
     EXPECT_LE(r.outer_iterations, 10) << b.n;
@@ -29,7 +29,7 @@ TEST(TwoSolids, PressureErrorsStayWithinTheBounds) {
 TEST(Rings, PressureConvergesAndTheEstimateIsHonest) {
   std::vector<double> error;
   for (const char* n : {"n=8", "n=16", "n=32"}) {
-    const auto solved = test::run_scene("rings.toml", {n});
+    const auto solved = test::run_scene("scenes/rings.toml", {n});
     const Results& r = solved->results();
     ASSERT_TRUE(r.converged) << n << " " << r.diagnosis;
     const ZoneError& whole = test::zone(r, "whole");

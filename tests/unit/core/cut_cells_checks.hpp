@@ -28,8 +28,8 @@ inline CutCells cut(const Solid& solid, const Mat3& turn = Mat3::Identity(), con
 
 struct Totals {
   double volume = 0, area = 0;
-  double flux = 0;                  ///< integral of x . n / 3 over the boundary
-  Vec3 closure = Vec3::Zero();      ///< integral of n
+  double flux = 0;              ///< integral of x . n / 3 over the boundary
+  Vec3 closure = Vec3::Zero();  ///< integral of n
 };
 
 inline Totals totals(const CutCells& cells) {

@@ -10,9 +10,7 @@
 namespace cgcontact {
 namespace {
 
-Mat3 rotation(const Vec3& axis, double angle) {
-  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-}
+Mat3 rotation(const Vec3& axis, double angle) { return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(); }
 
 bool has_name(const Surface& surface, const std::string& name) {
   for (const std::string& n : surface.names)
@@ -120,8 +118,7 @@ TEST(Csg, BoundingBoxesAreTight) {
   EXPECT_LT((max - r.cwiseAbs() * Vec3(1, 2, 3)).norm(), 1e-14);
 
   ASSERT_TRUE(Solid::cylinder({0, 0, -1}, {0, 0, 1}, 2, "c").transformed(r, Vec3::Zero()).bounding_box(min, max));
-  for (int k = 0; k < 3; ++k)
-    EXPECT_NEAR(max[k], std::abs(r(k, 2)) + 2 * std::hypot(r(k, 0), r(k, 1)), 1e-14);
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(max[k], std::abs(r(k, 2)) + 2 * std::hypot(r(k, 0), r(k, 1)), 1e-14);
 }
 
 // Proves the rules for booleans and for unbounded solids.

@@ -23,9 +23,10 @@ std::vector<Body> bodies() {
   const Vec3 o = Vec3::Zero();
   const auto sphere = Solid::sphere(o, r, "s");
   list.push_back({"sphere", sphere, 4. / 3 * pi * r * r * r, 4 * pi * r * r, curved});
-  list.push_back({"cylinder", Solid::cylinder({0, 0, -3}, {0, 0, 3}, r, "c"), pi * r * r * 6, 2 * pi * r * (r + 6), curved});
-  const auto ring = Solid::subtract(Solid::cylinder({0, 0, -2}, {0, 0, 2}, r, "o"),
-                                    Solid::cylinder({0, 0, -2}, {0, 0, 2}, 2.2, "i"));
+  list.push_back(
+      {"cylinder", Solid::cylinder({0, 0, -3}, {0, 0, 3}, r, "c"), pi * r * r * 6, 2 * pi * r * (r + 6), curved});
+  const auto ring =
+      Solid::subtract(Solid::cylinder({0, 0, -2}, {0, 0, 2}, r, "o"), Solid::cylinder({0, 0, -2}, {0, 0, 2}, 2.2, "i"));
   const double face = pi * (r * r - 2.2 * 2.2);
   list.push_back({"ring", ring, 4 * face, 2 * face + 2 * pi * (r + 2.2) * 4, curved});
   list.push_back({"sphere minus box", Solid::subtract(sphere, Solid::box(o, {5, 5, 5}, "b")), 7. / 6 * pi * r * r * r,
@@ -33,20 +34,23 @@ std::vector<Body> bodies() {
   const double d = 3, h = r - d / 2;
   list.push_back({"lens", Solid::intersect(sphere, Solid::sphere({d, 0, 0}, r, "t")), 2 * pi * h * h * (3 * r - h) / 3,
                   4 * pi * r * h, curved});
-  list.push_back({"box minus sphere", Solid::subtract(Solid::box({-4, -4, -4}, {4, 4, 4}, "b"), Solid::sphere(o, 3, "s")),
-                  512 - 36 * pi, 384 + 36 * pi, curved});
-  list.push_back({"Steinmetz", Solid::intersect(Solid::cylinder({-9, 0, 0}, {9, 0, 0}, r, "a"),
-                                                Solid::cylinder({0, -9, 0}, {0, 9, 0}, r, "b")),
-                  16. / 3 * r * r * r, 16 * r * r, curved});
+  list.push_back({"box minus sphere",
+                  Solid::subtract(Solid::box({-4, -4, -4}, {4, 4, 4}, "b"), Solid::sphere(o, 3, "s")), 512 - 36 * pi,
+                  384 + 36 * pi, curved});
+  list.push_back(
+      {"Steinmetz",
+       Solid::intersect(Solid::cylinder({-9, 0, 0}, {9, 0, 0}, r, "a"), Solid::cylinder({0, -9, 0}, {0, 9, 0}, r, "b")),
+       16. / 3 * r * r * r, 16 * r * r, curved});
   const double hole = 1.7, half = std::sqrt(r * r - hole * hole);
   list.push_back({"sphere with hole", Solid::subtract(sphere, Solid::cylinder({0, 0, -9}, {0, 0, 9}, hole, "c")),
                   4. / 3 * pi * half * half * half, 4 * pi * (r + hole) * half, curved});
   list.push_back({"box", Solid::box({-2, -3, -4}, {2, 3, 4}, "b"), 192, 2 * (24 + 48 + 32), planar});
   const Solid corner = Solid::half_space({0, 0, 1.5}, {1, 1, 1}, "h");  // cuts x + y + z <= 1.5 off the cube [0,3]^3
-  list.push_back({"cube cut by half-space", Solid::intersect(Solid::box(o, {3, 3, 3}, "b"), corner), 1.5 * 1.5 * 1.5 / 6,
-                  1.5 * 1.5 * (1.5 + std::sqrt(3.) / 2), planar});
-  list.push_back({"overlapping boxes", Solid::unite(Solid::box(o, {4, 4, 4}, "a"), Solid::box({2, 2, 2}, {6, 6, 6}, "b")),
-                  120, 168, planar});
+  list.push_back({"cube cut by half-space", Solid::intersect(Solid::box(o, {3, 3, 3}, "b"), corner),
+                  1.5 * 1.5 * 1.5 / 6, 1.5 * 1.5 * (1.5 + std::sqrt(3.) / 2), planar});
+  list.push_back({"overlapping boxes",
+                  Solid::unite(Solid::box(o, {4, 4, 4}, "a"), Solid::box({2, 2, 2}, {6, 6, 6}, "b")), 120, 168,
+                  planar});
   return list;
 }
 
@@ -69,15 +73,16 @@ TEST(CutCells, VolumesAndAreas) {
       }
 }
 
-// Proves that coarse grids work: 3 cells per diameter, where the surface turns much within a cell. 1e-6 is far below the
-// discretisation error there.
+// Proves that coarse grids work: 3 cells per diameter, where the surface turns much within a cell. 1e-6 is far below
+// the discretisation error there.
 TEST(CutCells, ThreeCellsPerDiameter) {
   const double r = 1.5;
   for (const Vec3& fraction : {Vec3(0, 0, 0), Vec3(0.31, 0.77, 0.5)}) {
     const Totals sphere = totals(cut(Solid::sphere({0, 0, 0}, r, "s"), Mat3::Identity(), fraction));
     EXPECT_NEAR(sphere.volume / (4. / 3 * pi * r * r * r), 1, 1e-6);
     EXPECT_NEAR(sphere.area / (4 * pi * r * r), 1, 1e-6);
-    const Totals cylinder = totals(cut(Solid::cylinder({0, 0, 0}, {0, 0, 2}, r, "c"), rotation({1, 2, 3}, 1.0), fraction));
+    const Totals cylinder =
+        totals(cut(Solid::cylinder({0, 0, 0}, {0, 0, 2}, r, "c"), rotation({1, 2, 3}, 1.0), fraction));
     EXPECT_NEAR(cylinder.volume / (2 * pi * r * r), 1, 1e-6);
     EXPECT_NEAR(cylinder.area / (2 * pi * r * (r + 2)), 1, 1e-6);
     const Totals tiny = totals(cut(Solid::sphere({0, 0, 0}, 0.2, "s"), Mat3::Identity(), fraction));
@@ -85,7 +90,9 @@ TEST(CutCells, ThreeCellsPerDiameter) {
   }
 }
 
-double monomial(const Vec3& x, int a, int b, int c) { return std::pow(x[0], a) * std::pow(x[1], b) * std::pow(x[2], c); }
+double monomial(const Vec3& x, int a, int b, int c) {
+  return std::pow(x[0], a) * std::pow(x[1], b) * std::pow(x[2], c);
+}
 
 /// Integral of a polynomial of degree <= 4 per variable over the body from the weights of the cells.
 template <class Function>
@@ -104,13 +111,13 @@ double integrate(const CutCells& cells, const Function& f) {
   return sum;
 }
 
-// Proves moments and boundary points against each other: the divergence theorem for all monomials of degree <= 3, which is
-// what makes constant stress an exact solution. Curved: 1e-9 relative to the sum of absolute values.
+// Proves moments and boundary points against each other: the divergence theorem for all monomials of degree <= 3, which
+// is what makes constant stress an exact solution. Curved: 1e-9 relative to the sum of absolute values.
 TEST(CutCells, DivergenceTheorem) {
   for (const Body& body : bodies()) {
     SCOPED_TRACE(body.name);
-    const CutCells cells = cut(body.solid.transformed(Mat3::Identity(), Vec3::Zero(), 0.7), rotation({1, 2, 3}, 0.4),
-                               {0.2, 0.6, 0.9});
+    const CutCells cells =
+        cut(body.solid.transformed(Mat3::Identity(), Vec3::Zero(), 0.7), rotation({1, 2, 3}, 0.4), {0.2, 0.6, 0.9});
     for (int a = 0; a <= 3; ++a)
       for (int b = 0; a + b <= 3; ++b)
         for (int c = 0; a + b + c <= 3; ++c)
@@ -118,9 +125,9 @@ TEST(CutCells, DivergenceTheorem) {
             const Vec3 origin = Vec3::Constant(4);
             int e[3] = {a, b, c};
             const int power = e[d]--;
-            const double volume =
-                power == 0 ? 0
-                           : integrate(cells, [&](const Vec3& x) { return power * monomial(x - origin, e[0], e[1], e[2]); });
+            const double volume = power == 0 ? 0 : integrate(cells, [&](const Vec3& x) {
+              return power * monomial(x - origin, e[0], e[1], e[2]);
+            });
             double surface = 0, size = 0;
             for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
               const double term = cells.boundary.weight[i] * monomial(cells.boundary.position[i] - origin, a, b, c) *
@@ -165,8 +172,8 @@ TEST(CutCells, CoarseMomentsAreInherited) {
   const Body all[] = {bodies()[0], bodies()[8], bodies()[10]};
   for (const Body& body : all) {
     SCOPED_TRACE(body.name);
-    const Solid fine_solid =
-        body.solid.transformed(rotation({3, 1, 2}, 0.5), Vec3::Zero(), 1.5).transformed(Mat3::Identity(), Vec3::Constant(9.3));
+    const Solid fine_solid = body.solid.transformed(rotation({3, 1, 2}, 0.5), Vec3::Zero(), 1.5)
+                                 .transformed(Mat3::Identity(), Vec3::Constant(9.3));
     Grid fine_grid, coarse_grid;
     fine_grid.num_cells = {24, 24, 24};
     coarse_grid.num_cells = {12, 12, 12};
@@ -184,7 +191,8 @@ TEST(CutCells, CoarseMomentsAreInherited) {
       const Moments inherited = coarse_moments(children);
       const int cut_cell = coarse.cut_of_active[a];
       const Moments& direct = cut_cell < 0 ? full_cell_moments() : coarse.moments[cut_cell];
-      for (int q = 0; q < num_moments; ++q) EXPECT_NEAR(inherited[q], direct[q], body.tolerance == planar ? 1e-13 : 1e-10);
+      for (int q = 0; q < num_moments; ++q)
+        EXPECT_NEAR(inherited[q], direct[q], body.tolerance == planar ? 1e-13 : 1e-10);
     }
   }
 }
@@ -230,8 +238,12 @@ TEST(CutCells, PlanarPiecesAreOfDegreeFive) {
 // Proves that dividers do not change the area of any cell and that parts end exactly at them: the area on one side of a
 // plane through a sphere is that of the cap (2 pi r h), on one side of a plane through the centre of a box one half.
 TEST(CutCells, DividersSplitPieces) {
-  const std::vector<Plane> dividers{{Vec3(1, 2, -1).normalized(), 4.1}, {Vec3(0, 0, 2), 9.3}, {Vec3(1, 0, 0.1), 5.2},
-                                    {Vec3(1, 0, 0.1), 5.7}, {Vec3(1, 0, 0.1), 6.3}, {Vec3(0.1, 1, 0), 5.01}};
+  const std::vector<Plane> dividers{{Vec3(1, 2, -1).normalized(), 4.1},
+                                    {Vec3(0, 0, 2), 9.3},
+                                    {Vec3(1, 0, 0.1), 5.2},
+                                    {Vec3(1, 0, 0.1), 5.7},
+                                    {Vec3(1, 0, 0.1), 6.3},
+                                    {Vec3(0.1, 1, 0), 5.01}};
   const Solid sphere = Solid::sphere({5.1, 5.2, 5.3}, 4, "s");
   const Solid box = Solid::box({-3, -2, -2.5}, {3, 2, 2.5}, "b").transformed(rotation({1, 2, 3}, 0.6), {5.1, 5.2, 5.3});
   Grid grid;

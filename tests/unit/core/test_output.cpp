@@ -328,6 +328,23 @@ TEST_F(output, a_run_without_contact_or_recovery_is_written_too) {
   EXPECT_FALSE(fs::exists(file("contact.csv")));
 }
 
+TEST_F(output, a_run_that_went_wrong_is_written_too) {
+  const auto blocks = make_blocks();
+  Results& results = blocks->results;
+  results.converged = false;
+  for (double wrong : {std::nan(""), HUGE_VAL, 1e200}) {
+    for (BodyFields& body : results.bodies) {
+      body.displacement = [=](int, const Vec3& xi) { return Vec3(wrong * xi[0], 0, wrong); };
+      body.stress_recovered = [=](int, const Vec3& xi) { return Sym3(Sym3::Constant(wrong * xi[0])); };
+    }
+    for (ContactRow& row : results.contact_rows) row.pressure_sprc = row.gap = wrong;
+    for (StressErrorSample& sample : results.stress_errors) sample.error_sprc = wrong;
+    for (PathSample& sample : results.path) sample.pressure_sprc = wrong;
+    EXPECT_NO_THROW(write_results(results, blocks->scene, out_)) << wrong;
+    EXPECT_FALSE(nlohmann::json::parse(read_text(file("report.json")))["converged"]);
+  }
+}
+
 TEST_F(output, the_summary_fits_one_screen) {
   const auto blocks = make_blocks();
   const std::vector<std::string> lines = lines_of(summary(blocks->results, out_));

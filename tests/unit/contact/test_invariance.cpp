@@ -1,0 +1,97 @@
+/// What must not change the answer: running again, the user's units, the order of the bodies.
+#include <gtest/gtest.h>
+
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+const std::string scene = "tests/scenes/units.toml";
+
+TEST(Invariance, SerialRunsAreReproducibleBitForBit) {
+  const auto a = test::run_scene(scene), b = test::run_scene(scene);
+  const RealView &u = a->simulation->outer.u, &v = b->simulation->outer.u;
+  ASSERT_EQ(u.extent(0), v.extent(0));
+  for (std::size_t i = 0; i < u.extent(0); ++i) ASSERT_EQ(u(i), v(i));
+  for (std::size_t r = 0; r < a->results().contact_rows.size(); ++r)
+    ASSERT_EQ(a->results().contact_rows[r].pressure_sprc, b->results().contact_rows[r].pressure_sprc);
+}
+
+/// Lengths in mm and stresses in MPa: only rounding differs, so converged solutions agree to the linear tolerance.
+TEST(Invariance, UnitsOnlyScaleTheAnswer) {
+  const std::vector<std::string> tight{"solver.tolerance=1e-12", "solver.linear_tolerance=1e-13"};
+  const auto si = test::run_scene(scene, tight);
+  std::vector<std::string> scaled = tight;
+  scaled.insert(scaled.end(), {"L=1e3", "S=1e-6"});
+  const auto mm = test::run_scene(scene, scaled);
+  ASSERT_TRUE(si->results().converged) << si->results().diagnosis;
+  ASSERT_TRUE(mm->results().converged) << mm->results().diagnosis;
+  EXPECT_EQ(si->results().outer_iterations, mm->results().outer_iterations);
+  const auto &a = si->results().contact_rows, &b = mm->results().contact_rows;
+  ASSERT_EQ(a.size(), b.size());
+  const double scale = si->results().pairs[0].max_pressure;
+  int open = 0;
+  for (std::size_t r = 0; r < a.size(); ++r) {
+    EXPECT_NEAR(a[r].pressure_raw / scale, b[r].pressure_raw / scale * 1e6, 1e-10);
+    EXPECT_NEAR(a[r].pressure_spr / scale, b[r].pressure_spr / scale * 1e6, 1e-10);
+    EXPECT_NEAR(a[r].pressure_sprc / scale, b[r].pressure_sprc / scale * 1e6, 1e-10);
+    EXPECT_EQ(a[r].active, b[r].active);
+    open += !a[r].active;
+  }
+  EXPECT_GT(open, 0);  // partial contact, otherwise the case proves little
+  EXPECT_NEAR(mm->results().estimated_error_relative / si->results().estimated_error_relative, 1, 1e-10);
+}
+
+/// With equal cell sizes the first body of the pair is primary; swapping the faces swaps the roles. The pressure
+/// changes by no more than the discretisation error.
+TEST(Invariance, SwappingTheBodiesChangesLittle) {
+  const std::vector<std::string> equal{"body.upper.cell_size=0.125"};
+  std::vector<std::string> swapped = equal;
+  swapped.push_back("contact.0.faces=[\"upper.z-\", \"lower.z+\"]");
+  const auto a = test::run_scene(scene, equal), b = test::run_scene(scene, swapped);
+  const double force = a->results().pairs[0].force_on_first.norm();
+  EXPECT_NEAR(a->results().pairs[0].force_on_first[2] / force, b->results().pairs[0].force_on_second[2] / force, 0.01);
+  double difference = 0, norm = 0;
+  ASSERT_EQ(a->results().contact_rows.size(), b->results().contact_rows.size());
+  for (std::size_t r = 0; r < a->results().contact_rows.size(); ++r) {
+    const ContactRow &p = a->results().contact_rows[r], &q = b->results().contact_rows[r];
+    difference += p.weight * std::pow(p.pressure_sprc - q.pressure_sprc, 2);
+    norm += p.weight * std::pow(p.pressure_sprc, 2);
+  }
+  EXPECT_LT(std::sqrt(difference / norm), 0.15);
+}
+
+TEST(OneBody, RunsThroughTheSamePathWithoutContact) {
+  const auto solved = test::run_scene("tests/scenes/one_body.toml", {"solver.tolerance=1e-12"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_TRUE(r.pairs.empty());
+  EXPECT_TRUE(r.contact_rows.empty());
+  // Uniaxial tension is linear: exact.
+  const BodyFields& body = r.bodies[0];
+  for (int c = 0; c < static_cast<int>(body.cut_cells->cells.size()); ++c) {
+    Sym3 exact = Sym3::Zero();
+    exact[0] = 2e6;
+    EXPECT_LT((body.stress_recovered(c, Vec3(0.3, -0.2, 0.1)) - exact).norm(), 1e-9 * 2e6);
+  }
+}
+
+/// A bar under its own weight, fixed on top: sigma_zz = rho g (z - 0) is linear, SPR-C reproduces it.
+TEST(OneBody, BodyForceIsInEquilibriumInTheRecoveredStress) {
+  const auto solved = test::run_scene("tests/scenes/hanging_bar.toml", {"solver.tolerance=1e-10"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const BodyFields& body = r.bodies[0];
+  double error = 0, norm = 0;
+  for (int c = 0; c < static_cast<int>(body.cut_cells->cells.size()); ++c) {
+    const Index3& g = body.cut_cells->cells[c];
+    const double z = body.cut_cells->grid.to_global(Vec3(g[0] + 0.5, g[1] + 0.5, g[2] + 0.5))[2];
+    const double exact = 78000 * z;
+    error += std::pow(body.stress_recovered(c, Vec3::Zero())[2] - exact, 2);
+    norm += exact * exact;
+  }
+  EXPECT_LT(std::sqrt(error / norm), 0.01);
+}
+
+}  // namespace
+}  // namespace cgcontact
