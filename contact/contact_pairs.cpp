@@ -10,8 +10,8 @@
 namespace cgcontact {
 namespace {
 
-/// Gauss points per direction of a contact piece: exact for the product of two trilinear traces on a plane.
-constexpr int contact_order = 3;
+/// Order of the rule on contact pieces: exact for the trilinear shape functions of either body on a plane.
+constexpr int contact_order = 2;
 
 /// Planes of the other grid that cross a cell, in the cell's grid coordinates.
 std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {

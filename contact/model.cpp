@@ -148,14 +148,15 @@ Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& x) {
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {
   std::vector<SupportPoint> points;
-  for (const SupportSpec& support : scene.supports) {
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s) {
+    const SupportSpec& support = scene.supports[s];
     const int b = support.face.body;
     const BodyModel& body = bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
       const Vec3 x = body.point(p), n = body.normal(p);
       if (!support.face.face.contains(body.surface_names(p), x, n)) continue;
-      SupportPoint point{b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
+      SupportPoint point{s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
                          n, n, body.area(p), 0.0};
       if (support.symmetry) points.push_back(point);
       for (int i = 0; i < 3; ++i)

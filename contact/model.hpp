@@ -35,6 +35,7 @@ constexpr double support_kappa_factor = 10;
 
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
+  int support;       ///< index into Scene::supports
   int body, cell;
   Vec3 xi;           ///< cell coordinates
   Vec3 direction;    ///< unit, global axes

@@ -45,6 +45,7 @@ class OuterLoop {
   double update_recovered_stress();
   long long count_active() const;
   void polish(OuterResult& result);
+  void set_forces(OuterResult& result) const;
 
   OuterProblem& problem_;
   NearNullSpace near_null_space_;
@@ -239,7 +240,23 @@ void OuterLoop::polish(OuterResult& result) {
   const LinearSolveResult solve =
       solver_.solve(rhs_, u_, solver.linear_tolerance * force_norm_, solver.max_linear_iterations);
   result.linear_iterations.push_back(solve.iterations);
+  set_forces(result);
+}
+
+/// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
+void OuterLoop::set_forces(OuterResult& result) const {
   result.group_force = group_force(true);
+  for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
+    const SupportPoint& p = problem_.supports[s];
+    const Vec3 d = problem_.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
+    double N[8], displacement = 0;
+    hex_shape(p.xi.data(), N);
+    for (int a = 0; a < 8; ++a)
+      for (int i = 0; i < 3; ++i)
+        displacement += N[a] * d[i] * u_(3 * problem_.system.meshes[p.body].cell_nodes[p.cell][a] + i);
+    result.support_stress.push_back(support_stress_[s] * scales().stress -
+                                    support_stiffness(p) * (displacement * scales().length - p.value));
+  }
 }
 
 OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress) {
@@ -268,7 +285,7 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
       result.diagnosis = fmt::format("the linear solver stopped after {} iterations at a relative residual of {:.2e} "
                                      "(solver.max_linear_iterations, solver.linear_tolerance)",
                                      solve.iterations, solve.residual / force_norm_);
-      result.group_force = group_force(true);
+      set_forces(result);
       const std::string motion = find_free_motion(problem_);
       if (!motion.empty()) result.diagnosis += "; " + motion;
       return result;
@@ -302,6 +319,9 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
 }  // namespace
 
 OuterResult solve_contact(OuterProblem& problem, const std::function<void(const OuterStep&)>& progress) {
+  // Contact points are all closed before the loop starts: a motion that is free even so is a mistake in the scene.
+  const std::string motion = find_free_motion(problem);
+  if (!motion.empty()) throw InputError(problem.scene.file + ": " + motion);
   return OuterLoop(problem).run(progress);
 }
 

@@ -26,6 +26,7 @@ struct OuterResult {
   std::vector<int> linear_iterations;
   std::vector<double> residuals;
   int preconditioner_setups = 0;
+  std::vector<double> support_stress;  ///< lambda of each support point, Pa
   std::vector<double> group_force;  ///< force of each contact group, Scales::stress * Scales::length^2
   bool converged = false;
   std::string diagnosis;

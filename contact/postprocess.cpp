@@ -286,6 +286,11 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
       if (r.pair == static_cast<int>(k)) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
     results.pairs.push_back(figures);
   }
+  for (const SupportSpec& support : sim.scene.supports)
+    results.supports.push_back({sim.scene.bodies[support.face.body].name + "." + support.face.face.name});
+  for (std::size_t s = 0; s < sim.supports.size(); ++s)
+    results.supports[sim.supports[s].support].force +=
+        sim.supports[s].weight * sim.outer.support_stress[s] * sim.supports[s].direction;
 }
 
 void fill_path(const Simulation& sim, Results& results) {

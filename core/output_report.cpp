@@ -58,6 +58,9 @@ void add_solution(const Results& results, Json& json) {
   json["diagnosis"] = results.diagnosis;
   json["contact"] = Json::array();
   for (const PairFigures& pair : results.pairs) json["contact"].push_back(json_of(pair));
+  json["supports"] = Json::array();
+  for (const SupportFigures& support : results.supports)
+    json["supports"].push_back({{"face", support.face}, {"force", json_of(support.force)}});
 }
 
 std::string force_line(const PairFigures& pair) {

@@ -63,6 +63,12 @@ struct PairFigures {
   int points = 0, active_points = 0;
 };
 
+/// Reaction of one support.
+struct SupportFigures {
+  std::string face;                 ///< "body.face"
+  Vec3 force = Vec3::Zero();        ///< N, acts on the body
+};
+
 /// Relative L2 error of the pressure in a zone.
 struct ZoneError {
   std::string zone;
@@ -84,6 +90,7 @@ struct Results {
   std::string diagnosis;  ///< why not, if not
   std::vector<std::string> warnings;
   std::vector<PairFigures> pairs;
+  std::vector<SupportFigures> supports;
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;

@@ -75,6 +75,8 @@ PatchSet make_patches(const BodyMesh& mesh) {
   set.weights = RealView("cgcontact::patches::weights", 27 * (1 + num_cut));
   set.weights_of_cell = IntView("cgcontact::patches::weights_of_cell", num_cells);
   set.nodes_of_cell = CellNodesView("cgcontact::patches::nodes_of_cell", num_cells);
+  set.cell_centre = decltype(set.cell_centre)("cgcontact::patches::cell_centre", num_cells);
+  set.node_position = decltype(set.node_position)("cgcontact::patches::node_position", mesh.num_nodes);
   using HostUnmanaged = Kokkos::View<const int*, Kokkos::HostSpace, Kokkos::MemoryTraits<Kokkos::Unmanaged>>;
   Kokkos::deep_copy(set.begin_view, HostUnmanaged(set.begin.data(), set.begin.size()));
   Kokkos::deep_copy(set.cells_view, HostUnmanaged(set.cells.data(), set.cells.size()));
@@ -82,12 +84,19 @@ PatchSet make_patches(const BodyMesh& mesh) {
   auto weights = Kokkos::create_mirror_view(set.weights);
   auto row = Kokkos::create_mirror_view(set.weights_of_cell);
   auto nodes = Kokkos::create_mirror_view(set.nodes_of_cell);
+  auto centre = Kokkos::create_mirror_view(set.cell_centre);
+  auto position = Kokkos::create_mirror_view(set.node_position);
   for (std::size_t e = 0; e < num_cells; ++e) {
     const int cut = cc.cut_of_active[e];
     cell_mass(cut < 0 ? full_cell_moments() : cc.moments[cut], &mass(e, 0));
     row(e) = 1 + cut;
     for (int a = 0; a < 8; ++a) nodes(e, a) = mesh.cell_nodes[e][a];
+    for (int i = 0; i < 3; ++i) centre(e, i) = cc.cells[e][i] + 0.5;
   }
+  for (int n = 0; n < mesh.num_nodes; ++n)
+    for (int i = 0; i < 3; ++i) position(n, i) = mesh.nodes[n][i];
+  Kokkos::deep_copy(set.cell_centre, centre);
+  Kokkos::deep_copy(set.node_position, position);
   for (std::size_t m = 0; m <= num_cut; ++m)
     fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], 3, &weights(27 * m));
   Kokkos::deep_copy(set.mass, mass);

@@ -25,6 +25,7 @@ struct PatchSet {
   RealView weights;                ///< (1 + cut cells) x 27 fitted weights, entry 0 for interior cells
   IntView weights_of_cell;         ///< active cell -> row of weights
   CellNodesView nodes_of_cell;     ///< active cell -> nodes, in order of the active cells
+  Kokkos::View<double* [3], Kokkos::LayoutRight, MemSpace> cell_centre, node_position;  ///< grid coordinates
 };
 
 PatchSet make_patches(const BodyMesh& mesh);

@@ -7,16 +7,17 @@ int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const IntView& no
   const auto begin = patches.begin_view;
   const auto cells = patches.cells_view;
   const auto mass = patches.mass;
+  const auto centre = patches.cell_centre;
+  const auto position = patches.node_position;
   const bool all = nodes.extent(0) == 0;
   const int count = all ? mesh.num_nodes : static_cast<int>(nodes.extent(0));
   int singular = 0;
   Kokkos::parallel_reduce(
       "cgcontact::spr::fit_patches", Kokkos::RangePolicy<ExecSpace>(0, count),
-      [&](const int index, int& failed) {
+      KOKKOS_LAMBDA(const int index, int& failed) {
         const int n = all ? index : nodes(index);
-        const Index3& node = mesh.nodes[n];
         const auto offset = [&](int c, double d[3]) {
-          for (int i = 0; i < 3; ++i) d[i] = mesh.cut_cells->cells[c][i] + 0.5 - node[i];
+          for (int i = 0; i < 3; ++i) d[i] = centre(c, i) - position(n, i);
         };
         double m[num_terms][num_terms], H[6][num_terms];
         gather_patch(cells, begin(n), begin(n + 1), offset, mass, stress, m, H);
