@@ -24,7 +24,8 @@ BoundaryStress::BoundaryStress(const BodyMesh& mesh, const PatchSet& patches, co
   std::set<int> nodes, patch_cells;
   for (int c : cells)
     for (int node : mesh.cell_nodes[c]) nodes.insert(node - mesh.first_node);
-  for (int n : nodes) patch_cells.insert(patches.cells.begin() + patches.begin[n], patches.cells.begin() + patches.begin[n + 1]);
+  for (int n : nodes)
+    patch_cells.insert(patches.cells.begin() + patches.begin[n], patches.cells.begin() + patches.begin[n + 1]);
   nodes_ = to_view(nodes);
   patch_cells_ = to_view(patch_cells);
 }

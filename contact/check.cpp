@@ -49,7 +49,8 @@ std::string describe_body(const BodyModel& body) {
 long long expected_memory(const Preparation& preparation) {
   double bytes = 70e6;
   for (const BodyModel& body : preparation.bodies)
-    bytes += 3 * 3000.0 * static_cast<double>(count_nodes(body.cut_cells)) + 8000.0 * static_cast<double>(body.cut_cells.moments.size());
+    bytes += 3 * 3000.0 * static_cast<double>(count_nodes(body.cut_cells)) +
+             8000.0 * static_cast<double>(body.cut_cells.moments.size());
   return static_cast<long long>(bytes);
 }
 
@@ -68,9 +69,10 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
       smallest = std::min(smallest, q.distance);
       largest = std::max(largest, q.distance);
     }
-    text += fmt::format("contact \"{}\": {} - {}, {} points in {} groups, {:.6g} m2 in reach, distance {:.3g} .. {:.3g} m\n",
-                        pair.spec->name, scene.bodies[pair.primary].name, scene.bodies[pair.secondary].name,
-                        pair.points.size(), pair.groups.size(), area, smallest, largest);
+    text += fmt::format(
+        "contact \"{}\": {} - {}, {} points in {} groups, {:.6g} m2 in reach, distance {:.3g} .. {:.3g} m\n",
+        pair.spec->name, scene.bodies[pair.primary].name, scene.bodies[pair.secondary].name, pair.points.size(),
+        pair.groups.size(), area, smallest, largest);
   }
   text += fmt::format("{} unknowns in all, about {:.0f} MB of memory\n", unknowns,
                       static_cast<double>(expected_memory(preparation)) / 1e6);

@@ -9,9 +9,9 @@ namespace cgcontact {
 
 /// Point of another body's boundary met along a normal.
 struct OppositePoint {
-  double distance;   ///< m, along the ray (negative: the bodies overlap there)
-  int cell;          ///< active cell of the other body
-  Vec3 position;     ///< grid coordinates of the other body
+  double distance;  ///< m, along the ray (negative: the bodies overlap there)
+  int cell;         ///< active cell of the other body
+  Vec3 position;    ///< grid coordinates of the other body
 };
 
 /// First boundary point of `other` (face `face`) along x + t n, |t| <= search, whose outward normal opposes n;
@@ -23,20 +23,21 @@ std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpe
 struct ContactPoint {
   int group = 0;
   int primary_cell = 0, secondary_cell = 0;
-  Vec3 primary_xi, secondary_xi;    ///< cell coordinates
+  Vec3 primary_xi, secondary_xi;              ///< cell coordinates
   Vec3 primary_position, secondary_position;  ///< grid coordinates
-  Vec3 normal;          ///< outward of the primary body, global axes
-  Vec3 x;               ///< m
-  double weight = 0;    ///< m^2
-  double distance = 0;  ///< m, before deformation, along the normal
+  Vec3 normal;                                ///< outward of the primary body, global axes
+  Vec3 x;                                     ///< m
+  double weight = 0;                          ///< m^2
+  double distance = 0;                        ///< m, before deformation, along the normal
   bool active = true;
 };
 
-/// Points of one cell and surface of the primary body: the gap is projected on one constant per group (design section 4).
+/// Points of one cell and surface of the primary body: the gap is projected on one constant per group (design section
+/// 4).
 struct ContactGroup {
   int first_point = 0, last_point = 0;
-  double area = 0;          ///< m^2
-  double initial_gap = 0;   ///< m, mean distance minus interference
+  double area = 0;         ///< m^2
+  double initial_gap = 0;  ///< m, mean distance minus interference
 };
 
 struct ContactPair {

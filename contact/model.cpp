@@ -156,8 +156,9 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
     for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
       const Vec3 x = body.point(p), n = body.normal(p);
       if (!support.face.face.contains(body.surface_names(p), x, n)) continue;
-      SupportPoint point{s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
-                         n, n, body.area(p), 0.0};
+      SupportPoint point{
+          s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
+          n, n, body.area(p),     0.0};
       if (support.symmetry) points.push_back(point);
       for (int i = 0; i < 3; ++i)
         if (support.displacement[i]) {
@@ -170,8 +171,8 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
   return points;
 }
 
-std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies,
-                                     const ElasticSystem& system, const Scales& scales) {
+std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,
+                                     const Scales& scales) {
   std::vector<double> f(system.num_dofs(), 0.0);
   const double area_scale = scales.length * scales.length;
   for (std::size_t b = 0; b < bodies.size(); ++b) {

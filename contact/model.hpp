@@ -1,4 +1,5 @@
-/// The scene on its grids: one BodyModel per body with cut cells, faces resolved to boundary points, supports and loads.
+/// The scene on its grids: one BodyModel per body with cut cells, faces resolved to boundary points, supports and
+/// loads.
 #pragma once
 
 #include <functional>
@@ -28,20 +29,20 @@ struct BodyModel {
   }
 };
 
-/// Supports are stiffer than contact by this factor (kappa is the contact's): the gap at a support is that of one body only,
-/// exact at every point, so nothing is gained by softness, and on a body one cell thick, held on both sides, the outer
-/// iteration contracts like 2.7 / kappa (measured: 0.2 per iteration at kappa = 10).
+/// Supports are stiffer than contact by this factor (kappa is the contact's): the gap at a support is that of one body
+/// only, exact at every point, so nothing is gained by softness, and on a body one cell thick, held on both sides, the
+/// outer iteration contracts like 2.7 / kappa (measured: 0.2 per iteration at kappa = 10).
 constexpr double support_kappa_factor = 10;
 
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
-  int support;       ///< index into Scene::supports
+  int support;  ///< index into Scene::supports
   int body, cell;
-  Vec3 xi;           ///< cell coordinates
-  Vec3 direction;    ///< unit, global axes
-  Vec3 normal;       ///< outward, global axes
-  double weight;     ///< m^2
-  double value;      ///< prescribed displacement along the direction, m
+  Vec3 xi;         ///< cell coordinates
+  Vec3 direction;  ///< unit, global axes
+  Vec3 normal;     ///< outward, global axes
+  double weight;   ///< m^2
+  double value;    ///< prescribed displacement along the direction, m
 };
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.
@@ -56,7 +57,7 @@ Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& grid_posi
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
 
 /// Consistent nodal forces of tractions, pressures and body forces, units Scales::stress * Scales::length^2.
-std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies,
-                                     const ElasticSystem& system, const Scales& scales);
+std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,
+                                     const Scales& scales);
 
 }  // namespace cgcontact

@@ -32,7 +32,9 @@ class OuterLoop {
     return support_kappa_factor * problem_.scene.solver.kappa * body.material.youngs_modulus / body.cell_size;
   }
   /// Weight (m^2) and stiffness (Pa/m) -> system units.
-  double to_stiffness(double pa_per_m, double area) const { return pa_per_m * area / (scales().stress * scales().length); }
+  double to_stiffness(double pa_per_m, double area) const {
+    return pa_per_m * area / (scales().stress * scales().length);
+  }
   const Scales& scales() const { return problem_.scales; }
 
   NearNullSpace near_null_space() const;
@@ -51,7 +53,7 @@ class OuterLoop {
   NearNullSpace near_null_space_;
   LinearSolver solver_;
   std::vector<BoundaryStress> boundary_stress_;
-  std::vector<double> load_, support_stress_;       // system units; units Scales::stress
+  std::vector<double> load_, support_stress_;        // system units; units Scales::stress
   std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
   RealView u_, rhs_;
   double force_norm_ = 0;
@@ -95,7 +97,8 @@ void OuterLoop::initialise_active_set() {
   for (ContactPair& pair : problem_.pairs) {
     double smallest = 1e300;
     for (const ContactGroup& g : pair.groups) smallest = std::min(smallest, g.initial_gap);
-    const double h = std::min(problem_.scene.bodies[pair.primary].cell_size, problem_.scene.bodies[pair.secondary].cell_size);
+    const double h =
+        std::min(problem_.scene.bodies[pair.primary].cell_size, problem_.scene.bodies[pair.secondary].cell_size);
     const double limit = std::max(smallest + 0.02 * h, 1e-9 * h);
     for (ContactPoint& q : pair.points) q.active = pair.groups[q.group].initial_gap <= limit;
   }
@@ -143,8 +146,8 @@ void OuterLoop::assemble_right_hand_side() {
   Kokkos::deep_copy(rhs_, host);
 }
 
-/// Force of each group, sum over its closed points of w (p* - kappa E/h gap): with the gap of the current displacement, or
-/// with the initial gap only (the right-hand side).
+/// Force of each group, sum over its closed points of w (p* - kappa E/h gap): with the gap of the current displacement,
+/// or with the initial gap only (the right-hand side).
 std::vector<double> OuterLoop::group_force(bool with_displacement) const {
   std::vector<double> forces;
   const double area_scale = scales().length * scales().length;
@@ -282,9 +285,10 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     result.linear_iterations.push_back(solve.iterations);
     if (!std::isfinite(solve.residual) || solve.iterations >= solver.max_linear_iterations) {
       result.iterations = iteration;
-      result.diagnosis = fmt::format("the linear solver stopped after {} iterations at a relative residual of {:.2e} "
-                                     "(solver.max_linear_iterations, solver.linear_tolerance)",
-                                     solve.iterations, solve.residual / force_norm_);
+      result.diagnosis = fmt::format(
+          "the linear solver stopped after {} iterations at a relative residual of {:.2e} "
+          "(solver.max_linear_iterations, solver.linear_tolerance)",
+          solve.iterations, solve.residual / force_norm_);
       set_forces(result);
       const std::string motion = find_free_motion(problem_);
       if (!motion.empty()) result.diagnosis += "; " + motion;
@@ -308,11 +312,12 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     if (step.changed_points > 0 && !seen.insert(state).second) ++repeats;
   }
   polish(result);
-  result.diagnosis =
-      repeats > 2 ? fmt::format("the active set cycles ({} repeated states)", repeats)
-                  : fmt::format("outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, "
-                                "solver.max_outer_iterations = {})",
-                                outer_residual, result.iterations, solver.tolerance, solver.max_outer_iterations);
+  result.diagnosis = repeats > 2
+                         ? fmt::format("the active set cycles ({} repeated states)", repeats)
+                         : fmt::format(
+                               "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, "
+                               "solver.max_outer_iterations = {})",
+                               outer_residual, result.iterations, solver.tolerance, solver.max_outer_iterations);
   return result;
 }
 
@@ -364,7 +369,8 @@ std::string find_free_motion(const OuterProblem& problem) {
   const bool rotation = largest % 6 >= 3;
   const Vec3 axis = mode.segment<3>(6 * body + (rotation ? 3 : 0)).normalized();
   return fmt::format("body \"{}\" is free to {} ({:.3f}, {:.3f}, {:.3f}): add a support or a contact that holds it",
-                     problem.scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1], axis[2]);
+                     problem.scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1],
+                     axis[2]);
 }
 
 }  // namespace cgcontact

@@ -27,7 +27,7 @@ struct OuterResult {
   std::vector<double> residuals;
   int preconditioner_setups = 0;
   std::vector<double> support_stress;  ///< lambda of each support point, Pa
-  std::vector<double> group_force;  ///< force of each contact group, Scales::stress * Scales::length^2
+  std::vector<double> group_force;     ///< force of each contact group, Scales::stress * Scales::length^2
   bool converged = false;
   std::string diagnosis;
 };

@@ -157,8 +157,8 @@ void add_supports(const Scene& scene, const std::vector<SupportPoint>& supports,
   for (const SupportPoint& p : supports) {
     const BodySpec& body = scene.bodies[p.body];
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
-    const double stiffness = support_kappa_factor * scene.solver.kappa * body.material.youngs_modulus / body.cell_size * p.weight /
-                             (scales.stress * scales.length);
+    const double stiffness = support_kappa_factor * scene.solver.kappa * body.material.youngs_modulus / body.cell_size *
+                             p.weight / (scales.stress * scales.length);
     terms[p.body].push_back({p.cell, p.xi, R.transpose() * p.direction, stiffness});
   }
   for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
@@ -238,8 +238,8 @@ void fill_contact_rows(const Simulation& sim, Results& results) {
       int pair = body.boundary.pair_of_point[p];
       if (pair < 0) pair = pair_of_face(sim, b, body.surface_names(p), body.point(p), body.normal(p));
       if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic)) continue;
-      ContactRow row = make_row(sim, b, pair, body.cut_cells.boundary.cell[p], body.cut_cells.boundary.position[p],
-                                body.normal(p));
+      ContactRow row =
+          make_row(sim, b, pair, body.cut_cells.boundary.cell[p], body.cut_cells.boundary.position[p], body.normal(p));
       row.weight = body.area(p);
       results.contact_rows.push_back(row);
     }
@@ -261,11 +261,11 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
     for (std::size_t g = 0; g < pair.groups.size(); ++g, ++row)
       for (const auto& [dof, value] : sim.system.group_rows[row].entries) {
         const int node = dof / 3;
-        const int side = node >= sim.system.meshes[pair.primary].first_node &&
-                                 node < sim.system.meshes[pair.primary].first_node +
-                                            sim.system.meshes[pair.primary].num_nodes
-                             ? 0
-                             : 1;
+        const int side =
+            node >= sim.system.meshes[pair.primary].first_node &&
+                    node < sim.system.meshes[pair.primary].first_node + sim.system.meshes[pair.primary].num_nodes
+                ? 0
+                : 1;
         const int body = side == 0 ? pair.primary : pair.secondary;
         const Grid& grid = sim.bodies[body].cut_cells.grid;
         const Index3& n = sim.system.meshes[body].nodes[node - sim.system.meshes[body].first_node];

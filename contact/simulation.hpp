@@ -40,7 +40,7 @@ struct Simulation {
   ElasticSystem system;
   std::vector<PatchSet> patches;
   OuterResult outer;
-  std::vector<CoefficientView> spr, sprc;   ///< per body
+  std::vector<CoefficientView> spr, sprc;  ///< per body
   std::vector<std::vector<int>> patch_kinds;
   RecoveryCounts recovery_counts;
   Results results;

@@ -65,8 +65,8 @@ struct PairFigures {
 
 /// Reaction of one support.
 struct SupportFigures {
-  std::string face;                 ///< "body.face"
-  Vec3 force = Vec3::Zero();        ///< N, acts on the body
+  std::string face;           ///< "body.face"
+  Vec3 force = Vec3::Zero();  ///< N, acts on the body
 };
 
 /// Relative L2 error of the pressure in a zone.

@@ -56,13 +56,13 @@ void apply_ghost_faces(const Exec& exec, const BodyMesh& mesh, const GhostMatrix
 
 /// Sparse rows (one per contact group) and their transpose, both compressed: coefficients of the mean gap.
 struct GroupRows {
-  IntView row_begin, row_dof;        ///< group -> entries; (num_groups + 1), (num_entries)
+  IntView row_begin, row_dof;  ///< group -> entries; (num_groups + 1), (num_entries)
   RealView row_value;
-  IntView dof_begin, dof_list;       ///< touched DoF -> entries of the transpose; dof_list: the touched DoFs
+  IntView dof_begin, dof_list;  ///< touched DoF -> entries of the transpose; dof_list: the touched DoFs
   IntView column_group;
   RealView column_value;
-  RealView stiffness;                ///< k of each group; 0 where the group is open
-  RealView scratch;                  ///< (num_groups)
+  RealView stiffness;  ///< k of each group; 0 where the group is open
+  RealView scratch;    ///< (num_groups)
 };
 
 /// y += B^T diag(k) B x: gather per group, then gather per touched DoF (no atomics).
@@ -81,7 +81,8 @@ void apply_groups(const Exec& exec, const GroupRows& rows, const X& x, const Y& 
   Kokkos::parallel_for(
       "cgcontact::apply::group_forces", Kokkos::RangePolicy<Exec>(exec, 0, num_dofs), KOKKOS_LAMBDA(const int d) {
         double force = 0;
-        for (int e = r.dof_begin(d); e < r.dof_begin(d + 1); ++e) force += r.column_value(e) * r.scratch(r.column_group(e));
+        for (int e = r.dof_begin(d); e < r.dof_begin(d + 1); ++e)
+          force += r.column_value(e) * r.scratch(r.column_group(e));
         y(r.dof_list(d)) += force;
       });
 }

@@ -45,7 +45,7 @@ CellMatrixView make_cell_matrices(const BodyMesh& mesh) {
 
 GhostMatrix make_ghost_matrix(const BodyMesh& mesh, double gamma) {
   const double factor = gamma * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.cell_size;
-  const double jump[3] = {1, -2, 1};          // [d_n u] of the three node layers, constant along n
+  const double jump[3] = {1, -2, 1};  // [d_n u] of the three node layers, constant along n
   const double mass[2][2] = {{1. / 3, 1. / 6}, {1. / 6, 1. / 3}};
   GhostMatrix g;
   for (int r = 0; r < 12; ++r)

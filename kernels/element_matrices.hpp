@@ -5,8 +5,8 @@
 
 namespace cgcontact {
 
-/// Ghost penalty gamma (2 mu + lambda) h int_F [d_n u] . [d_n v]: one 12 x 12 matrix per component serves the faces of all
-/// directions; row and column = layer * 4 + tangential corner.
+/// Ghost penalty gamma (2 mu + lambda) h int_F [d_n u] . [d_n v]: one 12 x 12 matrix per component serves the faces of
+/// all directions; row and column = layer * 4 + tangential corner.
 using GhostMatrix = std::array<std::array<double, 12>, 12>;
 
 /// Matrix 0 is the interior cell's, matrix 1 + c that of cut cell c: sum_q w_q B_q^T D B_q with the weights fitted to

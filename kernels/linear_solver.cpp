@@ -71,8 +71,8 @@ void LinearSolver::rebuild_preconditioner() {
   list.set("use kokkos refactor", false);
   list.set("problem: symmetric", true);
   list.set("coarse: max size", 1500);
-  // Chebyshev runs on SpMV, 2-3 times faster here than Gauss-Seidel sweeps; with MueLu's default of 10 power iterations the
-  // preconditioner can become indefinite (design section 5), 30 are safe.
+  // Chebyshev runs on SpMV, 2-3 times faster here than Gauss-Seidel sweeps; with MueLu's default of 10 power iterations
+  // the preconditioner can become indefinite (design section 5), 30 are safe.
   list.set("smoother: type", "CHEBYSHEV");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("chebyshev: degree", 3);

@@ -39,7 +39,8 @@ class LinearSolver {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Starts Kokkos and Tpetra (and MPI underneath) once, stops them at the end of its life. threads = 0: the backend's default.
+/// Starts Kokkos and Tpetra (and MPI underneath) once, stops them at the end of its life. threads = 0: the backend's
+/// default.
 class TrilinosScope {
  public:
   explicit TrilinosScope(int threads);

@@ -9,7 +9,8 @@ namespace {
 void number_nodes(BodyMesh& mesh) {
   const CutCells& cc = *mesh.cut_cells;
   const Grid& grid = cc.grid;
-  const auto total = static_cast<std::size_t>(grid.num_cells[0] + 1) * (grid.num_cells[1] + 1) * (grid.num_cells[2] + 1);
+  const auto total =
+      static_cast<std::size_t>(grid.num_cells[0] + 1) * (grid.num_cells[1] + 1) * (grid.num_cells[2] + 1);
   std::vector<int> number(total, -1);
   for (const Index3& c : cc.cells)
     for (int a = 0; a < 8; ++a) number[grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})] = 0;

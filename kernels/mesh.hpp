@@ -22,18 +22,18 @@ struct Scales {
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;
-  double modulus = 1;       ///< E / Scales::stress
-  double cell_size = 1;     ///< h / Scales::length
+  double modulus = 1;    ///< E / Scales::stress
+  double cell_size = 1;  ///< h / Scales::length
   int first_node = 0, num_nodes = 0;
-  std::vector<Index3> nodes;           ///< grid index of each active node
-  std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
+  std::vector<Index3> nodes;                    ///< grid index of each active node
+  std::vector<std::array<int, 8>> cell_nodes;   ///< node numbers (all bodies) of each active cell
   std::vector<std::vector<int>> cells_of_node;  ///< active cells around each node of this body
 
-  CellNodesView nodes_of_cell;   ///< same as cell_nodes, cells ordered by colour
-  IntView matrix_of_cell;        ///< 0: interior, 1 + cut index otherwise; same order
+  CellNodesView nodes_of_cell;    ///< same as cell_nodes, cells ordered by colour
+  IntView matrix_of_cell;         ///< 0: interior, 1 + cut index otherwise; same order
   std::vector<int> colour_begin;  ///< first cell of each colour, and the end (9 entries)
 
-  FaceNodesView nodes_of_face;    ///< ghost faces by colour: layer * 4 + tangential corner
+  FaceNodesView nodes_of_face;  ///< ghost faces by colour: layer * 4 + tangential corner
   std::vector<int> face_colour_begin;
 
   /// Factor from gradients per cell unit to stresses in units of Scales::stress.

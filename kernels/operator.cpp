@@ -11,8 +11,8 @@ void ElasticityOperator::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::
                                double beta) const {
   const ExecSpace exec;
   const auto x_all = X.getLocalViewDevice(Tpetra::Access::ReadOnly);
-  const auto y_all = beta == 0 ? Y.getLocalViewDevice(Tpetra::Access::OverwriteAll)
-                               : Y.getLocalViewDevice(Tpetra::Access::ReadWrite);
+  const auto y_all =
+      beta == 0 ? Y.getLocalViewDevice(Tpetra::Access::OverwriteAll) : Y.getLocalViewDevice(Tpetra::Access::ReadWrite);
   const RealView product = product_;
   for (std::size_t column = 0; column < X.getNumVectors(); ++column) {
     const auto x = Kokkos::subview(x_all, Kokkos::ALL, column);

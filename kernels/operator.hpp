@@ -14,7 +14,8 @@ using TpetraVector = Tpetra::MultiVector<double>;
 using TpetraOperator = Tpetra::Operator<double>;
 
 /// Map of all DoFs; one rank owns everything for now.
-Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system, const Teuchos::RCP<const Teuchos::Comm<int>>& comm);
+Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system,
+                                           const Teuchos::RCP<const Teuchos::Comm<int>>& comm);
 
 class ElasticityOperator : public TpetraOperator {
  public:

@@ -10,7 +10,7 @@ namespace cgcontact {
 
 /// Traction known on a part of the boundary. Directions that a support holds are unknown (no row there).
 struct TractionCondition {
-  bool normal_held = false;                              ///< symmetry plane or frictionless normal support
+  bool normal_held = false;                                 ///< symmetry plane or frictionless normal support
   std::array<bool, 3> component_held{false, false, false};  ///< prescribed displacement components, global axes
   /// Prescribed traction in global axes, Pa, at x (m) with outward normal n (global axes); empty: zero.
   std::function<Vec3(const Vec3& x, const Vec3& n)> traction;
@@ -20,26 +20,26 @@ struct TractionCondition {
 
 /// A contact quadrature point seen from one body.
 struct ContactLink {
-  int cell = -1;             ///< active cell of this body
+  int cell = -1;  ///< active cell of this body
   int pair = -1;
-  Vec3 position;             ///< grid coordinates of this body
-  Vec3 normal;               ///< outward, grid axes of this body
-  double weight = 0;         ///< area, m^2
+  Vec3 position;      ///< grid coordinates of this body
+  Vec3 normal;        ///< outward, grid axes of this body
+  double weight = 0;  ///< area, m^2
   int other_body = -1;
   int other_cell = -1;
-  Vec3 other_position;       ///< grid coordinates of the other body
-  double distance = 0;       ///< m, from this point along the outward normal to the other body
+  Vec3 other_position;  ///< grid coordinates of the other body
+  double distance = 0;  ///< m, from this point along the outward normal to the other body
   bool active = false;
 };
 
 /// Boundary of one body: its default quadrature points with what is known there.
 struct BoundaryData {
   std::vector<TractionCondition> conditions;
-  std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
-  std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
+  std::vector<int> condition_of_point;           ///< per point of CutCells::boundary
+  std::vector<int> pair_of_point;                ///< contact pair that the point has an opposite surface in, or -1
   std::vector<std::vector<int>> points_of_cell;  ///< active cell -> boundary points
   std::vector<ContactLink> links;
-  std::vector<std::vector<int>> links_of_cell;   ///< active cell -> contact links
+  std::vector<std::vector<int>> links_of_cell;       ///< active cell -> contact links
   std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero
 };
 

@@ -13,8 +13,8 @@ constexpr int voigt_index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 /// stretch of 0.1 cells, below which three points differ by less than the fit can tell (prototype, section 4).
 constexpr double min_spread = 0.1 / 3.4641016151377544;
 
-/// On a flat contact face the points are spread at least this much, so that an open face is free of traction on its whole
-/// plane however small the piece in the patch is.
+/// On a flat contact face the points are spread at least this much, so that an open face is free of traction on its
+/// whole plane however small the piece in the patch is.
 constexpr double min_contact_spread = 0.1;
 
 /// Moments of a group of boundary points.
@@ -24,13 +24,11 @@ struct GroupMoments {
   Mat3 second = Mat3::Zero();
 };
 
-Vec3 project(const Surface& surface, const Vec3& x) {
-  return x - surface.signed_distance(x) * surface.gradient(x);
-}
+Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_distance(x) * surface.gradient(x); }
 
-/// At most three points on the surface with the same area moments up to degree 2 as the group: c + sqrt(2) F (cos t, sin t)
-/// with F F^T the covariance in the tangent plane. F is its Cholesky factor in a fixed frame, which depends continuously
-/// on the group (principal axes would not, for square pieces).
+/// At most three points on the surface with the same area moments up to degree 2 as the group: c + sqrt(2) F (cos t,
+/// sin t) with F F^T the covariance in the tangent plane. F is its Cholesky factor in a fixed frame, which depends
+/// continuously on the group (principal axes would not, for square pieces).
 void place_points(const GroupMoments& g, const Surface& surface, ConstraintGroup& group) {
   const auto [t1, t2] = tangents(g.normal.normalized());
   Eigen::Matrix2d covariance;

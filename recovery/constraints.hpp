@@ -25,14 +25,14 @@ Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows();
 struct ConstraintGroup {
   int surface = -1;
   int condition = -1;
-  int pair = -1;                  ///< contact pair, -1 for a group with known traction
-  double area = 0;                ///< cell units squared
-  std::vector<Vec3> position;     ///< constraint points on the surface, grid coordinates
-  std::vector<Vec3> normal;       ///< outward
+  int pair = -1;               ///< contact pair, -1 for a group with known traction
+  double area = 0;             ///< cell units squared
+  std::vector<Vec3> position;  ///< constraint points on the surface, grid coordinates
+  std::vector<Vec3> normal;    ///< outward
 };
 
 /// Groups of the boundary pieces inside the cells of a patch.
-std::vector<ConstraintGroup> constraint_groups(const CutCells& cut_cells, const BoundaryData& boundary, const int* cells,
-                                               int num_cells);
+std::vector<ConstraintGroup> constraint_groups(const CutCells& cut_cells, const BoundaryData& boundary,
+                                               const int* cells, int num_cells);
 
 }  // namespace cgcontact

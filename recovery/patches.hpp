@@ -18,14 +18,14 @@ using CellStressView = Kokkos::View<double* [6][num_terms], Kokkos::LayoutRight,
 
 /// Cells of every node's patch, compressed.
 struct PatchSet {
-  std::vector<int> begin, cells;   ///< active cells of patch n: cells[begin[n] .. begin[n+1])
-  std::vector<char> grown;         ///< joined with a neighbour's patch because it held less than one cell of volume
+  std::vector<int> begin, cells;  ///< active cells of patch n: cells[begin[n] .. begin[n+1])
+  std::vector<char> grown;        ///< joined with a neighbour's patch because it held less than one cell of volume
   IntView begin_view, cells_view;
   CellMassView mass;
-  RealView weights;                ///< (1 + cut cells) x 27 fitted weights, entry 0 for interior cells
-  IntView weights_of_cell;         ///< active cell -> row of weights
-  CellNodesView nodes_of_cell;     ///< active cell -> nodes, in order of the active cells
-  Kokkos::View<double* [3], Kokkos::LayoutRight, MemSpace> cell_centre, node_position;  ///< grid coordinates
+  RealView weights;             ///< (1 + cut cells) x 27 fitted weights, entry 0 for interior cells
+  IntView weights_of_cell;      ///< active cell -> row of weights
+  CellNodesView nodes_of_cell;  ///< active cell -> nodes, in order of the active cells
+  Kokkos::View<double*[3], Kokkos::LayoutRight, MemSpace> cell_centre, node_position;  ///< grid coordinates
 };
 
 PatchSet make_patches(const BodyMesh& mesh);

@@ -80,9 +80,9 @@ PatchFit fit_cells(const RecoveryBody& body, const std::vector<int>& cells, cons
   return fit;
 }
 
-/// A patch counts as closed when more than this part of its contact area is. Measured on the paper's scene, geometric mean
-/// over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159 .080 .038, a quarter .149 .067 .035,
-/// half .216 .097 .041.
+/// A patch counts as closed when more than this part of its contact area is. Measured on the paper's scene, geometric
+/// mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159 .080 .038, a quarter .149
+/// .067 .035, half .216 .097 .041.
 constexpr double closed_fraction = 0.25;
 
 /// Contact points of one pair inside a patch.
@@ -105,8 +105,8 @@ class BodyRecovery {
  private:
   void add_equilibrium(const RecoveryBody& body, const Vec3& centre, bool auxiliary, RowSet& rows) const;
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, RowSet& rows) const;
-  void add_contact(const ConstraintGroup& group, const PatchFit& own, const PatchFit* auxiliary,
-                   const PairState& state, RowSet& rows) const;
+  void add_contact(const ConstraintGroup& group, const PatchFit& own, const PatchFit* auxiliary, const PairState& state,
+                   RowSet& rows) const;
   void enforce_free_contact(const std::vector<ConstraintGroup>& groups, const std::map<int, PairState>& states,
                             const PatchFit& own, Eigen::VectorXd& unknowns) const;
   std::map<int, PairState> pair_states(const std::vector<int>& cells) const;
@@ -178,8 +178,8 @@ PatchFit BodyRecovery::auxiliary_fit(const PairState& state) const {
     const Vec3 inward = to_other * link.normal;
     for (double depth : {0.05, 0.35, 0.65, 0.95}) {
       const Vec3 x = link.other_position + depth * options_.auxiliary_depth * inward;
-      const int c = cc.find({static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
-                             static_cast<int>(std::floor(x[2]))});
+      const int c = cc.find(
+          {static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])), static_cast<int>(std::floor(x[2]))});
       if (c >= 0) cells.push_back(c);
     }
   }
@@ -264,8 +264,8 @@ PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts, Eigen::VectorXd& 
     const auto state = states.find(group.pair);
     if (state == states.end()) {
       add_known_traction(group, own.centre, rows);
-      kind = std::max(kind, body_.boundary->conditions[group.condition].is_support() ? PatchKind::support
-                                                                                     : PatchKind::boundary);
+      kind = std::max(
+          kind, body_.boundary->conditions[group.condition].is_support() ? PatchKind::support : PatchKind::boundary);
     } else {
       const bool here = coupled && &state->second == closed;
       add_contact(group, own, here ? &auxiliary : nullptr, state->second, rows);

@@ -28,8 +28,8 @@ struct RecoveryBody {
   const BodyMesh* mesh;
   const PatchSet* patches;
   const BoundaryData* boundary;
-  CellStressView stress;           ///< integrals of sigma_h over all cells
-  CoefficientView unconstrained;   ///< plain SPR of all nodes
+  CellStressView stress;          ///< integrals of sigma_h over all cells
+  CoefficientView unconstrained;  ///< plain SPR of all nodes
 };
 
 /// Coefficients of every node of every body, constrained. `kinds`: PatchKind per node of each body.

@@ -16,16 +16,17 @@ inline Grid odd_grid(int n, double angle, double length = 1.0) {
   const int cells = static_cast<int>(std::ceil((angle == 0 ? 1.0 : 1.8) * n)) + 2;
   grid.num_cells = {cells, cells, cells};
   const Vec3 centre = grid.rotation * Vec3::Constant(0.5 * cells * grid.cell_size);
-  grid.origin = length * Vec3(0.5, 0.5, 0.5) - centre +
-                grid.cell_size * (grid.rotation * Vec3(std::sqrt(2.0) - 1.2, std::sqrt(3.0) - 1.5, std::sqrt(5.0) - 2.1));
+  grid.origin =
+      length * Vec3(0.5, 0.5, 0.5) - centre +
+      grid.cell_size * (grid.rotation * Vec3(std::sqrt(2.0) - 1.2, std::sqrt(3.0) - 1.5, std::sqrt(5.0) - 2.1));
   return grid;
 }
 
 inline CutCells cut(const Solid& solid, const Grid& grid) {
-  return make_cut_cells(solid.transformed(grid.rotation.transpose(),
-                                          -(grid.rotation.transpose() * grid.origin) / grid.cell_size,
-                                          1 / grid.cell_size),
-                        grid);
+  return make_cut_cells(
+      solid.transformed(grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size,
+                        1 / grid.cell_size),
+      grid);
 }
 
 /// Nodal values of a displacement field given in global axes, stored in grid axes.
@@ -35,8 +36,8 @@ RealView nodal_field(const ElasticSystem& system, const Field& field) {
   for (const BodyMesh& mesh : system.meshes)
     for (int n = 0; n < mesh.num_nodes; ++n) {
       const Grid& grid = mesh.cut_cells->grid;
-      const Vec3 value = grid.rotation.transpose() *
-                         field(grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])));
+      const Vec3 value =
+          grid.rotation.transpose() * field(grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])));
       for (int i = 0; i < 3; ++i) u(3 * (mesh.first_node + n) + i) = value[i];
     }
   return u;

@@ -59,15 +59,14 @@ TEST_P(ContactPatch, IsExact) {
   EXPECT_LT((r.pairs[0].force_on_first + r.pairs[0].force_on_second).norm(), tolerance * 0.8 * p);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Grids, ContactPatch,
-    testing::Values(PatchCase{"rotated", {}}, PatchCase{"shifted", {"angle=0"}},
-                    PatchCase{"on_a_grid_plane", {"body.lower.grid.offset=[0.3, 0.6, 0]"}},
-                    PatchCase{"both_on_grid_planes",
-                              {"angle=0", "body.lower.grid.offset=[0, 0, 0]", "body.upper.grid.offset=[0, 0, 0]",
-                               "body.upper.cell_size=0.05"}},
-                    PatchCase{"upper_coarser", {"body.upper.cell_size=0.23"}}),
-    [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(Grids, ContactPatch,
+                         testing::Values(PatchCase{"rotated", {}}, PatchCase{"shifted", {"angle=0"}},
+                                         PatchCase{"on_a_grid_plane", {"body.lower.grid.offset=[0.3, 0.6, 0]"}},
+                                         PatchCase{"both_on_grid_planes",
+                                                   {"angle=0", "body.lower.grid.offset=[0, 0, 0]",
+                                                    "body.upper.grid.offset=[0, 0, 0]", "body.upper.cell_size=0.05"}},
+                                         PatchCase{"upper_coarser", {"body.upper.cell_size=0.23"}}),
+                         [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace cgcontact

@@ -95,11 +95,11 @@ TEST(Operator, AssembledMatrixEqualsMatrixFree) {
   for (const Case& c : cases()) {
     const CutCells first = test::cut(c.solid, test::odd_grid(7, c.angle));
     const CutCells second = test::cut(c.solid, test::odd_grid(5, 0.2));
-    ElasticSystem system = make_elastic_system({&first, &second}, {Material{2.0, 0.3}, Material{0.1, 0.45}},
-                                               Scales{0.5, 4.0}, 0.01);
+    ElasticSystem system =
+        make_elastic_system({&first, &second}, {Material{2.0, 0.3}, Material{0.1, 0.45}}, Scales{0.5, 4.0}, 0.01);
     add_support_terms(system, 0, {{first.boundary.cell[3], Vec3(0.1, -0.3, 0.6), Vec3(1, 2, 2) / 3, 0.7}});
-    set_group_rows(system, {{{{0, 0.5}, {1, -0.25}, {3 * system.meshes[1].first_node + 2, 1.5}}},
-                            {{{4, 0.5}, {5, 0.75}}}});
+    set_group_rows(system,
+                   {{{{0, 0.5}, {1, -0.25}, {3 * system.meshes[1].first_node + 2, 1.5}}}, {{{4, 0.5}, {5, 0.75}}}});
     set_group_stiffness(system, {3.0, 0.0});
     const auto map = make_dof_map(system, Tpetra::getDefaultComm());
     const auto matrix = assemble_matrix(system, map);

@@ -60,7 +60,8 @@ TEST(Spr, EveryPatchHoldsAtLeastOneCellOfVolume) {
   EXPECT_GT(grown, 0);  // otherwise the case proves nothing
 }
 
-/// A constant strain gives a constant recovered stress: sigma_h is exact and conjoint evaluation is a partition of unity.
+/// A constant strain gives a constant recovered stress: sigma_h is exact and conjoint evaluation is a partition of
+/// unity.
 TEST(Spr, ConstantStressIsExactAtBoundaryPoints) {
   const CutCells cc = turned_box();
   const ElasticSystem system = make_elastic_system({&cc}, {Material{3, 0.3}}, Scales{0.5, 2}, 0.01);
