@@ -4,6 +4,7 @@
 #include <BelosTpetraAdapter.hpp>
 #include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Tpetra_Core.hpp>
+#include <cstdlib>
 
 #include "kernels/assembly.hpp"
 
@@ -134,10 +135,26 @@ struct TrilinosScope::Impl {
   std::unique_ptr<Tpetra::ScopeGuard> guard;
 };
 
+namespace {
+
+/// One process without mpirun: no helper daemon, no session directory, no search for networks or X displays. Starts in
+/// 0.1 s instead of 0.4 s, and of 5 s on a machine that cannot resolve "localhost".
+void quiet_mpi() {
+  if (std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMIX_RANK")) return;
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+  setenv("OMPI_MCA_pml", "ob1", 0);
+  setenv("OMPI_MCA_btl", "self", 0);
+  setenv("HWLOC_COMPONENTS", "-gl", 0);
+}
+
+}  // namespace
+
 TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>()) {
   std::string program = "cgcontact", option = "--kokkos-threads=" + std::to_string(threads);
   std::vector<char*> arguments{program.data()};
   if (threads > 0) arguments.push_back(option.data());
+  quiet_mpi();
   int argc = static_cast<int>(arguments.size());
   arguments.push_back(nullptr);
   char** argv = arguments.data();

@@ -14,6 +14,8 @@ struct PatchCase {
   std::vector<std::string> overrides;
 };
 
+void PrintTo(const PatchCase& c, std::ostream* out) { *out << c.name; }
+
 class ContactPatch : public testing::TestWithParam<PatchCase> {};
 
 TEST_P(ContactPatch, IsExact) {
