@@ -109,6 +109,28 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   return pair;
 }
 
+/// Throws if a boundary point of one body lies inside another one, farther than half a cell from all its surfaces.
+void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies) {
+  for (std::size_t a = 0; a < bodies.size(); ++a)
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (a == b) continue;
+      const CutCells& other = bodies[b].cut_cells;
+      const double limit = 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
+      for (int p = 0; p < static_cast<int>(bodies[a].cut_cells.boundary.size()); ++p) {
+        const Vec3 x = bodies[a].point(p), g = other.grid.to_grid(x);
+        if (!other.solid.contains(g)) continue;
+        double depth = 1e300;
+        for (const Surface& s : other.solid.surfaces()) depth = std::min(depth, std::abs(s.signed_distance(g)));
+        depth *= other.grid.cell_size;
+        if (depth > limit)
+          throw InputError(scene.bodies[a].place, scene.bodies[a].name,
+                           fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})",
+                                       scene.bodies[b].name, depth, x[0], x[1], x[2]),
+                           fmt::format("overlap up to half a cell, {:g} m", limit));
+      }
+    }
+}
+
 }  // namespace
 
 std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpec& face, const Vec3& x, const Vec3& n,
@@ -143,6 +165,7 @@ std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpe
 }
 
 std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies) {
+  check_overlap(scene, bodies);
   std::vector<ContactPair> pairs;
   for (const ContactSpec& spec : scene.contacts) {
     ContactPair pair = make_pair(scene, spec, bodies);
