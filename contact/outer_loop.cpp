@@ -367,7 +367,9 @@ std::string find_free_motion(const OuterProblem& problem) {
   mode.cwiseAbs().maxCoeff(&largest);
   const std::size_t body = largest / 6;
   const bool rotation = largest % 6 >= 3;
-  const Vec3 axis = mode.segment<3>(6 * body + (rotation ? 3 : 0)).normalized();
+  Vec3 axis = mode.segment<3>(6 * body + (rotation ? 3 : 0)).normalized();
+  if (mode[largest] < 0) axis = -axis;
+  axis += Vec3::Zero();  // -0 -> 0
   return fmt::format("body \"{}\" is free to {} ({:.3f}, {:.3f}, {:.3f}): add a support or a contact that holds it",
                      problem.scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1],
                      axis[2]);

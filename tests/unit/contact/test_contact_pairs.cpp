@@ -1,0 +1,91 @@
+/// Contact pairs: opposite points, areas, gaps; free motions; a body held only by contact across an initial gap.
+#include <gtest/gtest.h>
+
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+Scene read(const std::string& name, const std::vector<std::string>& overrides = {}) {
+  return read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/" + name, overrides);
+}
+
+TEST(ContactPairs, PointsCoverTheFaceAndMeetTheOtherBody) {
+  const Scene scene = read("tests/scenes/gap.toml");
+  const Preparation p = prepare(scene);
+  ASSERT_EQ(p.pairs.size(), 1u);
+  const ContactPair& pair = p.pairs[0];
+  EXPECT_EQ(scene.bodies[pair.primary].name, "lower");  // the coarser one
+  double area = 0, group_area = 0;
+  for (const ContactPoint& q : pair.points) {
+    area += q.weight;
+    EXPECT_NEAR(q.distance, 0.01, 1e-13);
+    const CutCells& other = p.bodies[pair.secondary].cut_cells;
+    EXPECT_LT((other.grid.to_global(q.secondary_position) - q.x - 0.01 * q.normal).norm(), 1e-13);
+    // Split at the other grid: the point lies in its cell, not merely near it.
+    EXPECT_LE(q.secondary_xi.cwiseAbs().maxCoeff(), 1 + 1e-9);
+    EXPECT_LE(q.primary_xi.cwiseAbs().maxCoeff(), 1 + 1e-9);
+  }
+  for (const ContactGroup& g : pair.groups) group_area += g.area;
+  EXPECT_NEAR(area, 0.8, 1e-12);
+  EXPECT_NEAR(group_area, 0.8, 1e-12);
+}
+
+/// Rows of the gap: a relative rigid translation along the normal changes every gap by its length.
+TEST(ContactPairs, GroupRowsMeasureTheGap) {
+  const auto solved = test::run_scene("tests/scenes/gap.toml");
+  const ElasticSystem& system = solved->simulation->system;
+  for (const GroupRow& row : system.group_rows) {
+    double opening = 0, common = 0;
+    for (const auto& [dof, value] : row.entries) {
+      const bool upper = dof / 3 >= system.meshes[1].first_node;
+      // The upper grid is turned about z only: its third axis is the global one.
+      if (dof % 3 == 2) (upper ? opening : common) += value;
+    }
+    EXPECT_NEAR(opening, 1, 1e-12);
+    EXPECT_NEAR(common, -1, 1e-12);
+  }
+}
+
+/// The upper body is held vertically by contact only; the gap closes and uniform pressure is exact.
+TEST(ContactPairs, LoadClosesAnInitialGap) {
+  const auto solved = test::run_scene("tests/scenes/gap.toml", {"solver.tolerance=1e-11"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_NEAR(r.pairs[0].force_on_first[2] / (-0.8e9), 1, 1e-9);
+  for (const ContactRow& row : r.contact_rows) {
+    EXPECT_NEAR(row.pressure_sprc / 1e9, 1, 1e-8);
+    EXPECT_NEAR(row.gap, 0, 1e-9);
+  }
+}
+
+TEST(FreeMotion, IsNamed) {
+  Scene scene = read("tests/scenes/gap.toml");
+  scene.supports.erase(scene.supports.begin() + 3);  // upper.x-
+  Simulation simulation(scene);
+  try {
+    simulation.run({});
+    FAIL() << "a free body was accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("\"upper\" is free to move along (1.000, 0.000, 0.000)"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+/// Reactions, loads and contact forces of each body balance.
+TEST(Equilibrium, OfEachBody) {
+  const auto solved = test::run_scene("scenes/two_solids_3d.toml", {"n=8"});
+  const Results& r = solved->results();
+  Vec3 lower = r.pairs[0].force_on_first, upper = r.pairs[0].force_on_second;
+  for (const SupportFigures& s : r.supports) (s.face.find("lower") == 0 ? lower : upper) += s.force;
+  // Load on the lateral face: int_0^0.01 q (0.01 - z) z dz * thickness, with q = 4e11 (inwards, -y) and 10e11 (-z).
+  const double integral = std::pow(0.01, 3) / 6 * 0.01;
+  lower += Vec3(0, -4e11 * integral, -10e11 * integral);
+  const double scale = r.pairs[0].force_on_first.norm();
+  EXPECT_LT(lower.norm(), 1e-8 * scale);
+  EXPECT_LT(upper.norm(), 1e-8 * scale);
+}
+
+}  // namespace
+}  // namespace cgcontact
