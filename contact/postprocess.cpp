@@ -103,23 +103,23 @@ ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const V
   return row;
 }
 
-/// Ends of the path: the scene's, or the longest direction of the contact rows through their centroid.
+/// Ends of the path: the scene's, or the longest direction of the first pair's contact rows through their centroid.
 std::pair<Vec3, Vec3> path_ends(const Simulation& sim, const Results& results) {
   if (sim.scene.output.path) return *sim.scene.output.path;
+  std::vector<const ContactRow*> rows;
+  for (const ContactRow& r : results.contact_rows)
+    if (r.pair == results.contact_rows.front().pair) rows.push_back(&r);
   Vec3 centroid = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
   double area = 0;
-  for (const ContactRow& r : results.contact_rows) centroid += r.weight * r.x, area += r.weight;
+  for (const ContactRow* r : rows) centroid += r->weight * r->x, area += r->weight;
   centroid /= area;
-  for (const ContactRow& r : results.contact_rows) {
-    const Vec3 d = r.x - centroid;
-    second += r.weight * d * d.transpose();
-  }
+  Mat3 second = Mat3::Zero();
+  for (const ContactRow* r : rows) second += r->weight * (r->x - centroid) * (r->x - centroid).transpose();
   const Vec3 e = Eigen::SelfAdjointEigenSolver<Mat3>(second).eigenvectors().col(2);
   double low = 0, high = 0;
-  for (const ContactRow& r : results.contact_rows) {
-    low = std::min(low, e.dot(r.x - centroid));
-    high = std::max(high, e.dot(r.x - centroid));
+  for (const ContactRow* r : rows) {
+    low = std::min(low, e.dot(r->x - centroid));
+    high = std::max(high, e.dot(r->x - centroid));
   }
   return {centroid + low * e, centroid + high * e};
 }

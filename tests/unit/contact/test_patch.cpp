@@ -70,5 +70,18 @@ INSTANTIATE_TEST_SUITE_P(Grids, ContactPatch,
                                          PatchCase{"upper_coarser", {"body.upper.cell_size=0.23"}}),
                          [](const auto& test) { return test.param.name; });
 
+/// Two automatic pairs, three materials: the same exactness on every interface.
+TEST(ContactPatchChain, AutomaticPairsAreExact) {
+  std::vector<std::string> overrides = tight;
+  const auto solved = test::run_scene("tests/scenes/three_blocks.toml", overrides);
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  ASSERT_EQ(r.pairs.size(), 2u);
+  ASSERT_FALSE(r.contact_rows.empty());
+  for (const ContactRow& row : r.contact_rows)
+    for (double value : {row.pressure_raw, row.pressure_spr, row.pressure_sprc}) EXPECT_NEAR(value / 1e7, 1, 1e-9);
+  for (const PairFigures& pair : r.pairs) EXPECT_NEAR(pair.force_on_second[2] / 1e7, 1, 1e-9);
+}
+
 }  // namespace
 }  // namespace cgcontact
