@@ -15,7 +15,7 @@ TractionCondition make_condition(const Scene& scene, const PointConditions& key)
   TractionCondition condition;
   for (int s : key.supports) {
     const SupportSpec& support = scene.supports[s];
-    condition.normal_held |= support.symmetry;
+    condition.normal_held |= support.holds_normal();
     for (int i = 0; i < 3; ++i) condition.component_held[i] |= support.displacement[i].has_value();
   }
   if (!key.loads.empty())
@@ -159,7 +159,8 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
           n, n, body.area(p),     0.0};
-      if (support.symmetry) points.push_back(point);
+      if (support.normal_displacement) point.value = (*support.normal_displacement)(x);
+      if (support.holds_normal()) points.push_back(point);
       for (int i = 0; i < 3; ++i)
         if (support.displacement[i]) {
           point.direction = Vec3::Unit(i);

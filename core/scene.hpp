@@ -55,6 +55,9 @@ struct SupportSpec {
   FaceRef face;
   bool symmetry = false;                                  ///< direction is the normal of the face, value 0
   std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
+  std::optional<Expression> normal_displacement;          ///< m, along the outward normal
+
+  bool holds_normal() const { return symmetry || normal_displacement; }
   SourcePlace place;
 };
 

@@ -238,13 +238,16 @@ void SceneReader::read_supports(const TomlCursor& root) {
       node.fail(displacement ? "has both symmetry and displacement" : "says nothing",
                 "symmetry = true, or displacement = {x = .., y = .., z = ..}");
     if (displacement) {
-      displacement->expect_keys({"x", "y", "z"});
+      displacement->expect_keys({"x", "y", "z", "normal"});
+      if (const auto normal = displacement->find("normal")) support.normal_displacement = normal->expression();
       const char* const axes[3] = {"x", "y", "z"};
       for (int k = 0; k < 3; ++k)
         if (const auto component = displacement->find(axes[k])) support.displacement[k] = component->expression();
-      if (displacement->entries().empty()) displacement->fail("prescribes nothing", "at least one of x, y, z (m)");
+      if (displacement->entries().empty())
+        displacement->fail("prescribes nothing", "at least one of x, y, z, normal (m)");
     }
     std::vector<const Expression*> given;
+    if (support.normal_displacement) given.push_back(&*support.normal_displacement);
     for (const auto& component : support.displacement)
       if (component) given.push_back(&*component);
     probe_expressions(scene_.bodies[support.face.body], support.face.face, given);

@@ -61,6 +61,37 @@ TEST(Invariance, SwappingTheBodiesChangesLittle) {
   EXPECT_LT(std::sqrt(difference / norm), 0.15);
 }
 
+/// Bodies and grids turned together: the same discrete problem, so the same answer up to rounding.
+TEST(Invariance, TurningTheSceneChangesNothing) {
+  const std::vector<std::string> tight{"solver.tolerance=1e-12", "solver.linear_tolerance=1e-13"};
+  std::vector<std::string> turned = tight;
+  turned.insert(turned.end(), {"angle=40", "grid_angle=40"});
+  const auto a = test::run_scene("tests/scenes/turned.toml", tight);
+  const auto b = test::run_scene("tests/scenes/turned.toml", turned);
+  const Results &ra = a->results(), &rb = b->results();
+  ASSERT_TRUE(ra.converged && rb.converged) << ra.diagnosis << rb.diagnosis;
+  ASSERT_EQ(ra.contact_rows.size(), rb.contact_rows.size());
+  const double scale = ra.pairs[0].max_pressure;
+  EXPECT_NEAR(rb.pairs[0].max_pressure / scale, 1, 1e-8);
+  EXPECT_NEAR(rb.pairs[0].force_on_first.norm() / ra.pairs[0].force_on_first.norm(), 1, 1e-8);
+  EXPECT_NEAR(rb.estimated_error / ra.estimated_error, 1, 1e-8);
+  int open = 0;
+  for (const ContactRow& row : ra.contact_rows) open += !row.active;
+  EXPECT_GT(open, 0);
+}
+
+/// Bodies turned against their grids: another discretisation of the same problem, the same force within its error.
+TEST(Invariance, TurningTheBodiesAgainstTheirGridsChangesLittle) {
+  const auto a = test::run_scene("tests/scenes/turned.toml");
+  const double force = a->results().pairs[0].force_on_first.norm();
+  for (const char* angle : {"angle=1e-10", "angle=17", "angle=63"}) {
+    const auto b = test::run_scene("tests/scenes/turned.toml", {angle});
+    ASSERT_TRUE(b->results().converged) << angle << ": " << b->results().diagnosis;
+    EXPECT_NEAR(b->results().pairs[0].force_on_first.norm() / force, 1, 0.02) << angle;
+    EXPECT_NEAR(b->results().pairs[0].area / a->results().pairs[0].area, 1, 0.2) << angle;
+  }
+}
+
 TEST(OneBody, RunsThroughTheSamePathWithoutContact) {
   const auto solved = test::run_scene("tests/scenes/one_body.toml", {"solver.tolerance=1e-12"});
   const Results& r = solved->results();
