@@ -1,7 +1,7 @@
 # cgcontact_end_to_end_tests(FOLDER): every test_*.sh and test_*.py in FOLDER becomes the test end_to_end.<name>. It runs in
-# an empty directory of its own, with CGCONTACT (the built program) and CGCONTACT_SOURCE_DIR in its environment, and passes
-# when it exits with 0. A line "# timeout: SECONDS" near its top replaces the limit of 900 seconds; "# alone" keeps
-# ctest from running other tests beside it (for tests that measure time).
+# an empty directory of its own, with the built program and the source directory as arguments, and passes when it exits
+# with 0. A line "# timeout: SECONDS" near its top replaces the limit of 900 seconds (ten times as long with sanitizers,
+# where CGCONTACT_SANITIZED is set); "# alone" keeps ctest from running other tests beside it.
 find_program(CGCONTACT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)  # Debian's own: the one that has VTK
 find_program(CGCONTACT_PYTHON python3)
 
@@ -17,13 +17,17 @@ function(cgcontact_end_to_end_tests folder)
     endif()
     set(work_dir ${CMAKE_CURRENT_BINARY_DIR}/end_to_end/${name})
     add_test(NAME end_to_end.${name} WORKING_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}
-      COMMAND bash -c "rm -rf \"$1\" && mkdir -p \"$1\" && cd \"$1\" && exec \"$2\" \"$3\"" _
-        ${work_dir} ${interpreter} ${script})
+      COMMAND bash -c "rm -rf \"$1\" && mkdir -p \"$1\" && cd \"$1\" && shift && exec \"$@\"" _
+        ${work_dir} ${interpreter} ${script} $<TARGET_FILE:cgcontact> ${CMAKE_SOURCE_DIR})
     file(STRINGS ${script} timeout REGEX "^# timeout: [0-9]+$" LIMIT_COUNT 1)
     string(REGEX MATCH "[0-9]+" timeout "${timeout};900")
     file(STRINGS ${script} alone REGEX "^# alone$" LIMIT_COUNT 1)
-    set_tests_properties(end_to_end.${name} PROPERTIES LABELS end_to_end TIMEOUT ${timeout}
-      ENVIRONMENT "CGCONTACT=$<TARGET_FILE:cgcontact>;CGCONTACT_SOURCE_DIR=${CMAKE_SOURCE_DIR}")
+    set_tests_properties(end_to_end.${name} PROPERTIES LABELS end_to_end)
+    if(CGCONTACT_SANITIZE)
+      math(EXPR timeout "10 * ${timeout}")
+      set_tests_properties(end_to_end.${name} PROPERTIES ENVIRONMENT CGCONTACT_SANITIZED=1)
+    endif()
+    set_tests_properties(end_to_end.${name} PROPERTIES TIMEOUT ${timeout})
     if(alone)
       set_tests_properties(end_to_end.${name} PROPERTIES RUN_SERIAL ON)
     endif()

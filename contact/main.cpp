@@ -23,6 +23,12 @@ std::string output_directory(const CommandLine& options, const Scene& scene) {
   return "out/" + std::filesystem::path(scene.file).stem().string();
 }
 
+std::string too_many_threads(int wanted) {
+  const int available = TrilinosScope::concurrency();
+  return fmt::format("--threads {}: this program runs on {} thread{} (backend {})", wanted, available,
+                     available == 1 ? "" : "s", TrilinosScope::backend());
+}
+
 int check(const Scene& scene) {
   const Preparation preparation = prepare(scene);
   fmt::print("{}", describe(scene, preparation));
@@ -34,6 +40,7 @@ int run(const Scene& scene, const CommandLine& options) {
   check_output_directory(directory);
   const TrilinosScope trilinos(options.threads);
   Progress progress;
+  if (options.threads > TrilinosScope::concurrency()) progress.message("warning: " + too_many_threads(options.threads));
   ProgressCallbacks callbacks;
   callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
   callbacks.step = [&](const OuterStep& s) { progress.outer_iteration(s.iteration, s.active_points, s.residual); };
@@ -43,6 +50,7 @@ int run(const Scene& scene, const CommandLine& options) {
   Results& results = simulation.results;
   results.backend = TrilinosScope::backend();
   results.threads = TrilinosScope::concurrency();
+  if (options.threads > results.threads) results.warnings.push_back(too_many_threads(options.threads));
   for (const std::string& warning : write_results(results, scene, directory)) progress.message("warning: " + warning);
   progress.finish();
   fmt::print("{}", summary(results, directory));
@@ -62,10 +70,13 @@ int main(int argc, char** argv) {
     return options->command == CommandLine::check ? check(scene) : run(scene, *options);
   } catch (const InputError& error) {
     fmt::print(stderr, "cgcontact: {}\n", error.what());
-  } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "cgcontact: out of memory: larger cell_size needed (see cgcontact check)\n");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "cgcontact: {}\n", error.what());
+    const bool out_of_memory = dynamic_cast<const std::bad_alloc*>(&error) ||
+                               std::string(error.what()).find("failed to allocate memory") != std::string::npos;
+    fmt::print(stderr, "cgcontact: {}\n",
+               out_of_memory ? "out of memory: a larger cell_size is needed (cgcontact check says how much memory a "
+                               "scene takes)"
+                             : error.what());
   }
   return 1;
 }

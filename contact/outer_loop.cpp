@@ -290,7 +290,7 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
           "(solver.max_linear_iterations, solver.linear_tolerance)",
           solve.iterations, solve.residual / force_norm_);
       set_forces(result);
-      const std::string motion = find_free_motion(problem_);
+      const std::string motion = find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs);
       if (!motion.empty()) result.diagnosis += "; " + motion;
       return result;
     }
@@ -324,18 +324,16 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
 }  // namespace
 
 OuterResult solve_contact(OuterProblem& problem, const std::function<void(const OuterStep&)>& progress) {
-  // Contact points are all closed before the loop starts: a motion that is free even so is a mistake in the scene.
-  const std::string motion = find_free_motion(problem);
-  if (!motion.empty()) throw InputError(problem.scene.file + ": " + motion);
   return OuterLoop(problem).run(progress);
 }
 
-std::string find_free_motion(const OuterProblem& problem) {
-  const std::size_t n = problem.bodies.size();
+std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
+                             const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
+  const std::size_t n = bodies.size();
   std::vector<Vec3> centre(n, Vec3::Zero());
   std::vector<double> size(n, 0.0);
   for (std::size_t b = 0; b < n; ++b) {
-    const Grid& grid = problem.bodies[b].cut_cells.grid;
+    const Grid& grid = bodies[b].cut_cells.grid;
     centre[b] = grid.to_global(0.5 * Vec3(grid.num_cells[0], grid.num_cells[1], grid.num_cells[2]));
     size[b] = grid.cell_size * *std::max_element(grid.num_cells.begin(), grid.num_cells.end());
   }
@@ -345,14 +343,14 @@ std::string find_free_motion(const OuterProblem& problem) {
     v.segment<3>(6 * b) += d;
     v.segment<3>(6 * b + 3) += ((x - centre[b]) / size[b]).cross(d);
   };
-  for (const SupportPoint& p : problem.supports) {
-    const CutCells& cc = problem.bodies[p.body].cut_cells;
+  for (const SupportPoint& p : supports) {
+    const CutCells& cc = bodies[p.body].cut_cells;
     const Index3& c = cc.cells[p.cell];
     Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * n);
     row(v, p.body, cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones())), p.direction);
     A += p.weight / (size[p.body] * size[p.body]) * v * v.transpose();
   }
-  for (const ContactPair& pair : problem.pairs)
+  for (const ContactPair& pair : pairs)
     for (const ContactPoint& q : pair.points) {
       if (!q.active) continue;
       Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * n);
@@ -369,10 +367,9 @@ std::string find_free_motion(const OuterProblem& problem) {
   const bool rotation = largest % 6 >= 3;
   Vec3 axis = mode.segment<3>(6 * body + (rotation ? 3 : 0)).normalized();
   if (mode[largest] < 0) axis = -axis;
-  axis += Vec3::Zero();  // -0 -> 0
+  axis = (1000 * axis).array().round().matrix() / 1000 + Vec3::Zero();  // three digits, and no -0
   return fmt::format("body \"{}\" is free to {} ({:.3f}, {:.3f}, {:.3f}): add a support or a contact that holds it",
-                     problem.scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1],
-                     axis[2]);
+                     scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1], axis[2]);
 }
 
 }  // namespace cgcontact

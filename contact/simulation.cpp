@@ -1,11 +1,11 @@
 #include "contact/simulation.hpp"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <chrono>
 
 #include "contact/postprocess.hpp"
+#include "contact/reference.hpp"
+#include "core/resources.hpp"
 
 namespace cgcontact {
 namespace {
@@ -45,6 +45,10 @@ Preparation prepare(const Scene& scene) {
   p.bodies = make_body_models(scene);
   p.supports = make_support_points(scene, p.bodies);
   p.pairs = make_contact_pairs(scene, p.bodies);
+  // Contact points are all closed before the solve: a motion that is free even so is a mistake in the scene.
+  const std::string motion = find_free_motion(scene, p.bodies, p.supports, p.pairs);
+  if (!motion.empty()) throw InputError(scene.file + ": " + motion);
+  [[maybe_unused]] const Reference readable(scene);
   return p;
 }
 
@@ -75,9 +79,7 @@ void Simulation::run(const ProgressCallbacks& progress) {
   });
   phase("recovery", [&] { recover(); });
   phase("error estimate", [&] { fill_results(); });
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  results.peak_memory_bytes = 1024LL * usage.ru_maxrss;
+  results.peak_memory_bytes = peak_memory_bytes();
 }
 
 void Simulation::recover() {

@@ -1,5 +1,7 @@
 #include "core/cli.hpp"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -24,6 +26,15 @@ const char* const footer =
     "Exit codes: 0 solved (or scene is good), 1 bad input, 2 did not converge (results are written and marked so).\n"
     "The scene file is described in docs/scene.md.";
 
+/// Empty, or what is wrong with the value of an option.
+std::string not_empty(const std::string& value) { return value.empty() ? "is empty (allowed: a directory)" : ""; }
+
+std::string number_of_threads(const std::string& value) {
+  int number = 0;
+  if (CLI::detail::lexical_cast(value, number) && number >= 1 && number <= most_threads) return "";
+  return fmt::format("\"{}\" is not a number of threads (allowed: an integer from 1 to {})", value, most_threads);
+}
+
 void add_common_options(CLI::App& command, CommandLine& line) {
   command.add_option("SCENE", line.scene, "Scene file (TOML, SI units)")->required()->type_name("");
   command
@@ -32,7 +43,6 @@ void add_common_options(CLI::App& command, CommandLine& line) {
                   "repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  command.add_flag("-v,--verbose", line.verbose, "Say more about each phase");
 }
 
 void describe(CLI::App& app, CommandLine& line) {
@@ -44,10 +54,11 @@ void describe(CLI::App& app, CommandLine& line) {
   CLI::App& run = *app.add_subcommand("run", "Solve a scene and write pressure, stress, report and pictures");
   add_common_options(run, line);
   run.add_option("-o,--out", line.out, "Output directory [default: out/<scene name>, or the scene's output.directory]")
-      ->type_name("DIR");
+      ->type_name("DIR")
+      ->check(not_empty, "");
   run.add_option("-t,--threads", line.threads, "Number of threads [default: all that the backend offers]")
       ->type_name("N")
-      ->check(CLI::Range(1, most_threads));
+      ->check(number_of_threads, "");
   run.callback([&line] { line.command = CommandLine::run; });
 
   CLI::App& check = *app.add_subcommand("check", "Validate a scene and print what it contains, without solving");
@@ -61,7 +72,7 @@ std::string explain_extra(const CLI::App& app) {
   const auto is_option = [](const std::string& word) { return !word.empty() && word[0] == '-'; };
   const auto option = std::find_if(rest.begin(), rest.end(), is_option);
   if (option == rest.end()) return "unexpected argument \"" + (rest.empty() ? "" : rest[0]) + "\"";
-  std::vector<std::string> known = {"--set", "--verbose", "--help"};
+  std::vector<std::string> known = {"--set", "--help"};
   if (app.got_subcommand("run")) known.insert(known.end(), {"--out", "--threads"});
   return "unknown option \"" + *option + "\"" + did_you_mean(*option, known) + " (allowed: " + join(known) + ")";
 }
@@ -79,6 +90,7 @@ std::string explain(const CLI::Error& error, const CLI::App& app, int argc, cons
   }
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) return explain_extra(app);
   std::string text = error.what();
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) text = text.substr(0, text.find(':')) + " needs a value";
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }

@@ -14,7 +14,6 @@ struct CommandLine {
   std::string out;                     ///< output directory; empty: as the scene says
   int threads = 0;                     ///< 0: as the environment says
   std::vector<std::string> overrides;  ///< "key=value"
-  bool verbose = false;
 };
 
 /// Parses the arguments (argv[0] is the program). Returns nothing if the program is to end with `exit_code` right away:

@@ -2,10 +2,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
@@ -15,6 +17,7 @@
 #include "core/output_picture.hpp"
 #include "core/output_plots.hpp"
 #include "core/output_vtk.hpp"
+#include "core/resources.hpp"
 
 namespace cgcontact {
 
@@ -40,6 +43,12 @@ std::vector<std::string> old_files(const fs::path& directory) {
     throw InputError(fmt::format("will not replace {}: it is not empty and holds no report.json of an earlier run",
                                  directory.string()));
   return files_of_report(report.string());
+}
+
+/// A directory that cannot be renamed.
+bool is_mount_point(const fs::path& path) {
+  struct statx info {};
+  return statx(AT_FDCWD, path.c_str(), 0, STATX_TYPE, &info) == 0 && (info.stx_attributes & STATX_ATTR_MOUNT_ROOT);
 }
 
 /// The directory everything is written to first; removed with its contents unless it has been moved away.
@@ -130,16 +139,25 @@ std::vector<std::string> write_files(const Results& results, const Scene& scene,
 
 void check_output_directory(const std::string& directory) {
   const fs::path target = absolute_directory(directory);
+  const char* const advice = "the directory is replaced as a whole; name one inside it";
+  std::error_code error;
+  if (fs::equivalent(target, fs::current_path(error), error))
+    throw InputError(fmt::format("cannot write results to {}: it is the working directory ({})", directory, advice));
+  if (is_mount_point(target))
+    throw InputError(fmt::format("cannot write results to {}: it is a mount point ({})", directory, advice));
   old_files(target);
   fs::path existing = target.parent_path();
-  while (!fs::exists(existing) && existing.has_relative_path()) existing = existing.parent_path();
-  if (!fs::is_directory(existing) || access(existing.c_str(), W_OK | X_OK) != 0)
-    throw InputError(
-        fmt::format("cannot write results to {}: no directory can be made in {}", target.string(), existing.string()));
+  while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
+  const fs::path probe = existing / fmt::format(".{}.tmp-{}", target.filename().string(), getpid());
+  if (mkdir(probe.c_str(), 0777) != 0)
+    throw InputError(fmt::format("cannot write results to {}: no directory can be made in {}: {}", target.string(),
+                                 existing.string(), std::strerror(errno)));
+  rmdir(probe.c_str());
 }
 
-std::vector<std::string> write_results(const Results& results, const Scene& scene, const std::string& directory) {
+std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory) {
   const fs::path target = absolute_directory(directory);
+  const auto start = std::chrono::steady_clock::now();
   try {
     const std::vector<std::string> old = old_files(target);
     const TemporaryDirectory temporary(target);
@@ -148,6 +166,9 @@ std::vector<std::string> write_results(const Results& results, const Scene& scen
     for (const fs::directory_entry& entry : fs::directory_iterator(temporary.path()))
       files.push_back(entry.path().filename().string());
     std::sort(files.begin(), files.end());
+    results.times_s.emplace_back("output",
+                                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    results.peak_memory_bytes = std::max(results.peak_memory_bytes, peak_memory_bytes());
     write_report(results, files, warnings, temporary.file("report.json"));
     replace(temporary.path(), target, old);
     return warnings;

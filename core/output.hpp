@@ -14,7 +14,7 @@ namespace cgcontact {
 /// directory beside `directory` and exchanges the two. Files of the old directory that this program did not write are
 /// kept. Throws InputError if `directory` cannot be written or holds something that is not a result; it is then as it
 /// was before. Returns warnings (for example: no gnuplot, no pictures), which report.json holds too.
-std::vector<std::string> write_results(const Results& results, const Scene& scene, const std::string& directory);
+std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory);
 
 /// Throws the InputError that write_results would throw for a directory that it may not replace or create; for use
 /// before a long run.

@@ -37,16 +37,19 @@ PieceRows rows_by_piece(const Results& results, int body) {
   return pieces;
 }
 
-/// Appends a triangle with the inverse-distance mean of the rows.
+/// Appends a triangle with the inverse-distance mean of the rows; the gap is NaN where no row has anything opposite.
 void add_triangle(const Vec3& centroid, double spacing, const std::vector<const ContactRow*>& rows,
                   ContactSurface& surface) {
   std::array<double, ContactSurface::num_values> sum{};
-  double total = 0, nearest = std::numeric_limits<double>::max();
+  double total = 0, total_of_gap = 0, nearest = std::numeric_limits<double>::max();
   const ContactRow* nearest_row = rows.front();
   for (const ContactRow* row : rows) {
     const double distance = (row->x - centroid).squaredNorm();
     const double weight = 1 / (distance + 1e-4 * spacing * spacing);
-    sum[ContactSurface::gap] += weight * row->gap;
+    if (std::isfinite(row->gap)) {
+      sum[ContactSurface::gap] += weight * row->gap;
+      total_of_gap += weight;
+    }
     sum[ContactSurface::pressure_raw] += weight * row->pressure_raw;
     sum[ContactSurface::pressure_spr] += weight * row->pressure_spr;
     sum[ContactSurface::pressure_sprc] += weight * row->pressure_sprc;
@@ -56,7 +59,7 @@ void add_triangle(const Vec3& centroid, double spacing, const std::vector<const 
       nearest_row = row;
     }
   }
-  for (double& value : sum) value /= total;
+  for (int k = 0; k < ContactSurface::num_values; ++k) sum[k] /= k == ContactSurface::gap ? total_of_gap : total;
   surface.triangle_values.push_back(sum);
   surface.body.push_back(nearest_row->body);
   surface.pair.push_back(nearest_row->pair);
@@ -108,22 +111,25 @@ void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows
   }
 }
 
+/// Area-weighted mean of the triangles around each point; of the gap, those that have one, NaN if none has.
 void average_to_points(ContactSurface& surface) {
-  surface.point_values.assign(surface.position.size(), {});
-  std::vector<double> total(surface.position.size(), 0.0);
+  using Values = std::array<double, ContactSurface::num_values>;
+  surface.point_values.assign(surface.position.size(), Values{});
+  std::vector<Values> total(surface.position.size(), Values{});
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const auto& t = surface.triangles[i];
     const Vec3& a = surface.position[t[0]];
     const double area = (surface.position[t[1]] - a).cross(surface.position[t[2]] - a).norm();
-    for (int p : t) {
-      total[p] += area;
-      for (int k = 0; k < ContactSurface::num_values; ++k)
+    for (int p : t)
+      for (int k = 0; k < ContactSurface::num_values; ++k) {
+        if (!std::isfinite(surface.triangle_values[i][k])) continue;
+        total[p][k] += area;
         surface.point_values[p][k] += area * surface.triangle_values[i][k];
-    }
+      }
   }
   for (std::size_t p = 0; p < total.size(); ++p)
-    if (total[p] > 0)
-      for (double& value : surface.point_values[p]) value /= total[p];
+    for (int k = 0; k < ContactSurface::num_values; ++k)
+      if (total[p][k] > 0 || k == ContactSurface::gap) surface.point_values[p][k] /= total[p][k];
 }
 
 }  // namespace

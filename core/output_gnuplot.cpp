@@ -111,15 +111,12 @@ AxisUnit stress_unit(double largest) {
 }
 
 std::string gnuplot_text(const std::string& text) {
-  std::string quoted = "\"";
+  std::string quoted = "'";
   for (char c : text) {
-    if (c == '"' || c == '\\')
-      quoted += '\\';
-    else if (std::strchr("{}^_@&~", c))
-      quoted += "\\\\";  // enhanced mode takes the character as it is after a backslash
-    quoted += c == '\n' ? ' ' : c;
+    if (c == '\'') quoted += c;
+    quoted += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
   }
-  return quoted + '"';
+  return quoted + "'";
 }
 
 }  // namespace cgcontact

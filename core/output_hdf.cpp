@@ -96,6 +96,7 @@ void HdfFile::write(const std::string& path, const std::vector<T>& values, int c
   const int rank = columns > 0 ? 2 : 1;
   const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, "create a space");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "prepare a data set");
+  check(H5Pset_obj_track_times(properties.id, false), "leave out the time");  // equal runs give equal files
   if (size[0] > 1 && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
     const hsize_t chunk[2] = {std::min(size[0], rows_per_chunk), width};
     check(H5Pset_chunk(properties.id, rank, chunk), "set a chunk size");

@@ -16,6 +16,8 @@ namespace cgcontact {
 namespace {
 
 constexpr int long_side = 1000, oversampling = 3;
+/// Rows that are drawn at a time, and rows beyond them whose outlines reach into them.
+constexpr int strip_rows = 100, outline_reach = 1;
 /// Largest drawn displacement over the diagonal of the scene.
 constexpr double drawn_displacement = 0.03;
 /// The contact is inside the scene, and the scene cut open, if it is this far (fraction of the extent) from its sides.
@@ -194,8 +196,11 @@ std::vector<DrawnBody> cut_open(const Results& results, const ContactPlace& plac
   return drawn;
 }
 
-std::string render(const std::vector<DrawnBody>& bodies, const View& view, const std::array<int, 2>& size) {
-  RasterImage image(size[0], size[1], oversampling, view.camera);
+/// One strip of the picture: the whole picture at once would take 300 MB, more than most runs.
+RasterImage render_strip(const std::vector<DrawnBody>& bodies, const View& view, int width, int first_row, int rows) {
+  Camera camera = view.camera;
+  camera.low[1] += first_row / camera.pixels_per_metre;
+  RasterImage image(width, rows, oversampling, camera);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const DrawnBody& body = bodies[b];
     for (const BoundaryTriangle& triangle : body.mesh.boundary) {
@@ -211,7 +216,19 @@ std::string render(const std::vector<DrawnBody>& bodies, const View& view, const
     }
   }
   image.draw_outlines();
-  return image.pixels();
+  return image;
+}
+
+std::string render(const std::vector<DrawnBody>& bodies, const View& view, const std::array<int, 2>& size) {
+  const auto bytes = [&](int rows) { return static_cast<std::size_t>(3) * size[0] * rows; };
+  std::string pixels;
+  for (int first = 0; first < size[1]; first += strip_rows) {
+    const int rows = std::min(strip_rows, size[1] - first);
+    const int below = std::min(outline_reach, first), above = std::min(outline_reach, size[1] - first - rows);
+    const RasterImage strip = render_strip(bodies, view, size[0], first - below, below + rows + above);
+    pixels.append(strip.pixels(), bytes(below), bytes(rows));
+  }
+  return pixels;
 }
 
 std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size) {
@@ -221,7 +238,7 @@ std::string picture_script(const Results& results, const View& view, const std::
   const int left = flat ? 125 : 30, right = 170, bottom = flat ? 80 : 40, top = 60;
   const int width = size[0] + left + right, height = size[1] + bottom + top;
   std::string script =
-      fmt::format("set terminal pngcairo size {},{} enhanced font 'sans-serif,15' background 'white'\n", width, height);
+      fmt::format("set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n", width, height);
   script += "set output '../scene.png'\nunset key\n" + gnuplot_palette();
   script += fmt::format(
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",

@@ -38,7 +38,7 @@ Progress::Progress(Mode mode, std::ostream& stream) : mode_(resolve(mode)), stre
   phase_start_ = last_update_ = start_;
 }
 
-Progress::~Progress() { finish(); }
+Progress::~Progress() { clear_line(); }  // a phase that an error ended is not done
 
 void Progress::begin_phase(const std::string& name) {
   end_phase();

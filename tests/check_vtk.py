@@ -2,7 +2,8 @@
 """Opens a VTKHDF file with VTK's reader and prints what is in it as key = value lines; fails on what cannot be right.
 
 usage: check_vtk.py FILE [--points N] [--cells N] [--volume V] [--area A] [--bounds x0 x1 y0 y1 z0 z1]
-                         [--point-array NAME:COMPONENTS]... [--cell-array NAME:COMPONENTS]... [--tolerance T]
+                         [--point-array NAME:COMPONENTS]... [--cell-array NAME:COMPONENTS]... [--may-be-nan NAME]...
+                         [--tolerance T]
 
 Exit code 77 (skip) if VTK's Python package is missing (Debian: python3-vtk9).
 """
@@ -10,6 +11,7 @@ import argparse
 import sys
 
 try:
+    from numpy import isnan
     from vtkmodules.vtkCommonCore import vtkVersion
     from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
     from vtkmodules.vtkIOHDF import vtkHDFReader
@@ -29,6 +31,7 @@ def arguments():
     parser.add_argument("--bounds", type=float, nargs=6)
     parser.add_argument("--point-array", action="append", default=[])
     parser.add_argument("--cell-array", action="append", default=[])
+    parser.add_argument("--may-be-nan", action="append", default=[], help="array that may hold NaN beside finite values")
     parser.add_argument("--tolerance", type=float, default=1e-6, help="relative, of volume, area and bounds")
     return parser.parse_args()
 
@@ -52,11 +55,13 @@ def size(grid, name):
     return float(values.sum()), float(values.min()) if len(values) else 0.0
 
 
-def check_arrays(data, kind, tuples, expected, problems):
-    """Every array must be finite and of full length; those expected must be there."""
+def check_arrays(data, kind, tuples, expected, may_be_nan, problems):
+    """Every array must be finite (but for NaN where that is said) and of full length; those expected must be there."""
     for i in range(data.GetNumberOfArrays()):
         array = data.GetArray(i)
         values = vtk_to_numpy(array)
+        if array.GetName() in may_be_nan and not isnan(values).all():
+            values = values[~isnan(values)]
         print(f"{kind} {array.GetName()} = {array.GetNumberOfComponents()} x {array.GetNumberOfTuples()}"
               f" [{values.min():.6g}, {values.max():.6g}]")
         if array.GetNumberOfTuples() != tuples:
@@ -84,8 +89,9 @@ def main():
     print(f"VTK = {vtkVersion().GetVTKVersion()}")
     check_value("points", grid.GetNumberOfPoints(), options.points, 0, problems)
     check_value("cells", grid.GetNumberOfCells(), options.cells, 0, problems)
-    check_arrays(grid.GetPointData(), "point array", grid.GetNumberOfPoints(), options.point_array, problems)
-    check_arrays(grid.GetCellData(), "cell array", grid.GetNumberOfCells(), options.cell_array, problems)
+    check_arrays(grid.GetPointData(), "point array", grid.GetNumberOfPoints(), options.point_array, options.may_be_nan,
+                 problems)
+    check_arrays(grid.GetCellData(), "cell array", grid.GetNumberOfCells(), options.cell_array, options.may_be_nan, problems)
     print("bounds =", *grid.GetBounds())
     if options.bounds:
         extent = max(options.bounds[2 * k + 1] - options.bounds[2 * k] for k in range(3))

@@ -25,14 +25,13 @@ Outcome parse(std::vector<const char*> arguments) {
 
 TEST(CommandLine, run_takes_all_options) {
   const Outcome outcome =
-      parse({"run", "a.toml", "--set", "n=3", "--out", "dir", "--set", "b.c=[0, 1]", "--threads", "4", "-v"});
+      parse({"run", "a.toml", "--set", "n=3", "--out", "dir", "--set", "b.c=[0, 1]", "--threads", "4"});
   ASSERT_TRUE(outcome.line);
   EXPECT_EQ(outcome.line->command, CommandLine::run);
   EXPECT_EQ(outcome.line->scene, "a.toml");
   EXPECT_EQ(outcome.line->out, "dir");
   EXPECT_EQ(outcome.line->threads, 4);
   EXPECT_EQ(outcome.line->overrides, (std::vector<std::string>{"n=3", "b.c=[0, 1]"}));
-  EXPECT_TRUE(outcome.line->verbose);
 }
 
 TEST(CommandLine, set_does_not_swallow_the_scene) {
@@ -57,10 +56,12 @@ TEST(CommandLine, mistakes_give_one_line_and_exit_code_1) {
       {{"rnu", "a.toml"}, "did you mean \"run\"?"},
       {{"a.toml"}, "did you mean \"run a.toml\"?"},
       {{"run"}, "SCENE is required"},
-      {{"run", "a.toml", "--set"}, "--set"},
+      {{"run", "a.toml", "--set"}, "--set needs a value"},
+      {{"run", "a.toml", "--out", ""}, "--out: is empty"},
       {{"run", "a.toml", "b.toml"}, "unexpected argument \"b.toml\""},
       {{"run", "a.toml", "--thread", "2"}, "did you mean \"--threads\"?"},
-      {{"run", "a.toml", "--threads", "0"}, "--threads"},
+      {{"run", "a.toml", "--threads", "0"}, "--threads: \"0\" is not a number of threads"},
+      {{"run", "a.toml", "--threads", "2x"}, "an integer from 1 to 4096"},
       {{"check", "a.toml", "--out", "x"}, "unknown option \"--out\""},
   };
   for (const auto& [arguments, text] : cases) {
@@ -89,6 +90,15 @@ TEST(Progress, log_has_a_line_per_phase_and_iteration) {
       << text;
   ASSERT_EQ(progress.times_s().size(), 2u) << "the phase that came back is summed";
   EXPECT_EQ(progress.times_s()[0].first, "cut cells");
+}
+
+TEST(Progress, a_phase_that_an_error_ended_is_not_reported_as_done) {
+  std::ostringstream stream;
+  {
+    Progress progress(Progress::Mode::log, stream);
+    progress.begin_phase("cut cells");
+  }
+  EXPECT_EQ(stream.str(), "");
 }
 
 TEST(Progress, quick_runs_show_nothing_on_a_terminal) {

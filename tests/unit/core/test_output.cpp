@@ -122,7 +122,7 @@ class output : public ::testing::Test {
     for (const auto& entry : fs::directory_iterator(root_)) names.insert(entry.path().filename().string());
     return names;
   }
-  std::string error_of(const Results& results, const Scene& scene, const std::string& directory) const {
+  std::string error_of(Results results, const Scene& scene, const std::string& directory) const {
     try {
       write_results(results, scene, directory);
     } catch (const InputError& error) {
@@ -305,7 +305,7 @@ TEST_F(output, without_gnuplot_scripts_and_data_stay_and_a_warning_says_so) {
 TEST_F(output, gnuplot_draws_the_pictures) {
   if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed";
   const auto blocks = make_blocks();
-  blocks->results.title = "braces {}, 'quotes' and \"more\", under_score ^ @ & ~ back\\slash";
+  blocks->results.title = "braces {}, 'quotes' and \"more\", under_score ^ @ & ~ back\\slash `touch run` $(touch run)";
   EXPECT_EQ(write_results(blocks->results, blocks->scene, out_), std::vector<std::string>{});
   for (const char* name : {"pressure.svg", "stress_error.svg", "scene.png"})
     EXPECT_GT(fs::file_size(file(name)), 1000u) << name;

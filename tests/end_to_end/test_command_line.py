@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+# timeout: 120
+"""Options, default places and progress as a user sees them."""
+import os
+import pathlib
+import pty
+import re
+import subprocess
+import time
+import unittest
+
+import harness
+from harness import cgcontact, report, scene, settings
+
+PHASES = ["cut cells", "operator", "solve", "recovery", "error estimate", "output"]
+
+
+class Help(unittest.TestCase):
+    def test_help_and_version(self):
+        """--help and --version go to standard output and end well; help names commands, options and exit codes."""
+        for arguments, texts in ((["--help"], ["run", "check", "--version", "Exit codes", "docs/scene.md"]),
+                                 (["-h"], ["Usage"]),
+                                 (["run", "--help"], ["SCENE", "--out", "--threads", "--set", "Exit codes"]),
+                                 (["check", "--help"], ["SCENE", "--set"])):
+            outcome = cgcontact(*arguments)
+            self.assertEqual((outcome.code, outcome.err), (0, ""))
+            for text in texts:
+                self.assertIn(text, outcome.out)
+        self.assertRegex(cgcontact("--version").out, r"^cgcontact \d+\.\d+\.\d+\n$")
+        self.assertTrue((harness.SOURCE / "docs" / "scene.md").is_file())
+
+    def test_every_example_of_the_help(self):
+        """The scenes that the help names are there."""
+        for name in re.findall(r"cgcontact (?:run|check) (\S+\.toml)", cgcontact("--help").out):
+            self.assertTrue((harness.SOURCE / name).is_file(), name)
+
+
+class Options(unittest.TestCase):
+    def unknowns(self, *options):
+        outcome = cgcontact("check", scene("two_solids"), *options)
+        self.assertEqual(outcome.code, 0, outcome.err)
+        return int(re.search(r"(\d+) unknowns in all", outcome.out).group(1))
+
+    def test_set(self):
+        """--set: parameters by name, keys by name or index, the last of several counts, values without quotes."""
+        self.assertNotEqual(self.unknowns(), self.unknowns("--set", "n=8"))
+        self.assertEqual(self.unknowns("--set", "n=8"), self.unknowns("--set", "parameters.n=8"))
+        self.assertEqual(self.unknowns("--set", "n=8"), self.unknowns("--set", "n=4", "--set", "n=8"))
+        self.assertEqual(self.unknowns("--set", "n=8"), self.unknowns("--set", "n=2*4"))
+        by_name = self.unknowns("--set", "body.lower.cell_size=1e-3")
+        self.assertNotEqual(by_name, self.unknowns())
+        for key in ("body.0.cell_size", "body[0].cell_size", "body[lower].cell_size"):
+            self.assertEqual(by_name, self.unknowns("--set", key + "=1e-3"))
+        self.assertIn('a "b" \\c', cgcontact("check", scene("two_solids"), "--set", 'title=a "b" \\c').out)
+
+    def test_output_directory(self):
+        """out/NAME in the working directory; else the scene's output.directory; --out before both."""
+        small = settings(n=4, output__plots="false", output__vtk="false")
+        pathlib.Path("here").mkdir()
+        self.assertEqual(cgcontact("run", scene("two_solids"), *small, cwd="here").code, 0)
+        self.assertEqual(report("here/out/two_solids")["scene"], str(scene("two_solids")))
+        named = [*small, *settings(output__directory="a/b")]
+        outcome = cgcontact("run", scene("two_solids"), *named, cwd="here")
+        self.assertTrue(pathlib.Path("here/a/b/report.json").is_file())
+        self.assertIn("results in a/b:", outcome.out)
+        self.assertEqual(cgcontact("run", scene("two_solids"), *named, "--out", "c", cwd="here").code, 0)
+        self.assertEqual(sorted(os.listdir("here")), ["a", "c", "out"])
+
+    def test_threads(self):
+        """More threads than the program runs on: it says so on standard error and in the report, and runs."""
+        outcome = cgcontact("run", scene("two_solids"), "--out", "one", "--threads", "1", *settings(n=4))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertEqual((report("one")["threads"], report("one")["warnings"]), (1, []))
+        if report("one")["backend"] != "Serial":
+            return
+        outcome = cgcontact("run", scene("two_solids"), "--out", "four", "--threads", "4", *settings(n=4))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        message = "--threads 4: this program runs on 1 thread (backend Serial)"
+        self.assertIn("warning: " + message, outcome.err.splitlines()[0])
+        self.assertIn(message, outcome.out)
+        self.assertEqual((report("four")["threads"], report("four")["warnings"]), (1, [message]))
+
+
+class Progress(unittest.TestCase):
+    def test_log(self):
+        """Without a terminal: plain lines on standard error, one per phase and outer iteration; figures on output."""
+        outcome = cgcontact("run", scene("two_solids"), "--out", "log", *settings(n=4))
+        self.assertFalse(set(outcome.err) & {"\r", "\x1b"})
+        lines = outcome.err.splitlines()
+        self.assertEqual([line.split(":")[0] for line in lines if re.search(r": \d+\.\d\d s$", line)], PHASES)
+        steps = [line for line in lines if re.fullmatch(r"solve: outer \d+, active \d+, residual \d\.\de[+-]\d\d", line)]
+        self.assertEqual(len(steps), report("log")["outer_iterations"])
+        self.assertEqual(len(lines), len(PHASES) + len(steps))
+        self.assertTrue(outcome.out.startswith("solved: Two solids, plane strain\n"))
+        self.assertIn("results in log:", outcome.out)
+
+    def on_terminal(self, *arguments):
+        """Standard output, what a terminal gets from standard error, seconds."""
+        start = time.monotonic()
+        master, slave = pty.openpty()
+        shown = b""
+        with subprocess.Popen([harness.PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, stderr=slave,
+                              stdout=subprocess.PIPE, text=True) as process:
+            os.close(slave)
+            try:
+                while block := os.read(master, 4096):
+                    shown += block
+            except OSError:
+                pass  # the other end is closed
+            out = process.stdout.read()
+            self.assertEqual(process.wait(), 0)
+        os.close(master)
+        return out, shown.decode(), time.monotonic() - start
+
+    def test_terminal(self):
+        """On a terminal: after a second one line that is rewritten in place, and removed before the figures."""
+        for h in (0.06, 0.045, 0.035, 0.025):  # until it takes a while
+            out, shown, seconds = self.on_terminal("run", scene("patch_test"), "--out", "tty", *settings(h=h))
+            if seconds > 2:
+                break
+        self.assertNotIn("\n", shown)
+        updates = [text for text in shown.split("\r") if text.strip()]
+        self.assertGreater(len(updates), 2, shown)
+        for text in updates:
+            self.assertLess(len(text), 80, "fits a narrow terminal")
+            self.assertRegex(text, r"^\[\d+ s\] (" + "|".join(PHASES) + r")\b")
+        self.assertTrue(any(re.search(r"solve: outer \d+, active \d+, residual \d", text) for text in updates), updates)
+        self.assertRegex(shown, r"\r +\r$", "the line is gone at the end")
+        self.assertTrue(out.startswith("solved"))
+
+    def test_quick_run_on_a_terminal(self):
+        """A run of less than a second shows no progress on a terminal."""
+        _, shown, seconds = self.on_terminal("run", scene("two_solids"), "--out", "quick",
+                                             *settings(n=4, output__plots="false"))
+        if seconds < 1:
+            self.assertEqual(shown, "")
+
+    def test_a_failed_phase_is_not_reported_as_done(self):
+        """A phase that ends with an error prints no time, in front of the message or behind it."""
+        outcome = cgcontact("run", harness.SOURCE / "tests" / "bad_scenes" / "overlapping_bodies.toml", "--out", "bad")
+        self.assertEqual(outcome.err.splitlines(), outcome.errors())
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,212 @@
+#!/usr/bin/python3
+# timeout: 180
+"""What a run writes is complete, readable and consistent: report, contact.csv, fields, pictures; and forces balance."""
+import math
+import os
+import pathlib
+import subprocess
+import sys
+import unittest
+import xml.etree.ElementTree
+
+import harness
+from harness import cgcontact, contact_rows, report, scene, settings
+
+# Keys of report.json that users rely on, and those of its parts.
+REPORT_KEYS = {
+    "scene": str, "version": str, "backend": str, "threads": int, "unknowns": int, "cells": dict,
+    "outer_iterations": int, "linear_iterations": list, "active_points": int, "converged": bool, "contact": list,
+    "supports": list, "estimated_error": dict, "recovery": dict, "times_s": dict, "peak_memory_bytes": int,
+    "warnings": list, "files": list}
+PRESSURES = ("pressure_raw", "pressure_spr", "pressure_sprc")
+BALANCE_OF_BODIES = 1e-10  # relative, force of one body on the other and back
+EQUILIBRIUM = 1e-8         # relative, loads + supports + contact of one body
+
+PAPER_VTK = ["--point-array", "displacement:3", "--point-array", "stress_recovered:6", "--point-array", "von_mises:1",
+             "--cell-array", "stress_raw:6", "--cell-array", "estimated_error:1", "--cell-array", "body:1"]
+CONTACT_VTK = [word for name in ("gap", "status", *PRESSURES) for word in ("--cell-array", f"{name}:1")]
+
+
+def paper_loads(thickness):
+    """Resultants of the quadratic loads on the lateral face of the paper's lower block, N."""
+    integral = 0.01**3 / 6  # of (0.01 - z) z over the face, per thickness
+    return {"lower": (0, -4e11 * integral * thickness, -10e11 * integral * thickness)}
+
+
+class Results(unittest.TestCase):
+    """One scene, run once; the subclasses say which and what must come out."""
+    file = None          # scene
+    options = {}
+    loads = {}           # resultant per body, N
+    areas = {}           # of the contact face per body, m^2
+    volume = None        # of all bodies, where the drawn cells have flat faces
+    force_errors = {}    # pressure column: |integral of the pressure - force| / force that the grid allows
+
+    @classmethod
+    def setUpClass(cls):
+        if cls.file is None:
+            raise unittest.SkipTest("only what the scenes below have in common")
+        cls.directory = pathlib.Path(cls.__name__)
+        cls.outcome = cgcontact("run", harness.SOURCE / cls.file, "--out", cls.directory, *settings(**cls.options))
+        if cls.outcome.code != 0:
+            raise AssertionError(cls.outcome.err)
+        cls.report = report(cls.directory)
+        cls.rows = contact_rows(cls.directory) if cls.areas else []
+
+    def test_report(self):
+        """report.json has every key with its type, and its figures agree with each other."""
+        r = self.report
+        for key, kind in REPORT_KEYS.items():
+            self.assertIsInstance(r.get(key), kind, key)
+        self.assertEqual(r["cells"]["active"], r["cells"]["cut"] + r["cells"]["interior"])
+        self.assertEqual(set(r["estimated_error"]), {"absolute", "relative"})
+        self.assertEqual(set(r["recovery"]), {"patches", "truncated_rows", "inconsistent_patches"})
+        self.assertEqual(len(r["linear_iterations"]), r["outer_iterations"] + 1, "and the last solve")
+        self.assertEqual(set(r["times_s"]), {"cut cells", "operator", "solve", "recovery", "error estimate", "output"})
+        self.assertLess(sum(r["times_s"].values()), self.outcome.seconds)
+        self.assertIn(r["version"], cgcontact("--version").out)
+        self.assertEqual(sorted(r["files"]), sorted(os.listdir(self.directory)))
+        self.assertEqual({body for pair in r["contact"] for body in pair["bodies"]}, set(self.areas))
+        for pair in r["contact"]:
+            self.assertEqual(set(pair["force"]), set(pair["bodies"]))
+            self.assertLessEqual(pair["area"], 1.001 * max(self.areas.values()))
+        self.assertEqual(sum(pair["active_points"] for pair in r["contact"]), r["active_points"])
+
+    def test_forces_balance(self):
+        """Contact forces of the two bodies are opposite; loads, supports and contact of each body sum to zero."""
+        total = {body: list(force) for body, force in self.loads.items()}
+        for pair in self.report["contact"]:
+            first, second = (pair["force"][body] for body in pair["bodies"])
+            difference = math.hypot(*(a + b for a, b in zip(first, second)))
+            self.assertLess(difference, BALANCE_OF_BODIES * math.hypot(*first))
+        acting = [(s["face"].split(".")[0], s["force"]) for s in self.report["supports"]]
+        acting += [item for pair in self.report["contact"] for item in pair["force"].items()]
+        for body, force in acting:
+            total[body] = [a + b for a, b in zip(total.get(body, (0, 0, 0)), force)]
+        scale = max(math.hypot(*force) for body, force in [*acting, *self.loads.items()])
+        for pair in self.report["contact"]:
+            scale = min(scale, math.hypot(*pair["force"][pair["bodies"][0]]))
+        worst = max(math.hypot(*force) / scale for force in total.values())
+        print(f"{type(self).__name__}: equilibrium to {worst:.1e}", flush=True)
+        self.assertLess(worst, EQUILIBRIUM)
+
+    def test_contact_csv(self):
+        """contact.csv has the promised header; its weights sum to the contact faces; normals and states are right."""
+        if not self.areas:
+            self.assertNotIn("contact.csv", self.report["files"])
+            return
+        with open(self.directory / "contact.csv", "rb") as file:
+            self.assertEqual(file.readline(), harness.CSV_HEADER.encode() + b"\n")
+        for body, area in self.areas.items():
+            weights = [row["weight"] for row in self.rows if row["body"] == body]
+            self.assertGreater(min(weights), 0)
+            self.assertAlmostEqual(math.fsum(weights) / area, 1, delta=1e-11)
+        for row in self.rows:
+            self.assertAlmostEqual(math.hypot(row["nx"], row["ny"], row["nz"]), 1, delta=1e-12)
+            self.assertIn(row["active"], (0, 1))
+            self.assertTrue(all(math.isfinite(row[column]) for column in PRESSURES))
+
+    def test_pressure_gives_the_force(self):
+        """The pressures of contact.csv, summed with weights and normals, give the force of the report."""
+        for body in self.areas:
+            force = self.report["contact"][0]["force"][body]
+            rows = [row for row in self.rows if row["body"] == body]
+            for column, allowed in self.force_errors.items():
+                integral = [-math.fsum(r["weight"] * r[column] * r[n] for r in rows) for n in ("nx", "ny", "nz")]
+                error = math.dist(integral, force) / math.hypot(*force)
+                print(f"{type(self).__name__}: {body}, force from {column} within {error:.1e}", flush=True)
+                self.assertLess(error, allowed, f"{body}: {column} gives {integral} N, not {force}")
+
+    def test_pictures(self):
+        """The SVG files are XML, sized, and name their curves; the PNG file is one."""
+        curves = {"pressure.svg": ("SPR", "SPR-C"), "stress_error.svg": ("SPR", "SPR-C")}
+        for name in [name for name in self.report["files"] if name.endswith(".svg")]:
+            root = xml.etree.ElementTree.parse(self.directory / name).getroot()
+            self.assertTrue(root.tag.endswith("svg") and float(root.get("width")) > 0)
+            texts = ["".join(element.itertext()).strip() for element in root.iter("{http://www.w3.org/2000/svg}text")]
+            for curve in curves[name]:
+                self.assertTrue(any(curve in text for text in texts), f"{name}: {curve} is not among {texts}")
+            self.assertGreater(sum(1 for _ in root.iter("{http://www.w3.org/2000/svg}path")), 4)
+        self.assertEqual((self.directory / "scene.png").read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_fields(self):
+        """VTK's own reader opens both files: all fields there and finite, volume and area those of the bodies."""
+        measure = ["--volume", self.volume] if self.volume else []
+        self.check_vtk("result.vtkhdf", *PAPER_VTK, *measure)
+        if self.areas:
+            area = ["--area", sum(self.areas.values())] if self.volume else []
+            self.check_vtk("contact.vtkhdf", *CONTACT_VTK, *area)
+
+    def check_vtk(self, file, *options):
+        done = subprocess.run([sys.executable, harness.SOURCE / "tests" / "check_vtk.py", self.directory / file,
+                               *map(str, options)], capture_output=True, text=True, check=False)
+        if done.returncode == 77:
+            self.skipTest(done.stdout.strip())
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+
+class TwoSolids(Results):
+    file, thickness = "scenes/two_solids.toml", 0.01 / (1.3 * 16)
+    loads, volume = paper_loads(thickness), thickness * 0.005 * 0.02
+    areas = {"lower": thickness * 0.005, "upper": thickness * 0.005}
+    force_errors = {"pressure_sprc": 0.05}
+
+    def test_reference(self):
+        """With a reference: its pictures, and errors for the whole face and every zone, SPR-C's below SPR's."""
+        self.assertIn("pressure.svg", self.report["files"])
+        self.assertIn("stress_error.svg", self.report["files"])
+        errors = {entry["zone"]: entry for entry in self.report["pressure_error"]}
+        self.assertEqual(list(errors), ["whole", "interior", "edge", "outside"])
+        self.assertLess(errors["whole"]["sprc"], errors["whole"]["spr"])
+
+
+class TwoSolids3D(Results):
+    file, options = "scenes/two_solids_3d.toml", {"n": 8}
+    loads, volume = paper_loads(0.01), 0.01 * 0.005 * 0.02
+    areas = {"lower": 5e-5, "upper": 5e-5}
+    force_errors = {"pressure_sprc": 0.1}
+
+
+class PatchTest(Results):
+    file = "scenes/patch_test.toml"
+    loads, volume = {"upper": (0, 0, -0.8e8)}, 0.48 + 0.4
+    areas = {"lower": 0.8, "upper": 0.8}
+    force_errors = dict.fromkeys(PRESSURES, 1e-8)
+
+
+class Rings(Results):
+    file = "scenes/rings.toml"
+    areas = dict.fromkeys(("inner", "outer"), math.pi / 2 * 0.7 / (1.3 * 16))
+    force_errors = {"pressure_sprc": 0.05}
+
+
+class HangingBar(Results):
+    """One body without contact: the same path without contact files."""
+    file = "tests/scenes/hanging_bar.toml"
+    loads, volume = {"bar": (0, 0, -78000 * 0.16)}, 0.16
+
+    def test_no_contact(self):
+        """Nothing of contact appears in report or files; the support carries the weight."""
+        self.assertEqual((self.report["contact"], self.report["active_points"]), ([], 0))
+        self.assertEqual(self.report["files"], ["report.json", "result.vtkhdf", "scene.png"])
+        self.assertAlmostEqual(self.report["supports"][-1]["force"][2] / (78000 * 0.16), 1, delta=1e-8)
+
+
+class NothingOpposite(unittest.TestCase):
+    def test_points_out_of_reach(self):
+        """Where the other body is out of reach, the gap is inf in contact.csv and NaN in the VTK file, not garbage."""
+        outcome = cgcontact("run", scene("hertz"), "--out", "hertz", *settings(n=6))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        gaps = [row["gap"] for row in contact_rows("hertz")]
+        self.assertIn(math.inf, gaps)
+        self.assertFalse(any(math.isnan(gap) for gap in gaps))
+        for options, code in (([], 1), (["--may-be-nan", "gap", "--may-be-nan", "gap_smooth"], 0)):
+            done = subprocess.run([sys.executable, harness.SOURCE / "tests" / "check_vtk.py", "hertz/contact.vtkhdf",
+                                   *options], capture_output=True, text=True, check=False)
+            if done.returncode == 77:
+                self.skipTest(done.stdout.strip())
+            self.assertEqual(done.returncode, code, done.stdout)
+
+
+if __name__ == "__main__":
+    harness.main()
