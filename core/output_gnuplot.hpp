@@ -25,8 +25,8 @@ struct AxisUnit {
 AxisUnit length_unit(double largest);  ///< m, mm or um
 AxisUnit stress_unit(double largest);  ///< Pa, kPa, MPa or GPa
 
-/// Text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is interpreted
-/// if the terminal is set to noenhanced.
+/// Text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
+/// interpreted if the terminal is set to noenhanced.
 std::string gnuplot_text(const std::string& text);
 
 }  // namespace cgcontact

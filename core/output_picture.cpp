@@ -237,8 +237,9 @@ std::string picture_script(const Results& results, const View& view, const std::
   const bool flat = view.thin_axis >= 0;
   const int left = flat ? 125 : 30, right = 170, bottom = flat ? 80 : 40, top = 60;
   const int width = size[0] + left + right, height = size[1] + bottom + top;
-  std::string script =
-      fmt::format("set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n", width, height);
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n", width,
+      height);
   script += "set output '../scene.png'\nunset key\n" + gnuplot_palette();
   script += fmt::format(
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",

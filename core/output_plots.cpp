@@ -99,7 +99,8 @@ void write_pressure_plot(const Results& results, const Scene& scene, const std::
   write_text(directory + "/plots/pressure.dat", pressure_data(bodies, axes));
 
   const bool by_reference = !scene.reference.pressure_file.empty();
-  std::string script = "set encoding utf8\nset terminal svg size 900,560 fixed noenhanced font 'sans-serif,15' background 'white'\n";
+  std::string script =
+      "set encoding utf8\nset terminal svg size 900,560 fixed noenhanced font 'sans-serif,15' background 'white'\n";
   script += "set output '../pressure.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n";
   script +=
       "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset key outside right center vertical Left reverse samplen 2.6 spacing "

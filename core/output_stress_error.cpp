@@ -114,7 +114,8 @@ std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies
 
 std::string curve_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,
                          const Layout& layout, const AxisUnit& length, const AxisUnit& stress) {
-  std::string script = "set encoding utf8\nset terminal svg size 1100,480 fixed noenhanced font 'sans-serif,14' background 'white'\n";
+  std::string script =
+      "set encoding utf8\nset terminal svg size 1100,480 fixed noenhanced font 'sans-serif,14' background 'white'\n";
   script += "set output '../stress_error.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n";
   script += "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset key outside top center horizontal Left reverse samplen 2.6\n";
   script +=
@@ -204,7 +205,8 @@ std::string map_script(const Results& results, const std::vector<std::vector<Str
   const int rows = static_cast<int>(std::min<std::size_t>(bodies.size(), 2));
   const double limit = colour_limit(results.stress_errors) * stress.factor;
   std::string script = fmt::format(
-      "set encoding utf8\nset terminal svg size 1060,{} fixed noenhanced font 'sans-serif,14' background 'white'\n", 60 + 440 * rows);
+      "set encoding utf8\nset terminal svg size 1060,{} fixed noenhanced font 'sans-serif,14' background 'white'\n",
+      60 + 440 * rows);
   script += "set output '../stress_error.svg'\nset border lw 1 lc rgb '#404040'\nset tics nomirror out\nunset key\n";
   script += gnuplot_palette() + fmt::format("set cbrange [0:{}]\nset size ratio -1\n", limit);
   for (int k = 0; k < 2; ++k) {
