@@ -70,7 +70,8 @@ void add_group(const std::vector<BodyModel>& bodies, int cell, int surface, Cont
     point.secondary_position = opposite->position;
     point.secondary_xi = cell_coordinates(secondary.cut_cells, opposite->cell, opposite->position);
     point.weight = points.weight[q] * grid.cell_size * grid.cell_size;
-    point.distance = opposite->distance;
+    // Coincident faces: a distance of rounding is none.
+    point.distance = std::abs(opposite->distance) > 1e-12 * grid.cell_size ? opposite->distance : 0.0;
     group.area += point.weight;
     group.initial_gap += point.weight * (point.distance - pair.spec->interference);
     pair.points.push_back(point);

@@ -30,7 +30,10 @@ std::string too_many_threads(int wanted) {
 }
 
 int check(const Scene& scene) {
+  Progress progress(Progress::Mode::terminal_only);
+  progress.begin_phase("cut cells");
   const Preparation preparation = prepare(scene);
+  progress.finish();
   fmt::print("{}", describe(scene, preparation));
   return 0;
 }

@@ -51,11 +51,15 @@ bool is_mount_point(const fs::path& path) {
   return statx(AT_FDCWD, path.c_str(), 0, STATX_TYPE, &info) == 0 && (info.stx_attributes & STATX_ATTR_MOUNT_ROOT);
 }
 
+/// Beside the target, so that one can be renamed to the other.
+fs::path temporary_name(const fs::path& target) {
+  return target.parent_path() / fmt::format(".{}.tmp-{}", target.filename().string(), getpid());
+}
+
 /// The directory everything is written to first; removed with its contents unless it has been moved away.
 class TemporaryDirectory {
  public:
-  explicit TemporaryDirectory(const fs::path& target)
-      : path_(target.parent_path() / fmt::format(".{}.tmp-{}", target.filename().string(), getpid())) {
+  explicit TemporaryDirectory(const fs::path& target) : path_(temporary_name(target)) {
     std::error_code error;
     fs::create_directories(target.parent_path(), error);
     fs::remove_all(path_, error);
@@ -137,7 +141,7 @@ std::vector<std::string> write_files(const Results& results, const Scene& scene,
 
 }  // namespace
 
-void check_output_directory(const std::string& directory) {
+void check_output_directory(const std::string& directory) try {
   const fs::path target = absolute_directory(directory);
   const char* const advice = "the directory is replaced as a whole; name one inside it";
   std::error_code error;
@@ -148,11 +152,13 @@ void check_output_directory(const std::string& directory) {
   old_files(target);
   fs::path existing = target.parent_path();
   while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
-  const fs::path probe = existing / fmt::format(".{}.tmp-{}", target.filename().string(), getpid());
+  const fs::path probe = temporary_name(existing / target.filename());
   if (mkdir(probe.c_str(), 0777) != 0)
     throw InputError(fmt::format("cannot write results to {}: no directory can be made in {}: {}", target.string(),
                                  existing.string(), std::strerror(errno)));
   rmdir(probe.c_str());
+} catch (const fs::filesystem_error& error) {
+  throw InputError(fmt::format("cannot write results to {}: {}", directory, error.code().message()));
 }
 
 std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory) {

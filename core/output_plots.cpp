@@ -88,7 +88,10 @@ std::string pressure_curves(const Results& results, const std::vector<std::vecto
 void write_pressure_plot(const Results& results, const Scene& scene, const std::string& directory,
                          std::vector<std::string>& warnings) {
   const auto bodies = samples_by_body(results);
-  if (bodies.empty()) return;
+  if (bodies.empty()) {
+    if (!results.contact_rows.empty()) warnings.push_back("no pressure.svg: output.path meets no contact face");
+    return;
+  }
   double first = results.path.front().s, last = first;
   for (const PathSample& p : results.path) {
     first = std::min(first, p.s);

@@ -11,12 +11,14 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double first_shown_s = 1.0, shown_every_s = 0.1;
+constexpr double first_shown_s = 1.0, updated_every_s = 0.2;
 constexpr std::size_t line_width = 79;
 
 Progress::Mode resolve(Progress::Mode mode) {
-  if (mode != Progress::Mode::automatic) return mode;
-  return isatty(STDERR_FILENO) ? Progress::Mode::terminal : Progress::Mode::log;
+  using Mode = Progress::Mode;
+  if (mode != Mode::automatic && mode != Mode::terminal_only) return mode;
+  if (isatty(STDERR_FILENO)) return Mode::terminal;
+  return mode == Mode::automatic ? Mode::log : Mode::silent;
 }
 
 double seconds(std::chrono::steady_clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
@@ -35,38 +37,47 @@ double seconds(std::chrono::steady_clock::duration duration) { return std::chron
 Progress::Progress(Mode mode) : Progress(mode, std::cerr) {}
 
 Progress::Progress(Mode mode, std::ostream& stream) : mode_(resolve(mode)), stream_(stream), start_(Clock::now()) {
-  phase_start_ = last_update_ = start_;
+  phase_start_ = start_;
+  if (mode_ == Mode::terminal) updates_ = std::thread([this] { keep_updating(); });
 }
 
-Progress::~Progress() { clear_line(); }  // a phase that an error ended is not done
+/// A phase that is still running was ended by an error: it is not reported as done.
+Progress::~Progress() {
+  stop_updating();
+  clear_line();
+}
 
 void Progress::begin_phase(const std::string& name) {
+  const std::lock_guard lock(mutex_);
   end_phase();
   phase_ = name;
   phase_start_ = Clock::now();
-  update_line(true);
+  update_line();
 }
 
 void Progress::outer_iteration(int iteration, long long active_points, double residual) {
+  const std::lock_guard lock(mutex_);
   outer_ = print("outer %d, active %lld, residual %.1e", iteration, active_points, residual);
   linear_.clear();
   if (mode_ == Mode::log) stream_ << phase_ << ": " << outer_ << std::endl;
-  update_line(true);
+  update_line();
 }
 
 void Progress::linear_iteration(int iteration, double residual) {
+  const std::lock_guard lock(mutex_);
   linear_ = print("linear %d: %.1e", iteration, residual);
-  update_line(false);
 }
 
 void Progress::message(const std::string& text) {
   if (mode_ == Mode::silent) return;
+  const std::lock_guard lock(mutex_);
   clear_line();
   stream_ << text << std::endl;
-  update_line(true);
+  update_line();
 }
 
 void Progress::finish() {
+  stop_updating();
   end_phase();
   clear_line();
 }
@@ -86,26 +97,39 @@ void Progress::end_phase() {
   linear_.clear();
 }
 
-/// Rewrites the line; unless `now`, at most ten times a second.
-void Progress::update_line(bool now) {
-  if (mode_ != Mode::terminal) return;
-  const auto time = Clock::now();
-  if (seconds(time - start_) < first_shown_s) return;
-  if (!now && seconds(time - last_update_) < shown_every_s) return;
-  last_update_ = time;
-  std::string line = print("[%.0f s] ", seconds(time - start_)) + phase_;
+void Progress::keep_updating() {
+  std::unique_lock lock(mutex_);
+  while (!stop_.wait_for(lock, std::chrono::duration<double>(updated_every_s), [this] { return stopped_; }))
+    update_line();
+}
+
+void Progress::stop_updating() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+  }
+  stop_.notify_all();
+  if (updates_.joinable()) updates_.join();
+}
+
+void Progress::update_line() {
+  if (mode_ != Mode::terminal || phase_.empty()) return;
+  const double time = seconds(Clock::now() - start_);
+  if (time < first_shown_s) return;
+  std::string line = print("[%.0f s] ", time) + phase_;
   if (!outer_.empty()) line += ": " + outer_;
   if (!linear_.empty()) line += (outer_.empty() ? ": " : ", ") + linear_;
   line.resize(std::min(line.size(), line_width));
-  const std::size_t rest = shown_ > line.size() ? shown_ - line.size() : 0;
+  if (line == line_) return;
+  const std::size_t rest = line_.size() > line.size() ? line_.size() - line.size() : 0;
   stream_ << '\r' << line << std::string(rest, ' ') << std::flush;
-  shown_ = line.size();
+  line_ = line;
 }
 
 void Progress::clear_line() {
-  if (shown_ == 0) return;
-  stream_ << '\r' << std::string(shown_, ' ') << '\r' << std::flush;
-  shown_ = 0;
+  if (line_.empty()) return;
+  stream_ << '\r' << std::string(line_.size(), ' ') << '\r' << std::flush;
+  line_.clear();
 }
 
 }  // namespace cgcontact

@@ -2,19 +2,23 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <iosfwd>
+#include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 namespace cgcontact {
 
-/// Phases are timed in any mode. On a terminal nothing appears in the first second.
+/// Phases are timed in any mode. On a terminal nothing appears in the first second; then the line is rewritten several
+/// times a second by a thread of its own, so that the clock in it runs while a phase takes long.
 class Progress {
  public:
-  enum class Mode { automatic, terminal, log, silent };
+  enum class Mode { automatic, terminal_only, terminal, log, silent };
 
-  /// Writes to standard error; automatic: terminal if standard error is one, else log.
+  /// Writes to standard error; automatic: terminal if standard error is one, else log (terminal_only: else silent).
   explicit Progress(Mode mode = Mode::automatic);
   Progress(Mode mode, std::ostream& stream);
   ~Progress();
@@ -38,16 +42,23 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
+  // With the lock held.
   void end_phase();
-  void update_line(bool now);
+  void update_line();
   void clear_line();
+  void keep_updating();
+  void stop_updating();
 
   Mode mode_;
   std::ostream& stream_;
-  Clock::time_point start_, phase_start_, last_update_;
+  Clock::time_point start_, phase_start_;
   std::string phase_, outer_, linear_;
-  std::size_t shown_ = 0;  ///< characters of the updating line
+  std::string line_;  ///< the updating line as it stands
   std::vector<std::pair<std::string, double>> times_s_;
+  std::mutex mutex_;
+  std::condition_variable stop_;
+  bool stopped_ = false;
+  std::thread updates_;  ///< on a terminal only
 };
 
 }  // namespace cgcontact

@@ -65,7 +65,11 @@ toml::table parse_value(const std::string& value, const std::string& source) {
     if (c == '"' || c == '\\') escaped += '\\';
     escaped += c == '\n' ? ' ' : c;
   }
-  return toml::parse(std::string_view("value = \"" + escaped + "\""), path);
+  try {
+    return toml::parse(std::string_view("value = \"" + escaped + "\""), path);
+  } catch (const toml::parse_error& error) {
+    throw InputError(SourcePlace{source, 0, ""}, "", std::string(error.description()));
+  }
 }
 
 void insert(toml::table& table, const std::string& key, toml::table&& holder) {

@@ -125,7 +125,8 @@ class BadCommandLine(BadInput):
                 ("body.lower.cell_size=0", ["out of range", "> 0 m"]),
                 ("solver.max_outer_iterations=1.5", ["is not an integer"]),
                 ("solver.tolerance=2", ["out of range"]),
-                ("output.vtk=1", ["not a boolean"])):
+                ("output.vtk=1", ["not a boolean"]),
+                ("title=\x01", ["control character"])):
             with self.subTest(option=option):
                 self.refused("check", scene("patch_test"), "--set", option, expected=["--set " + option, *texts])
 

@@ -192,6 +192,43 @@ class HangingBar(Results):
         self.assertAlmostEqual(self.report["supports"][-1]["force"][2] / (78000 * 0.16), 1, delta=1e-8)
 
 
+class Pictures(unittest.TestCase):
+    def texts(self, file):
+        root = xml.etree.ElementTree.parse(file).getroot()
+        return "\n".join("".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text"))
+
+    def test_any_title(self):
+        """Whatever the title holds appears in the pictures as it is, and nothing in it is run."""
+        title = "a<b>&\"c\" 'q' {x}_y^z @ % `touch run` $(touch run) äöü 日本"
+        outcome = cgcontact("run", scene("two_solids"), "--out", "titled", *settings(n=4, title=title))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertEqual(report("titled")["title"], title)
+        for file in ("pressure.svg", "stress_error.svg"):
+            self.assertIn(title, self.texts(f"titled/{file}"))
+        self.assertFalse(list(pathlib.Path(".").rglob("run")))
+
+    def test_without_gnuplot(self):
+        """Without gnuplot: a warning says so, scripts and data stay; the next run with it draws and removes them."""
+        command = [harness.PROGRAM, "run", scene("two_solids"), "--out", "drawn", *settings(n=4)]
+        done = subprocess.run(command, env={**os.environ, "PATH": "/nonexistent"}, capture_output=True, text=True,
+                              check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("warning: no pictures: the program gnuplot was not found", done.stderr)
+        self.assertEqual(len(report("drawn")["warnings"]), 1)
+        self.assertTrue(pathlib.Path("drawn/plots/pressure.gp").is_file())
+        self.assertEqual(cgcontact(*command[1:]).code, 0)
+        self.assertTrue({"pressure.svg", "scene.png"} <= set(os.listdir("drawn")))
+        self.assertNotIn("plots", os.listdir("drawn"))
+
+    def test_a_path_elsewhere(self):
+        """A path that meets no contact face: no pressure.svg, and a warning that says why."""
+        path = "{from = [5, 5, 5], to = [6, 5, 5]}"
+        outcome = cgcontact("run", scene("two_solids"), "--out", "elsewhere", *settings(n=4, output__path=path))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertNotIn("pressure.svg", report("elsewhere")["files"])
+        self.assertIn("output.path meets no contact face", report("elsewhere")["warnings"][0])
+
+
 class NothingOpposite(unittest.TestCase):
     def test_points_out_of_reach(self):
         """Where the other body is out of reach, the gap is inf in contact.csv and NaN in the VTK file, not garbage."""

@@ -87,5 +87,22 @@ TEST(Equilibrium, OfEachBody) {
   EXPECT_LT(upper.norm(), 1e-8 * scale);
 }
 
+/// No load and touching faces: nothing happens, and the loop sees that.
+TEST(NoForce, ZeroLoadConvergesToZero) {
+  const auto solved = test::run_scene("tests/scenes/gap.toml", {"gap=0", "p=0"});
+  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
+  for (const ContactRow& row : solved->results().contact_rows) EXPECT_LT(std::abs(row.pressure_sprc), 1.0);
+}
+
+/// The upper body is lifted off: a motion without stress, no contact.
+TEST(NoForce, LiftingOffConverges) {
+  const auto solved =
+      test::run_scene("tests/scenes/turned.toml", {"load.0.pressure=0", "support.5.displacement={normal=1e-3}"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_EQ(r.active_points, 0);
+  for (const ContactRow& row : r.contact_rows) EXPECT_LT(std::abs(row.pressure_sprc), 1e-6 * 115e9 * 1e-3);
+}
+
 }  // namespace
 }  // namespace cgcontact
