@@ -31,7 +31,7 @@ def arguments():
     parser.add_argument("--bounds", type=float, nargs=6)
     parser.add_argument("--point-array", action="append", default=[])
     parser.add_argument("--cell-array", action="append", default=[])
-    parser.add_argument("--may-be-nan", action="append", default=[], help="array that may hold NaN beside finite values")
+    parser.add_argument("--may-be-nan", action="append", default=[], help="array that may hold NaN")
     parser.add_argument("--tolerance", type=float, default=1e-6, help="relative, of volume, area and bounds")
     return parser.parse_args()
 
@@ -91,7 +91,8 @@ def main():
     check_value("cells", grid.GetNumberOfCells(), options.cells, 0, problems)
     check_arrays(grid.GetPointData(), "point array", grid.GetNumberOfPoints(), options.point_array, options.may_be_nan,
                  problems)
-    check_arrays(grid.GetCellData(), "cell array", grid.GetNumberOfCells(), options.cell_array, options.may_be_nan, problems)
+    check_arrays(grid.GetCellData(), "cell array", grid.GetNumberOfCells(), options.cell_array, options.may_be_nan,
+                 problems)
     print("bounds =", *grid.GetBounds())
     if options.bounds:
         extent = max(options.bounds[2 * k + 1] - options.bounds[2 * k] for k in range(3))

@@ -65,7 +65,7 @@ class Reruns(unittest.TestCase):
         self.assertEqual(run("rerun", *settings(output__vtk="false", output__plots="false")).code, 0)
         self.assertEqual(sorted(os.listdir("rerun")), ["contact.csv", "paper.txt", "report.json"])
         self.assertEqual(report("rerun")["files"], ["contact.csv", "report.json"])
-        self.assertEqual([name for name in os.listdir(".") if name.startswith(".rerun")], [], "nothing is left beside it")
+        self.assertEqual([name for name in os.listdir(".") if name.startswith(".rerun")], [], "no remains beside it")
 
     def test_a_link_is_followed(self):
         """The output directory may be a symbolic link: the directory behind it is replaced, the link stays."""
@@ -117,7 +117,7 @@ class RefusedDirectories(unittest.TestCase):
 
 class FailedWrites(unittest.TestCase):
     def test_a_write_that_fails(self):
-        """Files that cannot be written (a limit stands for a full disk): exit code 1, the old result whole, no remains."""
+        """Files that cannot be written (a limit stands for a full disk): exit code 1, the old result is whole."""
         pathlib.Path("disk").mkdir()
         self.assertEqual(run("disk/results").code, 0)
         before = contents("disk")

@@ -46,7 +46,8 @@ class BadScenes(BadInput):
     def test_mistakes_that_only_the_grid_shows_are_found_without_solving(self):
         """A body that nothing holds and a reference table that is none are found by check, and by run at once."""
         patch = scene("patch_test").read_text()
-        support, pressure = "[[support]]\nface = \"upper.block.x-\"\nsymmetry = true\n", "[reference]\npressure = \"p\"\n"
+        support = "[[support]]\nface = \"upper.block.x-\"\nsymmetry = true\n"
+        pressure = "[reference]\npressure = \"p\"\n"
         self.assertTrue(support in patch and pressure in patch)
         pathlib.Path("free.toml").write_text(patch.replace(support, ""))
         pathlib.Path("table.toml").write_text(patch.replace(pressure, "[reference]\npressure_file = \"table.csv\"\n"))
@@ -82,7 +83,7 @@ class BadFiles(BadInput):
 
 class BadCommandLine(BadInput):
     def test_commands_and_options(self):
-        """Unknown commands and options, missing and superfluous arguments: one line, with a suggestion where one helps."""
+        """Unknown commands and options, missing and superfluous arguments: one line, a suggestion where one helps."""
         good = scene("patch_test")
         for arguments, texts in (
                 ([], ["a command is needed"]),

@@ -47,7 +47,8 @@ class Check(unittest.TestCase):
 
     def test_memory_and_unknowns_of_the_run(self):
         """The run has the unknowns and cells that check counts, and takes the memory it expects within a factor 1.5."""
-        for name, values in (("two_solids", {}), ("two_solids_3d", {"n": 8}), ("two_solids_3d", {}), ("patch_test", {})):
+        for name, values in (("two_solids", {}), ("two_solids_3d", {"n": 8}), ("two_solids_3d", {"n": 16}),
+                             ("patch_test", {})):
             with self.subTest(scene=name, **values):
                 text = self.check(name, **values)
                 self.assertEqual(cgcontact("run", scene(name), "--out", "out", *settings(**values)).code, 0)

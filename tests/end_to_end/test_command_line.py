@@ -88,7 +88,8 @@ class Progress(unittest.TestCase):
         self.assertFalse(set(outcome.err) & {"\r", "\x1b"})
         lines = outcome.err.splitlines()
         self.assertEqual([line.split(":")[0] for line in lines if re.search(r": \d+\.\d\d s$", line)], PHASES)
-        steps = [line for line in lines if re.fullmatch(r"solve: outer \d+, active \d+, residual \d\.\de[+-]\d\d", line)]
+        step = re.compile(r"solve: outer \d+, active \d+, residual \d\.\de[+-]\d\d")
+        steps = [line for line in lines if step.fullmatch(line)]
         self.assertEqual(len(steps), report("log")["outer_iterations"])
         self.assertEqual(len(lines), len(PHASES) + len(steps))
         self.assertTrue(outcome.out.startswith("solved: Two solids, plane strain\n"))

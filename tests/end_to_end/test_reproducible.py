@@ -12,7 +12,7 @@ CASES = (("two_solids", {}), ("two_solids_3d", {"n": 8}), ("rings", {"n": 8}))
 
 class Reproducible(unittest.TestCase):
     def test_two_runs_give_the_same_files(self):
-        """Two runs of a scene: contact.csv, all fields and pictures have the same bytes; reports differ in times only."""
+        """Two runs: contact.csv, fields and pictures have the same bytes, reports differ in times and memory only."""
         for name, values in CASES:
             with self.subTest(scene=name):
                 files, reports = [], []
