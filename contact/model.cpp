@@ -89,6 +89,9 @@ void add_body_force(const BodyModel& body, const BodyMesh& mesh, const Scales& s
 
 }  // namespace
 
+/// Cells; far above the rounding of a body's position, 1e-16 of its distance from the origin.
+constexpr double grid_margin = 1e-6;
+
 Grid make_grid(const BodySpec& body) {
   Grid grid;
   grid.cell_size = body.cell_size;
@@ -97,14 +100,15 @@ Grid make_grid(const BodySpec& body) {
   const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
   if (!rotated.bounding_box(min, max))
     throw InputError(body.place, body.name, "the body is not bounded", "intersect half-spaces with a box");
-  const Vec3 start = min - body.cell_size * body.grid_offset;
+  Vec3 start = min - body.cell_size * body.grid_offset;
   for (int d = 0; d < 3; ++d) {
-    // A face that lies on a grid plane up to rounding needs no further cell.
-    const double cells = (max[d] - start[d]) / body.cell_size;
+    // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
+    if (body.grid_offset[d] < grid_margin) start[d] -= body.cell_size;
+    const double cells = (max[d] - start[d]) / body.cell_size + grid_margin;
     if (!(cells < 20000))
       throw InputError(body.place, std::to_string(body.cell_size), "more than 20000 cells along one axis",
                        "a larger cell_size");
-    grid.num_cells[d] = std::max(1, static_cast<int>(std::ceil(cells - 1e-9)));
+    grid.num_cells[d] = static_cast<int>(std::ceil(cells));
   }
   grid.origin = body.grid_rotation * start;
   return grid;

@@ -105,6 +105,13 @@ class BodyRecovery {
  private:
   void add_equilibrium(const RecoveryBody& body, const Vec3& centre, bool auxiliary, RowSet& rows) const;
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, RowSet& rows) const;
+  static void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, RowSet& rows) {
+    for (std::size_t p = 0; p < group.position.size(); ++p) {
+      const auto [t1, t2] = tangents(group.normal[p]);
+      rows.add(traction_row(group.position[p] - centre, group.normal[p], t1), 0);
+      rows.add(traction_row(group.position[p] - centre, group.normal[p], t2), 0);
+    }
+  }
   void add_contact(const ConstraintGroup& group, const PatchFit& own, const PatchFit* auxiliary, const PairState& state,
                    RowSet& rows) const;
   void enforce_free_contact(const std::vector<ConstraintGroup>& groups, const std::map<int, PairState>& states,
@@ -260,8 +267,22 @@ PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts, Eigen::VectorXd& 
   PatchKind kind = PatchKind::interior;
   add_equilibrium(body_, own.centre, false, rows);
   if (coupled) add_equilibrium(other_body(*closed), auxiliary.centre, true, rows);
+  std::map<int, double> closed_on_surface;
   for (const ConstraintGroup& group : groups) {
     const auto state = states.find(group.pair);
+    if (state != states.end() && state->second.is_closed()) closed_on_surface[group.surface] += group.area;
+  }
+  for (const ConstraintGroup& group : groups) {
+    const auto state = states.find(group.pair);
+    // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small part of the
+    // patch): the closed part decides, as among contact points.
+    const auto closed_part = closed_on_surface.find(group.surface);
+    if (state == states.end() &&
+        (group.pair >= 0 || (closed_part != closed_on_surface.end() &&
+                             closed_part->second > closed_fraction * (closed_part->second + group.area)))) {
+      add_zero_shear(group, own.centre, rows);
+      continue;
+    }
     if (state == states.end()) {
       add_known_traction(group, own.centre, rows);
       kind = std::max(
