@@ -124,7 +124,7 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies) {
         for (const Surface& s : other.solid.surfaces()) depth = std::min(depth, std::abs(s.signed_distance(g)));
         depth *= other.grid.cell_size;
         if (depth > limit)
-          throw InputError(scene.bodies[a].place, scene.bodies[a].name,
+          throw InputError(scene.bodies[a].place, "\"" + scene.bodies[a].name + "\"",
                            fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})",
                                        scene.bodies[b].name, depth, x[0], x[1], x[2]),
                            fmt::format("overlap up to half a cell, {:g} m", limit));
@@ -172,14 +172,15 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
     ContactPair pair = make_pair(scene, spec, bodies);
     if (pair.points.empty()) {
       if (spec.automatic) continue;
-      throw InputError(spec.place, spec.name, "no point of the first face has the second face within reach",
+      throw InputError(spec.place, "\"" + spec.name + "\"",
+                       "no point of the first face has the second face within reach",
                        fmt::format("faces closer than search_distance = {:g} m along the normal", pair.search));
     }
     for (const ContactPoint& point : pair.points) {
       const double limit = 0.5 * std::min(bodies[pair.primary].cut_cells.grid.cell_size,
                                           bodies[pair.secondary].cut_cells.grid.cell_size);
       if (-point.distance > limit)
-        throw InputError(spec.place, spec.name,
+        throw InputError(spec.place, "\"" + spec.name + "\"",
                          fmt::format("the bodies overlap by {:g} m at ({:g}, {:g}, {:g})", -point.distance, point.x[0],
                                      point.x[1], point.x[2]),
                          fmt::format("overlap up to half a cell, {:g} m", limit));

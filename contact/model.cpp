@@ -87,6 +87,13 @@ void add_body_force(const BodyModel& body, const BodyMesh& mesh, const Scales& s
   }
 }
 
+std::string quoted(const std::string& name) { return "\"" + name + "\""; }
+
+[[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
+  throw InputError(face.place, quoted(scene.bodies[face.body].name + "." + face.face.name),
+                   "the face selects no point of the body's boundary");
+}
+
 }  // namespace
 
 /// Cells; far above the rounding of a body's position, 1e-16 of its distance from the origin.
@@ -99,7 +106,7 @@ Grid make_grid(const BodySpec& body) {
   Vec3 min, max;
   const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
   if (!rotated.bounding_box(min, max))
-    throw InputError(body.place, body.name, "the body is not bounded", "intersect half-spaces with a box");
+    throw InputError(body.place, quoted(body.name), "the body is not bounded", "intersect half-spaces with a box");
   Vec3 start = min - body.cell_size * body.grid_offset;
   for (int d = 0; d < 3; ++d) {
     // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
@@ -126,7 +133,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     try {
       model.cut_cells = make_cut_cells(solid, grid);
     } catch (const InputError& error) {
-      throw InputError(model.spec->place, model.spec->name, error.what());
+      throw InputError(model.spec->place, quoted(model.spec->name), error.what());
     }
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     if (has_body_force(*model.spec))
@@ -135,13 +142,9 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
       };
   }
   for (std::size_t s = 0; s < support_used.size(); ++s)
-    if (!support_used[s])
-      throw InputError(scene.supports[s].face.place, scene.supports[s].face.face.name,
-                       "the face selects no point of the body's boundary");
+    if (!support_used[s]) refuse_empty_face(scene, scene.supports[s].face);
   for (std::size_t l = 0; l < load_used.size(); ++l)
-    if (!load_used[l])
-      throw InputError(scene.loads[l].face.place, scene.loads[l].face.face.name,
-                       "the face selects no point of the body's boundary");
+    if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
   return bodies;
 }
 
