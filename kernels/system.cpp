@@ -21,6 +21,8 @@ View to_view(const char* label, const std::vector<T>& values) {
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty) {
   ElasticSystem system;
+  system.ghost_penalty = ghost_penalty;
+  system.supports.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     system.meshes.push_back(make_body_mesh(*bodies[b], materials[b], scales, system.num_nodes));
     system.num_nodes += system.meshes.back().num_nodes;
@@ -45,6 +47,7 @@ void add_support_terms(ElasticSystem& system, int body, const std::vector<Suppor
       for (int c = 0; c < 24; ++c) host(1 + cut, r, c) += t.stiffness * (row[r] * row[c]);
   }
   Kokkos::deep_copy(system.matrices[body], host);
+  system.supports[body].insert(system.supports[body].end(), terms.begin(), terms.end());
 }
 
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows) {

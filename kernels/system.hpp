@@ -23,6 +23,8 @@ struct GroupRow {
 struct ElasticSystem {
   std::vector<BodyMesh> meshes;
   std::vector<CellMatrixView> matrices;
+  std::vector<std::vector<SupportTerm>> supports;  ///< per body
+  double ghost_penalty = 0;
   std::vector<GhostMatrix> ghosts;
   GroupRows groups;
   std::vector<GroupRow> group_rows;  ///< host copy of the rows of `groups`
