@@ -1,0 +1,76 @@
+/// The matrix-free operator at full speed: y = A x of all bodies, in double or in float (multigrid).
+///   stencil_tiles.hpp  nodes whose cells are all active: the factorised 27-point stencil
+///   band_cells.hpp     cut cells and full cells on flat faces, supports
+///   ghost_runs.hpp     ghost penalty
+/// and the contact groups as sparse rows. apply.hpp is the plain twin.
+#pragma once
+
+#include "kernels/band_cells.hpp"
+#include "kernels/ghost_runs.hpp"
+#include "kernels/stencil_tiles.hpp"
+
+namespace cgcontact {
+
+template <class Real>
+class FastOperator {
+ public:
+  using VectorView = Kokkos::View<Real*, MemSpace>;
+  using ConstVectorView = Kokkos::View<const Real*, MemSpace>;
+  using BlockView = Kokkos::View<Real* [6], Kokkos::LayoutRight, MemSpace>;
+
+  /// What there is of everything, for cost models.
+  struct Sizes {
+    long long num_nodes = 0, stencil_nodes = 0, cut_cells = 0, full_cells = 0, supported_cells = 0, ghost_faces = 0,
+              ghost_runs = 0, groups = 0, group_entries = 0;
+    std::size_t bytes = 0;
+  };
+
+  /// Reads meshes, supports, ghost penalty and groups; keeps nothing of the system.
+  explicit FastOperator(const ElasticSystem& system);
+
+  int num_dofs() const { return 3 * num_nodes_; }
+  const Sizes& sizes() const { return sizes_; }
+
+  /// Stiffness of each group, as in the system.
+  void set_group_stiffness(const std::vector<double>& stiffness);
+
+  /// y = A x.
+  void apply(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
+  /// r = b - A x. r may be b.
+  void residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x, const VectorView& r) const;
+
+  /// The parts of y = A x: the first assigns (zero at nodes outside of the stencil), the others add.
+  void apply_stencil(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
+  void add_band(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y, bool cells, bool ghosts) const;
+  void add_groups(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
+
+  /// Symmetric 3x3 block of each node (xx, yy, zz, xy, yz, zx) of everything but the contact groups.
+  void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks) const;
+
+ private:
+  template <bool subtract>
+  void stencil(const ExecSpace& exec, const Real* x, const Real* base, Real* y) const;
+  template <bool subtract>
+  void band(const ExecSpace& exec, const Real* x, Real* y, bool cells, bool ghosts) const;
+  void groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const;
+
+  struct Groups {
+    IntView row_begin, row_dof, dof_begin, dof_list, column_group;
+    VectorView row_value, column_value, stiffness, scratch;
+  };
+
+  int num_nodes_ = 0;
+  StencilTiles<Real> tiles_;
+  BandCells<Real> cells_;
+  GhostRuns<Real> ghosts_;
+  Groups groups_;
+  Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace> other_nodes_;  ///< (range, first and length): not by stencil
+  IntView slabs_[2];                                                   ///< of each colour
+  Kokkos::View<Real*, MemSpace> stencil_diagonal_;                     ///< per body
+  IntView body_first_node_;
+  Kokkos::View<char*, MemSpace> by_stencil_;
+  Kokkos::View<Real**, Kokkos::LayoutRight, MemSpace> rings_;  ///< per thread
+  Sizes sizes_;
+};
+
+}  // namespace cgcontact

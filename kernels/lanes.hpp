@@ -1,0 +1,181 @@
+/// 64-byte SIMD vectors ("lanes") for the fast kernels: GCC vector extensions, so the arithmetic is plain C++ and one
+/// lane computes what a scalar loop would.
+#pragma once
+
+#include <cstdint>
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
+namespace cgcontact {
+
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wpsabi"  // always inlined: no ABI to change
+
+template <class Real>
+struct Lanes;
+
+template <>
+struct Lanes<double> {
+  static constexpr int count = 8;
+  typedef double Vector __attribute__((vector_size(64)));
+  typedef double Unaligned __attribute__((vector_size(64), aligned(8), may_alias));
+  typedef std::int64_t Mask __attribute__((vector_size(64)));
+  using Integer = std::int64_t;
+};
+
+template <>
+struct Lanes<float> {
+  static constexpr int count = 16;
+  typedef float Vector __attribute__((vector_size(64)));
+  typedef float Unaligned __attribute__((vector_size(64), aligned(4), may_alias));
+  typedef std::int32_t Mask __attribute__((vector_size(64)));
+  using Integer = std::int32_t;
+};
+
+template <class Real>
+using Vector = typename Lanes<Real>::Vector;
+
+template <class Real>
+inline Vector<Real> load(const Real* p) {
+  return *reinterpret_cast<const typename Lanes<Real>::Unaligned*>(p);
+}
+
+template <class Real>
+inline void store(Real* p, const Vector<Real>& v) {
+  *reinterpret_cast<typename Lanes<Real>::Unaligned*>(p) = v;
+}
+
+/// First n entries (0 <= n <= count); the others are zero and not read.
+template <class Real>
+inline Vector<Real> load_first(const Real* p, int n) {
+#ifdef __AVX512F__
+  if constexpr (sizeof(Real) == 8)
+    return _mm512_maskz_loadu_pd(static_cast<__mmask8>((1u << n) - 1), p);
+  else
+    return _mm512_maskz_loadu_ps(static_cast<__mmask16>((1u << n) - 1), p);
+#else
+  Vector<Real> v = {};
+  for (int i = 0; i < n; ++i) v[i] = p[i];
+  return v;
+#endif
+}
+
+/// Writes the first n entries only.
+template <class Real>
+inline void store_first(Real* p, const Vector<Real>& v, int n) {
+#ifdef __AVX512F__
+  if constexpr (sizeof(Real) == 8)
+    _mm512_mask_storeu_pd(p, static_cast<__mmask8>((1u << n) - 1), v);
+  else
+    _mm512_mask_storeu_ps(p, static_cast<__mmask16>((1u << n) - 1), v);
+#else
+  for (int i = 0; i < n; ++i) p[i] = v[i];
+#endif
+}
+
+namespace detail {
+
+/// Index vectors for __builtin_shuffle, folded by the compiler.
+template <class Real, class F>
+inline typename Lanes<Real>::Mask lane_indices(const F& f) {
+  typename Lanes<Real>::Mask m = {};
+  for (int l = 0; l < Lanes<Real>::count; ++l) m[l] = f(l);
+  return m;
+}
+
+/// Index tables of (de)interleaving three components; constant data.
+template <class Real>
+struct Interleave {
+  static constexpr int L = Lanes<Real>::count;
+  using Integer = typename Lanes<Real>::Integer;
+  alignas(64) Integer split_low[3][L] = {}, split_high[3][L] = {};  // component <- (v0, v1), (that, v2)
+  alignas(64) Integer join_low[3][L] = {}, join_high[3][L] = {};    // output vector <- (x, y), (that, z)
+  constexpr Interleave() {
+    for (int c = 0; c < 3; ++c)
+      for (int l = 0; l < L; ++l) {
+        const int source = 3 * l + c;
+        split_low[c][l] = source < 2 * L ? source : 0;
+        split_high[c][l] = source < 2 * L ? l : source - 2 * L + L;
+        const int flat = c * L + l, node = flat / 3, component = flat % 3;
+        join_low[c][l] = component == 2 ? 0 : component * L + node;
+        join_high[c][l] = component == 2 ? L + node : l;
+      }
+  }
+};
+template <class Real>
+inline constexpr Interleave<Real> interleave{};
+
+/// 8 x 8 transposition in every group of 8 lanes, as three butterfly stages.
+template <class Real>
+struct Butterfly {
+  static constexpr int L = Lanes<Real>::count;
+  using Integer = typename Lanes<Real>::Integer;
+  alignas(64) Integer low[3][L] = {}, high[3][L] = {};
+  constexpr Butterfly() {
+    for (int s = 0; s < 3; ++s)
+      for (int l = 0; l < L; ++l) {
+        const int d = 1 << s;
+        low[s][l] = (l & d) ? L + l - d : l;
+        high[s][l] = (l & d) ? L + l : l + d;
+      }
+  }
+};
+template <class Real>
+inline constexpr Butterfly<Real> butterfly{};
+
+template <class Real>
+inline typename Lanes<Real>::Mask mask(const typename Lanes<Real>::Integer* p) {
+  return *reinterpret_cast<const typename Lanes<Real>::Mask*>(p);
+}
+
+}  // namespace detail
+
+/// Three vectors of interleaved components -> one vector per component.
+template <class Real>
+inline void split_components(const Vector<Real> v[3], Vector<Real> u[3]) {
+  constexpr const auto& t = detail::interleave<Real>;
+  for (int c = 0; c < 3; ++c)
+    u[c] = __builtin_shuffle(__builtin_shuffle(v[0], v[1], detail::mask<Real>(t.split_low[c])), v[2],
+                             detail::mask<Real>(t.split_high[c]));
+}
+
+/// One vector per component -> three vectors of interleaved components.
+template <class Real>
+inline void join_components(const Vector<Real> u[3], Vector<Real> v[3]) {
+  constexpr const auto& t = detail::interleave<Real>;
+  for (int c = 0; c < 3; ++c)
+    v[c] = __builtin_shuffle(__builtin_shuffle(u[0], u[1], detail::mask<Real>(t.join_low[c])), u[2],
+                             detail::mask<Real>(t.join_high[c]));
+}
+
+/// r[i] lane l <-> r[l % 8] lane i (+ 8 in the upper half): its own inverse.
+template <class Real>
+inline void transpose8(Vector<Real> r[8]) {
+  constexpr const auto& t = detail::butterfly<Real>;
+  for (int s = 0; s < 3; ++s)
+    for (int i = 0; i < 8; ++i) {
+      if (i >> s & 1) continue;
+      const int j = i + (1 << s);
+      const Vector<Real> a = r[i], b = r[j];
+      r[i] = __builtin_shuffle(a, b, detail::mask<Real>(t.low[s]));
+      r[j] = __builtin_shuffle(a, b, detail::mask<Real>(t.high[s]));
+    }
+}
+
+/// Lower eight lanes of a, then lower eight lanes of b (float only).
+inline Vector<float> join_halves(const Vector<float>& a, const Vector<float>& b) {
+  constexpr Lanes<float>::Mask halves = {0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23};
+  return __builtin_shuffle(a, b, halves);
+}
+
+/// Upper eight lanes first.
+inline Vector<float> upper_half(const Vector<float>& a) {
+  constexpr Lanes<float>::Mask swap = {8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7};
+  return __builtin_shuffle(a, swap);
+}
+inline Vector<double> upper_half(const Vector<double>& a) { return a; }  // never called: eight lanes only
+
+#pragma GCC diagnostic pop
+
+}  // namespace cgcontact
