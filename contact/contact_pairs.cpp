@@ -81,6 +81,7 @@ void add_group(const std::vector<BodyModel>& bodies, int cell, int surface, Cont
     pair.points.resize(group.first_point);
     return;
   }
+  group.surface = surface;
   group.initial_gap /= group.area;
   pair.groups.push_back(group);
 }
@@ -195,8 +196,10 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
 
 std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
                                       const ElasticSystem& system) {
+  constexpr std::size_t max_surfaces = 4096;  // a family is a surface of a pair
   std::vector<GroupRow> rows;
-  for (const ContactPair& pair : pairs)
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const ContactPair& pair = pairs[k];
     for (const ContactGroup& group : pair.groups) {
       std::map<int, double> entries;
       const auto add = [&](int body, int cell, const Vec3& xi, const Vec3& direction) {
@@ -213,8 +216,13 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
         add(pair.primary, point.primary_cell, point.primary_xi, -direction);
         add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
       }
-      rows.push_back({{entries.begin(), entries.end()}});
+      const ContactPoint& first = pair.points[group.first_point];
+      rows.push_back({{entries.begin(), entries.end()},
+                      pair.primary,
+                      first.primary_cell,
+                      static_cast<int>(k * max_surfaces + group.surface)});
     }
+  }
   return rows;
 }
 

@@ -36,6 +36,7 @@ struct ContactPoint {
 /// 4).
 struct ContactGroup {
   int first_point = 0, last_point = 0;
+  int surface = 0;         ///< of the primary body
   double area = 0;         ///< m^2
   double initial_gap = 0;  ///< m, mean distance minus interference
 };

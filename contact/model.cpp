@@ -87,6 +87,19 @@ void add_body_force(const BodyModel& body, const BodyMesh& mesh, const Scales& s
   }
 }
 
+void measure_thickness(BodyModel& model) {
+  const CutCells& cc = model.cut_cells;
+  double volume = 0, area = 0, free_area = 0;
+  for (std::size_t e = 0; e < cc.cells.size(); ++e) volume += cc.volume_fraction(static_cast<int>(e));
+  for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
+    area += cc.boundary.weight[p];
+    if (!model.boundary.conditions[model.boundary.condition_of_point[p]].is_support())
+      free_area += cc.boundary.weight[p];
+  }
+  model.thickness = 2 * volume / area;
+  model.free_thickness = free_area > 0 ? 2 * volume / free_area : 1e9;
+}
+
 std::string quoted(const std::string& name) { return "\"" + name + "\""; }
 
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
@@ -136,6 +149,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
       throw InputError(model.spec->place, quoted(model.spec->name), error.what());
     }
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
+    measure_thickness(model);
     if (has_body_force(*model.spec))
       model.boundary.body_force_at = [spec = model.spec](const Vec3& x) {
         return Vec3(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x));
@@ -146,6 +160,10 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
   return bodies;
+}
+
+double support_kappa(const Scene& scene, const BodyModel& body) {
+  return (body.is_thin() ? 3 : 1) * scene.solver.kappa;
 }
 
 Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& x) {

@@ -18,6 +18,9 @@ struct BodyModel {
   const BodySpec* spec = nullptr;
   CutCells cut_cells;
   BoundaryData boundary;
+  double thickness = 0;       ///< cells: twice the volume over the area
+  double free_thickness = 0;  ///< the same over the area that no support holds
+  bool is_thin() const { return thickness < 2; }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
   Vec3 normal(int boundary_point) const { return cut_cells.grid.rotation * cut_cells.boundary.normal[boundary_point]; }
   /// m^2
@@ -29,10 +32,9 @@ struct BodyModel {
   }
 };
 
-/// Supports are stiffer than contact by this factor (kappa is the contact's): the gap at a support is that of one body
-/// only, exact at every point, so nothing is gained by softness, and on a body one cell thick, held on both sides, the
-/// outer iteration contracts like 2.7 / kappa (measured: 0.2 per iteration at kappa = 10).
-constexpr double support_kappa_factor = 10;
+/// kappa of a body's supports (the scene's kappa is the contact's). On a body about one cell thick that is held on both
+/// sides the outer iteration contracts like 2.7 / kappa: three times stiffer there (docs/decisions.md).
+double support_kappa(const Scene& scene, const BodyModel& body);
 
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {

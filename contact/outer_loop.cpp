@@ -23,6 +23,12 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
+std::vector<double> free_thickness(const std::vector<BodyModel>& bodies) {
+  std::vector<double> cells;
+  for (const BodyModel& body : bodies) cells.push_back(body.free_thickness);
+  return cells;
+}
+
 class OuterLoop {
  public:
   explicit OuterLoop(OuterProblem& problem);
@@ -31,7 +37,7 @@ class OuterLoop {
  private:
   double support_stiffness(const SupportPoint& p) const {
     const BodySpec& body = problem_.scene.bodies[p.body];
-    return support_kappa_factor * problem_.scene.solver.kappa * body.material.youngs_modulus / body.cell_size;
+    return support_kappa(problem_.scene, problem_.bodies[p.body]) * body.material.youngs_modulus / body.cell_size;
   }
   /// Weight (m^2) and stiffness (Pa/m) -> system units.
   double to_stiffness(double pa_per_m, double area) const {
@@ -39,7 +45,6 @@ class OuterLoop {
   }
   const Scales& scales() const { return problem_.scales; }
 
-  NearNullSpace near_null_space() const;
   void initialise_active_set();
   void assemble_right_hand_side();
   std::vector<double> group_force(bool with_displacement) const;
@@ -52,7 +57,6 @@ class OuterLoop {
   void set_forces(OuterResult& result) const;
 
   OuterProblem& problem_;
-  NearNullSpace near_null_space_;
   LinearSolver solver_;
   std::vector<BoundaryStress> boundary_stress_;
   std::vector<double> load_, support_stress_;        // system units; units Scales::stress
@@ -62,7 +66,10 @@ class OuterLoop {
 };
 
 OuterLoop::OuterLoop(OuterProblem& problem)
-    : problem_(problem), near_null_space_(near_null_space()), solver_(problem.system, near_null_space_) {
+    : problem_(problem),
+      solver_(problem.system,
+              problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid,
+              free_thickness(problem.bodies)) {
   std::vector<std::set<int>> cells(problem.bodies.size());
   for (const SupportPoint& p : problem.supports) cells[p.body].insert(p.cell);
   for (const ContactPair& pair : problem.pairs)
@@ -74,24 +81,14 @@ OuterLoop::OuterLoop(OuterProblem& problem)
   for (std::size_t b = 0; b < cells.size(); ++b)
     boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b],
                                   std::vector<int>(cells[b].begin(), cells[b].end()));
+  for (ContactPair& pair : problem.pairs)
+    for (const ContactGroup& g : pair.groups)
+      problem.system.full_group_stiffness.push_back(to_stiffness(pair.stiffness, g.area));
   load_ = make_load_vector(problem.bodies, problem.system, problem.scales);
   support_stress_.assign(problem.supports.size(), 0.0);
   for (const ContactPair& pair : problem.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
   u_ = RealView("cgcontact::outer_loop::u", problem.system.num_dofs());
   rhs_ = RealView("cgcontact::outer_loop::rhs", problem.system.num_dofs());
-}
-
-NearNullSpace OuterLoop::near_null_space() const {
-  NearNullSpace space;
-  for (std::size_t b = 0; b < problem_.bodies.size(); ++b) {
-    const Grid& grid = problem_.bodies[b].cut_cells.grid;
-    space.axes.push_back(grid.rotation);
-    for (const Index3& n : problem_.system.meshes[b].nodes) {
-      space.position.push_back(grid.to_global(Vec3(n[0], n[1], n[2])) / scales().length);
-      space.body_of_node.push_back(static_cast<int>(b));
-    }
-  }
-  return space;
 }
 
 /// Closed at the start: all points whose gap is not positive and, if there is none, those near the smallest gap.
@@ -250,6 +247,7 @@ void OuterLoop::polish(OuterResult& result) {
   const SolverSpec& solver = problem_.scene.solver;
   set_group_stiffness(problem_.system, group_stiffness());
   assemble_right_hand_side();
+  solver_.update();
   const LinearSolveResult solve =
       solver_.solve(rhs_, u_, solver.linear_tolerance * force_norm_, solver.max_linear_iterations);
   result.linear_iterations.push_back(solve.iterations);
@@ -286,10 +284,8 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     set_group_stiffness(problem_.system, group_stiffness());
     assemble_right_hand_side();
     const double inner = std::clamp(inner_fraction * outer_residual, solver.linear_tolerance, loosest_inner_tolerance);
-    if (!solver_.has_preconditioner()) {
-      solver_.rebuild_preconditioner();
-      ++result.preconditioner_setups;
-    }
+    solver_.update();
+    result.preconditioner_setups = solver_.report().setups;
     const LinearSolveResult solve = solver_.solve(rhs_, u_, inner * force_norm_, solver.max_linear_iterations);
     step.linear_iterations = solve.iterations;
     result.linear_iterations.push_back(solve.iterations);

@@ -6,8 +6,8 @@
 namespace cgcontact {
 
 /// Condenses the support points into the cell matrices.
-void add_supports(const Scene& scene, const std::vector<SupportPoint>& supports, const Scales& scales,
-                  ElasticSystem& system);
+void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                  const Scales& scales, ElasticSystem& system);
 
 void fill_counts(const Simulation& simulation, Results& results);
 /// Displacement and stress fields, error estimate and effectivity.

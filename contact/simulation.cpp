@@ -69,7 +69,7 @@ void Simulation::run(const ProgressCallbacks& progress) {
       materials.push_back(body.spec->material);
     }
     system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
-    add_supports(scene, supports, scales, system);
+    add_supports(scene, bodies, supports, scales, system);
     set_group_rows(system, make_group_rows(pairs, bodies, system));
     for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
   });

@@ -79,7 +79,7 @@ struct ContactSpec {
 };
 
 struct SolverSpec {
-  std::string preconditioner = "muelu";
+  std::string preconditioner = "multigrid";
   double tolerance = 1e-6;  ///< relative outer residual
   int max_outer_iterations = 30;
   double linear_tolerance = 1e-10;  ///< relative residual of the last linear solve

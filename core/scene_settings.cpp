@@ -71,7 +71,7 @@ SolverSpec read_solver(const TomlCursor& node) {
   node.expect_keys({"preconditioner", "tolerance", "max_outer_iterations", "linear_tolerance", "max_linear_iterations",
                     "kappa", "ghost_penalty"});
   SolverSpec solver;
-  if (const auto value = node.find("preconditioner")) solver.preconditioner = one_of(*value, {"muelu"});
+  if (const auto value = node.find("preconditioner")) solver.preconditioner = one_of(*value, {"multigrid", "muelu"});
   if (const auto value = node.find("tolerance")) solver.tolerance = value->number(fraction());
   if (const auto value = node.find("max_outer_iterations")) solver.max_outer_iterations = value->integer(1, 1000);
   if (const auto value = node.find("linear_tolerance")) solver.linear_tolerance = value->number(fraction());

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "kernels/element_matrices.hpp"
-#include "kernels/views.hpp"
+#include "kernels/system.hpp"
 
 namespace cgcontact {
 
@@ -53,17 +53,6 @@ void apply_ghost_faces(const Exec& exec, const BodyMesh& mesh, const GhostMatrix
         });
   }
 }
-
-/// Sparse rows (one per contact group) and their transpose, both compressed: coefficients of the mean gap.
-struct GroupRows {
-  IntView row_begin, row_dof;  ///< group -> entries; (num_groups + 1), (num_entries)
-  RealView row_value;
-  IntView dof_begin, dof_list;  ///< touched DoF -> entries of the transpose; dof_list: the touched DoFs
-  IntView column_group;
-  RealView column_value;
-  RealView stiffness;  ///< k of each group; 0 where the group is open
-  RealView scratch;    ///< (num_groups)
-};
 
 /// y += B^T diag(k) B x: gather per group, then gather per touched DoF (no atomics).
 template <class Exec, class X, class Y>

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kernels/element_matrices.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -59,8 +61,10 @@ void make_graph(const ElasticSystem& system, BlockMatrix& A) {
 void add_cells(const ElasticSystem& system, BlockMatrix& A) {
   for (std::size_t b = 0; b < system.meshes.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    auto K = Kokkos::create_mirror_view(system.matrices[b]);
-    Kokkos::deep_copy(K, system.matrices[b]);
+    const CellMatrixView matrices = make_cell_matrices(mesh, system.supports[b]);
+    const GhostMatrix ghost = make_ghost_matrix(mesh, system.ghost_penalty);
+    auto K = Kokkos::create_mirror_view(matrices);
+    Kokkos::deep_copy(K, matrices);
     for (std::size_t e = 0; e < mesh.cell_nodes.size(); ++e) {
       const int m = 1 + mesh.cut_cells->cut_of_active[e];
       for (int r = 0; r < 8; ++r)
@@ -76,7 +80,7 @@ void add_cells(const ElasticSystem& system, BlockMatrix& A) {
       for (int r = 0; r < 12; ++r)
         for (int c = 0; c < 12; ++c) {
           double* block = A.block(faces(f, r), faces(f, c));
-          for (int i = 0; i < 3; ++i) block[4 * i] += system.ghosts[b][r][c];
+          for (int i = 0; i < 3; ++i) block[4 * i] += ghost[r][c];
         }
   }
 }

@@ -28,7 +28,7 @@ void integrate_stiffness(const UnitElasticity& law, const double weights[27], do
 
 }  // namespace
 
-CellMatrixView make_cell_matrices(const BodyMesh& mesh) {
+CellMatrixView make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports) {
   const CutCells& cc = *mesh.cut_cells;
   const std::size_t num_cut = cc.moments.size();
   CellMatrixView matrices("cgcontact::element_matrices::cells", 1 + num_cut);
@@ -38,6 +38,15 @@ CellMatrixView make_cell_matrices(const BodyMesh& mesh) {
     double weights[27];
     fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], 3, weights);
     integrate_stiffness(mesh.law, weights, factor, Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));
+  }
+  for (const SupportTerm& t : supports) {
+    const int cut = cc.cut_of_active[t.cell];
+    double N[8], row[24];
+    hex_shape(t.xi.data(), N);
+    for (int a = 0; a < 8; ++a)
+      for (int i = 0; i < 3; ++i) row[3 * a + i] = N[a] * t.direction[i];
+    for (int r = 0; r < 24; ++r)
+      for (int c = 0; c < 24; ++c) host(1 + cut, r, c) += t.stiffness * (row[r] * row[c]);
   }
   Kokkos::deep_copy(matrices, host);
   return matrices;

@@ -82,7 +82,21 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   by_stencil_ = copy_to_view<decltype(by_stencil_)>("cgcontact::fast_operator::by_stencil", by_stencil);
   rings_ = decltype(rings_)("cgcontact::fast_operator::rings", ExecSpace::concurrency(), StencilRing<Real>::size);
 
-  const GroupRows& g = system.groups;
+  set_groups(system.groups);
+
+  sizes_.num_nodes = num_nodes_;
+  sizes_.stencil_nodes = tiles_.num_nodes;
+  sizes_.cut_cells = cells_.num_cut;
+  sizes_.full_cells = cells_.num_full;
+  sizes_.supported_cells = cells_.num_supported;
+  sizes_.ghost_faces = ghosts_.num_faces;
+  sizes_.ghost_runs = static_cast<long long>(ghosts_.runs.extent(0));
+  sizes_.bytes = tiles_.bytes() + cells_.bytes() + ghosts_.bytes() + other_nodes_.size() * sizeof(int) +
+                 by_stencil_.size() + rings_.size() * sizeof(Real);
+}
+
+template <class Real>
+void FastOperator<Real>::set_groups(const GroupRows& g) {
   groups_.row_begin = g.row_begin;
   groups_.row_dof = g.row_dof;
   groups_.dof_begin = g.dof_begin;
@@ -92,28 +106,8 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   groups_.column_value = convert<VectorView>("cgcontact::fast_operator::column_value", g.column_value);
   groups_.stiffness = convert<VectorView>("cgcontact::fast_operator::stiffness", g.stiffness);
   groups_.scratch = VectorView("cgcontact::fast_operator::scratch", g.stiffness.extent(0));
-
-  sizes_.num_nodes = num_nodes_;
-  sizes_.stencil_nodes = tiles_.num_nodes;
-  sizes_.cut_cells = cells_.num_cut;
-  sizes_.full_cells = cells_.num_full;
-  sizes_.supported_cells = cells_.num_supported;
-  sizes_.ghost_faces = ghosts_.num_faces;
-  sizes_.ghost_runs = static_cast<long long>(ghosts_.runs.extent(0));
   sizes_.groups = static_cast<long long>(groups_.stiffness.extent(0));
   sizes_.group_entries = static_cast<long long>(groups_.row_value.extent(0));
-  sizes_.bytes = tiles_.bytes() + cells_.bytes() + ghosts_.bytes() + other_nodes_.size() * sizeof(int) +
-                 by_stencil_.size() + rings_.size() * sizeof(Real) +
-                 2 * groups_.row_value.size() * (sizeof(Real) + sizeof(int));
-}
-
-template <class Real>
-void FastOperator<Real>::set_group_stiffness(const std::vector<double>& stiffness) {
-  if (stiffness.size() != groups_.stiffness.extent(0))
-    throw std::logic_error("as many stiffnesses as contact groups are needed");
-  auto host = Kokkos::create_mirror_view(groups_.stiffness);
-  for (std::size_t g = 0; g < stiffness.size(); ++g) host(g) = static_cast<Real>(stiffness[g]);
-  Kokkos::deep_copy(groups_.stiffness, host);
 }
 
 template <class Real>

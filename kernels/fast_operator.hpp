@@ -31,8 +31,8 @@ class FastOperator {
   int num_dofs() const { return 3 * num_nodes_; }
   const Sizes& sizes() const { return sizes_; }
 
-  /// Stiffness of each group, as in the system.
-  void set_group_stiffness(const std::vector<double>& stiffness);
+  /// Takes over rows and stiffnesses.
+  void set_groups(const GroupRows& groups);
 
   /// y = A x.
   void apply(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;

@@ -2,11 +2,12 @@
 
 #include <BelosPseudoBlockCGSolMgr.hpp>
 #include <BelosTpetraAdapter.hpp>
-#include <MueLu_CreateTpetraPreconditioner.hpp>
 #include <Tpetra_Core.hpp>
+#include <Tpetra_Vector.hpp>
 #include <cstdlib>
 
-#include "kernels/assembly.hpp"
+#include "kernels/muelu.hpp"
+#include "kernels/multigrid.hpp"
 
 namespace cgcontact {
 
@@ -15,73 +16,44 @@ using Teuchos::rcp;
 
 struct LinearSolver::Impl {
   const ElasticSystem& system;
-  const NearNullSpace& near_null_space;
+  Preconditioner kind;
+  MultigridSettings settings;
   RCP<const TpetraMap> map;
   RCP<ElasticityOperator> op;
   RCP<TpetraOperator> preconditioner;
-
-  Impl(const ElasticSystem& s, const NearNullSpace& n) : system(s), near_null_space(n) {
-    map = make_dof_map(system, Tpetra::getDefaultComm());
-    op = rcp(new ElasticityOperator(system, map));
-  }
-
-  /// Six rigid-body modes of the assembly, components in each body's grid axes.
-  RCP<TpetraVector> rigid_body_modes() const {
-    auto modes = rcp(new TpetraVector(map, 6));
-    auto view = modes->getLocalViewHost(Tpetra::Access::OverwriteAll);
-    Vec3 centre = Vec3::Zero();
-    for (const Vec3& x : near_null_space.position) centre += x / static_cast<double>(near_null_space.position.size());
-    for (int n = 0; n < system.num_nodes; ++n) {
-      const Mat3 to_local = near_null_space.axes[near_null_space.body_of_node[n]].transpose();
-      const Vec3 r = near_null_space.position[n] - centre;
-      for (int m = 0; m < 3; ++m) {
-        const Vec3 e = Vec3::Unit(m);
-        const Vec3 translation = to_local * e, rotation = to_local * e.cross(r);
-        for (int i = 0; i < 3; ++i) {
-          view(3 * n + i, m) = translation[i];
-          view(3 * n + i, 3 + m) = rotation[i];
-        }
-      }
-    }
-    return modes;
-  }
-
-  using Coordinates = Tpetra::MultiVector<double>;
-  RCP<Coordinates> coordinates() const {
-    auto node_map = rcp(new TpetraMap(static_cast<Tpetra::global_size_t>(system.num_nodes), 0, map->getComm()));
-    auto x = rcp(new Coordinates(node_map, 3));
-    auto view = x->getLocalViewHost(Tpetra::Access::OverwriteAll);
-    for (int n = 0; n < system.num_nodes; ++n)
-      for (int i = 0; i < 3; ++i) view(n, i) = near_null_space.position[n][i];
-    return x;
-  }
+  RCP<Multigrid> multigrid;
+  PreconditionerReport report;
 };
 
-LinearSolver::LinearSolver(const ElasticSystem& system, const NearNullSpace& near_null_space)
-    : impl_(std::make_unique<Impl>(system, near_null_space)) {}
+LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner,
+                           const std::vector<double>& thickness)
+    : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}}) {
+  impl_->settings.thickness = thickness;
+  impl_->map = make_dof_map(system, Tpetra::getDefaultComm());
+  impl_->op = rcp(new ElasticityOperator(system, impl_->map));
+}
 LinearSolver::~LinearSolver() = default;
 
-bool LinearSolver::has_preconditioner() const { return !impl_->preconditioner.is_null(); }
+const PreconditionerReport& LinearSolver::report() const { return impl_->report; }
 
-void LinearSolver::rebuild_preconditioner() {
-  impl_->preconditioner = Teuchos::null;
-  RCP<TpetraOperator> matrix = assemble_matrix(impl_->system, impl_->map);
-  Teuchos::ParameterList list;
-  list.set("verbosity", "none");
-  list.set("number of equations", 3);
-  list.set("use kokkos refactor", false);
-  list.set("problem: symmetric", true);
-  list.set("coarse: max size", 1500);
-  // Chebyshev runs on SpMV, 2-3 times faster here than Gauss-Seidel sweeps; with MueLu's default of 10 power iterations
-  // the preconditioner can become indefinite (design section 5), 30 are safe.
-  list.set("smoother: type", "CHEBYSHEV");
-  Teuchos::ParameterList& smoother = list.sublist("smoother: params");
-  smoother.set("chebyshev: degree", 3);
-  smoother.set("chebyshev: ratio eigenvalue", 20.0);
-  smoother.set("chebyshev: eigenvalue max iterations", 30);
-  list.sublist("user data").set("Nullspace", impl_->rigid_body_modes());
-  list.sublist("user data").set("Coordinates", impl_->coordinates());
-  impl_->preconditioner = MueLu::CreateTpetraPreconditioner<double>(matrix, list);
+void LinearSolver::update() {
+  Impl& s = *impl_;
+  s.op->update_groups(s.system);
+  if (s.kind == Preconditioner::muelu) {
+    if (!s.preconditioner.is_null()) return;
+    s.preconditioner = make_muelu(s.system, s.map);
+    s.report.setups = 1;
+    return;
+  }
+  if (s.multigrid.is_null()) {
+    s.multigrid = rcp(new Multigrid(s.system, s.map, s.settings));
+    s.preconditioner = s.multigrid;
+  } else {
+    s.multigrid->update_groups();
+  }
+  s.report.setups = s.multigrid->report().coarsest_setups;
+  s.report.eigenvalues = s.multigrid->report().largest_eigenvalue;
+  s.report.unknowns = s.multigrid->report().unknowns;
 }
 
 LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, double tolerance, int max_iterations) {
@@ -91,11 +63,8 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   auto rhs = rcp(new TpetraVector(impl_->map, 1));
   auto correction = rcp(new TpetraVector(impl_->map, 1));
   auto residual = [&] {
-    const auto r = Kokkos::subview(rhs->getLocalViewDevice(Tpetra::Access::OverwriteAll), Kokkos::ALL, 0);
-    impl_->system.apply(exec, x, r);
-    Kokkos::parallel_for(
-        "cgcontact::linear_solver::residual", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
-        KOKKOS_LAMBDA(const int i) { r(i) = b(i) - r(i); });
+    const RealView r(rhs->getLocalViewDevice(Tpetra::Access::OverwriteAll).data(), n);
+    impl_->op->kernel().residual(exec, b, x, r);
     exec.fence();
   };
   residual();
@@ -105,7 +74,7 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   for (int sweep = 0; sweep < 3 && norm > tolerance && result.iterations < max_iterations; ++sweep) {
     correction->putScalar(0);
     auto problem = rcp(new Belos::LinearProblem<double, TpetraVector, TpetraOperator>(impl_->op, correction, rhs));
-    if (has_preconditioner()) problem->setLeftPrec(impl_->preconditioner);
+    if (!impl_->preconditioner.is_null()) problem->setLeftPrec(impl_->preconditioner);
     problem->setProblem();
     auto list = rcp(new Teuchos::ParameterList);
     list->set("Convergence Tolerance", std::max(0.9 * tolerance / norm, 1e-15));

@@ -1,4 +1,5 @@
-/// Belos CG on the matrix-free operator, preconditioned by MueLu on the assembled matrix (design section 5).
+/// Belos CG on the matrix-free operator, preconditioned by geometric multigrid or, for comparison, by MueLu on the
+/// assembled matrix (design section 5).
 #pragma once
 
 #include <memory>
@@ -8,11 +9,12 @@
 
 namespace cgcontact {
 
-/// What MueLu needs to know of each node: position and the rigid-body modes in the node's own axes.
-struct NearNullSpace {
-  std::vector<Vec3> position;  ///< per node, units of Scales::length, global axes
-  std::vector<Mat3> axes;      ///< per body: columns are the grid axes
-  std::vector<int> body_of_node;
+enum class Preconditioner { multigrid, muelu };
+
+struct PreconditionerReport {
+  int setups = 0;                   ///< of MueLu: on the whole system, or on the coarsest level
+  std::vector<int> unknowns;        ///< multigrid: per level, finest first
+  std::vector<double> eigenvalues;  ///< multigrid: largest of the smoothed operator, per level
 };
 
 struct LinearSolveResult {
@@ -23,13 +25,14 @@ struct LinearSolveResult {
 
 class LinearSolver {
  public:
-  /// The system and the near-null space must outlive the solver.
-  LinearSolver(const ElasticSystem& system, const NearNullSpace& near_null_space);
+  /// The system must outlive the solver. thickness: MultigridSettings::thickness.
+  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, const std::vector<double>& thickness = {});
   ~LinearSolver();
 
-  /// Assembles the matrix as the system is now and sets up MueLu on it.
-  void rebuild_preconditioner();
-  bool has_preconditioner() const;
+  /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (MueLu on the
+  /// whole system stays as it is then, multigrid follows the changes).
+  void update();
+  const PreconditionerReport& report() const;
 
   /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.
   LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);

@@ -5,7 +5,7 @@
 #include <Tpetra_MultiVector.hpp>
 #include <Tpetra_Operator.hpp>
 
-#include "kernels/system.hpp"
+#include "kernels/fast_operator.hpp"
 
 namespace cgcontact {
 
@@ -20,7 +20,11 @@ Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system,
 class ElasticityOperator : public TpetraOperator {
  public:
   ElasticityOperator(const ElasticSystem& system, Teuchos::RCP<const TpetraMap> map)
-      : system_(system), map_(std::move(map)), product_("cgcontact::operator::product", system.num_dofs()) {}
+      : operator_(system), map_(std::move(map)) {}
+
+  /// Takes over the present stiffness of the contact groups.
+  void update_groups(const ElasticSystem& system) { operator_.set_groups(system.groups); }
+  const FastOperator<double>& kernel() const { return operator_; }
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override { return map_; }
   Teuchos::RCP<const TpetraMap> getRangeMap() const override { return map_; }
@@ -28,9 +32,8 @@ class ElasticityOperator : public TpetraOperator {
   void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override;
 
  private:
-  const ElasticSystem& system_;
+  FastOperator<double> operator_;
   Teuchos::RCP<const TpetraMap> map_;
-  RealView product_;
 };
 
 }  // namespace cgcontact

@@ -22,31 +22,20 @@ ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, co
                                   const Scales& scales, double ghost_penalty) {
   ElasticSystem system;
   system.ghost_penalty = ghost_penalty;
+  system.materials = materials;
+  system.scales = scales;
   system.supports.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     system.meshes.push_back(make_body_mesh(*bodies[b], materials[b], scales, system.num_nodes));
     system.num_nodes += system.meshes.back().num_nodes;
-    system.matrices.push_back(make_cell_matrices(system.meshes.back()));
-    system.ghosts.push_back(make_ghost_matrix(system.meshes.back(), ghost_penalty));
   }
   return system;
 }
 
 void add_support_terms(ElasticSystem& system, int body, const std::vector<SupportTerm>& terms) {
-  const CutCells& cc = *system.meshes[body].cut_cells;
-  auto host = Kokkos::create_mirror_view(system.matrices[body]);
-  Kokkos::deep_copy(host, system.matrices[body]);
-  for (const SupportTerm& t : terms) {
-    const int cut = cc.cut_of_active[t.cell];
-    if (cut < 0) throw std::logic_error("support point in an interior cell");
-    double N[8], row[24];
-    hex_shape(t.xi.data(), N);
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) row[3 * a + i] = N[a] * t.direction[i];
-    for (int r = 0; r < 24; ++r)
-      for (int c = 0; c < 24; ++c) host(1 + cut, r, c) += t.stiffness * (row[r] * row[c]);
-  }
-  Kokkos::deep_copy(system.matrices[body], host);
+  for (const SupportTerm& t : terms)
+    if (system.meshes[body].cut_cells->cut_of_active[t.cell] < 0)
+      throw std::logic_error("support point in an interior cell");
   system.supports[body].insert(system.supports[body].end(), terms.begin(), terms.end());
 }
 

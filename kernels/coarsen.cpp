@@ -1,0 +1,161 @@
+#include "kernels/coarsen.hpp"
+
+#include <algorithm>
+#include <map>
+#include <tuple>
+
+namespace cgcontact {
+namespace {
+
+Index3 parent(const Index3& c) { return {c[0] / 2, c[1] / 2, c[2] / 2}; }
+
+/// Number of each active node by its place in the grid, -1 elsewhere.
+std::vector<int> numbers_on_grid(const BodyMesh& mesh) {
+  const Grid& grid = mesh.cut_cells->grid;
+  std::vector<int> number(
+      static_cast<std::size_t>(grid.num_cells[0] + 1) * (grid.num_cells[1] + 1) * (grid.num_cells[2] + 1), -1);
+  for (int n = 0; n < mesh.num_nodes; ++n) number[grid.node_index(mesh.nodes[n])] = mesh.first_node + n;
+  return number;
+}
+
+}  // namespace
+
+CutCells coarse_cut_cells(const CutCells& fine) {
+  CutCells coarse;
+  coarse.grid = fine.grid;
+  coarse.grid.cell_size *= 2;
+  for (int& n : coarse.grid.num_cells) n = (n + 1) / 2;
+  coarse.active_of_cell.assign(coarse.grid.num_cells_total(), -1);
+  for (const Index3& c : fine.cells) coarse.active_of_cell[coarse.grid.cell_index(parent(c))] = 0;
+  for (int k = 0, next = 0; k < coarse.grid.num_cells[2]; ++k)
+    for (int j = 0; j < coarse.grid.num_cells[1]; ++j)
+      for (int i = 0; i < coarse.grid.num_cells[0]; ++i) {
+        int& active = coarse.active_of_cell[coarse.grid.cell_index({i, j, k})];
+        if (active < 0) continue;
+        active = next++;
+        coarse.cells.push_back({i, j, k});
+      }
+  coarse.cut_of_active.assign(coarse.cells.size(), -1);
+  for (std::size_t e = 0; e < coarse.cells.size(); ++e) {
+    bool full = true;
+    for (int a = 0; a < 8 && full; ++a) {
+      const Index3& c = coarse.cells[e];
+      const int child = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
+      full = child >= 0 && fine.cut_of_active[child] < 0;
+    }
+    if (full) continue;
+    coarse.cut_of_active[e] = static_cast<int>(coarse.active_of_cut.size());
+    coarse.active_of_cut.push_back(static_cast<int>(e));
+  }
+  coarse.moments.resize(coarse.active_of_cut.size());
+  Kokkos::parallel_for(
+      "cgcontact::coarsen::moments", Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, coarse.moments.size()),
+      [&](const int cut) {
+        const Index3& c = coarse.cells[coarse.active_of_cut[cut]];
+        std::array<const Moments*, 8> children{};
+        for (int a = 0; a < 8; ++a) {
+          const int child = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
+          if (child < 0) continue;
+          const int child_cut = fine.cut_of_active[child];
+          children[a] = child_cut < 0 ? &full_cell_moments() : &fine.moments[child_cut];
+        }
+        coarse.moments[cut] = coarse_moments(children);
+      });
+  return coarse;
+}
+
+std::vector<SupportTerm> coarse_supports(const CutCells& fine, const CutCells& coarse,
+                                         const std::vector<SupportTerm>& terms) {
+  std::vector<SupportTerm> result = terms;
+  for (SupportTerm& t : result) {
+    const Index3& c = fine.cells[t.cell];
+    for (int d = 0; d < 3; ++d) t.xi[d] = 0.5 * (t.xi[d] + 2 * (c[d] % 2) - 1);
+    t.cell = coarse.find(parent(c));
+    t.stiffness *= 0.5;
+  }
+  return result;
+}
+
+Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
+  Transfer transfer;
+  transfer.parents = decltype(transfer.parents)("cgcontact::coarsen::parents", fine.num_nodes);
+  transfer.children = decltype(transfer.children)("cgcontact::coarsen::children", coarse.num_nodes);
+  auto parents = Kokkos::create_mirror_view(transfer.parents);
+  auto children = Kokkos::create_mirror_view(transfer.children);
+  for (std::size_t b = 0; b < fine.meshes.size(); ++b) {
+    const BodyMesh &f = fine.meshes[b], &c = coarse.meshes[b];
+    const std::vector<int> coarse_number = numbers_on_grid(c), fine_number = numbers_on_grid(f);
+    const Grid &fine_grid = f.cut_cells->grid, &coarse_grid = c.cut_cells->grid;
+    Kokkos::parallel_for("cgcontact::coarsen::parents",
+                         Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, f.num_nodes), [&](const int n) {
+                           const Index3& x = f.nodes[n];
+                           for (int a = 0; a < 8; ++a) {
+                             Index3 p;
+                             for (int d = 0; d < 3; ++d) p[d] = (x[d] + (a >> d & 1)) / 2;
+                             parents(f.first_node + n, a) = coarse_number[coarse_grid.node_index(p)];
+                           }
+                         });
+    Kokkos::parallel_for("cgcontact::coarsen::children",
+                         Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, c.num_nodes), [&](const int n) {
+                           const Index3& x = c.nodes[n];
+                           for (int a = 0; a < 27; ++a) {
+                             const Index3 y{2 * x[0] + a / 9 - 1, 2 * x[1] + a / 3 % 3 - 1, 2 * x[2] + a % 3 - 1};
+                             bool inside = true;
+                             for (int d = 0; d < 3; ++d) inside &= y[d] >= 0 && y[d] <= fine_grid.num_cells[d];
+                             children(c.first_node + n, a) = inside ? fine_number[fine_grid.node_index(y)] : -1;
+                           }
+                         });
+  }
+  Kokkos::deep_copy(transfer.parents, parents);
+  Kokkos::deep_copy(transfer.children, children);
+  return transfer;
+}
+
+CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, const Transfer& transfer,
+                       const std::vector<GroupRow>& rows, const std::vector<double>& stiffness,
+                       const std::vector<double>& full_stiffness) {
+  CoarseRows result;
+  auto parents = Kokkos::create_mirror_view(transfer.parents);
+  Kokkos::deep_copy(parents, transfer.parents);
+  // Members of one coarse row: same body, coarse cell and family, in order of first appearance.
+  std::map<std::tuple<int, int, int>, int> index;
+  std::vector<std::vector<int>> members;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const CutCells& from = *fine.meshes[rows[r].body].cut_cells;
+    const int cell = coarse.meshes[rows[r].body].cut_cells->find(parent(from.cells[rows[r].cell]));
+    const auto [entry, is_new] =
+        index.emplace(std::make_tuple(rows[r].body, cell, rows[r].family), static_cast<int>(members.size()));
+    if (is_new) {
+      members.emplace_back();
+      result.rows.push_back({{}, rows[r].body, cell, rows[r].family});
+      result.stiffness.push_back(0);
+      result.full_stiffness.push_back(0);
+    }
+    members[entry->second].push_back(static_cast<int>(r));
+    result.stiffness[entry->second] += 0.5 * stiffness[r];
+    result.full_stiffness[entry->second] += 0.5 * full_stiffness[r];
+  }
+  std::vector<std::pair<int, double>> entries;
+  for (std::size_t c = 0; c < members.size(); ++c) {
+    const bool closed = result.stiffness[c] > 0;
+    entries.clear();
+    for (int r : members[c]) {
+      const double weight =
+          closed ? 0.5 * stiffness[r] / result.stiffness[c] : 0.5 * full_stiffness[r] / result.full_stiffness[c];
+      if (weight == 0) continue;
+      for (const auto& [dof, value] : rows[r].entries)
+        for (int a = 0; a < 8; ++a) entries.emplace_back(3 * parents(dof / 3, a) + dof % 3, 0.125 * weight * value);
+    }
+    std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [dof, value] : entries) {
+      auto& merged = result.rows[c].entries;
+      if (!merged.empty() && merged.back().first == dof)
+        merged.back().second += value;
+      else
+        merged.emplace_back(dof, value);
+    }
+  }
+  return result;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,230 @@
+#include "kernels/smoother.hpp"
+
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace cgcontact {
+namespace {
+
+constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
+template <class Blocks>
+Mat3 block(const Blocks& b, int n) {
+  Mat3 m;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m(i, j) = b(n, at[i][j]);
+  return m;
+}
+
+}  // namespace
+
+SupportRows make_support_rows(const ElasticSystem& system) {
+  SupportRows result;
+  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    std::vector<SupportTerm> terms;
+    for (const SupportTerm& t : system.supports[b])
+      if (t.thin) terms.push_back(t);
+    std::stable_sort(terms.begin(), terms.end(),
+                     [](const SupportTerm& x, const SupportTerm& y) { return x.cell < y.cell; });
+    for (std::size_t first = 0, last; first < terms.size(); first = last) {
+      for (last = first; last < terms.size() && terms[last].cell == terms[first].cell;) ++last;
+      // Directions of one cell that lie within 45 degrees share a row.
+      std::vector<Vec3> direction;
+      std::vector<std::array<double, 24>> sum;
+      std::vector<double> stiffness;
+      for (std::size_t t = first; t < last; ++t) {
+        std::size_t r = 0;
+        while (r < direction.size() && direction[r].dot(terms[t].direction) < 0.7) ++r;
+        if (r == direction.size()) {
+          direction.push_back(terms[t].direction);
+          sum.emplace_back();
+          stiffness.push_back(0);
+        }
+        double N[8];
+        hex_shape(terms[t].xi.data(), N);
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i) sum[r][3 * a + i] += terms[t].stiffness * N[a] * terms[t].direction[i];
+        stiffness[r] += terms[t].stiffness;
+      }
+      for (std::size_t r = 0; r < direction.size(); ++r) {
+        GroupRow row;
+        row.body = static_cast<int>(b);
+        row.cell = terms[first].cell;
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i)
+            if (sum[r][3 * a + i] != 0)
+              row.entries.emplace_back(3 * mesh.cell_nodes[row.cell][a] + i, sum[r][3 * a + i] / stiffness[r]);
+        std::sort(row.entries.begin(), row.entries.end());
+        result.rows.push_back(std::move(row));
+        result.stiffness.push_back(stiffness[r]);
+      }
+    }
+  }
+  return result;
+}
+
+template <class Real>
+struct SurfaceSmoother<Real>::Factor {
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<Real>> llt;
+};
+
+template <class Real>
+SurfaceSmoother<Real>::SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks)
+    : num_nodes_(system.num_nodes), supports_(make_support_rows(system)), inverse_(blocks) {
+  for (std::size_t r = 0; r < supports_.rows.size(); ++r)
+    for (const auto& [p, vp] : supports_.rows[r].entries)
+      for (const auto& [q, vq] : supports_.rows[r].entries)
+        if (p / 3 == q / 3 && p <= q)
+          blocks(p / 3, at[p % 3][q % 3]) -= static_cast<Real>(supports_.stiffness[r] * vp * vq);
+  Kokkos::parallel_for(
+      "cgcontact::smoother::invert", Kokkos::RangePolicy<ExecSpace>(0, num_nodes_), KOKKOS_LAMBDA(const int n) {
+        Mat3 m;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) m(i, j) = blocks(n, at[i][j]);
+        const Mat3 inverse = m.inverse();
+        for (int i = 0; i < 3; ++i)
+          for (int j = i; j < 3; ++j) blocks(n, at[i][j]) = static_cast<Real>(inverse(i, j));
+      });
+}
+
+template <class Real>
+void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness) {
+  std::vector<SurfaceRow> all;
+  for (std::size_t r = 0; r < supports_.rows.size(); ++r) all.push_back({&supports_.rows[r], supports_.stiffness[r]});
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (stiffness[r] > 0) all.push_back({&rows[r], stiffness[r]});
+  // W by rows, then by touched nodes.
+  const int num_rows = static_cast<int>(all.size());
+  std::vector<int> row_begin{0}, row_node, count(num_nodes_, 0);
+  std::vector<Vec3> row_b, row_w;  // sqrt(k) b and D^-1 sqrt(k) b of each node of each row
+  for (const SurfaceRow& row : all) {
+    const double root = std::sqrt(row.stiffness);
+    for (const auto& [dof, value] : row.row->entries) {
+      if (static_cast<int>(row_node.size()) == row_begin.back() || row_node.back() != dof / 3) {
+        row_node.push_back(dof / 3);
+        row_b.push_back(Vec3::Zero());
+        ++count[dof / 3];
+      }
+      row_b.back()[dof % 3] = root * value;
+    }
+    row_begin.push_back(static_cast<int>(row_node.size()));
+  }
+  for (std::size_t e = 0; e < row_node.size(); ++e) row_w.push_back(block(inverse_, row_node[e]) * row_b[e]);
+  std::vector<int> node_begin{0}, touched(num_nodes_, -1);
+  for (int n = 0, next = 0; n < num_nodes_; ++n) {
+    if (count[n] == 0) continue;
+    touched[n] = next++;
+    node_begin.push_back(node_begin.back() + count[n]);
+  }
+  std::vector<int> node_row(row_node.size()), node_entry(row_node.size()),
+      position(node_begin.begin(), node_begin.end());
+  for (int r = 0; r < num_rows; ++r)
+    for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
+      const int p = position[touched[row_node[e]]]++;
+      node_row[p] = r;
+      node_entry[p] = e;
+    }
+  const auto to_view = [](const char* label, const std::vector<int>& v) {
+    IntView view(std::string(label), v.size());
+    auto host = Kokkos::create_mirror_view(view);
+    std::copy(v.begin(), v.end(), host.data());
+    Kokkos::deep_copy(view, host);
+    return view;
+  };
+  touched_of_node_ = to_view("cgcontact::smoother::touched_of_node", touched);
+  node_begin_ = to_view("cgcontact::smoother::node_begin", node_begin);
+  node_row_ = to_view("cgcontact::smoother::node_row", node_row);
+  row_begin_ = to_view("cgcontact::smoother::row_begin", row_begin);
+  row_node_ = to_view("cgcontact::smoother::row_node", row_node);
+  node_w_ = decltype(node_w_)("cgcontact::smoother::node_w", row_node.size());
+  row_w_ = decltype(row_w_)("cgcontact::smoother::row_w", row_node.size());
+  for (std::size_t e = 0; e < row_node.size(); ++e)
+    for (int i = 0; i < 3; ++i) {
+      row_w_(e, i) = static_cast<Real>(row_w[e][i]);
+      node_w_(e, i) = static_cast<Real>(row_w[node_entry[e]][i]);
+    }
+  surface_ = Vector("cgcontact::smoother::surface", num_rows);
+  factor_.reset();
+  if (num_rows == 0) return;
+  // C = 1 + sum over touched nodes b^T D^-1 b.
+  std::vector<Eigen::Triplet<Real>> triplets;
+  std::vector<double> sum(num_rows, 0.0);
+  std::vector<int> marked;
+  std::vector<char> seen(num_rows, 0);
+  for (int r = 0; r < num_rows; ++r) {
+    marked.assign(1, r);
+    seen[r] = 1;
+    sum[r] = 1;
+    for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
+      const int t = touched[row_node[e]];
+      for (int p = node_begin[t]; p < node_begin[t + 1]; ++p) {
+        const int s = node_row[p];
+        if (s < r) continue;
+        if (!seen[s]) {
+          seen[s] = 1;
+          marked.push_back(s);
+        }
+        sum[s] += row_b[e].dot(row_w[node_entry[p]]);
+      }
+    }
+    for (int s : marked) {
+      triplets.emplace_back(s, r, static_cast<Real>(sum[s]));
+      sum[s] = 0;
+      seen[s] = 0;
+    }
+  }
+  Eigen::SparseMatrix<Real> C(num_rows, num_rows);
+  C.setFromTriplets(triplets.begin(), triplets.end());
+  factor_ = std::make_shared<Factor>();
+  factor_->llt.compute(C);
+  if (factor_->llt.info() != Eigen::Success) throw std::runtime_error("smoother: the surface matrix is not definite");
+}
+
+template <class Real>
+void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
+                                 const Vector& x, bool overwrite) const {
+  const int num_rows = static_cast<int>(surface_.extent(0));
+  const auto surface = surface_;
+  if (num_rows > 0) {
+    const auto row_begin = row_begin_, row_node = row_node_;
+    const auto w = row_w_;
+    Kokkos::parallel_for(
+        "cgcontact::smoother::rows", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows), KOKKOS_LAMBDA(const int k) {
+          Real sum = 0;
+          for (int e = row_begin(k); e < row_begin(k + 1); ++e)
+            for (int i = 0; i < 3; ++i) sum += w(e, i) * r(3 * row_node(e) + i);
+          surface(k) = sum;
+        });
+    exec.fence();
+    Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface.data(), num_rows);
+    g = factor_->llt.solve(g).eval();
+  }
+  const auto inverse = inverse_;
+  const auto touched_of_node = touched_of_node_, node_begin = node_begin_, node_row = node_row_;
+  const auto w = node_w_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::nodes", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_nodes_), KOKKOS_LAMBDA(const int n) {
+        const Real r0 = r(3 * n), r1 = r(3 * n + 1), r2 = r(3 * n + 2);
+        Real z[3] = {inverse(n, 0) * r0 + inverse(n, 3) * r1 + inverse(n, 5) * r2,
+                     inverse(n, 3) * r0 + inverse(n, 1) * r1 + inverse(n, 4) * r2,
+                     inverse(n, 5) * r0 + inverse(n, 4) * r1 + inverse(n, 2) * r2};
+        const int t = touched_of_node(n);
+        if (t >= 0)
+          for (int e = node_begin(t); e < node_begin(t + 1); ++e)
+            for (int i = 0; i < 3; ++i) z[i] -= w(e, i) * surface(node_row(e));
+        for (int i = 0; i < 3; ++i) {
+          Real change = alpha * z[i];
+          if (beta != 0) change += beta * d(3 * n + i);
+          d(3 * n + i) = change;
+          x(3 * n + i) = overwrite ? change : x(3 * n + i) + change;
+        }
+      });
+}
+
+template class SurfaceSmoother<float>;
+template class SurfaceSmoother<double>;
+
+}  // namespace cgcontact

@@ -1,0 +1,56 @@
+/// Chebyshev smoothing of one multigrid level. Its base is M = D + B^T k B: D the 3 x 3 node blocks of stiffness and
+/// ghost penalty, B the rows of contact groups (and the mean row of the supports of each cell) with their stiffness k,
+/// so that the surface's unknowns are held together whatever kappa is. M^-1 = D^-1 - W C^-1 W^T (Woodbury) with
+/// W = D^-1 B^T k^1/2 and the sparse, surface-sized C = 1 + k^1/2 B D^-1 B^T k^1/2.
+#pragma once
+
+#include <memory>
+
+#include "kernels/system.hpp"
+
+namespace cgcontact {
+
+/// A row of B and its stiffness k.
+struct SurfaceRow {
+  const GroupRow* row;
+  double stiffness;
+};
+
+/// Mean row and summed stiffness of the supports of every cell (one per direction).
+struct SupportRows {
+  std::vector<GroupRow> rows;
+  std::vector<double> stiffness;
+};
+SupportRows make_support_rows(const ElasticSystem& system);
+
+/// Node blocks and surface rows: applies M^-1.
+template <class Real>
+class SurfaceSmoother {
+ public:
+  using Vector = Kokkos::View<Real*, MemSpace>;
+  using BlocksView = Kokkos::View<Real* [6], Kokkos::LayoutRight, MemSpace>;  ///< xx, yy, zz, xy, yz, zx
+
+  /// blocks: node blocks of the operator without contact groups; the support rows' own blocks are taken out here.
+  SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks);
+
+  /// Rows and stiffness of the contact groups; factorises C.
+  void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness);
+
+  /// d = beta d + alpha M^-1 r; x += d. With beta = 0, d need not be initialised; with overwrite, x = d.
+  void step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
+            bool overwrite) const;
+
+ private:
+  struct Factor;
+  int num_nodes_ = 0;
+  SupportRows supports_;
+  BlocksView inverse_;
+  IntView touched_of_node_;        // node -> touched node or -1
+  IntView node_begin_, node_row_;  // touched node -> (row, W)
+  IntView row_begin_, row_node_;   // row -> (node, W)
+  Kokkos::View<Real*[3], Kokkos::LayoutRight, MemSpace> node_w_, row_w_;
+  Vector surface_;
+  std::shared_ptr<Factor> factor_;
+};
+
+}  // namespace cgcontact
