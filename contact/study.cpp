@@ -1,0 +1,357 @@
+#include "contact/study.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#include "contact/face_pressure.hpp"
+#include "contact/pressure_error.hpp"
+#include "core/child_process.hpp"
+#include "core/output_study.hpp"
+#include "core/output_text.hpp"
+#include "core/progress.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One curve: build, preconditioner, threads; empty or 0 where the study does not vary it.
+struct Variant {
+  std::string name, backend, program, preconditioner;
+  int threads = 0;
+};
+
+std::vector<Variant> make_variants(const StudyOptions& options, const std::string& scene_preconditioner) {
+  std::vector<StudyOptions::Backend> backends = options.backends;
+  if (backends.empty()) backends.push_back({"", fs::read_symlink("/proc/self/exe").string()});
+  std::vector<std::string> preconditioners = options.preconditioners;
+  if (preconditioners.empty()) preconditioners.emplace_back();
+  std::vector<int> threads = options.threads;
+  if (threads.empty()) threads.push_back(0);
+  std::vector<Variant> variants;
+  for (const StudyOptions::Backend& backend : backends)
+    for (const std::string& preconditioner : preconditioners)
+      for (const int number : threads) {
+        std::vector<std::string> words;
+        if (!backend.name.empty()) words.push_back(backend.name);
+        if (!preconditioner.empty()) words.push_back(preconditioner);
+        if (number > 0) words.push_back(fmt::format("{} thread{}", number, number == 1 ? "" : "s"));
+        std::string name = scene_preconditioner;
+        if (!words.empty()) name = fmt::format("{}", fmt::join(words, ", "));
+        variants.push_back({name, backend.name, backend.program, preconditioner, number});
+      }
+  return variants;
+}
+
+/// FNV-1a.
+std::string hash_of(const std::string& text) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (const unsigned char c : text) hash = (hash ^ c) * 1099511628211u;
+  return fmt::format("{:016x}", hash);
+}
+
+std::string file_name(std::string text) {
+  for (char& c : text)
+    if (!std::isalnum(static_cast<unsigned char>(c)) && !std::strchr("._=+-", c)) c = '_';
+  return text;
+}
+
+/// What went wrong, from how the process ended and its last words.
+std::string describe_failure(const ChildOutcome& outcome, const std::string& log) {
+  if (outcome.error != 0) return fmt::format("could not be started: {}", std::strerror(outcome.error));
+  const std::string mark = "cgcontact: ";
+  std::string message, text = read_text(log);
+  for (std::size_t begin = 0, end; begin < text.size(); begin = end + 1) {
+    end = std::min(text.find('\n', begin), text.size());
+    if (text.compare(begin, mark.size(), mark) == 0)
+      message = text.substr(begin + mark.size(), end - begin - mark.size());
+  }
+  if (outcome.signal != 0) return fmt::format("ended by signal {} ({})", outcome.signal, strsignal(outcome.signal));
+  return message.empty() ? fmt::format("ended with exit code {}", outcome.exit_code) : message;
+}
+
+/// Reads a scene that an option of the study has changed; mistakes are blamed on that option.
+Scene read_changed_scene(const std::string& file, std::vector<std::string> overrides, const std::string& key,
+                         const std::string& value, const std::string& option) {
+  const std::string change = key + "=" + value;
+  overrides.push_back(change);
+  try {
+    return read_scene(file, overrides);
+  } catch (const InputError& error) {
+    std::string problem = error.what();
+    const std::string place = "--set " + change + ": ";
+    if (problem.rfind(place, 0) == 0) problem.erase(0, place.size());
+    throw InputError(fmt::format("{}: {}", option, problem));
+  }
+}
+
+/// What a run that was stopped or crashed has left.
+void remove_leftovers(const fs::path& runs) {
+  std::vector<fs::path> leftovers;
+  for (const fs::directory_entry& entry : fs::directory_iterator(runs))
+    if (entry.path().filename().string()[0] == '.') leftovers.push_back(entry.path());
+  for (const fs::path& path : leftovers) fs::remove_all(path);
+}
+
+class StudyRunner {
+ public:
+  explicit StudyRunner(const CommandLine& line);
+  int run();
+
+ private:
+  std::vector<std::string> overrides_of(const Variant& variant, const std::string& size, const Scene& as_it_is) const;
+  void plan();
+  void plan_row(const Variant& variant, const std::string& size);
+  void check_programs();
+  void take_over(const std::map<std::string, StudyRow>& earlier, std::size_t row);
+  void run_row(std::size_t row, Progress& progress);
+  bool run_once(StudyRow& row, const std::string& directory, Progress& progress);
+  void compare_with_finest();
+  void write(Progress& progress);
+  fs::path folder(const StudyRow& row) const { return fs::path(directory_) / "runs" / row.directory; }
+
+  const CommandLine& line_;
+  const StudyOptions& options_;
+  std::string directory_;
+  std::vector<Variant> variants_;
+  std::vector<Scene> scenes_;  ///< one per row
+  bool own_reference_ = false;
+  Study study_;
+  ChildRunner children_;
+  std::vector<std::string> warned_;
+};
+
+StudyRunner::StudyRunner(const CommandLine& line) : line_(line), options_(line.study_options) {
+  directory_ = line.out.empty() ? "out/" + fs::path(line.scene).stem().string() + "-study" : line.out;
+}
+
+/// What the run replaces in the scene. Pictures and fields are left out unless the user asks for them.
+std::vector<std::string> StudyRunner::overrides_of(const Variant& variant, const std::string& size,
+                                                   const Scene& as_it_is) const {
+  std::vector<std::string> overrides{"output.vtk=false", "output.plots=false"};
+  overrides.insert(overrides.end(), line_.overrides.begin(), line_.overrides.end());
+  if (own_reference_) overrides.emplace_back("output.csv=true");
+  if (!variant.preconditioner.empty()) overrides.push_back("solver.preconditioner=" + variant.preconditioner);
+  if (!options_.key.empty()) {
+    overrides.push_back(options_.key + "=" + size);
+  } else {
+    for (const BodySpec& body : as_it_is.bodies)
+      overrides.push_back(fmt::format("body.{}.cell_size={}", body.name, body.cell_size / std::stod(size)));
+  }
+  return overrides;
+}
+
+void StudyRunner::plan_row(const Variant& variant, const std::string& size) {
+  const Scene as_it_is = read_scene(line_.scene, line_.overrides);
+  const std::vector<std::string> overrides = overrides_of(variant, size, as_it_is);
+  const Scene scene = read_scene(line_.scene, overrides);
+  StudyRow row;
+  row.variant = variant.name;
+  row.size = size;
+  row.preconditioner = scene.solver.preconditioner;
+  for (const BodySpec& body : scene.bodies) row.cell_size = std::max(row.cell_size, body.cell_size);
+  row.force_reference = scene.reference.force;
+  row.directory = file_name(fmt::format("{}_{}={}", variant.name, study_.key, size));
+  row.command = {variant.program, "run", line_.scene};
+  for (const std::string& change : overrides) row.command.insert(row.command.end(), {"--set", change});
+  if (variant.threads > 0) row.command.insert(row.command.end(), {"--threads", std::to_string(variant.threads)});
+  const auto written = fs::last_write_time(variant.program).time_since_epoch().count();
+  std::string identity =
+      fmt::format("{}\n{}\n{}\n{}\n", fmt::join(row.command, "\n"), options_.repeat, written, read_text(line_.scene));
+  for (const std::string& file : {scene.reference.pressure_file, scene.reference.stress_file})
+    if (!file.empty()) identity += read_text(file);
+  row.fingerprint = hash_of(identity);
+  study_.rows.push_back(row);
+  scenes_.push_back(scene);
+}
+
+/// All scenes are read before anything runs: mistakes show at once.
+void StudyRunner::plan() {
+  const Scene as_it_is = read_scene(line_.scene, line_.overrides);
+  for (const std::string& name : options_.preconditioners)
+    read_changed_scene(line_.scene, line_.overrides, "solver.preconditioner", name, "--preconditioner " + name);
+  for (const std::string& size : options_.key.empty() ? std::vector<std::string>() : options_.sizes)
+    read_changed_scene(line_.scene, line_.overrides, options_.key, size, "--vary " + options_.key + "=" + size);
+  study_.scene_file = line_.scene;
+  study_.title = as_it_is.title;
+  study_.key = options_.key.empty() ? "refine" : options_.key;
+  study_.repeat = options_.repeat;
+  const ReferenceSpec& reference = as_it_is.reference;
+  if (reference.pressure) study_.reference = "the scene's expression";
+  if (!reference.pressure_file.empty()) study_.reference = "the scene's file " + reference.pressure_file;
+  own_reference_ = !reference.pressure && reference.pressure_file.empty() && !as_it_is.contacts.empty();
+  variants_ = make_variants(options_, as_it_is.solver.preconditioner);
+  for (const Variant& variant : variants_) {
+    study_.variants.push_back(variant.name);
+    for (const std::string& size : options_.sizes) plan_row(variant, size);
+  }
+}
+
+/// Other builds must be this program.
+void StudyRunner::check_programs() {
+  for (const StudyOptions::Backend& backend : options_.backends) {
+    const std::string log = (fs::path(directory_) / "runs" / "version.log").string();
+    const ChildOutcome outcome = children_.run(backend.program, {"--version"}, log);
+    if (outcome.exit_code != 0 || read_text(log).rfind("cgcontact ", 0) != 0)
+      throw InputError(fmt::format("--backend: \"{}\" is not a program that can be run (allowed: a build of cgcontact)",
+                                   backend.program));
+    fs::remove(log);
+  }
+}
+
+void StudyRunner::take_over(const std::map<std::string, StudyRow>& earlier, std::size_t r) {
+  StudyRow& row = study_.rows[r];
+  const auto found = earlier.find(row.fingerprint);
+  if (found == earlier.end()) return;
+  const bool complete = fs::exists(folder(row) / "report.json");
+  if (!complete && (own_reference_ || options_.keep)) return;  // its files are needed
+  row.status = found->second.status;
+  row.message = found->second.message;
+  row.wall_s = found->second.wall_s;
+  row.report = found->second.report;
+  row.figures = found->second.figures;
+  row.errors = row.figures.pressure_errors;
+}
+
+/// Runs into `directory`; true if there are results.
+bool StudyRunner::run_once(StudyRow& row, const std::string& directory, Progress& progress) {
+  std::vector<std::string> arguments(row.command.begin() + 1, row.command.end());
+  arguments.insert(arguments.end(), {"--out", directory});
+  const std::string log = directory + ".log";
+  const ChildOutcome outcome = children_.run(row.command[0], arguments, log);
+  if (children_.stop_signal() != 0) return false;
+  const std::string report_file = (fs::path(directory) / "report.json").string();
+  const bool ended = outcome.signal == 0 && (outcome.exit_code == 0 || outcome.exit_code == 2);
+  if (!ended || !fs::exists(report_file)) {
+    row.status = StudyRow::Status::failed;
+    row.message = describe_failure(outcome, log);
+    row.report.clear();
+    row.figures = {};
+    row.errors.clear();
+    row.wall_s = outcome.wall_s;
+    progress.message(fmt::format("{}, {} = {} failed: {}", row.variant, study_.key, row.size, row.message));
+    return false;
+  }
+  fs::remove(log);
+  const std::string report = read_text(report_file);
+  const RunFigures figures = read_figures(report, report_file);
+  if (row.has_figures() && figures.total_time_s() >= row.figures.total_time_s()) return true;
+  row.report = report;
+  row.figures = figures;
+  row.wall_s = outcome.wall_s;
+  row.errors = figures.pressure_errors;
+  row.status = figures.converged ? StudyRow::Status::solved : StudyRow::Status::not_converged;
+  row.message = figures.converged ? fmt::format("{}", fmt::join(figures.warnings, "; ")) : figures.diagnosis;
+  return true;
+}
+
+void StudyRunner::run_row(std::size_t r, Progress& progress) {
+  StudyRow row = study_.rows[r];
+  const fs::path target = folder(row), again = target.string() + ".again";
+  fs::remove_all(target);
+  for (int k = 0; k < options_.repeat; ++k) {
+    const fs::path& place = k == 0 ? target : again;
+    const std::string fastest = row.report;
+    const bool results = run_once(row, place.string(), progress);
+    if (k > 0 && results && row.report != fastest) {
+      fs::remove_all(target);
+      fs::rename(again, target);
+    }
+    fs::remove_all(again);
+    if (!results) break;
+  }
+  remove_leftovers(target.parent_path());
+  if (children_.stop_signal() != 0) return;
+  study_.rows[r] = row;
+}
+
+/// Without a reference in the scene, the run with most unknowns is the reference of all coarser ones.
+void StudyRunner::compare_with_finest() {
+  if (!own_reference_) return;
+  const StudyRow* finest = nullptr;
+  std::size_t index = 0;
+  for (std::size_t r = 0; r < study_.rows.size(); ++r) {
+    const StudyRow& row = study_.rows[r];
+    if (row.status != StudyRow::Status::solved || (finest && row.figures.unknowns <= finest->figures.unknowns))
+      continue;
+    finest = &row;
+    index = r;
+  }
+  if (!finest) return;
+  study_.reference = fmt::format("the SPR-C pressure of the study's own finest run ({}, {} = {}, {} unknowns)",
+                                 finest->variant, study_.key, finest->size, finest->figures.unknowns);
+  const std::string csv = "contact.csv";
+  const FacePressure pressure(read_contact_rows((folder(*finest) / csv).string(), scenes_[index]), finest->cell_size);
+  for (std::size_t r = 0; r < study_.rows.size(); ++r) {
+    StudyRow& row = study_.rows[r];
+    row.errors.clear();
+    if (!scenes_[index].reference.force) row.force_reference.reset();
+    if (!row.has_figures() || row.size == finest->size) continue;
+    const auto reference = [&](const ContactRow& point) { return pressure(point.body, point.x); };
+    row.errors = pressure_errors(read_contact_rows((folder(row) / csv).string(), scenes_[r]), reference,
+                                 scenes_[r].reference.zones);
+    if (!scenes_[index].reference.force) row.force_reference = finest->figures.force;
+  }
+}
+
+void StudyRunner::write(Progress& progress) {
+  compare_with_finest();
+  for (const std::string& warning : write_study(study_, directory_)) {
+    if (std::find(warned_.begin(), warned_.end(), warning) != warned_.end()) continue;
+    progress.message("warning: " + warning);
+    warned_.push_back(warning);
+  }
+}
+
+int StudyRunner::run() try {
+  plan();
+  check_study_directory(directory_);
+  fs::create_directories(fs::path(directory_) / "runs");
+  check_programs();
+  Progress progress;
+  if (options_.resume) {
+    const auto earlier = earlier_rows(directory_);
+    for (std::size_t r = 0; r < study_.rows.size(); ++r) take_over(earlier, r);
+  }
+  if (!fs::exists(fs::path(directory_) / "study.json")) write(progress);  // the directory is ours from now on
+  // All variants of one size before the next size: a study that is stopped has something to compare.
+  for (std::size_t s = 0, number = 0; s < options_.sizes.size(); ++s)
+    for (std::size_t v = 0; v < variants_.size(); ++v) {
+      const std::size_t r = v * options_.sizes.size() + s;
+      const StudyRow& row = study_.rows[r];
+      ++number;
+      if (row.status != StudyRow::Status::not_run || children_.stop_signal() != 0) continue;
+      progress.begin_phase(
+          fmt::format("run {} of {}: {}, {} = {}", number, study_.rows.size(), row.variant, study_.key, row.size));
+      run_row(r, progress);
+      if (children_.stop_signal() == 0) write(progress);
+    }
+  const int stopped = children_.stop_signal();
+  if (stopped == 0) write(progress);
+  progress.finish();
+  if (stopped == 0 && !options_.keep) fs::remove_all(fs::path(directory_) / "runs");
+  fmt::print("{}", study_summary(study_, directory_));
+  if (stopped != 0) {
+    fmt::print(stderr, "cgcontact: stopped by signal {} ({}); study --resume goes on from here\n", stopped,
+               strsignal(stopped));
+    return 128 + stopped;
+  }
+  const bool all_solved = std::all_of(study_.rows.begin(), study_.rows.end(),
+                                      [](const StudyRow& row) { return row.status == StudyRow::Status::solved; });
+  return all_solved ? 0 : 2;
+} catch (const fs::filesystem_error& error) {
+  throw InputError(fmt::format("cannot write the study to {}: {}", directory_, error.code().message()));
+}
+
+}  // namespace
+
+int run_study(const CommandLine& line) { return StudyRunner(line).run(); }
+
+}  // namespace cgcontact
