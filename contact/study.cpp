@@ -100,6 +100,15 @@ void remove_leftovers(const fs::path& runs) {
   for (const fs::path& path : leftovers) fs::remove_all(path);
 }
 
+/// The solved run with the smallest cells, or null.
+const StudyRow* finest_row(const Study& study) {
+  const StudyRow* finest = nullptr;
+  for (const StudyRow& row : study.rows)
+    if (row.status == StudyRow::Status::solved && (!finest || row.cell_size < finest->cell_size * (1 - 1e-9)))
+      finest = &row;
+  return finest;
+}
+
 class StudyRunner {
  public:
   explicit StudyRunner(const CommandLine& line);
@@ -122,7 +131,6 @@ class StudyRunner {
   std::string directory_;
   std::vector<Variant> variants_;
   std::vector<Scene> scenes_;  ///< one per row
-  bool own_reference_ = false;
   Study study_;
   ChildRunner children_;
   std::vector<std::string> warned_;
@@ -137,7 +145,7 @@ std::vector<std::string> StudyRunner::overrides_of(const Variant& variant, const
                                                    const Scene& as_it_is) const {
   std::vector<std::string> overrides{"output.vtk=false", "output.plots=false"};
   overrides.insert(overrides.end(), line_.overrides.begin(), line_.overrides.end());
-  if (own_reference_) overrides.emplace_back("output.csv=true");
+  if (study_.own_reference) overrides.emplace_back("output.csv=true");
   if (!variant.preconditioner.empty()) overrides.push_back("solver.preconditioner=" + variant.preconditioner);
   if (!options_.key.empty()) {
     overrides.push_back(options_.key + "=" + size);
@@ -186,7 +194,7 @@ void StudyRunner::plan() {
   const ReferenceSpec& reference = as_it_is.reference;
   if (reference.pressure) study_.reference = "the scene's expression";
   if (!reference.pressure_file.empty()) study_.reference = "the scene's file " + reference.pressure_file;
-  own_reference_ = !reference.pressure && reference.pressure_file.empty() && !as_it_is.contacts.empty();
+  study_.own_reference = !reference.pressure && reference.pressure_file.empty() && !as_it_is.contacts.empty();
   variants_ = make_variants(options_, as_it_is.solver.preconditioner);
   for (const Variant& variant : variants_) {
     study_.variants.push_back(variant.name);
@@ -196,13 +204,14 @@ void StudyRunner::plan() {
 
 /// Other builds must be this program.
 void StudyRunner::check_programs() {
+  const std::string log = (fs::temp_directory_path() / fmt::format("cgcontact-version-{}", getpid())).string();
   for (const StudyOptions::Backend& backend : options_.backends) {
-    const std::string log = (fs::path(directory_) / "runs" / "version.log").string();
     const ChildOutcome outcome = children_.run(backend.program, {"--version"}, log);
-    if (outcome.exit_code != 0 || read_text(log).rfind("cgcontact ", 0) != 0)
+    const bool ours = outcome.exit_code == 0 && read_text(log).rfind("cgcontact ", 0) == 0;
+    fs::remove(log);
+    if (!ours)
       throw InputError(fmt::format("--backend: \"{}\" is not a program that can be run (allowed: a build of cgcontact)",
                                    backend.program));
-    fs::remove(log);
   }
 }
 
@@ -211,7 +220,7 @@ void StudyRunner::take_over(const std::map<std::string, StudyRow>& earlier, std:
   const auto found = earlier.find(row.fingerprint);
   if (found == earlier.end()) return;
   const bool complete = fs::exists(folder(row) / "report.json");
-  if (!complete && (own_reference_ || options_.keep)) return;  // its files are needed
+  if (!complete && (study_.own_reference || options_.keep)) return;  // its files are needed
   row.status = found->second.status;
   row.message = found->second.message;
   row.wall_s = found->second.wall_s;
@@ -272,32 +281,25 @@ void StudyRunner::run_row(std::size_t r, Progress& progress) {
   study_.rows[r] = row;
 }
 
-/// Without a reference in the scene, the run with most unknowns is the reference of all coarser ones.
+/// Without a reference in the scene, the finest run is the reference of all coarser ones.
 void StudyRunner::compare_with_finest() {
-  if (!own_reference_) return;
-  const StudyRow* finest = nullptr;
-  std::size_t index = 0;
-  for (std::size_t r = 0; r < study_.rows.size(); ++r) {
-    const StudyRow& row = study_.rows[r];
-    if (row.status != StudyRow::Status::solved || (finest && row.figures.unknowns <= finest->figures.unknowns))
-      continue;
-    finest = &row;
-    index = r;
-  }
+  const StudyRow* const finest = study_.own_reference ? finest_row(study_) : nullptr;
   if (!finest) return;
+  const Scene& scene = scenes_[finest - study_.rows.data()];
   study_.reference = fmt::format("the SPR-C pressure of the study's own finest run ({}, {} = {}, {} unknowns)",
                                  finest->variant, study_.key, finest->size, finest->figures.unknowns);
-  const std::string csv = "contact.csv";
-  const FacePressure pressure(read_contact_rows((folder(*finest) / csv).string(), scenes_[index]), finest->cell_size);
-  for (std::size_t r = 0; r < study_.rows.size(); ++r) {
-    StudyRow& row = study_.rows[r];
+  const auto points = [&](const StudyRow& row) {
+    return read_contact_rows((folder(row) / "contact.csv").string(), scene);
+  };
+  const FacePressure pressure(points(*finest), finest->cell_size);
+  for (StudyRow& row : study_.rows) {
+    const bool coarser = row.has_figures() && row.cell_size > finest->cell_size * (1 + 1e-9);
     row.errors.clear();
-    if (!scenes_[index].reference.force) row.force_reference.reset();
-    if (!row.has_figures() || row.size == finest->size) continue;
-    const auto reference = [&](const ContactRow& point) { return pressure(point.body, point.x); };
-    row.errors = pressure_errors(read_contact_rows((folder(row) / csv).string(), scenes_[r]), reference,
-                                 scenes_[r].reference.zones);
-    if (!scenes_[index].reference.force) row.force_reference = finest->figures.force;
+    if (coarser)
+      row.errors = pressure_errors(
+          points(row), [&](const ContactRow& point) { return pressure(point.body, point.x); }, scene.reference.zones);
+    if (scene.reference.force) continue;
+    row.force_reference = coarser ? finest->figures.force : std::nullopt;
   }
 }
 
@@ -313,8 +315,8 @@ void StudyRunner::write(Progress& progress) {
 int StudyRunner::run() try {
   plan();
   check_study_directory(directory_);
-  fs::create_directories(fs::path(directory_) / "runs");
   check_programs();
+  fs::create_directories(fs::path(directory_) / "runs");
   Progress progress;
   if (options_.resume) {
     const auto earlier = earlier_rows(directory_);

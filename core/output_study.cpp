@@ -124,6 +124,7 @@ std::string json_of(const Study& study) {
   json["scene"] = study.scene_file;
   json["title"] = study.title;
   json["reference"] = study.reference;
+  json["reference_is_own_finest_run"] = study.own_reference;
   json["repeat"] = study.repeat;
   json["planned_runs"] = study.rows.size();
   json["complete"] = std::none_of(study.rows.begin(), study.rows.end(),

@@ -15,11 +15,13 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int panel_width = 520, panel_height = 400, title_height = 50, legend_line_height = 24;
+/// Pixels. A panel is what lies around the axes, too.
+constexpr int panel_width = 520, panel_height = 410, title_height = 50, legend_line_height = 22;
+constexpr int left_margin = 80, right_margin = 20, top_margin = 45, bottom_margin = 85;
 
 /// What is drawn to the right.
 struct Abscissa {
-  const char *picture, *label, *title, *format;
+  const char *picture, *label, *title;
   std::function<double(const RunFigures&)> value;
 };
 
@@ -48,14 +50,15 @@ struct LogRange {
 
 std::vector<Curve> curves_of_zone(const Study& study, const std::string& zone, const Abscissa& abscissa) {
   std::vector<Curve> curves;
-  for (std::size_t v = 0; v < study.variants.size(); ++v)
-    for (const PressureKind& kind : pressure_kinds()) {
+  for (const PressureKind& kind : pressure_kinds())
+    for (std::size_t v = 0; v < study.variants.size(); ++v) {
       Curve curve{v, kind, {}};
       for (const StudyRow& row : study.rows) {
         if (row.variant != study.variants[v] || row.status != StudyRow::Status::solved) continue;
         const auto error = pressure_error(row, zone, kind);
         const double x = abscissa.value(row.figures);
-        if (error && *error > smallest_error && std::isfinite(*error) && x > 0) curve.points.push_back({x, 100 * *error});
+        if (error && *error > smallest_error && std::isfinite(*error) && x > 0)
+          curve.points.push_back({x, 100 * *error});
       }
       std::stable_sort(curve.points.begin(), curve.points.end(),
                        [](const Point& a, const Point& b) { return a.x < b.x; });
@@ -64,14 +67,22 @@ std::vector<Curve> curves_of_zone(const Study& study, const std::string& zone, c
   return curves;
 }
 
-/// Every decade, and 1, 2, 5 of each where the axis is short.
-std::string tics(const LogRange& range, const char* format) {
-  const bool dense = range.high / range.low < 300;
+/// Every decade, and more of them where the axis is short.
+std::string tics(const LogRange& range) {
+  const double ratio = range.high / range.low;
+  std::vector<double> digits{1};
+  if (ratio < 300) digits = {1, 2, 5};
+  if (ratio < 12) digits = {1, 1.5, 2, 3, 4, 5, 7};
   std::string list;
   for (int power = static_cast<int>(std::floor(std::log10(range.low))); power <= std::log10(range.high); ++power)
-    for (const int digit : {1, 2, 5})
-      if (dense || digit == 1) list += fmt::format("{}{}e{}", list.empty() ? "" : ", ", digit, power);
-  return fmt::format("format '{}' ({})", format, list);
+    for (const double digit : digits) {
+      const double value = digit * std::pow(10, power);
+      const std::string label = value >= 1e6   ? fmt::format("{:.6g}M", value / 1e6)
+                                : value >= 1e3 ? fmt::format("{:.6g}k", value / 1e3)
+                                               : fmt::format("{:.6g}", value);
+      list += fmt::format("{}'{}' {}", list.empty() ? "" : ", ", label, value);
+    }
+  return "(" + list + ")";
 }
 
 std::string curve_name(const Study& study, const Curve& curve) {
@@ -96,6 +107,46 @@ std::string curve_style(const Curve& curve) {
   return fmt::format("with linespoints lc rgb '{}' lw {} dt {} pt {} ps 0.7", curve.kind.colour,
                      curve.kind.error == &ZoneError::sprc ? 2.2 : 1.6, dashes[curve.variant % std::size(dashes)],
                      marks[curve.variant % std::size(marks)]);
+}
+
+/// Panels in two columns below title and legend.
+struct Layout {
+  int columns, width, height, top;
+
+  Layout(std::size_t panels, std::size_t variants)
+      : columns(panels == 1 ? 1 : 2),
+        width(panels == 1 ? 3 * panel_width / 2 : 2 * panel_width),
+        top(title_height + legend_line_height * static_cast<int>(variants)) {
+    height = top + (static_cast<int>(panels) + columns - 1) / columns * panel_height;
+  }
+  double from_top(int pixels) const { return 1 - static_cast<double>(pixels) / height; }
+  std::string margins(std::size_t panel) const {
+    const int column = static_cast<int>(panel) % columns, row = static_cast<int>(panel) / columns;
+    const double step = static_cast<double>(width) / columns;
+    return fmt::format(
+        "set lmargin at screen {}\nset rmargin at screen {}\nset tmargin at screen {}\nset bmargin at screen {}\n",
+        (column * step + left_margin) / width, ((column + 1) * step - right_margin) / width,
+        from_top(top + row * panel_height + top_margin), from_top(top + (row + 1) * panel_height - bottom_margin));
+  }
+};
+
+/// Everything but the curves.
+std::string frame(const Study& study, const Abscissa& abscissa, const Layout& layout, const LogRange& x,
+                  const LogRange& y) {
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal svg size {},{} fixed noenhanced font 'sans-serif,14' background 'white'\n",
+      layout.width, layout.height);
+  script += fmt::format("set output '../{}.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n",
+                        abscissa.picture);
+  script += "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset logscale xy\nunset mxtics\nunset mytics\n";
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x.low, x.high, y.low, y.high);
+  script += fmt::format("set xtics {}\nset ytics {}\n", tics(x), tics(y));
+  script += fmt::format("set xlabel '{}'\nset ylabel 'error of the contact pressure [%]'\n", abscissa.label);
+  script += fmt::format("set key at screen 0.5,{} center top vertical maxrows {} Left reverse samplen 2.6\n",
+                        layout.from_top(title_height), study.variants.size());
+  return script + fmt::format("set multiplot title {} font ',16'\n",
+                              gnuplot_text(fmt::format("{}: {}{}", abscissa.title, study.title,
+                                                       study.own_reference ? " (reference: own finest run)" : "")));
 }
 
 std::string panel(const Study& study, const std::vector<Curve>& curves, const std::string& file, std::size_t first) {
@@ -123,31 +174,11 @@ void write_plot(const Study& study, const Abscissa& abscissa, const std::string&
   const std::string file = fmt::format("{}.dat", abscissa.picture);
   write_text(directory + "/plots/" + file, data_of(curves));
 
-  const int columns = std::min<int>(2, static_cast<int>(zones.size()));
-  const int rows = (static_cast<int>(zones.size()) + 1) / 2;
-  const int legend_height = legend_line_height * static_cast<int>(study.variants.size()) + 10;
-  const int width = columns == 1 ? 3 * panel_width / 2 : 2 * panel_width;
-  const int height = title_height + legend_height + rows * panel_height;
-  const auto from_top = [&](int pixels) { return 1 - static_cast<double>(pixels) / height; };
-  std::string script = fmt::format(
-      "set encoding utf8\nset terminal svg size {},{} fixed noenhanced font 'sans-serif,14' background 'white'\n",
-      width, height);
-  script += fmt::format("set output '../{}.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n",
-                        abscissa.picture);
-  script += "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset logscale xy\nunset mxtics\nunset mytics\n";
-  script += fmt::format("set key at screen 0.5,{} center top horizontal maxcols 3 Left reverse samplen 2.6\n",
-                        from_top(title_height));
-  x = x.widened();
-  y = y.widened();
-  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x.low, x.high, y.low, y.high);
-  script += fmt::format("set xtics {}\nset ytics {}\n", tics(x, abscissa.format), tics(y, "%g"));
-  script += fmt::format("set xlabel '{}'\nset ylabel 'error of the contact pressure [%]'\n", abscissa.label);
-  script +=
-      fmt::format("set multiplot layout {},{} title {} font ',16' margins {},{},{},{} spacing {},{}\n", rows, columns,
-                  gnuplot_text(fmt::format("{}: {}", abscissa.title, study.title)), 75.0 / width, 1 - 20.0 / width,
-                  60.0 / height, from_top(title_height + legend_height + 25), 90.0 / width, 90.0 / height);
+  const Layout layout(zones.size(), study.variants.size());
+  std::string script = frame(study, abscissa, layout, x.widened(), y.widened());
   for (std::size_t z = 0; z < zones.size(); ++z) {
-    script += fmt::format("set title {}\n", gnuplot_text(zones[z] == "whole" ? "whole contact face" : zones[z]));
+    script += layout.margins(z) +
+              fmt::format("set title {}\n", gnuplot_text(zones[z] == "whole" ? "whole contact face" : zones[z]));
     if (z > 0) script += "unset key\n";
     script += panel(study, curves[z], file, z * curves[z].size());
   }
@@ -159,11 +190,11 @@ void write_plot(const Study& study, const Abscissa& abscissa, const std::string&
 
 void write_study_plots(const Study& study, const std::string& directory, std::vector<std::string>& warnings) {
   write_plot(study,
-             {"error_time", "time of the run [s]", "Error against time", "%g",
+             {"error_time", "time of the run [s]", "Error against time",
               [](const RunFigures& run) { return run.total_time_s(); }},
              directory, warnings);
   write_plot(study,
-             {"error_unknowns", "unknowns [-]", "Error against unknowns", "%.0s%c",
+             {"error_unknowns", "unknowns [-]", "Error against unknowns",
               [](const RunFigures& run) { return static_cast<double>(run.unknowns); }},
              directory, warnings);
 }

@@ -36,6 +36,7 @@ struct Study {
   std::string scene_file, title;
   std::string key;                    ///< what the sizes are values of; "refine": factors that divide all cell sizes
   std::string reference = "none";     ///< what the pressure is compared with
+  bool own_reference = false;         ///< that is the finest run of the study
   std::vector<std::string> variants;  ///< in order
   std::vector<StudyRow> rows;         ///< all sizes of the first variant, then those of the next one
   int repeat = 1;
