@@ -14,7 +14,7 @@ namespace cgcontact {
 namespace {
 
 constexpr std::size_t num_columns = 13;
-constexpr int fewest_points = 4;  ///< for a fit
+constexpr std::size_t fewest_points = 3;  ///< for a fit
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields;
@@ -74,8 +74,7 @@ double FacePressure::nearest(int body, const Vec3& x) const {
 }
 
 double FacePressure::operator()(int body, const Vec3& x) const {
-  // Rows of the fit: weight * (1, (point - x) / reach), weight * pressure.
-  std::vector<std::pair<Eigen::Vector4d, double>> fit;
+  std::vector<std::pair<int, double>> near;  // row, weight
   const Bucket centre = bucket(body, x);
   for (int i = -1; i <= 1; ++i)
     for (int j = -1; j <= 1; ++j)
@@ -83,24 +82,33 @@ double FacePressure::operator()(int body, const Vec3& x) const {
         const auto found = buckets_.find({centre[0], centre[1] + i, centre[2] + j, centre[3] + k});
         if (found == buckets_.end()) continue;
         for (const int r : found->second) {
-          const Vec3 d = (rows_[r].x - x) / reach_;
-          const double weight = std::pow(1 - d.norm(), 2);
-          if (d.norm() < 1)
-            fit.emplace_back(weight * Eigen::Vector4d(1, d[0], d[1], d[2]), weight * rows_[r].pressure_sprc);
+          const double distance = (rows_[r].x - x).norm() / reach_;
+          if (distance < 1) near.emplace_back(r, std::pow(1 - distance, 2));
         }
       }
-  if (static_cast<int>(fit.size()) < fewest_points) return nearest(body, x);
-  Eigen::MatrixX4d matrix(fit.size(), 4);
-  Eigen::VectorXd values(fit.size());
-  for (std::size_t r = 0; r < fit.size(); ++r) {
-    matrix.row(r) = fit[r].first;
-    values[r] = fit[r].second;
+  if (near.size() < fewest_points) return nearest(body, x);
+  // Mean, and the gradient about it.
+  double sum = 0, mean = 0;
+  Vec3 middle = Vec3::Zero();
+  for (const auto& [r, weight] : near) {
+    sum += weight * weight;
+    mean += weight * weight * rows_[r].pressure_sprc;
+    middle += weight * weight * rows_[r].x;
   }
-  // Smallest solution: the points of a flat face say nothing about the direction across it.
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX4d> decomposition;
+  mean /= sum;
+  middle /= sum;
+  Eigen::MatrixX3d matrix(near.size(), 3);
+  Eigen::VectorXd values(near.size());
+  for (std::size_t k = 0; k < near.size(); ++k) {
+    const auto& [r, weight] = near[k];
+    matrix.row(k) = weight / reach_ * (rows_[r].x - middle);
+    values[k] = weight * (rows_[r].pressure_sprc - mean);
+  }
+  // The smallest gradient: the points of a flat face say nothing about the direction across it.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX3d> decomposition;
   decomposition.setThreshold(1e-3);
   decomposition.compute(matrix);
-  return Eigen::Vector4d(decomposition.solve(values))[0];
+  return mean + Vec3(decomposition.solve(values)).dot(x - middle) / reach_;
 }
 
 }  // namespace cgcontact

@@ -4,13 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <filesystem>
+#include <map>
 #include <optional>
 
 #include "contact/face_pressure.hpp"
 #include "contact/pressure_error.hpp"
+#include "contact/study_plan.hpp"
 #include "core/child_process.hpp"
 #include "core/output_study.hpp"
 #include "core/output_text.hpp"
@@ -21,47 +22,6 @@ namespace cgcontact {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// One curve: build, preconditioner, threads; empty or 0 where the study does not vary it.
-struct Variant {
-  std::string name, backend, program, preconditioner;
-  int threads = 0;
-};
-
-std::vector<Variant> make_variants(const StudyOptions& options, const std::string& scene_preconditioner) {
-  std::vector<StudyOptions::Backend> backends = options.backends;
-  if (backends.empty()) backends.push_back({"", fs::read_symlink("/proc/self/exe").string()});
-  std::vector<std::string> preconditioners = options.preconditioners;
-  if (preconditioners.empty()) preconditioners.emplace_back();
-  std::vector<int> threads = options.threads;
-  if (threads.empty()) threads.push_back(0);
-  std::vector<Variant> variants;
-  for (const StudyOptions::Backend& backend : backends)
-    for (const std::string& preconditioner : preconditioners)
-      for (const int number : threads) {
-        std::vector<std::string> words;
-        if (!backend.name.empty()) words.push_back(backend.name);
-        if (!preconditioner.empty()) words.push_back(preconditioner);
-        if (number > 0) words.push_back(fmt::format("{} thread{}", number, number == 1 ? "" : "s"));
-        std::string name = scene_preconditioner;
-        if (!words.empty()) name = fmt::format("{}", fmt::join(words, ", "));
-        variants.push_back({name, backend.name, backend.program, preconditioner, number});
-      }
-  return variants;
-}
-
-/// FNV-1a.
-std::string hash_of(const std::string& text) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (const unsigned char c : text) hash = (hash ^ c) * 1099511628211u;
-  return fmt::format("{:016x}", hash);
-}
-
-std::string file_name(std::string text) {
-  for (char& c : text)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && !std::strchr("._=+-", c)) c = '_';
-  return text;
-}
 
 /// What went wrong, from how the process ended and its last words.
 std::string describe_failure(const ChildOutcome& outcome, const std::string& log) {
@@ -75,21 +35,6 @@ std::string describe_failure(const ChildOutcome& outcome, const std::string& log
   }
   if (outcome.signal != 0) return fmt::format("ended by signal {} ({})", outcome.signal, strsignal(outcome.signal));
   return message.empty() ? fmt::format("ended with exit code {}", outcome.exit_code) : message;
-}
-
-/// Reads a scene that an option of the study has changed; mistakes are blamed on that option.
-Scene read_changed_scene(const std::string& file, std::vector<std::string> overrides, const std::string& key,
-                         const std::string& value, const std::string& option) {
-  const std::string change = key + "=" + value;
-  overrides.push_back(change);
-  try {
-    return read_scene(file, overrides);
-  } catch (const InputError& error) {
-    std::string problem = error.what();
-    const std::string place = "--set " + change + ": ";
-    if (problem.rfind(place, 0) == 0) problem.erase(0, place.size());
-    throw InputError(fmt::format("{}: {}", option, problem));
-  }
 }
 
 /// What a run that was stopped or crashed has left.
@@ -115,9 +60,6 @@ class StudyRunner {
   int run();
 
  private:
-  std::vector<std::string> overrides_of(const Variant& variant, const std::string& size, const Scene& as_it_is) const;
-  void plan();
-  void plan_row(const Variant& variant, const std::string& size);
   void check_programs();
   void take_over(const std::map<std::string, StudyRow>& earlier, std::size_t row);
   void run_row(std::size_t row, Progress& progress);
@@ -126,80 +68,17 @@ class StudyRunner {
   void write(Progress& progress);
   fs::path folder(const StudyRow& row) const { return fs::path(directory_) / "runs" / row.directory; }
 
-  const CommandLine& line_;
   const StudyOptions& options_;
   std::string directory_;
-  std::vector<Variant> variants_;
-  std::vector<Scene> scenes_;  ///< one per row
-  Study study_;
   ChildRunner children_;
+  StudyPlan plan_;
+  Study& study_;
   std::vector<std::string> warned_;
 };
 
-StudyRunner::StudyRunner(const CommandLine& line) : line_(line), options_(line.study_options) {
-  directory_ = line.out.empty() ? "out/" + fs::path(line.scene).stem().string() + "-study" : line.out;
-}
-
-/// What the run replaces in the scene. Pictures and fields are left out unless the user asks for them.
-std::vector<std::string> StudyRunner::overrides_of(const Variant& variant, const std::string& size,
-                                                   const Scene& as_it_is) const {
-  std::vector<std::string> overrides{"output.vtk=false", "output.plots=false"};
-  overrides.insert(overrides.end(), line_.overrides.begin(), line_.overrides.end());
-  if (study_.own_reference) overrides.emplace_back("output.csv=true");
-  if (!variant.preconditioner.empty()) overrides.push_back("solver.preconditioner=" + variant.preconditioner);
-  if (!options_.key.empty()) {
-    overrides.push_back(options_.key + "=" + size);
-  } else {
-    for (const BodySpec& body : as_it_is.bodies)
-      overrides.push_back(fmt::format("body.{}.cell_size={}", body.name, body.cell_size / std::stod(size)));
-  }
-  return overrides;
-}
-
-void StudyRunner::plan_row(const Variant& variant, const std::string& size) {
-  const Scene as_it_is = read_scene(line_.scene, line_.overrides);
-  const std::vector<std::string> overrides = overrides_of(variant, size, as_it_is);
-  const Scene scene = read_scene(line_.scene, overrides);
-  StudyRow row;
-  row.variant = variant.name;
-  row.size = size;
-  row.preconditioner = scene.solver.preconditioner;
-  for (const BodySpec& body : scene.bodies) row.cell_size = std::max(row.cell_size, body.cell_size);
-  row.force_reference = scene.reference.force;
-  row.directory = file_name(fmt::format("{}_{}={}", variant.name, study_.key, size));
-  row.command = {variant.program, "run", line_.scene};
-  for (const std::string& change : overrides) row.command.insert(row.command.end(), {"--set", change});
-  if (variant.threads > 0) row.command.insert(row.command.end(), {"--threads", std::to_string(variant.threads)});
-  const auto written = fs::last_write_time(variant.program).time_since_epoch().count();
-  std::string identity =
-      fmt::format("{}\n{}\n{}\n{}\n", fmt::join(row.command, "\n"), options_.repeat, written, read_text(line_.scene));
-  for (const std::string& file : {scene.reference.pressure_file, scene.reference.stress_file})
-    if (!file.empty()) identity += read_text(file);
-  row.fingerprint = hash_of(identity);
-  study_.rows.push_back(row);
-  scenes_.push_back(scene);
-}
-
-/// All scenes are read before anything runs: mistakes show at once.
-void StudyRunner::plan() {
-  const Scene as_it_is = read_scene(line_.scene, line_.overrides);
-  for (const std::string& name : options_.preconditioners)
-    read_changed_scene(line_.scene, line_.overrides, "solver.preconditioner", name, "--preconditioner " + name);
-  for (const std::string& size : options_.key.empty() ? std::vector<std::string>() : options_.sizes)
-    read_changed_scene(line_.scene, line_.overrides, options_.key, size, "--vary " + options_.key + "=" + size);
-  study_.scene_file = line_.scene;
-  study_.title = as_it_is.title;
-  study_.key = options_.key.empty() ? "refine" : options_.key;
-  study_.repeat = options_.repeat;
-  const ReferenceSpec& reference = as_it_is.reference;
-  if (reference.pressure) study_.reference = "the scene's expression";
-  if (!reference.pressure_file.empty()) study_.reference = "the scene's file " + reference.pressure_file;
-  study_.own_reference = !reference.pressure && reference.pressure_file.empty() && !as_it_is.contacts.empty();
-  variants_ = make_variants(options_, as_it_is.solver.preconditioner);
-  for (const Variant& variant : variants_) {
-    study_.variants.push_back(variant.name);
-    for (const std::string& size : options_.sizes) plan_row(variant, size);
-  }
+StudyRunner::StudyRunner(const CommandLine& line)
+    : options_(line.study_options), directory_(line.out), plan_(plan_study(line)), study_(plan_.study) {
+  if (directory_.empty()) directory_ = "out/" + fs::path(line.scene).stem().string() + "-study";
 }
 
 /// Other builds must be this program.
@@ -285,7 +164,7 @@ void StudyRunner::run_row(std::size_t r, Progress& progress) {
 void StudyRunner::compare_with_finest() {
   const StudyRow* const finest = study_.own_reference ? finest_row(study_) : nullptr;
   if (!finest) return;
-  const Scene& scene = scenes_[finest - study_.rows.data()];
+  const Scene& scene = plan_.scenes[finest - study_.rows.data()];
   study_.reference = fmt::format("the SPR-C pressure of the study's own finest run ({}, {} = {}, {} unknowns)",
                                  finest->variant, study_.key, finest->size, finest->figures.unknowns);
   const auto points = [&](const StudyRow& row) {
@@ -313,7 +192,6 @@ void StudyRunner::write(Progress& progress) {
 }
 
 int StudyRunner::run() try {
-  plan();
   check_study_directory(directory_);
   check_programs();
   fs::create_directories(fs::path(directory_) / "runs");
@@ -325,7 +203,7 @@ int StudyRunner::run() try {
   if (!fs::exists(fs::path(directory_) / "study.json")) write(progress);  // the directory is ours from now on
   // All variants of one size before the next size: a study that is stopped has something to compare.
   for (std::size_t s = 0, number = 0; s < options_.sizes.size(); ++s)
-    for (std::size_t v = 0; v < variants_.size(); ++v) {
+    for (std::size_t v = 0; v < study_.variants.size(); ++v) {
       const std::size_t r = v * options_.sizes.size() + s;
       const StudyRow& row = study_.rows[r];
       ++number;

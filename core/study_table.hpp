@@ -40,7 +40,6 @@ struct Study {
   std::vector<std::string> variants;  ///< in order
   std::vector<StudyRow> rows;         ///< all sizes of the first variant, then those of the next one
   int repeat = 1;
-  std::string stopped;  ///< why it ended early, or empty
 };
 
 /// One of the three pressures.

@@ -49,6 +49,10 @@ def backend(name, *lines):
     return f"{name}={name}"
 
 
+def take_interrupts():
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # a job in the background of a shell may ignore them
+
+
 class Table(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -173,7 +177,8 @@ class Failures(unittest.TestCase):
     def test_failed_runs_are_rows(self):
         """A run that crashes or ends with an error is a marked row with its message; the others are there. Exit 2."""
         crash = backend("crash", "case \"$*\" in *n=8*) kill -SEGV $$;; esac")
-        broken = backend("broken", "case \"$*\" in *n=4*) echo 'cgcontact: out of \"paper\", really' >&2; exit 1;; esac")
+        words = "echo 'cgcontact: out of \"paper\", really' >&2"
+        broken = backend("broken", f"case \"$*\" in *n=4*) {words}; exit 1;; esac")
         outcome = study("two_solids", "failed", "--vary", "n=4,8", "--backend", f"{crash},{broken}")
         self.assertEqual(outcome.code, 2, outcome.err)
         self.assertIn("2 of 4 runs solved, 2 failed", outcome.out)
@@ -216,7 +221,7 @@ class Stopping(unittest.TestCase):
                 command = [harness.PROGRAM, "study", scene("two_solids"), "--out", directory, *options,
                            *settings(solver__preconditioner="muelu")]
                 with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                                      start_new_session=True, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)) as process:
+                                      start_new_session=True, preexec_fn=take_interrupts) as process:
                     child = self.wait_for_number("started")
                     if number == signal.SIGINT:
                         os.killpg(process.pid, number)  # as a terminal does

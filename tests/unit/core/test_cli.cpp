@@ -42,9 +42,9 @@ TEST(CommandLine, set_does_not_swallow_the_scene) {
 }
 
 TEST(CommandLine, study_takes_all_options) {
-  const Outcome outcome = parse({"study", "a.toml", "--vary", "n=8,16", "--preconditioner", "x,y", "--threads", "1,2",
-                                 "--backend", "sh=/bin/sh", "--repeat", "3", "--keep", "--resume", "--set", "t=1",
-                                 "--out", "dir"});
+  const Outcome outcome =
+      parse({"study", "a.toml", "--vary", "n=8,16", "--preconditioner", "x,y", "--threads", "1,2", "--backend",
+             "sh=/bin/sh", "--repeat", "3", "--keep", "--resume", "--set", "t=1", "--out", "dir"});
   ASSERT_TRUE(outcome.line) << outcome.err;
   EXPECT_EQ(outcome.line->command, CommandLine::study);
   EXPECT_EQ(outcome.line->out, "dir");
