@@ -37,11 +37,13 @@ std::string describe_failure(const ChildOutcome& outcome, const std::string& log
   return message.empty() ? fmt::format("ended with exit code {}", outcome.exit_code) : message;
 }
 
-/// What a run that was stopped or crashed has left.
-void remove_leftovers(const fs::path& runs) {
+/// Temporary directories of what was stopped or crashed.
+void remove_leftovers(const fs::path& folder) {
   std::vector<fs::path> leftovers;
-  for (const fs::directory_entry& entry : fs::directory_iterator(runs))
-    if (entry.path().filename().string()[0] == '.') leftovers.push_back(entry.path());
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    if (name[0] == '.' && name.find(".tmp-") != std::string::npos) leftovers.push_back(entry.path());
+  }
   for (const fs::path& path : leftovers) fs::remove_all(path);
 }
 
@@ -63,7 +65,8 @@ class StudyRunner {
   void check_programs();
   void take_over(const std::map<std::string, StudyRow>& earlier, std::size_t row);
   void run_row(std::size_t row, Progress& progress);
-  bool run_once(StudyRow& row, const std::string& directory, Progress& progress);
+  bool run_once(StudyRow& row, const std::string& directory);
+  void read_results(StudyRow& row, const fs::path& directory, double wall_s);
   void compare_with_finest();
   void write(Progress& progress);
   fs::path folder(const StudyRow& row) const { return fs::path(directory_) / "runs" / row.directory; }
@@ -108,36 +111,45 @@ void StudyRunner::take_over(const std::map<std::string, StudyRow>& earlier, std:
   row.errors = row.figures.pressure_errors;
 }
 
+/// Takes the results of a run over, if they are the fastest so far.
+void StudyRunner::read_results(StudyRow& row, const fs::path& directory, double wall_s) {
+  const std::string file = (directory / "report.json").string(), report = read_text(file);
+  const RunFigures figures = read_figures(report, file);
+  if (row.has_figures() && figures.total_time_s() >= row.figures.total_time_s()) return;
+  row.report = report;
+  row.figures = figures;
+  row.wall_s = wall_s;
+  row.errors = figures.pressure_errors;
+  row.status = figures.converged ? StudyRow::Status::solved : StudyRow::Status::not_converged;
+  row.message = figures.converged ? fmt::format("{}", fmt::join(figures.warnings, "; ")) : figures.diagnosis;
+}
+
 /// Runs into `directory`; true if there are results.
-bool StudyRunner::run_once(StudyRow& row, const std::string& directory, Progress& progress) {
+bool StudyRunner::run_once(StudyRow& row, const std::string& directory) {
   std::vector<std::string> arguments(row.command.begin() + 1, row.command.end());
   arguments.insert(arguments.end(), {"--out", directory});
   const std::string log = directory + ".log";
   const ChildOutcome outcome = children_.run(row.command[0], arguments, log);
   if (children_.stop_signal() != 0) return false;
-  const std::string report_file = (fs::path(directory) / "report.json").string();
-  const bool ended = outcome.signal == 0 && (outcome.exit_code == 0 || outcome.exit_code == 2);
-  if (!ended || !fs::exists(report_file)) {
-    row.status = StudyRow::Status::failed;
-    row.message = describe_failure(outcome, log);
-    row.report.clear();
-    row.figures = {};
-    row.errors.clear();
-    row.wall_s = outcome.wall_s;
-    progress.message(fmt::format("{}, {} = {} failed: {}", row.variant, study_.key, row.size, row.message));
-    return false;
+  std::string failure;
+  if (outcome.exit_code == 0 || outcome.exit_code == 2) {
+    try {
+      read_results(row, directory, outcome.wall_s);
+      fs::remove(log);
+      return true;
+    } catch (const InputError& error) {
+      failure = error.what();
+    }
+  } else {
+    failure = describe_failure(outcome, log);
   }
-  fs::remove(log);
-  const std::string report = read_text(report_file);
-  const RunFigures figures = read_figures(report, report_file);
-  if (row.has_figures() && figures.total_time_s() >= row.figures.total_time_s()) return true;
-  row.report = report;
-  row.figures = figures;
+  row.status = StudyRow::Status::failed;
+  row.message = failure;
+  row.report.clear();
+  row.figures = {};
+  row.errors.clear();
   row.wall_s = outcome.wall_s;
-  row.errors = figures.pressure_errors;
-  row.status = figures.converged ? StudyRow::Status::solved : StudyRow::Status::not_converged;
-  row.message = figures.converged ? fmt::format("{}", fmt::join(figures.warnings, "; ")) : figures.diagnosis;
-  return true;
+  return false;
 }
 
 void StudyRunner::run_row(std::size_t r, Progress& progress) {
@@ -147,7 +159,7 @@ void StudyRunner::run_row(std::size_t r, Progress& progress) {
   for (int k = 0; k < options_.repeat; ++k) {
     const fs::path& place = k == 0 ? target : again;
     const std::string fastest = row.report;
-    const bool results = run_once(row, place.string(), progress);
+    const bool results = run_once(row, place.string());
     if (k > 0 && results && row.report != fastest) {
       fs::remove_all(target);
       fs::rename(again, target);
@@ -158,6 +170,9 @@ void StudyRunner::run_row(std::size_t r, Progress& progress) {
   remove_leftovers(target.parent_path());
   if (children_.stop_signal() != 0) return;
   study_.rows[r] = row;
+  if (row.status != StudyRow::Status::solved)
+    progress.message(
+        fmt::format("{}, {} = {} {}: {}", row.variant, study_.key, row.size, status_name(row.status), row.message));
 }
 
 /// Without a reference in the scene, the finest run is the reference of all coarser ones.
@@ -168,15 +183,17 @@ void StudyRunner::compare_with_finest() {
   study_.reference = fmt::format("the SPR-C pressure of the study's own finest run ({}, {} = {}, {} unknowns)",
                                  finest->variant, study_.key, finest->size, finest->figures.unknowns);
   const auto points = [&](const StudyRow& row) {
-    return read_contact_rows((folder(row) / "contact.csv").string(), scene);
+    const fs::path file = folder(row) / "contact.csv";  // there is none if the bodies are far apart
+    return fs::exists(file) ? read_contact_rows(file.string(), scene) : std::vector<ContactRow>();
   };
   const FacePressure pressure(points(*finest), finest->cell_size);
   for (StudyRow& row : study_.rows) {
     const bool coarser = row.has_figures() && row.cell_size > finest->cell_size * (1 + 1e-9);
     row.errors.clear();
-    if (coarser)
+    const std::vector<ContactRow> rows = coarser ? points(row) : std::vector<ContactRow>();
+    if (!rows.empty())
       row.errors = pressure_errors(
-          points(row), [&](const ContactRow& point) { return pressure(point.body, point.x); }, scene.reference.zones);
+          rows, [&](const ContactRow& point) { return pressure(point.body, point.x); }, scene.reference.zones);
     if (scene.reference.force) continue;
     row.force_reference = coarser ? finest->figures.force : std::nullopt;
   }
@@ -195,6 +212,8 @@ int StudyRunner::run() try {
   check_study_directory(directory_);
   check_programs();
   fs::create_directories(fs::path(directory_) / "runs");
+  remove_leftovers(directory_);
+  remove_leftovers(fs::path(directory_) / "runs");
   Progress progress;
   if (options_.resume) {
     const auto earlier = earlier_rows(directory_);

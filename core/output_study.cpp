@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -109,6 +109,7 @@ std::string csv_of(const Study& study) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
       const Json value = columns[c].value(row);
       if (c > 0) text += ',';
+      if (value.is_number_float() && !std::isfinite(value.get<double>())) continue;
       if (!value.is_null()) text += csv_text(value.is_string() ? value.get<std::string>() : value.dump());
     }
     text += '\n';
@@ -214,24 +215,31 @@ std::string error_table(const Study& study, const std::string& zone) {
 
 }  // namespace
 
-std::vector<std::string> write_study(const Study& study, const std::string& directory) try {
+std::vector<std::string> write_study(const Study& study, const std::string& directory) {
   const fs::path target(directory), temporary = target / fmt::format(".tmp-{}", getpid());
-  fs::create_directories(temporary / "plots");
-  write_text((temporary / "study.csv").string(), csv_of(study));
-  write_text((temporary / "study.json").string(), json_of(study));
   std::vector<std::string> warnings;
-  write_study_plots(study, temporary.string(), warnings);
-  fs::remove_all(target / "plots");
-  if (!warnings.empty()) fs::rename(temporary / "plots", target / "plots");
-  for (const char* file : files)
-    if (fs::exists(temporary / file))
-      fs::rename(temporary / file, target / file);
-    else
-      fs::remove(target / file);
-  fs::remove_all(temporary);
+  std::error_code ignored;
+  try {
+    fs::create_directories(temporary / "plots");
+    write_text((temporary / "study.csv").string(), csv_of(study));
+    write_text((temporary / "study.json").string(), json_of(study));
+    write_study_plots(study, temporary.string(), warnings);
+    fs::remove_all(target / "plots");
+    if (!warnings.empty()) fs::rename(temporary / "plots", target / "plots");
+    for (const char* file : files)
+      if (fs::exists(temporary / file))
+        fs::rename(temporary / file, target / file);
+      else
+        fs::remove(target / file);
+  } catch (const fs::filesystem_error& error) {
+    fs::remove_all(temporary, ignored);
+    throw InputError(fmt::format("cannot write the study to {}: {}", directory, error.code().message()));
+  } catch (const InputError&) {
+    fs::remove_all(temporary, ignored);
+    throw;
+  }
+  fs::remove_all(temporary, ignored);
   return warnings;
-} catch (const fs::filesystem_error& error) {
-  throw InputError(fmt::format("cannot write the study to {}: {}", directory, error.code().message()));
 }
 
 void check_study_directory(const std::string& directory) try {

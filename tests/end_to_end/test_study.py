@@ -191,6 +191,12 @@ class Failures(unittest.TestCase):
             self.assertIn(message, outcome.out)
             self.assertIn(message, outcome.err)
 
+    def test_results_that_are_none(self):
+        """A program that ends well and leaves no report is a failed row, too."""
+        outcome = study("two_solids", "empty", "--vary", "n=4", "--backend", backend("idle", "exit 0"))
+        self.assertEqual(outcome.code, 2, outcome.err)
+        self.assertIn("report.json", table("empty")[0]["message"])
+
     def test_not_converged(self):
         """A run that does not converge is a marked row with its figures; it has no rate."""
         outcome = study("two_solids", "limited", "--vary", "solver.max_outer_iterations=1,30", n=4)

@@ -152,6 +152,12 @@ TEST_F(StudyFiles, the_table_holds_every_run_that_has_ended) {
     EXPECT_NE(entry.path().filename().string()[0], '.') << "nothing temporary stays";
 }
 
+TEST_F(StudyFiles, a_write_that_fails_says_so_and_leaves_nothing) {
+  fs::create_directories(directory_ / "study.csv" / "something");
+  EXPECT_THROW(write_study(make_study(), directory_.string()), InputError);
+  EXPECT_EQ(std::distance(fs::directory_iterator(directory_), fs::directory_iterator()), 1);
+}
+
 TEST_F(StudyFiles, only_the_directory_of_a_study_is_taken) {
   EXPECT_NO_THROW(check_study_directory(directory_.string()));
   EXPECT_NO_THROW(check_study_directory(file("missing")));
