@@ -1,4 +1,4 @@
-/// The program: reads the command line, runs or checks a scene, writes the results.
+/// The program: reads the command line, runs, checks or studies a scene, writes the results.
 /// Exit codes: 0 solved, 1 bad input, 2 did not converge (results still written and marked so).
 #include <fmt/format.h>
 
@@ -8,6 +8,7 @@
 
 #include "contact/check.hpp"
 #include "contact/simulation.hpp"
+#include "contact/study.hpp"
 #include "core/cli.hpp"
 #include "core/output.hpp"
 #include "core/progress.hpp"
@@ -69,6 +70,7 @@ int main(int argc, char** argv) {
   try {
     const auto options = parse_command_line(argc, argv, exit_code);
     if (!options) return exit_code;
+    if (options->command == CommandLine::study) return run_study(*options);
     const Scene scene = read_scene(options->scene, options->overrides);
     return options->command == CommandLine::check ? check(scene) : run(scene, *options);
   } catch (const InputError& error) {

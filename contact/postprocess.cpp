@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/pressure_error.hpp"
 #include "contact/reference.hpp"
 #include "recovery/error_estimate.hpp"
 
@@ -326,27 +327,8 @@ void fill_pressure_errors(const Simulation& sim, Results& results) {
                                        frobenius(r.stress_sprc - exact)});
     }
   if (!reference.has_pressure() || results.contact_rows.empty()) return;
-  std::vector<ZoneError> errors{{"whole", 0, 0, 0}};
-  for (const auto& zone : sim.scene.reference.zones) errors.push_back({zone.first, 0, 0, 0});
-  double norm = 0;
-  for (const ContactRow& r : results.contact_rows) {
-    const double p = reference.pressure(r.x);
-    norm += r.weight * p * p;
-    const auto add = [&](ZoneError& zone) {
-      zone.raw += r.weight * std::pow(r.pressure_raw - p, 2);
-      zone.spr += r.weight * std::pow(r.pressure_spr - p, 2);
-      zone.sprc += r.weight * std::pow(r.pressure_sprc - p, 2);
-    };
-    add(errors[0]);
-    for (std::size_t z = 0; z < sim.scene.reference.zones.size(); ++z)
-      if (sim.scene.reference.zones[z].second(r.x) != 0) add(errors[1 + z]);
-  }
-  for (ZoneError& zone : errors) {
-    zone.raw = std::sqrt(zone.raw / norm);
-    zone.spr = std::sqrt(zone.spr / norm);
-    zone.sprc = std::sqrt(zone.sprc / norm);
-  }
-  results.pressure_errors = errors;
+  results.pressure_errors = pressure_errors(
+      results.contact_rows, [&](const ContactRow& r) { return reference.pressure(r.x); }, sim.scene.reference.zones);
 }
 
 }  // namespace cgcontact

@@ -5,15 +5,18 @@
 #include <string>
 #include <vector>
 
+#include "core/study_options.hpp"
+
 namespace cgcontact {
 
 struct CommandLine {
-  enum Command { run, check };
+  enum Command { run, check, study };
   Command command = run;
   std::string scene;                   ///< file
   std::string out;                     ///< output directory; empty: as the scene says
   int threads = 0;                     ///< 0: as the environment says
   std::vector<std::string> overrides;  ///< "key=value"
+  StudyOptions study_options;
 };
 
 /// Parses the arguments (argv[0] is the program). Returns nothing if the program is to end with `exit_code` right away:

@@ -8,21 +8,6 @@
 
 namespace cgcontact {
 
-namespace {
-
-/// Quoted if it holds a comma, a quote or a line break.
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
-}  // namespace
-
 void write_contact_csv(const Results& results, const std::string& file_name) {
   std::vector<std::string> names;
   for (const BodyFields& body : results.bodies) names.push_back(csv_text(body.name));

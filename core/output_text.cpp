@@ -39,6 +39,16 @@ std::string read_text(const std::string& file_name) {
   return text;
 }
 
+std::string csv_text(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (char c : text) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
 std::string short_number(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
 std::string scaled(double value, const std::string& unit, int digits) {

@@ -11,6 +11,9 @@ void write_text(const std::string& file_name, const std::string& text);
 /// Whole file; throws InputError.
 std::string read_text(const std::string& file_name);
 
+/// A field of a CSV file: quoted if it holds a comma, a quote or a line break.
+std::string csv_text(const std::string& text);
+
 /// A number for people: `digits` significant digits, e.g. "9.37", "1.6e-06".
 std::string short_number(double value, int digits = 4);
 

@@ -41,6 +41,23 @@ TEST(CommandLine, set_does_not_swallow_the_scene) {
   EXPECT_EQ(outcome.line->scene, "a.toml");
 }
 
+TEST(CommandLine, study_takes_all_options) {
+  const Outcome outcome =
+      parse({"study", "a.toml", "--vary", "n=8,16", "--preconditioner", "x,y", "--threads", "1,2", "--backend",
+             "sh=/bin/sh", "--repeat", "3", "--keep", "--resume", "--set", "t=1", "--out", "dir"});
+  ASSERT_TRUE(outcome.line) << outcome.err;
+  EXPECT_EQ(outcome.line->command, CommandLine::study);
+  EXPECT_EQ(outcome.line->out, "dir");
+  const StudyOptions& study = outcome.line->study_options;
+  EXPECT_EQ(study.key, "n");
+  EXPECT_EQ(study.sizes, (std::vector<std::string>{"8", "16"}));
+  EXPECT_EQ(study.preconditioners, (std::vector<std::string>{"x", "y"}));
+  EXPECT_EQ(study.threads, (std::vector<int>{1, 2}));
+  EXPECT_EQ(study.backends.at(0).name, "sh");
+  EXPECT_EQ(study.repeat, 3);
+  EXPECT_TRUE(study.keep && study.resume);
+}
+
 TEST(CommandLine, help_and_version_end_well) {
   const Outcome help = parse({"--help"}), run_help = parse({"run", "--help"}), version = parse({"--version"});
   EXPECT_FALSE(help.line || run_help.line || version.line);
@@ -63,6 +80,12 @@ TEST(CommandLine, mistakes_give_one_line_and_exit_code_1) {
       {{"run", "a.toml", "--threads", "0"}, "--threads: \"0\" is not a number of threads"},
       {{"run", "a.toml", "--threads", "2x"}, "an integer from 1 to 4096"},
       {{"check", "a.toml", "--out", "x"}, "unknown option \"--out\""},
+      {{"study"}, "SCENE is required"},
+      {{"study", "a.toml", "--vary", "n="}, "--vary: \"\" is an empty list"},
+      {{"study", "a.toml", "--vary", "n=1", "--refine", "2"}, "--refine excludes --vary"},
+      {{"study", "a.toml", "--threads", "0"}, "--threads: \"0\" is not a number of threads"},
+      {{"study", "a.toml", "--repeat", "-1"}, "--repeat: \"-1\" is not a number of repetitions"},
+      {{"study", "a.toml", "--keeep"}, "did you mean \"--keep\"?"},
   };
   for (const auto& [arguments, text] : cases) {
     const Outcome outcome = parse(arguments);

@@ -1,0 +1,202 @@
+#include "core/output_study_plots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <limits>
+
+#include "core/output_gnuplot.hpp"
+#include "core/output_text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+/// Pixels. A panel is what lies around the axes, too.
+constexpr int panel_width = 520, panel_height = 410, title_height = 50, legend_line_height = 22;
+constexpr int left_margin = 80, right_margin = 20, top_margin = 45, bottom_margin = 85;
+
+/// What is drawn to the right.
+struct Abscissa {
+  const char *picture, *label, *title;
+  std::function<double(const RunFigures&)> value;
+};
+
+struct Point {
+  double x, y;  ///< y in %
+};
+
+/// One pressure of one variant in one zone, from left to right.
+struct Curve {
+  std::size_t variant = 0;
+  PressureKind kind;
+  std::vector<Point> points;
+};
+
+/// Range of a logarithmic axis.
+struct LogRange {
+  double low = std::numeric_limits<double>::max(), high = 0;
+
+  void add(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  /// With some room at both ends.
+  LogRange widened() const { return {low / 1.4, high * 1.4}; }
+};
+
+std::vector<Curve> curves_of_zone(const Study& study, const std::string& zone, const Abscissa& abscissa) {
+  std::vector<Curve> curves;
+  for (const PressureKind& kind : pressure_kinds())
+    for (std::size_t v = 0; v < study.variants.size(); ++v) {
+      Curve curve{v, kind, {}};
+      for (const StudyRow& row : study.rows) {
+        if (row.variant != study.variants[v] || row.status != StudyRow::Status::solved) continue;
+        const auto error = pressure_error(row, zone, kind);
+        const double x = abscissa.value(row.figures);
+        if (error && *error > smallest_error && std::isfinite(*error) && x > 0)
+          curve.points.push_back({x, 100 * *error});
+      }
+      std::stable_sort(curve.points.begin(), curve.points.end(),
+                       [](const Point& a, const Point& b) { return a.x < b.x; });
+      curves.push_back(std::move(curve));
+    }
+  return curves;
+}
+
+/// Every decade, and more of them where the axis is short.
+std::string tics(const LogRange& range) {
+  const double ratio = range.high / range.low;
+  std::vector<double> digits{1};
+  if (ratio < 300) digits = {1, 2, 5};
+  if (ratio < 12) digits = {1, 1.5, 2, 3, 4, 5, 7};
+  std::string list;
+  for (int power = static_cast<int>(std::floor(std::log10(range.low))); power <= std::log10(range.high); ++power)
+    for (const double digit : digits) {
+      const double value = digit * std::pow(10, power);
+      const std::string label = value >= 1e6   ? fmt::format("{:.6g}M", value / 1e6)
+                                : value >= 1e3 ? fmt::format("{:.6g}k", value / 1e3)
+                                               : fmt::format("{:.6g}", value);
+      list += fmt::format("{}'{}' {}", list.empty() ? "" : ", ", label, value);
+    }
+  return "(" + list + ")";
+}
+
+std::string curve_name(const Study& study, const Curve& curve) {
+  return study.variants.size() == 1 ? curve.kind.name
+                                    : fmt::format("{}, {}", curve.kind.name, study.variants[curve.variant]);
+}
+
+std::string data_of(const std::vector<std::vector<Curve>>& zones) {
+  std::string data;
+  for (const auto& curves : zones)
+    for (const Curve& curve : curves) {
+      for (const Point& point : curve.points) fmt::format_to(std::back_inserter(data), "{} {}\n", point.x, point.y);
+      data += curve.points.empty() ? "NaN NaN\n\n\n" : "\n\n";
+    }
+  return data;
+}
+
+/// Colour: kind of pressure; dashes and mark: variant.
+std::string curve_style(const Curve& curve) {
+  static const char* const dashes[] = {"1", "(6,4)", "(2,3)", "(8,3,2,3)"};
+  static const int marks[] = {7, 5, 9, 13, 6, 4, 8, 12};
+  return fmt::format("with linespoints lc rgb '{}' lw {} dt {} pt {} ps 0.7", curve.kind.colour,
+                     curve.kind.error == &ZoneError::sprc ? 2.2 : 1.6, dashes[curve.variant % std::size(dashes)],
+                     marks[curve.variant % std::size(marks)]);
+}
+
+/// Panels in two columns below title and legend.
+struct Layout {
+  int columns, width, height, top;
+
+  Layout(std::size_t panels, std::size_t variants)
+      : columns(panels == 1 ? 1 : 2),
+        width(panels == 1 ? 3 * panel_width / 2 : 2 * panel_width),
+        top(title_height + legend_line_height * static_cast<int>(variants)) {
+    height = top + (static_cast<int>(panels) + columns - 1) / columns * panel_height;
+  }
+  double from_top(int pixels) const { return 1 - static_cast<double>(pixels) / height; }
+  std::string margins(std::size_t panel) const {
+    const int column = static_cast<int>(panel) % columns, row = static_cast<int>(panel) / columns;
+    const double step = static_cast<double>(width) / columns;
+    return fmt::format(
+        "set lmargin at screen {}\nset rmargin at screen {}\nset tmargin at screen {}\nset bmargin at screen {}\n",
+        (column * step + left_margin) / width, ((column + 1) * step - right_margin) / width,
+        from_top(top + row * panel_height + top_margin), from_top(top + (row + 1) * panel_height - bottom_margin));
+  }
+};
+
+/// Everything but the curves.
+std::string frame(const Study& study, const Abscissa& abscissa, const Layout& layout, const LogRange& x,
+                  const LogRange& y) {
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal svg size {},{} fixed noenhanced font 'sans-serif,14' background 'white'\n",
+      layout.width, layout.height);
+  script += fmt::format("set output '../{}.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n",
+                        abscissa.picture);
+  script += "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset logscale xy\nunset mxtics\nunset mytics\n";
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x.low, x.high, y.low, y.high);
+  script += fmt::format("set xtics {}\nset ytics {}\n", tics(x), tics(y));
+  script += fmt::format("set xlabel '{}'\nset ylabel 'error of the contact pressure [%]'\n", abscissa.label);
+  script += fmt::format("set key at screen 0.5,{} center top vertical maxrows {} Left reverse samplen 2.6\n",
+                        layout.from_top(title_height), study.variants.size());
+  return script + fmt::format("set multiplot title {} font ',16'\n",
+                              gnuplot_text(fmt::format("{}: {}{}", abscissa.title, study.title,
+                                                       study.own_reference ? " (reference: own finest run)" : "")));
+}
+
+std::string panel(const Study& study, const std::vector<Curve>& curves, const std::string& file, std::size_t first) {
+  std::string text = "plot";
+  for (std::size_t c = 0; c < curves.size(); ++c)
+    text += fmt::format("{} '{}' index {} using 1:2 {} title {}", c ? ", \\\n " : "", file, first + c,
+                        curve_style(curves[c]), gnuplot_text(curve_name(study, curves[c])));
+  return text + "\n";
+}
+
+void write_plot(const Study& study, const Abscissa& abscissa, const std::string& directory,
+                std::vector<std::string>& warnings) {
+  const std::vector<std::string> zones = zone_names(study);
+  std::vector<std::vector<Curve>> curves;
+  LogRange x, y;
+  for (const std::string& zone : zones) {
+    curves.push_back(curves_of_zone(study, zone, abscissa));
+    for (const Curve& curve : curves.back())
+      for (const Point& point : curve.points) {
+        x.add(point.x);
+        y.add(point.y);
+      }
+  }
+  if (!(x.high > 0)) return;
+  const std::string file = fmt::format("{}.dat", abscissa.picture);
+  write_text(directory + "/plots/" + file, data_of(curves));
+
+  const Layout layout(zones.size(), study.variants.size());
+  std::string script = frame(study, abscissa, layout, x.widened(), y.widened());
+  for (std::size_t z = 0; z < zones.size(); ++z) {
+    script += layout.margins(z) +
+              fmt::format("set title {}\n", gnuplot_text(zones[z] == "whole" ? "whole contact face" : zones[z]));
+    if (z > 0) script += "unset key\n";
+    script += panel(study, curves[z], file, z * curves[z].size());
+  }
+  script += "unset multiplot\n";
+  run_gnuplot(directory, abscissa.picture, script, std::string(abscissa.picture) + ".svg", warnings);
+}
+
+}  // namespace
+
+void write_study_plots(const Study& study, const std::string& directory, std::vector<std::string>& warnings) {
+  write_plot(study,
+             {"error_time", "time of the run [s]", "Error against time",
+              [](const RunFigures& run) { return run.total_time_s(); }},
+             directory, warnings);
+  write_plot(study,
+             {"error_unknowns", "unknowns [-]", "Error against unknowns",
+              [](const RunFigures& run) { return static_cast<double>(run.unknowns); }},
+             directory, warnings);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,85 @@
+/// The pressure of a finished run as a reference for others.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "contact/face_pressure.hpp"
+#include "contact/pressure_error.hpp"
+#include "core/output_text.hpp"
+
+namespace cgcontact {
+namespace {
+
+double pressure(int body, const Vec3& x) { return body == 0 ? 1 + 2 * x[0] - 3 * x[1] : 5 * x[0] * x[1]; }
+
+/// Two bodies on the unit square at z = 3, n x n points each.
+std::vector<ContactRow> square(int n, double shift) {
+  std::vector<ContactRow> rows;
+  for (int body = 0; body < 2; ++body)
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        ContactRow row;
+        row.body = body;
+        row.x = Vec3((i + shift) / n, (j + shift) / n, 3);
+        row.weight = 1.0 / (n * n);
+        row.pressure_raw = row.pressure_spr = row.pressure_sprc = pressure(body, row.x);
+        rows.push_back(row);
+      }
+  return rows;
+}
+
+TEST(FacePressure, linear_pressure_is_met_exactly_between_the_points_and_beyond) {
+  const FacePressure fine(square(20, 0.5), 0.1);
+  for (const Vec3& x : {Vec3(0.33, 0.71, 3), Vec3(0.5, 0.5, 3.001), Vec3(0, 1, 3)})
+    EXPECT_NEAR(fine(0, x), pressure(0, x), 1e-10);
+  EXPECT_NEAR(fine(1, {0.33, 0.71, 3}), pressure(1, {0.33, 0.71, 3}), 0.01) << "not linear";
+}
+
+TEST(FacePressure, points_in_a_row_and_lonely_points) {
+  std::vector<ContactRow> rows = square(20, 0.5);
+  std::vector<ContactRow> line;
+  for (const ContactRow& row : rows)
+    if (row.body == 0 && std::abs(row.x[1] - 0.525) < 1e-9) line.push_back(row);
+  EXPECT_NEAR(FacePressure(line, 0.2)(0, {0.4, 0.525, 3}), pressure(0, {0.4, 0.525, 3}), 1e-10);
+  EXPECT_EQ(FacePressure({line[0]}, 0.2)(0, {0.4, 0.5, 3}), line[0].pressure_sprc) << "the nearest one";
+}
+
+TEST(FacePressure, errors_against_it) {
+  const FacePressure fine(square(40, 0.5), 0.05);
+  std::vector<ContactRow> coarse = square(7, 0.3);
+  for (ContactRow& row : coarse) row.pressure_raw += 2;
+  const auto errors = pressure_errors(coarse, [&](const ContactRow& row) { return fine(row.body, row.x); }, {});
+  ASSERT_EQ(errors.size(), 1u);
+  EXPECT_EQ(errors[0].zone, "whole");
+  EXPECT_LT(errors[0].sprc, 1e-3);
+  double norm = 0;
+  for (const ContactRow& row : coarse) norm += row.weight * std::pow(pressure(row.body, row.x), 2);
+  EXPECT_NEAR(errors[0].raw, std::sqrt(8 / norm), 1e-3);
+}
+
+TEST(FacePressure, tables_are_read_back) {
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("cgcontact_rows_" + std::to_string(getpid()))).string();
+  Scene scene;
+  scene.bodies.resize(2);
+  scene.bodies[0].name = "lower";
+  scene.bodies[1].name = "upper";
+  write_text(file, "names\nupper,1,2,3,0,0,1,0.5,inf,10,20,30,1\n");
+  const auto rows = read_contact_rows(file, scene);
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].body, 1);
+  EXPECT_EQ(rows[0].x, Vec3(1, 2, 3));
+  EXPECT_EQ(rows[0].weight, 0.5);
+  EXPECT_EQ(rows[0].pressure_raw, 10);
+  EXPECT_EQ(rows[0].pressure_sprc, 30);
+  for (const char* line : {"names\nother,1,2,3,0,0,1,0.5,inf,10,20,30,1\n", "names\nupper,1\n"}) {
+    write_text(file, line);
+    EXPECT_THROW(read_contact_rows(file, scene), InputError);
+  }
+  std::filesystem::remove(file);
+}
+
+}  // namespace
+}  // namespace cgcontact
