@@ -1,7 +1,6 @@
 #include "perf/harness.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -61,13 +60,11 @@ void read_arguments(std::vector<std::string>& arguments) {
   arguments = rest;
 }
 
-using Clock = std::chrono::steady_clock;
-
 double seconds_of(int calls, const std::function<void()>& run) {
-  const auto start = Clock::now();
+  const double start = now();
   for (int i = 0; i < calls; ++i) run();
   Kokkos::fence();
-  return std::chrono::duration<double>(Clock::now() - start).count();
+  return now() - start;
 }
 
 int calls_per_sample(const std::function<void()>& run) {

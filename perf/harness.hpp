@@ -60,7 +60,7 @@ struct Sizes {
 void add(const std::string& name, std::function<Kernel(int size)> make, const Sizes& sizes);
 
 /// Verifies and times inside any Google Benchmark (add() uses it). The rates are those of the fastest sample, a sample
-/// being enough calls to last 50 us; the times Google Benchmark prints are means.
+/// being enough calls to last 50 us by the clock now(); the times Google Benchmark prints are means.
 void measure(benchmark::State& state, const Kernel& kernel);
 
 /// Stops a benchmark with an error and makes the program fail.

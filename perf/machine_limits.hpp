@@ -40,6 +40,10 @@ class FmaChains {
   Kokkos::View<double**, Kokkos::LayoutRight, MemSpace> sums_;  ///< (thread, chain and lane)
 };
 
+/// A clock for durations, s. On one thread the CPU time of the calling thread, so that other programs on a busy machine
+/// count as little as possible; on several threads the wall clock.
+double now();
+
 struct MachineLimits {
   int threads = 1;
   double triad = 0;            ///< bytes/s, plain stores, write-allocate counted: the ceiling the shares refer to
