@@ -130,8 +130,8 @@ Kernel make_cg_step(int size) {
 
 int main(int argc, char** argv) {
   return run_benchmarks(argc, argv, [] {
-    add("vectors/dot", make_dot, {{2}, {4000}});
-    add("vectors/axpy", make_axpy, {{2}, {4000}});
-    add("vectors/cg_step", make_cg_step, {{2}, {4000}});
+    add("vectors/dot", make_dot, {{2}, {8000}});
+    add("vectors/axpy", make_axpy, {{2}, {8000}});
+    add("vectors/cg_step", make_cg_step, {{2}, {8000}});
   });
 }
