@@ -1,8 +1,13 @@
 #include "perf/machine_limits.hpp"
 
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <ctime>
 #include <stdexcept>
 
@@ -67,6 +72,18 @@ void streaming_triad(double* a, const double* b, const double* c, double s, Rang
 void streaming_triad(double* a, const double* b, const double* c, double s, Range range) { triad(a, b, c, s, range); }
 #endif
 
+/// Asks for large pages before the first touch: the ceiling is what the machine can do, and small pages cost a third of
+/// the bandwidth on virtual machines.
+void ask_for_large_pages([[maybe_unused]] const RealView& v) {
+#if defined(MADV_HUGEPAGE)
+  constexpr std::uintptr_t page = 4096;
+  const auto address = reinterpret_cast<std::uintptr_t>(v.data());
+  const std::uintptr_t begin = (address + page - 1) / page * page;
+  const std::uintptr_t end = (address + v.size() * sizeof(double)) / page * page;
+  if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+}
+
 constexpr double factor = 3;
 double b_value(std::size_t i) { return static_cast<double>(i % 7 + 1); }
 double c_value(std::size_t i) { return static_cast<double>(i % 5 + 2); }
@@ -124,6 +141,7 @@ Triad::Triad(std::size_t size)
       a_(Kokkos::view_alloc("cgcontact::perf::a", Kokkos::WithoutInitializing), size_),
       b_(Kokkos::view_alloc("cgcontact::perf::b", Kokkos::WithoutInitializing), size_),
       c_(Kokkos::view_alloc("cgcontact::perf::c", Kokkos::WithoutInitializing), size_) {
+  for (const RealView& v : {a_, b_, c_}) ask_for_large_pages(v);
   const auto a = a_, b = b_, c = c_;
   const std::size_t n = size_;
   // Every thread touches its part first: the pages lie near it.
