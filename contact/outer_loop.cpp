@@ -81,9 +81,6 @@ OuterLoop::OuterLoop(OuterProblem& problem)
   for (std::size_t b = 0; b < cells.size(); ++b)
     boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b],
                                   std::vector<int>(cells[b].begin(), cells[b].end()));
-  for (ContactPair& pair : problem.pairs)
-    for (const ContactGroup& g : pair.groups)
-      problem.system.full_group_stiffness.push_back(to_stiffness(pair.stiffness, g.area));
   load_ = make_load_vector(problem.bodies, problem.system, problem.scales);
   support_stress_.assign(problem.supports.size(), 0.0);
   for (const ContactPair& pair : problem.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);

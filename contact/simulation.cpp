@@ -29,6 +29,8 @@ class PhaseClock {
   const ProgressCallbacks& progress_;
 };
 
+}  // namespace
+
 Scales make_scales(const Scene& scene) {
   Scales scales{0, 0};
   for (const BodySpec& body : scene.bodies) {
@@ -38,7 +40,23 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
-}  // namespace
+ElasticSystem make_system(const Scene& scene, const std::vector<BodyModel>& bodies,
+                          const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                          const Scales& scales) {
+  std::vector<const CutCells*> cut_cells;
+  std::vector<Material> materials;
+  for (const BodyModel& body : bodies) {
+    cut_cells.push_back(&body.cut_cells);
+    materials.push_back(body.spec->material);
+  }
+  ElasticSystem system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
+  add_supports(scene, bodies, supports, scales, system);
+  set_group_rows(system, make_group_rows(pairs, bodies, system));
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& g : pair.groups)
+      system.full_group_stiffness.push_back(pair.stiffness * g.area / (scales.stress * scales.length));
+  return system;
+}
 
 Preparation prepare(const Scene& scene) {
   Preparation p;
@@ -62,15 +80,7 @@ void Simulation::run(const ProgressCallbacks& progress) {
   });
   phase("operator", [&] {
     scales = make_scales(scene);
-    std::vector<const CutCells*> cut_cells;
-    std::vector<Material> materials;
-    for (const BodyModel& body : bodies) {
-      cut_cells.push_back(&body.cut_cells);
-      materials.push_back(body.spec->material);
-    }
-    system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
-    add_supports(scene, bodies, supports, scales, system);
-    set_group_rows(system, make_group_rows(pairs, bodies, system));
+    system = make_system(scene, bodies, supports, pairs, scales);
     for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
   });
   phase("solve", [&] {

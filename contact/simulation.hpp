@@ -27,6 +27,13 @@ struct Preparation {
 
 Preparation prepare(const Scene& scene);
 
+Scales make_scales(const Scene& scene);
+
+/// Stiffness of the bodies, their supports and contact groups (open: set_group_stiffness closes them).
+ElasticSystem make_system(const Scene& scene, const std::vector<BodyModel>& bodies,
+                          const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                          const Scales& scales);
+
 /// Everything a run leaves behind; `results` refers to the other members.
 struct Simulation {
   explicit Simulation(const Scene& s) : scene(s) {}

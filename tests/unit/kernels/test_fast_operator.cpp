@@ -54,7 +54,8 @@ void compare(const ElasticSystem& system, const std::string& what) {
     bf.inner(i) = static_cast<Real>(b(i) = static_cast<float>(b(i)));
   }
   RealView y("y", n), r("r", n);
-  PlainOperator(system).apply(exec, x, y);
+  const PlainOperator plain(system);
+  plain.apply(exec, x, y);
   for (int i = 0; i < n; ++i) r(i) = b(i) - y(i);
   fast.apply(exec, xf.inner, yf.inner);
   fast.residual(exec, bf.inner, xf.inner, rf.inner);
@@ -77,7 +78,7 @@ void compare(const ElasticSystem& system, const std::string& what) {
       for (const BodyMesh& mesh : system.meshes)
         for (int a = 0; a < mesh.num_nodes; ++a)
           if (own(mesh.nodes[a])) e(3 * (mesh.first_node + a) + j) = 1;
-      PlainOperator(system).apply(exec, e, Ae);
+      plain.apply(exec, e, Ae);
       for (const BodyMesh& mesh : system.meshes)
         for (int a = 0; a < mesh.num_nodes; ++a)
           if (own(mesh.nodes[a])) {

@@ -1,0 +1,151 @@
+/// The grid hierarchy: coarse operators are Galerkin products, transfers are adjoint, the V-cycle is symmetric and
+/// positive, and CG needs as many iterations on fine grids as on coarse ones.
+#include <gtest/gtest.h>
+
+#include <Tpetra_Core.hpp>
+#include <Tpetra_Vector.hpp>
+
+#include "kernels/coarsen.hpp"
+#include "kernels/linear_solver.hpp"
+#include "kernels/multigrid.hpp"
+#include "kernels/plain_operator.hpp"
+#include "tests/support/bodies.hpp"
+
+namespace cgcontact {
+namespace {
+
+using test::dot;
+using test::norm;
+
+struct TwoLevels {
+  CutCells fine_cells, coarse_cells;
+  ElasticSystem fine, coarse;
+  Transfer transfer;
+  TwoLevels(const Solid& solid, int n, double angle, double ghost_penalty)
+      : fine_cells(test::cut(solid, test::odd_grid(n, angle))), coarse_cells(coarse_cut_cells(fine_cells)) {
+    fine = make_elastic_system({&fine_cells}, {Material{2.0, 0.3}}, Scales{0.5, 4.0}, ghost_penalty);
+    coarse = make_elastic_system({&coarse_cells}, {Material{2.0, 0.3}}, Scales{0.5, 4.0}, ghost_penalty);
+    transfer = make_transfer(fine, coarse);
+  }
+};
+
+Solid ball() { return Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.45, "ball"); }
+Solid block() { return Solid::box(Vec3(0.05, 0.1, 0), Vec3(0.9, 0.8, 1), "block"); }
+
+TEST(Coarsening, StiffnessIsTheGalerkinProduct) {
+  for (const Solid& solid : {ball(), block()}) {
+    const TwoLevels levels(solid, 9, 0.3, 0.0);
+    const RealView x = test::random_vector(levels.coarse.num_dofs(), 3);
+    RealView Px("Px", levels.fine.num_dofs()), APx("APx", levels.fine.num_dofs());
+    RealView galerkin("galerkin", levels.coarse.num_dofs()), coarse("coarse", levels.coarse.num_dofs());
+    prolongate_add(ExecSpace(), levels.transfer, x, Px);
+    PlainOperator(levels.fine).apply(ExecSpace(), Px, APx);
+    restrict_to(ExecSpace(), levels.transfer, APx, galerkin);
+    PlainOperator(levels.coarse).apply(ExecSpace(), x, coarse);
+    for (std::size_t i = 0; i < x.extent(0); ++i) galerkin(i) -= coarse(i);
+    EXPECT_LT(norm(galerkin), 1e-13 * norm(coarse));
+  }
+}
+
+TEST(Coarsening, TransfersAreAdjointAndKeepLinearFields) {
+  const TwoLevels levels(ball(), 9, 0.3, 0.01);
+  const RealView c = test::random_vector(levels.coarse.num_dofs(), 4), f = test::random_vector(levels.fine.num_dofs(), 5);
+  RealView Pc("Pc", levels.fine.num_dofs()), Rf("Rf", levels.coarse.num_dofs());
+  prolongate_add(ExecSpace(), levels.transfer, c, Pc);
+  restrict_to(ExecSpace(), levels.transfer, f, Rf);
+  EXPECT_NEAR(dot(Pc, f), dot(c, Rf), 1e-13 * norm(Pc) * norm(f));
+  const auto linear = [](const Vec3& x) { return Vec3(1 + x[0] - 2 * x[1], x[2], 3 * x[1] + x[0]); };
+  const RealView coarse = test::nodal_field(levels.coarse, linear), exact = test::nodal_field(levels.fine, linear);
+  RealView fine("fine", levels.fine.num_dofs());
+  prolongate_add(ExecSpace(), levels.transfer, coarse, fine);
+  for (std::size_t i = 0; i < fine.extent(0); ++i) fine(i) -= exact(i);
+  EXPECT_LT(norm(fine), 1e-13 * norm(exact));
+}
+
+TEST(Coarsening, SupportsKeepTheirPointsAndHalveTheirStiffness) {
+  const TwoLevels levels(block(), 9, 0.3, 0.01);
+  std::vector<SupportTerm> terms;
+  const BoundaryPoints& points = levels.fine_cells.boundary;
+  for (std::size_t p = 0; p < points.size(); p += 7) {
+    const Index3& c = levels.fine_cells.cells[points.cell[p]];
+    terms.push_back({points.cell[p], 2 * (points.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones(), Vec3::UnitX(), 2});
+  }
+  const auto coarse = coarse_supports(levels.fine_cells, levels.coarse_cells, terms);
+  for (std::size_t t = 0; t < terms.size(); ++t) {
+    const Index3& c = levels.coarse_cells.cells[coarse[t].cell];
+    const Vec3 position = 2 * (Vec3(c[0], c[1], c[2]) + 0.5 * (coarse[t].xi + Vec3::Ones()));
+    EXPECT_LT((position - points.position[7 * t]).norm(), 1e-13);
+    EXPECT_EQ(coarse[t].stiffness, 1);
+  }
+}
+
+/// A body held in all directions where z < 0.3.
+struct HeldBody {
+  CutCells cells;
+  ElasticSystem system;
+  HeldBody(const Solid& solid, int n, double angle, double kappa) : cells(test::cut(solid, test::odd_grid(n, angle))) {
+    system = make_elastic_system({&cells}, {Material{1.0, 0.3}}, Scales{1.0 / n, 1.0}, 0.01);
+    std::vector<SupportTerm> terms;
+    for (std::size_t p = 0; p < cells.boundary.size(); ++p) {
+      const Vec3 x = cells.grid.to_global(cells.boundary.position[p]);
+      if (x[2] > 0.3) continue;
+      const Index3& c = cells.cells[cells.boundary.cell[p]];
+      const Vec3 xi = 2 * (cells.boundary.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+      for (int d = 0; d < 3; ++d)
+        terms.push_back({cells.boundary.cell[p], xi, Vec3::Unit(d), kappa * cells.boundary.weight[p]});
+    }
+    add_support_terms(system, 0, terms);
+  }
+};
+
+TEST(Multigrid, VCycleIsSymmetricAndPositive) {
+  const HeldBody body(ball(), 14, 0.4, 10);
+  const auto map = make_dof_map(body.system, Tpetra::getDefaultComm());
+  MultigridSettings settings;
+  settings.coarsest_unknowns = 300;
+  const Multigrid multigrid(body.system, map, settings);
+  ASSERT_GE(multigrid.report().unknowns.size(), 3u);
+  TpetraVector x(map, 1), y(map, 1), Bx(map, 1), By(map, 1);
+  x.randomize();
+  y.randomize();
+  multigrid.apply(x, Bx, Teuchos::NO_TRANS, 1, 0);
+  multigrid.apply(y, By, Teuchos::NO_TRANS, 1, 0);
+  const double xBy = x.getVector(0)->dot(*By.getVector(0)), yBx = y.getVector(0)->dot(*Bx.getVector(0));
+  const double xBx = x.getVector(0)->dot(*Bx.getVector(0));
+  EXPECT_GT(xBx, 0);
+  EXPECT_NEAR(xBy, yBx, 1e-5 * xBx);  // single precision inside
+}
+
+TEST(Multigrid, IterationsStayFlat) {
+  std::vector<int> iterations;
+  for (int n : {12, 24, 48}) {
+    const HeldBody body(ball(), n, 0.4, 10);
+    LinearSolver solver(body.system, Preconditioner::multigrid);
+    solver.update();
+    const RealView b = test::random_vector(body.system.num_dofs(), 6);
+    const RealView x("x", body.system.num_dofs());
+    const LinearSolveResult result = solver.solve(b, x, 1e-8 * norm(b), 100);
+    EXPECT_TRUE(result.converged);
+    EXPECT_LE(result.iterations, 15) << n;
+    iterations.push_back(result.iterations);
+  }
+  EXPECT_LE(iterations[2], iterations[1] + 2);
+}
+
+TEST(Multigrid, SolutionIsThatOfMueLu) {
+  const HeldBody body(block(), 16, 0.2, 10);
+  const RealView b = test::random_vector(body.system.num_dofs(), 7);
+  RealView x[2];
+  for (const Preconditioner kind : {Preconditioner::multigrid, Preconditioner::muelu}) {
+    RealView& u = x[kind == Preconditioner::muelu];
+    u = RealView("u", body.system.num_dofs());
+    LinearSolver solver(body.system, kind);
+    solver.update();
+    EXPECT_TRUE(solver.solve(b, u, 1e-12 * norm(b), 300).converged);
+  }
+  for (std::size_t i = 0; i < b.extent(0); ++i) x[0](i) -= x[1](i);
+  EXPECT_LT(norm(x[0]), 1e-8 * norm(x[1]));  // tolerance times the condition number, about 1e4
+}
+
+}  // namespace
+}  // namespace cgcontact
