@@ -1,5 +1,6 @@
 #include "contact/boundary_stress.hpp"
 
+#include <algorithm>
 #include <set>
 
 namespace cgcontact {
@@ -15,6 +16,22 @@ IntView to_view(const std::set<int>& values) {
 }
 
 }  // namespace
+
+std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
+                                               const std::vector<ContactPair>& pairs, std::size_t num_bodies) {
+  std::vector<std::vector<int>> cells(num_bodies);
+  for (const SupportPoint& p : supports) cells[p.body].push_back(p.cell);
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& q : pair.points) {
+      cells[pair.primary].push_back(q.primary_cell);
+      cells[pair.secondary].push_back(q.secondary_cell);
+    }
+  for (std::vector<int>& list : cells) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  }
+  return cells;
+}
 
 BoundaryStress::BoundaryStress(const BodyMesh& mesh, const PatchSet& patches, const std::vector<int>& cells)
     : mesh_(mesh),

@@ -3,10 +3,14 @@
 
 #include <utility>
 
-#include "kernels/system.hpp"
+#include "contact/contact_pairs.hpp"
 #include "recovery/spr.hpp"
 
 namespace cgcontact {
+
+/// Cells of each body in which the outer loop evaluates the recovered stress, ascending.
+std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
+                                               const std::vector<ContactPair>& pairs, std::size_t num_bodies);
 
 /// Recovered stress of one body in selected cells.
 class BoundaryStress {

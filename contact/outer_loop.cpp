@@ -63,17 +63,10 @@ class OuterLoop {
 
 OuterLoop::OuterLoop(OuterProblem& problem)
     : problem_(problem), near_null_space_(near_null_space()), solver_(problem.system, near_null_space_) {
-  std::vector<std::set<int>> cells(problem.bodies.size());
-  for (const SupportPoint& p : problem.supports) cells[p.body].insert(p.cell);
-  for (const ContactPair& pair : problem.pairs)
-    for (const ContactPoint& q : pair.points) {
-      cells[pair.primary].insert(q.primary_cell);
-      cells[pair.secondary].insert(q.secondary_cell);
-    }
+  const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
   boundary_stress_.reserve(cells.size());
   for (std::size_t b = 0; b < cells.size(); ++b)
-    boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b],
-                                  std::vector<int>(cells[b].begin(), cells[b].end()));
+    boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b], cells[b]);
   load_ = make_load_vector(problem.bodies, problem.system, problem.scales);
   support_stress_.assign(problem.supports.size(), 0.0);
   for (const ContactPair& pair : problem.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);

@@ -54,25 +54,8 @@ Preparation prepare(const Scene& scene) {
 
 void Simulation::run(const ProgressCallbacks& progress) {
   PhaseClock phase(results.times_s, progress);
-  phase("cut cells", [&] {
-    Preparation p = prepare(scene);
-    bodies = std::move(p.bodies);
-    supports = std::move(p.supports);
-    pairs = std::move(p.pairs);
-  });
-  phase("operator", [&] {
-    scales = make_scales(scene);
-    std::vector<const CutCells*> cut_cells;
-    std::vector<Material> materials;
-    for (const BodyModel& body : bodies) {
-      cut_cells.push_back(&body.cut_cells);
-      materials.push_back(body.spec->material);
-    }
-    system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
-    add_supports(scene, supports, scales, system);
-    set_group_rows(system, make_group_rows(pairs, bodies, system));
-    for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
-  });
+  phase("cut cells", [&] { place_on_grids(); });
+  phase("operator", [&] { make_system(); });
   phase("solve", [&] {
     OuterProblem problem{scene, bodies, patches, pairs, supports, system, scales};
     outer = solve_contact(problem, progress.step);
@@ -80,6 +63,27 @@ void Simulation::run(const ProgressCallbacks& progress) {
   phase("recovery", [&] { recover(); });
   phase("error estimate", [&] { fill_results(); });
   results.peak_memory_bytes = peak_memory_bytes();
+}
+
+void Simulation::place_on_grids() {
+  Preparation p = prepare(scene);
+  bodies = std::move(p.bodies);
+  supports = std::move(p.supports);
+  pairs = std::move(p.pairs);
+}
+
+void Simulation::make_system() {
+  scales = make_scales(scene);
+  std::vector<const CutCells*> cut_cells;
+  std::vector<Material> materials;
+  for (const BodyModel& body : bodies) {
+    cut_cells.push_back(&body.cut_cells);
+    materials.push_back(body.spec->material);
+  }
+  system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
+  add_supports(scene, supports, scales, system);
+  set_group_rows(system, make_group_rows(pairs, bodies, system));
+  for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
 }
 
 void Simulation::recover() {

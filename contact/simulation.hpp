@@ -48,7 +48,9 @@ struct Simulation {
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results.
   void run(const ProgressCallbacks& progress);
 
- private:
+  /// Its steps, for programs that measure them one by one; between the second and the third comes the solution.
+  void place_on_grids();
+  void make_system();
   void recover();
   void fill_results();
 };
