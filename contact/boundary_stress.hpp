@@ -27,9 +27,9 @@ class BoundaryStress {
  private:
   const BodyMesh& mesh_;
   const PatchSet& patches_;
-  IntView nodes_, patch_cells_;
+  Subset patch_cells_;  ///< cells of the patches of the nodes of field_
   CellStressView stress_;
-  CoefficientView coefficients_;
+  RecoveredField field_;
 };
 
 }  // namespace cgcontact

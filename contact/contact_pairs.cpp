@@ -193,6 +193,33 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
   return pairs;
 }
 
+Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
+                          const BodyMesh& mesh) {
+  constexpr int reach = 3, width = 2 * reach + 1;
+  const BodyModel& model = bodies[body];
+  const CutCells& cc = model.cut_cells;
+  std::vector<char> marked(mesh.num_nodes, 0);
+  int last = -1;
+  for (int p = 0; p < static_cast<int>(cc.boundary.size()); ++p) {
+    const int cell = cc.boundary.cell[p];
+    if (cell == last) continue;
+    const bool on_face = std::any_of(pairs.begin(), pairs.end(), [&](const ContactPair& pair) {
+      return (pair.primary == body || pair.secondary == body) &&
+             pair.face(body).contains(model.surface_names(p), model.point(p), model.normal(p));
+    });
+    if (!on_face) continue;
+    last = cell;
+    const Index3& c = cc.cells[cell];
+    for (int n = 0; n < width * width * width; ++n) {
+      const int near =
+          cc.find({c[0] + n % width - reach, c[1] + n / width % width - reach, c[2] + n / width / width - reach});
+      if (near < 0) continue;
+      for (int node : mesh.cell_nodes[near]) marked[node - mesh.first_node] = 1;
+    }
+  }
+  return Subset(marked);
+}
+
 std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
                                       const ElasticSystem& system) {
   std::vector<GroupRow> rows;
@@ -219,25 +246,25 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
 }
 
 void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies) {
-  for (BodyModel& body : bodies) {
-    body.boundary.links.clear();
-    for (auto& list : body.boundary.links_of_cell) list.clear();
-  }
-  const auto add = [&](int body, ContactLink link) {
-    BoundaryData& data = bodies[body].boundary;
-    data.links_of_cell[link.cell].push_back(static_cast<int>(data.links.size()));
-    data.links.push_back(std::move(link));
-  };
+  for (BodyModel& body : bodies) body.boundary.links.clear();
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const ContactPair& pair = pairs[p];
-    const Mat3 &R1 = bodies[pair.primary].cut_cells.grid.rotation, &R2 = bodies[pair.secondary].cut_cells.grid.rotation;
+    BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+    const Mat3 to_primary = primary.cut_cells.grid.rotation.transpose();
+    const Mat3 to_secondary = secondary.cut_cells.grid.rotation.transpose();
     for (const ContactPoint& q : pair.points) {
       const int index = static_cast<int>(p);
-      add(pair.primary, {q.primary_cell, index, q.primary_position, R1.transpose() * q.normal, q.weight, pair.secondary,
-                         q.secondary_cell, q.secondary_position, q.distance, q.active});
-      add(pair.secondary, {q.secondary_cell, index, q.secondary_position, -(R2.transpose() * q.normal), q.weight,
-                           pair.primary, q.primary_cell, q.primary_position, q.distance, q.active});
+      primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
+                                        pair.secondary, q.secondary_cell, q.secondary_position, q.distance, q.active});
+      secondary.boundary.links.push_back({q.secondary_cell, index, q.secondary_position, -(to_secondary * q.normal),
+                                          q.weight, pair.primary, q.primary_cell, q.primary_position, q.distance,
+                                          q.active});
     }
+  }
+  for (BodyModel& body : bodies) {
+    std::vector<int> cells;
+    for (const ContactLink& link : body.boundary.links) cells.push_back(link.cell);
+    body.boundary.links_of_cell = cells.empty() ? CellLists() : CellLists(body.cut_cells.cells.size(), cells);
   }
 }
 

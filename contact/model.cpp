@@ -38,8 +38,6 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
   std::map<PointConditions, int> index;
   data.condition_of_point.resize(num_points);
   data.pair_of_point.assign(num_points, -1);
-  data.points_of_cell.resize(model.cut_cells.cells.size());
-  data.links_of_cell.resize(model.cut_cells.cells.size());
   for (std::size_t p = 0; p < num_points; ++p) {
     const int point = static_cast<int>(p);
     const Vec3 x = model.point(point), n = model.normal(point);
@@ -53,7 +51,6 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
     const auto [entry, is_new] = index.emplace(key, static_cast<int>(data.conditions.size()));
     if (is_new) data.conditions.push_back(make_condition(scene, key));
     data.condition_of_point[p] = entry->second;
-    data.points_of_cell[model.cut_cells.boundary.cell[p]].push_back(point);
   }
 }
 

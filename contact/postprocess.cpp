@@ -31,9 +31,9 @@ Sym3 raw_stress(const Simulation& sim, int body, int cell, const Vec3& xi) {
   return to_global(sim, body, s);
 }
 
-Sym3 recovered_stress(const Simulation& sim, const CoefficientView& coefficients, int body, int cell, const Vec3& xi) {
+Sym3 recovered_stress(const Simulation& sim, const RecoveredField& field, int body, int cell, const Vec3& xi) {
   double s[6];
-  evaluate_recovered(sim.system.meshes[body], coefficients, cell, xi.data(), s);
+  evaluate_recovered(sim.system.meshes[body], field, cell, xi.data(), s);
   return to_global(sim, body, s);
 }
 
@@ -219,7 +219,6 @@ void fill_body_fields(const Simulation& sim, Results& results) {
       return recovered_stress(sim, sim.sprc[b], b, cell, xi);
     };
     for (double e : sums.error_of_cell) fields.error_of_cell.push_back(std::sqrt(e * energy));
-    if (!sim.patch_kinds.empty()) fields.patch_status_of_node = sim.patch_kinds[b];
     results.bodies.push_back(std::move(fields));
   }
   results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);

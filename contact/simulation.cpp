@@ -91,22 +91,25 @@ void Simulation::recover() {
   update_contact_links(pairs, bodies);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    RecoveryBody body{&mesh, &patches[b], &bodies[b].boundary,
-                      CellStressView("cgcontact::simulation::cell_stress", mesh.cell_nodes.size()),
-                      CoefficientView("cgcontact::simulation::spr", mesh.num_nodes)};
-    integrate_cell_stress(ExecSpace(), mesh, patches[b], IntView(), outer.u, body.stress);
-    const int singular = fit_patches(mesh, patches[b], IntView(), body.stress, body.unconstrained);
+    const int num_cells = static_cast<int>(mesh.cell_nodes.size());
+    RecoveryBody body{&mesh,
+                      &patches[b],
+                      &bodies[b].boundary,
+                      CellStressView("cgcontact::simulation::cell_stress", num_cells),
+                      {Subset(mesh.num_nodes), CoefficientView("cgcontact::simulation::recovered", mesh.num_nodes)}};
+    integrate_cell_stress(mesh, patches[b], Subset(num_cells), outer.u, body.stress);
+    const int singular = fit_patches(mesh, patches[b], body.stress, Subset(num_cells), body.field);
     if (singular > 0)
       results.warnings.push_back(std::to_string(singular) + " patches of body \"" + bodies[b].spec->name +
                                  "\" were singular: constant stress used there");
-    spr.push_back(body.unconstrained);
-    input.push_back(body);
+    spr.push_back(part_of(body.field, nodes_near_contact(pairs, bodies, static_cast<int>(b), mesh)));
+    sprc.push_back(body.field);
+    input.push_back(std::move(body));
   }
   if (scene.recovery.spr_c)
-    recovery_counts = recover_constrained(
-        input, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth}, sprc, patch_kinds);
-  else
-    sprc = spr;
+    recovery_counts =
+        recover_constrained(input, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth});
+  patches.clear();
 }
 
 void Simulation::fill_results() {

@@ -40,8 +40,8 @@ struct Simulation {
   ElasticSystem system;
   std::vector<PatchSet> patches;
   OuterResult outer;
-  std::vector<CoefficientView> spr, sprc;  ///< per body
-  std::vector<std::vector<int>> patch_kinds;
+  std::vector<RecoveredField> spr;   ///< per body: near the contact faces, where it is shown
+  std::vector<RecoveredField> sprc;  ///< per body: everywhere (SPR where the scene does not want SPR-C)
   RecoveryCounts recovery_counts;
   Results results;
 
