@@ -3,10 +3,14 @@
 
 #include <utility>
 
-#include "kernels/system.hpp"
+#include "contact/contact_pairs.hpp"
 #include "recovery/spr.hpp"
 
 namespace cgcontact {
+
+/// Cells of each body in which the outer loop evaluates the recovered stress, ascending.
+std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
+                                               const std::vector<ContactPair>& pairs, std::size_t num_bodies);
 
 /// Recovered stress of one body in selected cells.
 class BoundaryStress {
@@ -23,9 +27,9 @@ class BoundaryStress {
  private:
   const BodyMesh& mesh_;
   const PatchSet& patches_;
-  IntView nodes_, patch_cells_;
+  Subset patch_cells_;  ///< cells of the patches of the nodes of field_
   CellStressView stress_;
-  CoefficientView coefficients_;
+  RecoveredField field_;
 };
 
 }  // namespace cgcontact

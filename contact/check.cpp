@@ -2,19 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
-#include <set>
 
 namespace cgcontact {
 namespace {
 
 /// Active nodes of a body.
 long long count_nodes(const CutCells& cc) {
-  std::set<long long> nodes;
+  const Index3& n = cc.grid.num_cells;
+  std::vector<bool> seen(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1));
   for (const Index3& c : cc.cells)
-    for (int a = 0; a < 8; ++a)
-      nodes.insert(cc.grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)}));
-  return static_cast<long long>(nodes.size());
+    for (int a = 0; a < 8; ++a) seen[cc.grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})] = true;
+  return std::count(seen.begin(), seen.end(), true);
 }
 
 double volume(const CutCells& cc) {

@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
+
+#include "core/parallel.hpp"
 
 namespace cgcontact {
 namespace {
 
 /// Order of the rule on contact pieces: exact for the trilinear shape functions of either body on a plane.
 constexpr int contact_order = 2;
+/// Boundary points per chunk of the parallel loops.
+constexpr std::size_t grain = 512;
 
 /// Planes of the other grid that cross a cell, in the cell's grid coordinates.
 std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
@@ -34,26 +36,35 @@ std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const
   return planes;
 }
 
-/// Active cells of the primary body with the surfaces of the face in them.
-std::map<int, std::set<int>> cells_with_face(const BodyModel& body, const FaceSpec& face) {
-  std::map<int, std::set<int>> cells;
+/// Active cells of the primary body and the surfaces of the face in them, ascending.
+std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const FaceSpec& face) {
+  std::vector<std::pair<int, int>> cells;
   const BoundaryPoints& boundary = body.cut_cells.boundary;
+  const BodyFace points_of_face(face, body);
   for (int p = 0; p < static_cast<int>(boundary.size()); ++p)
-    if (face.contains(body.surface_names(p), body.point(p), body.normal(p)))
-      cells[boundary.cell[p]].insert(boundary.surface[p]);
+    if (points_of_face.contains(p)) cells.emplace_back(boundary.cell[p], boundary.surface[p]);
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   return cells;
 }
 
-/// Points of one cell and surface that have an opposite; appends a group if there are any.
-void add_group(const std::vector<BodyModel>& bodies, int cell, int surface, ContactPair& pair) {
+/// One group: its points and their sums.
+struct GroupPoints {
+  int surface = 0;
+  std::vector<ContactPoint> points;
+  double area = 0, initial_gap = 0;
+};
+
+/// Points of one cell and surface that have an opposite.
+GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
   BoundaryPoints points;
   boundary_points_of_cell(primary.cut_cells, cell, {surface},
                           other_grid_planes(grid, primary.cut_cells.cells[cell], secondary.cut_cells.grid),
                           contact_order, points);
-  ContactGroup group;
-  group.first_point = static_cast<int>(pair.points.size());
+  GroupPoints group;
+  group.surface = surface;
   const auto& names = primary.cut_cells.solid.surfaces()[surface].names;
   for (std::size_t q = 0; q < points.size(); ++q) {
     ContactPoint point;
@@ -62,7 +73,6 @@ void add_group(const std::vector<BodyModel>& bodies, int cell, int surface, Cont
     if (!pair.face(pair.primary).contains(names, point.x, point.normal)) continue;
     const auto opposite = find_opposite(secondary, pair.face(pair.secondary), point.x, point.normal, pair.search);
     if (!opposite) continue;
-    point.group = static_cast<int>(pair.groups.size());
     point.primary_cell = cell;
     point.primary_position = points.position[q];
     point.primary_xi = cell_coordinates(primary.cut_cells, cell, points.position[q]);
@@ -74,26 +84,38 @@ void add_group(const std::vector<BodyModel>& bodies, int cell, int surface, Cont
     point.distance = std::abs(opposite->distance) > 1e-12 * grid.cell_size ? opposite->distance : 0.0;
     group.area += point.weight;
     group.initial_gap += point.weight * (point.distance - pair.spec->interference);
+    group.points.push_back(point);
+  }
+  if (group.area > 0) group.initial_gap /= group.area;
+  return group;
+}
+
+/// Appends the points of a group that has any area.
+void add_group(const GroupPoints& found, ContactPair& pair) {
+  if (!(found.area > 0)) return;
+  ContactGroup group;
+  group.first_point = static_cast<int>(pair.points.size());
+  group.surface = found.surface;
+  group.area = found.area;
+  group.initial_gap = found.initial_gap;
+  for (ContactPoint point : found.points) {
+    point.group = static_cast<int>(pair.groups.size());
     pair.points.push_back(point);
   }
   group.last_point = static_cast<int>(pair.points.size());
-  if (!(group.area > 0)) {
-    pair.points.resize(group.first_point);
-    return;
-  }
-  group.surface = surface;
-  group.initial_gap /= group.area;
   pair.groups.push_back(group);
 }
 
 /// Marks the default boundary points of one side that face the other body.
 void mark_boundary_points(const ContactPair& pair, int index, int body, int other, std::vector<BodyModel>& bodies) {
   BodyModel& model = bodies[body];
-  for (int p = 0; p < static_cast<int>(model.cut_cells.boundary.size()); ++p) {
-    const Vec3 x = model.point(p), n = model.normal(p);
-    if (model.boundary.pair_of_point[p] >= 0 || !pair.face(body).contains(model.surface_names(p), x, n)) continue;
-    if (find_opposite(bodies[other], pair.face(other), x, n, pair.search)) model.boundary.pair_of_point[p] = index;
-  }
+  const BodyFace face(pair.face(body), model);
+  parallel_for(model.cut_cells.boundary.size(), grain, [&](std::size_t point) {
+    const int p = static_cast<int>(point);
+    if (model.boundary.pair_of_point[p] >= 0 || !face.contains(p)) return;
+    if (find_opposite(bodies[other], pair.face(other), model.point(p), model.normal(p), pair.search))
+      model.boundary.pair_of_point[p] = index;
+  });
 }
 
 ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::vector<BodyModel>& bodies) {
@@ -106,8 +128,11 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   const double E1 = scene.bodies[a].material.youngs_modulus, E2 = scene.bodies[b].material.youngs_modulus;
   pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));
   pair.search = spec.search_distance > 0 ? spec.search_distance : 2 * std::max(h(a), h(b));
-  for (const auto& [cell, surfaces] : cells_with_face(bodies[pair.primary], pair.face(pair.primary)))
-    for (int surface : surfaces) add_group(bodies, cell, surface, pair);
+  const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
+  std::vector<GroupPoints> groups(places.size());
+  parallel_for(places.size(), 8,
+               [&](std::size_t i) { groups[i] = find_group(bodies, pair, places[i].first, places[i].second); });
+  for (const GroupPoints& group : groups) add_group(group, pair);
   return pair;
 }
 
@@ -118,9 +143,9 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies) {
       if (a == b) continue;
       const CutCells& other = bodies[b].cut_cells;
       const double limit = 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
-      for (int p = 0; p < static_cast<int>(bodies[a].cut_cells.boundary.size()); ++p) {
-        const Vec3 x = bodies[a].point(p), g = other.grid.to_grid(x);
-        if (!other.solid.contains(g)) continue;
+      parallel_for(bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
+        const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
+        if (!other.solid.contains(g)) return;
         double depth = 1e300;
         for (const Surface& s : other.solid.surfaces()) depth = std::min(depth, std::abs(s.signed_distance(g)));
         depth *= other.grid.cell_size;
@@ -129,8 +154,21 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies) {
                            fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})",
                                        scene.bodies[b].name, depth, x[0], x[1], x[2]),
                            fmt::format("overlap up to half a cell, {:g} m", limit));
-      }
+      });
     }
+}
+
+/// Entries of one row in the order of the DoFs, those of one DoF summed in the order in which they came.
+GroupRow sum_by_dof(std::vector<std::pair<int, double>> entries) {
+  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  GroupRow row;
+  for (const auto& [dof, value] : entries)
+    if (!row.entries.empty() && row.entries.back().first == dof)
+      row.entries.back().second += value;
+    else
+      row.entries.emplace_back(dof, value);
+  row.entries.shrink_to_fit();
+  return row;
 }
 
 }  // namespace
@@ -142,7 +180,8 @@ std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpe
   const Vec3 origin = grid.to_grid(x), direction = grid.rotation.transpose() * n;
   const double reach = search / grid.cell_size;
   std::optional<OppositePoint> best;
-  std::vector<char> side(solid.surfaces().size());
+  static thread_local std::vector<char> side;
+  side.assign(solid.surfaces().size(), 0);
   for (std::size_t s = 0; s < solid.surfaces().size(); ++s) {
     double t[2];
     const int count = solid.surfaces()[s].intersect_line(origin, direction, t);
@@ -194,6 +233,34 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
   return pairs;
 }
 
+Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
+                          const BodyMesh& mesh) {
+  constexpr int reach = 3, width = 2 * reach + 1;
+  const BodyModel& model = bodies[body];
+  const CutCells& cc = model.cut_cells;
+  std::vector<char> marked(mesh.num_nodes, 0);
+  std::vector<BodyFace> faces;
+  for (const ContactPair& pair : pairs)
+    if (pair.primary == body || pair.secondary == body) faces.emplace_back(pair.face(body), model);
+  int last = -1;
+  for (int p = 0; p < static_cast<int>(cc.boundary.size()); ++p) {
+    const int cell = cc.boundary.cell[p];
+    if (cell == last) continue;
+    const bool on_face =
+        std::any_of(faces.begin(), faces.end(), [&](const BodyFace& face) { return face.contains(p); });
+    if (!on_face) continue;
+    last = cell;
+    const Index3& c = cc.cells[cell];
+    for (int n = 0; n < width * width * width; ++n) {
+      const int near =
+          cc.find({c[0] + n % width - reach, c[1] + n / width % width - reach, c[2] + n / width / width - reach});
+      if (near < 0) continue;
+      for (int node : mesh.cell_nodes[near]) marked[node - mesh.first_node] = 1;
+    }
+  }
+  return Subset(marked);
+}
+
 std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
                                       const ElasticSystem& system) {
   constexpr std::size_t max_surfaces = 4096;  // a family is a surface of a pair
@@ -201,14 +268,14 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const ContactPair& pair = pairs[k];
     for (const ContactGroup& group : pair.groups) {
-      std::map<int, double> entries;
+      std::vector<std::pair<int, double>> entries;
       const auto add = [&](int body, int cell, const Vec3& xi, const Vec3& direction) {
         const Vec3 local = bodies[body].cut_cells.grid.rotation.transpose() * direction;
         double N[8];
         hex_shape(xi.data(), N);
         for (int a = 0; a < 8; ++a)
           for (int i = 0; i < 3; ++i)
-            if (local[i] != 0) entries[3 * system.meshes[body].cell_nodes[cell][a] + i] += N[a] * local[i];
+            if (local[i] != 0) entries.emplace_back(3 * system.meshes[body].cell_nodes[cell][a] + i, N[a] * local[i]);
       };
       for (int q = group.first_point; q < group.last_point; ++q) {
         const ContactPoint& point = pair.points[q];
@@ -217,9 +284,7 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
         add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
       }
       const ContactPoint& first = pair.points[group.first_point];
-      rows.push_back({{entries.begin(), entries.end()},
-                      pair.primary,
-                      first.primary_cell,
+      rows.push_back({sum_by_dof(std::move(entries)), pair.primary, first.primary_cell,
                       static_cast<int>(k * max_surfaces + group.surface)});
     }
   }
@@ -227,25 +292,25 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
 }
 
 void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies) {
-  for (BodyModel& body : bodies) {
-    body.boundary.links.clear();
-    for (auto& list : body.boundary.links_of_cell) list.clear();
-  }
-  const auto add = [&](int body, ContactLink link) {
-    BoundaryData& data = bodies[body].boundary;
-    data.links_of_cell[link.cell].push_back(static_cast<int>(data.links.size()));
-    data.links.push_back(std::move(link));
-  };
+  for (BodyModel& body : bodies) body.boundary.links.clear();
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const ContactPair& pair = pairs[p];
-    const Mat3 &R1 = bodies[pair.primary].cut_cells.grid.rotation, &R2 = bodies[pair.secondary].cut_cells.grid.rotation;
+    BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+    const Mat3 to_primary = primary.cut_cells.grid.rotation.transpose();
+    const Mat3 to_secondary = secondary.cut_cells.grid.rotation.transpose();
     for (const ContactPoint& q : pair.points) {
       const int index = static_cast<int>(p);
-      add(pair.primary, {q.primary_cell, index, q.primary_position, R1.transpose() * q.normal, q.weight, pair.secondary,
-                         q.secondary_cell, q.secondary_position, q.distance, q.active});
-      add(pair.secondary, {q.secondary_cell, index, q.secondary_position, -(R2.transpose() * q.normal), q.weight,
-                           pair.primary, q.primary_cell, q.primary_position, q.distance, q.active});
+      primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
+                                        pair.secondary, q.secondary_cell, q.secondary_position, q.distance, q.active});
+      secondary.boundary.links.push_back({q.secondary_cell, index, q.secondary_position, -(to_secondary * q.normal),
+                                          q.weight, pair.primary, q.primary_cell, q.primary_position, q.distance,
+                                          q.active});
     }
+  }
+  for (BodyModel& body : bodies) {
+    std::vector<int> cells;
+    for (const ContactLink& link : body.boundary.links) cells.push_back(link.cell);
+    body.boundary.links_of_cell = cells.empty() ? CellLists() : CellLists(body.cut_cells.cells.size(), cells);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "contact/model.hpp"
+#include "recovery/subset.hpp"
 
 namespace cgcontact {
 
@@ -54,6 +55,10 @@ struct ContactPair {
 /// Pairs of the scene; also marks the bodies' boundary points that have an opposite surface.
 /// Throws InputError if a named pair has no point in reach or the bodies overlap by more than half a cell.
 std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies);
+
+/// Nodes of a body's cells within a few cells of its contact faces.
+Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
+                          const BodyMesh& mesh);
 
 /// Rows of the mean gap change of all groups of all pairs, in order; dimensionless (displacement per displacement).
 std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,

@@ -36,24 +36,24 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
   const std::size_t num_points = model.cut_cells.boundary.size();
   BoundaryData& data = model.boundary;
   std::map<PointConditions, int> index;
+  std::vector<std::pair<int, BodyFace>> supports, loads;
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
+    if (scene.supports[s].face.body == body) supports.emplace_back(s, BodyFace(scene.supports[s].face.face, model));
+  for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l)
+    if (scene.loads[l].face.body == body) loads.emplace_back(l, BodyFace(scene.loads[l].face.face, model));
   data.condition_of_point.resize(num_points);
   data.pair_of_point.assign(num_points, -1);
-  data.points_of_cell.resize(model.cut_cells.cells.size());
-  data.links_of_cell.resize(model.cut_cells.cells.size());
+  PointConditions key;
   for (std::size_t p = 0; p < num_points; ++p) {
-    const int point = static_cast<int>(p);
-    const Vec3 x = model.point(point), n = model.normal(point);
-    PointConditions key;
-    for (std::size_t s = 0; s < scene.supports.size(); ++s)
-      if (scene.supports[s].face.body == body && scene.supports[s].face.face.contains(model.surface_names(point), x, n))
-        key.supports.push_back(static_cast<int>(s)), support_used[s] = 1;
-    for (std::size_t l = 0; l < scene.loads.size(); ++l)
-      if (scene.loads[l].face.body == body && scene.loads[l].face.face.contains(model.surface_names(point), x, n))
-        key.loads.push_back(static_cast<int>(l)), load_used[l] = 1;
+    key.supports.clear();
+    key.loads.clear();
+    for (const auto& [s, face] : supports)
+      if (face.contains(static_cast<int>(p))) key.supports.push_back(s), support_used[s] = 1;
+    for (const auto& [l, face] : loads)
+      if (face.contains(static_cast<int>(p))) key.loads.push_back(l), load_used[l] = 1;
     const auto [entry, is_new] = index.emplace(key, static_cast<int>(data.conditions.size()));
     if (is_new) data.conditions.push_back(make_condition(scene, key));
     data.condition_of_point[p] = entry->second;
-    data.points_of_cell[model.cut_cells.boundary.cell[p]].push_back(point);
   }
 }
 
@@ -178,9 +178,10 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
     const int b = support.face.body;
     const BodyModel& body = bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
+    const BodyFace face(support.face.face, body);
     for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+      if (!face.contains(p)) continue;
       const Vec3 x = body.point(p), n = body.normal(p);
-      if (!support.face.face.contains(body.surface_names(p), x, n)) continue;
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
           n, n, body.area(p),     0.0};

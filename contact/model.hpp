@@ -32,6 +32,24 @@ struct BodyModel {
   }
 };
 
+/// A named face on one body's boundary points; the names are compared once.
+class BodyFace {
+ public:
+  BodyFace(const FaceSpec& face, const BodyModel& body) : face_(face), body_(body) {
+    for (const Surface& s : body.cut_cells.solid.surfaces()) selected_.push_back(face.selects(s.names));
+  }
+  bool contains(int boundary_point) const {
+    if (!selected_[body_.cut_cells.boundary.surface[boundary_point]]) return false;
+    if (!face_.box && !face_.normal_cone) return true;
+    return face_.contains(body_.point(boundary_point), body_.normal(boundary_point));
+  }
+
+ private:
+  const FaceSpec& face_;
+  const BodyModel& body_;
+  std::vector<char> selected_;
+};
+
 /// kappa of a body's supports (the scene's kappa is the contact's). On a body about one cell thick that is held on both
 /// sides the outer iteration contracts like 2.7 / kappa: three times stiffer there (docs/decisions.md).
 double support_kappa(const Scene& scene, const BodyModel& body);

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "contact/boundary_stress.hpp"
+#include "core/parallel.hpp"
 
 namespace cgcontact {
 namespace {
@@ -16,6 +17,8 @@ constexpr double inner_fraction = 0.005;
 constexpr double loosest_inner_tolerance = 1e-3;
 /// Forces below this part of the kappa terms, and stresses below this part of E u / h, are rounding.
 constexpr double no_force = 1e-10, no_stress = 1e-11;
+/// Points per chunk of the parallel loops.
+constexpr std::size_t grain = 512;
 
 double norm(const std::vector<double>& v) {
   double sum = 0;
@@ -70,17 +73,10 @@ OuterLoop::OuterLoop(OuterProblem& problem)
       solver_(problem.system,
               problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid,
               free_thickness(problem.bodies)) {
-  std::vector<std::set<int>> cells(problem.bodies.size());
-  for (const SupportPoint& p : problem.supports) cells[p.body].insert(p.cell);
-  for (const ContactPair& pair : problem.pairs)
-    for (const ContactPoint& q : pair.points) {
-      cells[pair.primary].insert(q.primary_cell);
-      cells[pair.secondary].insert(q.secondary_cell);
-    }
+  const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
   boundary_stress_.reserve(cells.size());
   for (std::size_t b = 0; b < cells.size(); ++b)
-    boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b],
-                                  std::vector<int>(cells[b].begin(), cells[b].end()));
+    boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b], cells[b]);
   load_ = make_load_vector(problem.bodies, problem.system, problem.scales);
   support_stress_.assign(problem.supports.size(), 0.0);
   for (const ContactPair& pair : problem.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
@@ -205,22 +201,21 @@ double OuterLoop::update_recovered_stress() {
     difference += weight * (after - before) * (after - before);
     norm += weight * after * after;
   };
-  for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
-    const SupportPoint& p = problem_.supports[s];
-    const double value = boundary_stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
-    add(p.weight, support_stress_[s], value);
-    support_stress_[s] = value;
-  }
+  const auto replace = [&](std::vector<double>& values, const auto& points, const auto& stress_at) {
+    std::vector<double> before(values.size());
+    before.swap(values);
+    parallel_for(points.size(), grain, [&](std::size_t i) { values[i] = stress_at(points[i]); });
+    for (std::size_t i = 0; i < points.size(); ++i) add(points[i].weight, before[i], values[i]);
+  };
+  replace(support_stress_, problem_.supports, [&](const SupportPoint& p) {
+    return boundary_stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
+  });
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
-    for (std::size_t q = 0; q < pair.points.size(); ++q) {
-      const ContactPoint& c = pair.points[q];
-      const double value =
-          -0.5 * (boundary_stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.normal) +
-                  boundary_stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.normal));
-      add(c.weight, contact_stress_[k][q], value);
-      contact_stress_[k][q] = value;
-    }
+    replace(contact_stress_[k], pair.points, [&](const ContactPoint& c) {
+      return -0.5 * (boundary_stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.normal) +
+                     boundary_stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.normal));
+    });
   }
   // A motion without stress: what is recovered is rounding of E u / h, not a stress to converge to.
   double largest = 0;
@@ -341,26 +336,34 @@ std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& b
     size[b] = grid.cell_size * *std::max_element(grid.num_cells.begin(), grid.num_cells.end());
   }
   // Rigid motion of body b: translation t and rotation r / size; u . d = t . d + (r x (x - c) / size) . d.
+  using Row = Eigen::Matrix<double, 12, 1>;  // of one body or two
+  using Matrix = Eigen::Matrix<double, 12, 12>;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6 * n, 6 * n);
-  const auto row = [&](Eigen::VectorXd& v, int b, const Vec3& x, const Vec3& d) {
-    v.segment<3>(6 * b) += d;
-    v.segment<3>(6 * b + 3) += ((x - centre[b]) / size[b]).cross(d);
+  const auto set = [&](Row& row, int place, int b, const Vec3& x, const Vec3& d) {
+    row.segment<3>(6 * place) = d;
+    row.segment<3>(6 * place + 3) = ((x - centre[b]) / size[b]).cross(d);
   };
+  std::vector<Matrix> held(n, Matrix::Zero());
+  Row row = Row::Zero();
   for (const SupportPoint& p : supports) {
     const CutCells& cc = bodies[p.body].cut_cells;
     const Index3& c = cc.cells[p.cell];
-    Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * n);
-    row(v, p.body, cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones())), p.direction);
-    A += p.weight / (size[p.body] * size[p.body]) * v * v.transpose();
+    set(row, 0, p.body, cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones())), p.direction);
+    held[p.body].noalias() += p.weight / (size[p.body] * size[p.body]) * row * row.transpose();
   }
-  for (const ContactPair& pair : pairs)
+  for (std::size_t b = 0; b < n; ++b) A.block<6, 6>(6 * b, 6 * b) += held[b].topLeftCorner<6, 6>();
+  for (const ContactPair& pair : pairs) {
+    Matrix sum = Matrix::Zero();
     for (const ContactPoint& q : pair.points) {
       if (!q.active) continue;
-      Eigen::VectorXd v = Eigen::VectorXd::Zero(6 * n);
-      row(v, pair.primary, q.x, -q.normal);
-      row(v, pair.secondary, q.x, q.normal);
-      A += q.weight / (size[pair.primary] * size[pair.primary]) * v * v.transpose();
+      set(row, 0, pair.primary, q.x, -q.normal);
+      set(row, 1, pair.secondary, q.x, q.normal);
+      sum.noalias() += q.weight / (size[pair.primary] * size[pair.primary]) * row * row.transpose();
     }
+    const int body[2] = {pair.primary, pair.secondary};
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) A.block<6, 6>(6 * body[i], 6 * body[j]) += sum.block<6, 6>(6 * i, 6 * j);
+  }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
   if (eigen.eigenvalues()[0] > 1e-9 * eigen.eigenvalues()[6 * n - 1]) return {};
   const Eigen::VectorXd mode = eigen.eigenvectors().col(0);

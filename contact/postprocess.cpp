@@ -6,10 +6,14 @@
 
 #include "contact/pressure_error.hpp"
 #include "contact/reference.hpp"
+#include "core/parallel.hpp"
 #include "recovery/error_estimate.hpp"
 
 namespace cgcontact {
 namespace {
+
+/// Boundary points per chunk of the parallel loops.
+constexpr std::size_t grain = 128;
 
 /// Stress in Pa and global axes of one of the three fields at cell coordinates.
 Sym3 to_global(const Simulation& sim, int body, const double s[6]) {
@@ -32,9 +36,9 @@ Sym3 raw_stress(const Simulation& sim, int body, int cell, const Vec3& xi) {
   return to_global(sim, body, s);
 }
 
-Sym3 recovered_stress(const Simulation& sim, const CoefficientView& coefficients, int body, int cell, const Vec3& xi) {
+Sym3 recovered_stress(const Simulation& sim, const RecoveredField& field, int body, int cell, const Vec3& xi) {
   double s[6];
-  evaluate_recovered(sim.system.meshes[body], coefficients, cell, xi.data(), s);
+  evaluate_recovered(sim.system.meshes[body], field, cell, xi.data(), s);
   return to_global(sim, body, s);
 }
 
@@ -206,7 +210,7 @@ void fill_body_fields(const Simulation& sim, Results& results) {
         for (int k = 0; k < 6; ++k) s[k] = reference.stress_of_body[b][k](x);
         return s;
       };
-    const EnergySums sums = estimate_error(sim.system.meshes[b], sim.scales, sim.sprc[b], sim.outer.u, exact);
+    EnergySums sums = estimate_error(sim.system.meshes[b], sim.scales, sim.sprc[b], sim.outer.u, exact);
     error += sums.error;
     solution += sums.solution;
     exact_error += sums.exact_error;
@@ -219,8 +223,8 @@ void fill_body_fields(const Simulation& sim, Results& results) {
     fields.stress_recovered = [&sim, b](int cell, const Vec3& xi) {
       return recovered_stress(sim, sim.sprc[b], b, cell, xi);
     };
-    for (double e : sums.error_of_cell) fields.error_of_cell.push_back(std::sqrt(e * energy));
-    if (!sim.patch_kinds.empty()) fields.patch_status_of_node = sim.patch_kinds[b];
+    fields.error_of_cell = std::move(sums.error_of_cell);
+    for (double& e : fields.error_of_cell) e = std::sqrt(e * energy);
     results.bodies.push_back(std::move(fields));
   }
   results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);
@@ -235,15 +239,19 @@ void fill_body_fields(const Simulation& sim, Results& results) {
 void fill_contact_rows(const Simulation& sim, Results& results) {
   for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
     const BodyModel& body = sim.bodies[b];
-    for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
-      int pair = body.boundary.pair_of_point[p];
-      if (pair < 0) pair = pair_of_face(sim, b, body.surface_names(p), body.point(p), body.normal(p));
-      if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic)) continue;
-      ContactRow row =
-          make_row(sim, b, pair, body.cut_cells.boundary.cell[p], body.cut_cells.boundary.position[p], body.normal(p));
-      row.weight = body.area(p);
-      results.contact_rows.push_back(row);
-    }
+    const BoundaryPoints& boundary = body.cut_cells.boundary;
+    std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain));
+    parallel_chunks(boundary.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+        int pair = body.boundary.pair_of_point[p];
+        if (pair < 0) pair = pair_of_face(sim, b, body.surface_names(p), body.point(p), body.normal(p));
+        if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic)) continue;
+        ContactRow row = make_row(sim, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
+        row.weight = body.area(p);
+        chunks[chunk].push_back(row);
+      }
+    });
+    for (const auto& rows : chunks) results.contact_rows.insert(results.contact_rows.end(), rows.begin(), rows.end());
   }
 }
 
@@ -300,10 +308,16 @@ void fill_path(const Simulation& sim, Results& results) {
   const Reference reference(sim.scene);
   const auto [from, to] = path_ends(sim, results);
   const bool by_coordinate = !sim.scene.reference.pressure_file.empty();
-  for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b)
+  const auto place = [&](int i) { return (i + 0.5) / num_samples; };
+  for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
+    std::vector<std::optional<ContactRow>> rows(num_samples);
+    parallel_for(num_samples, 8, [&, &path_from = from, &path_to = to](std::size_t i) {
+      const double t = place(static_cast<int>(i));
+      rows[i] = project_to_face(sim, results, b, (1 - t) * path_from + t * path_to);
+    });
     for (int i = 0; i < num_samples; ++i) {
-      const double t = (i + 0.5) / num_samples;
-      const auto row = project_to_face(sim, results, b, (1 - t) * from + t * to);
+      const double t = place(i);
+      const std::optional<ContactRow>& row = rows[i];
       if (!row) continue;
       PathSample sample;
       sample.body = b;
@@ -316,6 +330,7 @@ void fill_path(const Simulation& sim, Results& results) {
       if (sample.has_reference) sample.pressure_reference = reference.pressure(row->x);
       results.path.push_back(sample);
     }
+  }
 }
 
 void fill_pressure_errors(const Simulation& sim, Results& results) {

@@ -40,24 +40,6 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
-ElasticSystem make_system(const Scene& scene, const std::vector<BodyModel>& bodies,
-                          const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
-                          const Scales& scales) {
-  std::vector<const CutCells*> cut_cells;
-  std::vector<Material> materials;
-  for (const BodyModel& body : bodies) {
-    cut_cells.push_back(&body.cut_cells);
-    materials.push_back(body.spec->material);
-  }
-  ElasticSystem system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
-  add_supports(scene, bodies, supports, scales, system);
-  set_group_rows(system, make_group_rows(pairs, bodies, system));
-  for (const ContactPair& pair : pairs)
-    for (const ContactGroup& g : pair.groups)
-      system.full_group_stiffness.push_back(pair.stiffness * g.area / (scales.stress * scales.length));
-  return system;
-}
-
 Preparation prepare(const Scene& scene) {
   Preparation p;
   p.bodies = make_body_models(scene);
@@ -72,17 +54,8 @@ Preparation prepare(const Scene& scene) {
 
 void Simulation::run(const ProgressCallbacks& progress) {
   PhaseClock phase(results.times_s, progress);
-  phase("cut cells", [&] {
-    Preparation p = prepare(scene);
-    bodies = std::move(p.bodies);
-    supports = std::move(p.supports);
-    pairs = std::move(p.pairs);
-  });
-  phase("operator", [&] {
-    scales = make_scales(scene);
-    system = make_system(scene, bodies, supports, pairs, scales);
-    for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
-  });
+  phase("cut cells", [&] { place_on_grids(); });
+  phase("operator", [&] { make_system(); });
   phase("solve", [&] {
     OuterProblem problem{scene, bodies, patches, pairs, supports, system, scales};
     outer = solve_contact(problem, progress.step);
@@ -92,27 +65,54 @@ void Simulation::run(const ProgressCallbacks& progress) {
   results.peak_memory_bytes = peak_memory_bytes();
 }
 
+void Simulation::place_on_grids() {
+  Preparation p = prepare(scene);
+  bodies = std::move(p.bodies);
+  supports = std::move(p.supports);
+  pairs = std::move(p.pairs);
+}
+
+void Simulation::make_system() {
+  scales = make_scales(scene);
+  std::vector<const CutCells*> cut_cells;
+  std::vector<Material> materials;
+  for (const BodyModel& body : bodies) {
+    cut_cells.push_back(&body.cut_cells);
+    materials.push_back(body.spec->material);
+  }
+  system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
+  add_supports(scene, bodies, supports, scales, system);
+  set_group_rows(system, make_group_rows(pairs, bodies, system));
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& g : pair.groups)
+      system.full_group_stiffness.push_back(pair.stiffness * g.area / (scales.stress * scales.length));
+  for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
+}
+
 void Simulation::recover() {
   std::vector<RecoveryBody> input;
   update_contact_links(pairs, bodies);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    RecoveryBody body{&mesh, &patches[b], &bodies[b].boundary,
-                      CellStressView("cgcontact::simulation::cell_stress", mesh.cell_nodes.size()),
-                      CoefficientView("cgcontact::simulation::spr", mesh.num_nodes)};
-    integrate_cell_stress(ExecSpace(), mesh, patches[b], IntView(), outer.u, body.stress);
-    const int singular = fit_patches(mesh, patches[b], IntView(), body.stress, body.unconstrained);
+    const int num_cells = static_cast<int>(mesh.cell_nodes.size());
+    RecoveryBody body{&mesh,
+                      &patches[b],
+                      &bodies[b].boundary,
+                      CellStressView("cgcontact::simulation::cell_stress", num_cells),
+                      {Subset(mesh.num_nodes), CoefficientView("cgcontact::simulation::recovered", mesh.num_nodes)}};
+    integrate_cell_stress(mesh, patches[b], Subset(num_cells), outer.u, body.stress);
+    const int singular = fit_patches(mesh, patches[b], body.stress, Subset(num_cells), body.field);
     if (singular > 0)
       results.warnings.push_back(std::to_string(singular) + " patches of body \"" + bodies[b].spec->name +
                                  "\" were singular: constant stress used there");
-    spr.push_back(body.unconstrained);
-    input.push_back(body);
+    spr.push_back(part_of(body.field, nodes_near_contact(pairs, bodies, static_cast<int>(b), mesh)));
+    sprc.push_back(body.field);
+    input.push_back(std::move(body));
   }
   if (scene.recovery.spr_c)
-    recovery_counts = recover_constrained(
-        input, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth}, sprc, patch_kinds);
-  else
-    sprc = spr;
+    recovery_counts =
+        recover_constrained(input, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth});
+  patches.clear();
 }
 
 void Simulation::fill_results() {

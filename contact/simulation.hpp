@@ -29,11 +29,6 @@ Preparation prepare(const Scene& scene);
 
 Scales make_scales(const Scene& scene);
 
-/// Stiffness of the bodies, their supports and contact groups (open: set_group_stiffness closes them).
-ElasticSystem make_system(const Scene& scene, const std::vector<BodyModel>& bodies,
-                          const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
-                          const Scales& scales);
-
 /// Everything a run leaves behind; `results` refers to the other members.
 struct Simulation {
   explicit Simulation(const Scene& s) : scene(s) {}
@@ -47,15 +42,17 @@ struct Simulation {
   ElasticSystem system;
   std::vector<PatchSet> patches;
   OuterResult outer;
-  std::vector<CoefficientView> spr, sprc;  ///< per body
-  std::vector<std::vector<int>> patch_kinds;
+  std::vector<RecoveredField> spr;   ///< per body: near the contact faces, where it is shown
+  std::vector<RecoveredField> sprc;  ///< per body: everywhere (SPR where the scene does not want SPR-C)
   RecoveryCounts recovery_counts;
   Results results;
 
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results.
   void run(const ProgressCallbacks& progress);
 
- private:
+  /// Its steps, for programs that measure them one by one; between the second and the third comes the solution.
+  void place_on_grids();
+  void make_system();
   void recover();
   void fill_results();
 };

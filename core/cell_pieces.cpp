@@ -138,9 +138,10 @@ void drop_lost_pieces(const LocalSolid& local, std::size_t first, BoundaryPoints
       if (points.surface[i] == surface) area += points.weight[i];
     if (area == 0 || area > lost_piece) continue;
     BoundaryPoints kept;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      if (i < first || points.surface[i] != surface) kept.append(points, i, points.cell[i]);
-    points = std::move(kept);
+    for (std::size_t i = first; i < points.size(); ++i)
+      if (points.surface[i] != surface) kept.append(points, i, points.cell[i]);
+    points.truncate(first);
+    for (std::size_t i = 0; i < kept.size(); ++i) points.append(kept, i, kept.cell[i]);
   }
 }
 

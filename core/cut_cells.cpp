@@ -8,6 +8,7 @@
 #include "core/cell_pieces.hpp"
 #include "core/errors.hpp"
 #include "core/moments.hpp"
+#include "core/parallel.hpp"
 
 namespace cgcontact {
 
@@ -16,14 +17,14 @@ namespace {
 constexpr double prune_fraction = 1e-12;  // cells with less volume than this are rounding
 constexpr double full_tolerance = 1e-13;  // moments this near to those of a full cell are made full
 constexpr int default_order = 3;
+constexpr std::size_t grain = 16;  // cells per chunk of the parallel loop
 
 /// A cell that a surface may cross, with what was found in it.
 struct Candidate {
   Index3 cell;
-  LocalSolid local;
   Moments moments;
   BoundaryPoints points;
-  bool pruned = false, full = false;
+  bool pruned = false;
 };
 
 /// Mean position and normal of the points of one surface in a cell.
@@ -75,7 +76,7 @@ class CutCellBuilder {
 
   CutCells run() {
     classes_ = classify_cells(result_.solid, result_.grid);
-    for (const Index3& cell : classes_.candidates) integrate(cell);
+    integrate_candidates();
     number_cells();
     if (result_.cells.empty()) throw InputError("the body is empty");
     adopt_pruned();
@@ -84,28 +85,44 @@ class CutCellBuilder {
   }
 
  private:
-  void integrate(const Index3& cell) {
-    const Vec3 corner(cell[0], cell[1], cell[2]);
-    Candidate candidate{cell, make_local_solid(result_.solid, corner, 1), {}, {}};
-    if (candidate.local.is_constant()) {
-      if (candidate.local.table[0]) set_inside(cell);
+  void integrate_candidates() {
+    const std::vector<Index3>& cells = classes_.candidates;
+    std::vector<std::vector<Candidate>> found(num_chunks(cells.size(), grain));
+    parallel_chunks(cells.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) integrate(cells[i], found[chunk]);
+    });
+    std::size_t total = 0;
+    for (const auto& chunk : found) total += chunk.size();
+    candidates_.reserve(total);
+    for (auto& chunk : found) {
+      std::move(chunk.begin(), chunk.end(), std::back_inserter(candidates_));
+      chunk = {};
+    }
+    classes_.candidates = {};
+  }
+
+  /// Appends the cell to `found` unless it turns out to be empty or full.
+  void integrate(const Index3& cell, std::vector<Candidate>& found) {
+    const LocalSolid local = make_local_solid(result_.solid, Vec3(cell[0], cell[1], cell[2]), 1);
+    if (local.is_constant()) {
+      if (local.table[0]) set_inside(cell);
       return;
     }
-    candidate.moments = cell_moments(result_.solid, candidate.local, cell);
-    cell_boundary_points(result_.solid, candidate.local, cell, {}, {}, default_order, 0, candidate.points);
+    Candidate candidate{cell, cell_moments(result_.solid, local, cell), {}};
+    cell_boundary_points(result_.solid, local, cell, {}, {}, default_order, 0, candidate.points);
     candidate.pruned = candidate.moments[0] < 8 * prune_fraction;
     if (!candidate.pruned) {
       if (!in_grid(cell)) throw InputError("the body sticks out of its grid");
       double difference = 0;
       for (int q = 0; q < num_moments; ++q)
         difference = std::max(difference, std::abs(candidate.moments[q] - full_cell_moments()[q]));
-      candidate.full = difference < 8 * full_tolerance;
-      if (candidate.full) candidate.moments = full_cell_moments();
-      if (candidate.full && candidate.points.size() == 0) return set_inside(cell);
+      const bool full = difference < 8 * full_tolerance;
+      if (full) candidate.moments = full_cell_moments();
+      if (full && candidate.points.size() == 0) return set_inside(cell);
     } else if (candidate.points.size() == 0) {
       return;
     }
-    candidates_.push_back(std::move(candidate));
+    found.push_back(std::move(candidate));
   }
 
   bool in_grid(const Index3& c) const {
@@ -122,6 +139,10 @@ class CutCellBuilder {
   void number_cells() {
     const Grid& grid = result_.grid;
     result_.active_of_cell.assign(grid.num_cells_total(), -1);
+    const std::size_t expected =
+        candidates_.size() + std::count(classes_.inside.begin(), classes_.inside.end(), char{1});
+    result_.cells.reserve(expected);
+    candidate_of_active_.reserve(expected);
     std::size_t next = 0;
     for (int k = 0; k < grid.num_cells[2]; ++k)
       for (int j = 0; j < grid.num_cells[1]; ++j)
@@ -215,14 +236,22 @@ class CutCellBuilder {
     for (int a = 0; a < num_active; ++a) is_cut[a] = candidate_of_active_[a] >= 0;
     for (const Adoption& adoption : result_.adoptions) is_cut[adoption.active] = 1;
     result_.cut_of_active.assign(num_active, -1);
-    std::size_t adopted = 0;
+    const std::size_t num_cut = std::count(is_cut.begin(), is_cut.end(), char{1});
+    result_.active_of_cut.reserve(num_cut);
+    result_.moments.reserve(num_cut);
+    std::size_t num_points = 0, adopted = 0;
+    for (const Candidate& candidate : candidates_) num_points += candidate.points.size();
+    result_.boundary.reserve(num_points);
     for (int a = 0; a < num_active; ++a) {
       if (!is_cut[a]) continue;
       const int candidate = candidate_of_active_[a];
       result_.cut_of_active[a] = static_cast<int>(result_.moments.size());
       result_.active_of_cut.push_back(a);
       result_.moments.push_back(candidate >= 0 ? candidates_[candidate].moments : full_cell_moments());
-      if (candidate >= 0) append_points(candidates_[candidate].points, -1, a, result_.boundary);
+      if (candidate >= 0) {
+        append_points(candidates_[candidate].points, -1, a, result_.boundary);
+        candidates_[candidate].points = {};
+      }
       for (; adopted < donors_.size() && result_.adoptions[adopted].active == a; ++adopted)
         append_points(candidates_[donors_[adopted]].points, result_.adoptions[adopted].surface, a, result_.boundary);
     }

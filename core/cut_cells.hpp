@@ -39,6 +39,21 @@ struct BoundaryPoints {
     cell.push_back(owner);
     surface.push_back(on_surface);
   }
+  void reserve(std::size_t n) {
+    position.reserve(n);
+    normal.reserve(n);
+    weight.reserve(n);
+    cell.reserve(n);
+    surface.reserve(n);
+  }
+  /// Keeps the first n points.
+  void truncate(std::size_t n) {
+    position.resize(n);
+    normal.resize(n);
+    weight.resize(n);
+    cell.resize(n);
+    surface.resize(n);
+  }
   /// Appends point i of another set, owned by `owner`.
   void append(const BoundaryPoints& from, std::size_t i, int owner) {
     append(from.position[i], from.normal[i], from.weight[i], owner, from.surface[i]);

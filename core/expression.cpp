@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <mutex>
 
 #include "core/suggest.hpp"
 
@@ -124,18 +125,33 @@ void check_text(const std::string& text, const SourcePlace& place) {
   }
 }
 
+/// A parser with the variables it is bound to; never moved.
+struct BoundParser {
+  BoundParser(const std::string& text, const Constants& constants) : parser(make_parser(constants)) {
+    for (int k = 0; k < 3; ++k) parser.DefineVar(axis_names[k], &x[k]);
+    parser.SetExpr(text);
+  }
+  BoundParser(const BoundParser&) = delete;
+  double evaluate(const Vec3& point) {
+    for (int k = 0; k < 3; ++k) x[k] = point[k];
+    return parser.Eval();
+  }
+
+  double x[3] = {0, 0, 0};
+  mu::Parser parser;
+};
+
 }  // namespace
 
-/// The parser with the variables it is bound to; never moved.
+/// A text that has been checked, with as many parsers as threads have ever evaluated it at the same time.
 struct Expression::Compiled {
   Compiled(const std::string& text_in, const SourcePlace& place_in, const Constants& constants_in)
       : text(text_in), place(place_in), constants(constants_in) {
     try {
-      parser = make_parser(constants);
-      for (int k = 0; k < 3; ++k) parser.DefineVar(axis_names[k], &x[k]);
-      parser.SetExpr(text);
-      is_constant = parser.GetUsedVar().empty();
-      parser.Eval();  // makes the bytecode
+      auto parser = std::make_unique<BoundParser>(text, constants);
+      is_constant = parser->parser.GetUsedVar().empty();
+      parser->parser.Eval();  // makes the bytecode
+      idle.push_back(std::move(parser));
     } catch (const mu::ParserError& error) {
       fail(error, text, place, constants, true);
     }
@@ -144,8 +160,12 @@ struct Expression::Compiled {
   Compiled& operator=(const Compiled&) = delete;
 
   double evaluate(const Vec3& point) {
-    for (int k = 0; k < 3; ++k) x[k] = point[k];
-    const double value = parser.Eval();
+    std::unique_ptr<BoundParser> parser = take();
+    const double value = parser->evaluate(point);
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      idle.push_back(std::move(parser));
+    }
     if (std::isfinite(value)) return value;
     const std::string at = is_constant ? ""
                                        : " at x = " + format_number(point[0]) + ", y = " + format_number(point[1]) +
@@ -156,11 +176,24 @@ struct Expression::Compiled {
                      "finite values wherever the expression is used");
   }
 
+  /// A parser that no other thread uses.
+  std::unique_ptr<BoundParser> take() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!idle.empty()) {
+        auto parser = std::move(idle.back());
+        idle.pop_back();
+        return parser;
+      }
+    }
+    return std::make_unique<BoundParser>(text, constants);
+  }
+
   std::string text;
   SourcePlace place;
   Constants constants;
-  double x[3] = {0, 0, 0};
-  mu::Parser parser;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<BoundParser>> idle;
   bool is_constant = false;
 };
 

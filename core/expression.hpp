@@ -14,8 +14,7 @@ namespace cgcontact {
 /// Named numbers that expressions may use besides x, y, z and pi (the scene's [parameters]).
 using Constants = std::map<std::string, double>;
 
-/// A number or an expression of x, y, z. Copies share nothing that is modified concurrently: one copy per thread may be
-/// evaluated at the same time, one object may not.
+/// A number or an expression of x, y, z. Several threads may evaluate one object at the same time.
 class Expression {
  public:
   Expression();  ///< zero

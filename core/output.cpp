@@ -17,6 +17,7 @@
 #include "core/output_picture.hpp"
 #include "core/output_plots.hpp"
 #include "core/output_vtk.hpp"
+#include "core/parallel.hpp"
 #include "core/resources.hpp"
 
 namespace cgcontact {
@@ -113,29 +114,28 @@ void replace(const fs::path& written, const fs::path& target, const std::vector<
 }
 
 std::vector<DrawnBody> draw_bodies(const Results& results) {
-  std::vector<DrawnBody> drawn;
-  for (const BodyFields& body : results.bodies) drawn.push_back(draw_body(body));
+  std::vector<DrawnBody> drawn(results.bodies.size());
+  parallel_for(drawn.size(), 1, [&](std::size_t b) { drawn[b] = draw_body(results.bodies[b]); });
   return drawn;
 }
 
-/// All files but the report.
+/// All files but the report. The pictures are begun first: gnuplot draws while the other files are written.
 std::vector<std::string> write_files(const Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
-  std::vector<std::string> warnings;
+  GnuplotRuns runs(temporary.path().string());
+  if (scene.output.plots) write_plots(results, scene, runs);
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
-  if (!scene.output.vtk && !scene.output.plots) return warnings;
-
-  const std::vector<DrawnBody> drawn = draw_bodies(results);
-  if (scene.output.vtk) {
-    write_vtk(results, drawn, temporary.file("result.vtkhdf"));
-    const ContactSurface surface = make_contact_surface(results, drawn);
-    if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
+  if (scene.output.vtk || scene.output.plots) {
+    const std::vector<DrawnBody> drawn = draw_bodies(results);
+    if (scene.output.plots) write_picture(results, drawn, runs);
+    if (scene.output.vtk) {
+      write_vtk(results, drawn, temporary.file("result.vtkhdf"));
+      const ContactSurface surface = make_contact_surface(results, drawn);
+      if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
+    }
   }
-  if (scene.output.plots) {
-    write_plots(results, scene, temporary.path().string(), warnings);
-    write_picture(results, drawn, temporary.path().string(), warnings);
-    std::error_code error;
-    if (warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
-  }
+  const std::vector<std::string> warnings = runs.finish();
+  std::error_code error;
+  if (warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
   return warnings;
 }
 

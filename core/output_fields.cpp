@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "core/parallel.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -144,16 +146,16 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
   drawn.mesh = std::move(mesh);
   const CutCells& cut_cells = *fields.cut_cells;
   const std::size_t n = drawn.mesh.points.size();
-  drawn.position.reserve(n);
-  if (fields.displacement) drawn.displacement.reserve(n);
-  if (fields.stress_recovered) drawn.stress.reserve(n);
-  for (std::size_t p = 0; p < n; ++p) {
+  drawn.position.resize(n);
+  if (fields.displacement) drawn.displacement.resize(n);
+  if (fields.stress_recovered) drawn.stress.resize(n);
+  parallel_for(n, 512, [&](std::size_t p) {
     const int cell = drawn.mesh.cell_of_point[p];
     const Vec3 xi = clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]);
-    drawn.position.push_back(cut_cells.grid.to_global(drawn.mesh.points[p]));
-    if (fields.displacement) drawn.displacement.push_back(fields.displacement(cell, xi));
-    if (fields.stress_recovered) drawn.stress.push_back(fields.stress_recovered(cell, xi));
-  }
+    drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);
+    if (fields.displacement) drawn.displacement[p] = fields.displacement(cell, xi);
+    if (fields.stress_recovered) drawn.stress[p] = fields.stress_recovered(cell, xi);
+  });
   return drawn;
 }
 

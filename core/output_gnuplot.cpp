@@ -29,8 +29,8 @@ constexpr std::array<std::array<double, 3>, 7> colours{{{0.15, 0.18, 0.50},
                                                         {0.93, 0.50, 0.20},
                                                         {0.68, 0.11, 0.13}}};
 
-/// Runs gnuplot in a folder; 0, or an error number when it could not be started, or -1 when it failed.
-int spawn_gnuplot(const std::string& folder, const std::string& script, const std::string& log) {
+/// Starts gnuplot in a folder; 0, or an error number when it could not be started.
+int spawn_gnuplot(const std::string& folder, const std::string& script, const std::string& log, pid_t& child) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
@@ -39,46 +39,55 @@ int spawn_gnuplot(const std::string& folder, const std::string& script, const st
   posix_spawn_file_actions_adddup2(&actions, 1, 2);
   std::string program = "gnuplot", option = "-d", file = script;
   char* const arguments[] = {program.data(), option.data(), file.data(), nullptr};
-  pid_t child = 0;
   const int error = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
   posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return error;
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return errno;
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 0 : -1;
+  return error;
 }
 
-void add_once(std::vector<std::string>& warnings, const std::string& warning) {
-  if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
+/// Did the child end well?
+bool wait_for(pid_t child) {
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0)
+    if (errno != EINTR) return false;
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace
 
-void run_gnuplot(const std::string& directory, const std::string& name, const std::string& script,
-                 const std::string& picture, std::vector<std::string>& warnings) {
-  const fs::path folder = fs::path(directory) / "plots";
+GnuplotRuns::~GnuplotRuns() { finish(); }
+
+void GnuplotRuns::warn(const std::string& warning) {
+  if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
+}
+
+void GnuplotRuns::start(const std::string& name, const std::string& script, const std::string& picture) {
+  const fs::path folder = fs::path(directory_) / "plots";
   write_text((folder / (name + ".gp")).string(), script);
-  const std::string log = name + ".log";
-  const int status = spawn_gnuplot(folder.string(), name + ".gp", log);
-  std::error_code error;
-  if (status == ENOENT) {
-    add_once(warnings,
-             "no pictures: the program gnuplot was not found (Debian package gnuplot-nox); its scripts and data are in "
-             "the folder plots of the result");
-    return;
+  pid_t child = 0;
+  const int error = spawn_gnuplot(folder.string(), name + ".gp", name + ".log", child);
+  if (error == 0)
+    runs_.push_back({name, picture, child});
+  else if (error == ENOENT)
+    warn(
+        "no pictures: the program gnuplot was not found (Debian package gnuplot-nox); its scripts and data are in "
+        "the folder plots of the result");
+  else
+    warn(fmt::format("no pictures: gnuplot could not be started ({})", std::strerror(error)));
+}
+
+const std::vector<std::string>& GnuplotRuns::finish() {
+  for (const Run& run : runs_) {
+    const bool ended_well = wait_for(run.child);
+    const fs::path picture = fs::path(directory_) / run.picture;
+    std::error_code error;
+    const bool drawn = fs::exists(picture, error) && fs::file_size(picture, error) > 0;
+    if (ended_well && drawn) continue;
+    fs::remove(picture, error);
+    warn(fmt::format("no {0}: gnuplot failed on plots/{1}.gp, its messages are in plots/{1}.log", run.picture,
+                     run.name));
   }
-  if (status > 0) {
-    add_once(warnings, fmt::format("no pictures: gnuplot could not be started ({})", std::strerror(status)));
-    return;
-  }
-  const bool drawn =
-      fs::exists(fs::path(directory) / picture) && fs::file_size(fs::path(directory) / picture, error) > 0;
-  if (status != 0 || !drawn) {
-    fs::remove(fs::path(directory) / picture, error);
-    add_once(warnings,
-             fmt::format("no {}: gnuplot failed on plots/{}.gp, its messages are in plots/{}", picture, name, log));
-  }
+  runs_.clear();
+  return warnings_;
 }
 
 std::array<double, 3> palette_colour(double value) {

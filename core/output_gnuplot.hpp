@@ -7,10 +7,31 @@
 
 namespace cgcontact {
 
-/// Writes `script` as `name`.gp into the folder `plots` of the result directory and runs gnuplot there; `picture` (in
-/// the result directory) must exist afterwards. Failures become warnings, the script and its data stay.
-void run_gnuplot(const std::string& directory, const std::string& name, const std::string& script,
-                 const std::string& picture, std::vector<std::string>& warnings);
+/// The pictures of one result directory: each run of gnuplot starts as soon as its data are written and goes on beside
+/// the program. Scripts and data lie in the folder `plots` of the directory.
+class GnuplotRuns {
+ public:
+  explicit GnuplotRuns(const std::string& directory) : directory_(directory) {}
+  ~GnuplotRuns();
+  GnuplotRuns(const GnuplotRuns&) = delete;
+  GnuplotRuns& operator=(const GnuplotRuns&) = delete;
+
+  const std::string& directory() const { return directory_; }
+  /// Writes `script` as `name`.gp and starts gnuplot on it; `picture` (in the directory) must exist in the end.
+  void start(const std::string& name, const std::string& script, const std::string& picture);
+  void warn(const std::string& warning);
+  /// Waits for all runs. Failures are warnings, their scripts and data stay.
+  const std::vector<std::string>& finish();
+
+ private:
+  struct Run {
+    std::string name, picture;
+    int child;
+  };
+  const std::string directory_;
+  std::vector<Run> runs_;
+  std::vector<std::string> warnings_;
+};
 
 /// Colour of a value in [0,1], from blue to red; channels in [0,1].
 std::array<double, 3> palette_colour(double value);

@@ -1,17 +1,16 @@
 /// scene.png: the deformed bodies coloured by the von Mises stress of the recovered field.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/output_fields.hpp"
+#include "core/output_gnuplot.hpp"
 #include "core/results.hpp"
 
 namespace cgcontact {
 
 /// Thin bodies (at most two cells across) are seen from the front, others from above at an angle, cut open
-/// where the contact lies inside. Writes into `directory`, needs its folder plots.
-void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& directory,
-                   std::vector<std::string>& warnings);
+/// where the contact lies inside. Needs the folder plots of the result directory.
+void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -85,11 +85,10 @@ std::string pressure_curves(const Results& results, const std::vector<std::vecto
   return text;
 }
 
-void write_pressure_plot(const Results& results, const Scene& scene, const std::string& directory,
-                         std::vector<std::string>& warnings) {
+void write_pressure_plot(const Results& results, const Scene& scene, GnuplotRuns& runs) {
   const auto bodies = samples_by_body(results);
   if (bodies.empty()) {
-    if (!results.contact_rows.empty()) warnings.push_back("no pressure.svg: output.path meets no contact face");
+    if (!results.contact_rows.empty()) runs.warn("no pressure.svg: output.path meets no contact face");
     return;
   }
   double first = results.path.front().s, last = first;
@@ -99,7 +98,7 @@ void write_pressure_plot(const Results& results, const Scene& scene, const std::
   }
   const auto [low, high] = pressure_range(results);
   const PressureAxes axes{length_unit(std::max(-first, last)), stress_unit(std::max(-low, high) / 1.12), low, high};
-  write_text(directory + "/plots/pressure.dat", pressure_data(bodies, axes));
+  write_text(runs.directory() + "/plots/pressure.dat", pressure_data(bodies, axes));
 
   const bool by_reference = !scene.reference.pressure_file.empty();
   std::string script =
@@ -117,16 +116,15 @@ void write_pressure_plot(const Results& results, const Scene& scene, const std::
   if (last > first)
     script += fmt::format("set xrange [{}:{}]\n", first * axes.length.factor, last * axes.length.factor);
   script += "plot \\\n" + pressure_curves(results, bodies) + "  NaN notitle\n";
-  run_gnuplot(directory, "pressure", script, "pressure.svg", warnings);
+  runs.start("pressure", script, "pressure.svg");
 }
 
 }  // namespace
 
-void write_plots(const Results& results, const Scene& scene, const std::string& directory,
-                 std::vector<std::string>& warnings) {
-  std::filesystem::create_directory(directory + "/plots");
-  write_pressure_plot(results, scene, directory, warnings);
-  write_stress_error_plot(results, directory, warnings);
+void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs) {
+  std::filesystem::create_directory(runs.directory() + "/plots");
+  write_pressure_plot(results, scene, runs);
+  write_stress_error_plot(results, runs);
 }
 
 }  // namespace cgcontact

@@ -25,14 +25,12 @@ RasterImage::RasterImage(int width, int height, int oversampling, const Camera& 
   fine_.assign(static_cast<std::size_t>(width_) * height_, background);
 }
 
-double RasterImage::line_cover(const Vec3& grid, const Mat3& gradient) const {
+double RasterImage::line_cover(const Vec3& grid, const Screen& screen) {
   double cover = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double slope = std::hypot(gradient(axis, 0), gradient(axis, 1)) * oversampling_;  // cells per final pixel
-    if (slope < 1e-6) continue;
-    const double fade = std::clamp((1 / slope - line_fade_to) / (line_fade_from - line_fade_to), 0.0, 1.0);
-    const double distance = std::abs(grid[axis] - std::round(grid[axis])) / slope;
-    if (distance < line_half_width) cover = std::max(cover, fade);
+    if (screen.line_strength[axis] <= cover) continue;
+    const double distance = std::abs(grid[axis] - std::round(grid[axis])) / screen.cells_per_pixel[axis];
+    if (distance < line_half_width) cover = screen.line_strength[axis];
   }
   return cover;
 }
@@ -55,7 +53,13 @@ bool RasterImage::project(const std::array<RasterVertex, 3>& triangle, double sh
     screen.slope(v, 0) = (y[a] - y[b]) / area;
     screen.slope(v, 1) = (x[b] - x[a]) / area;
   }
-  screen.gradient = screen.grid * screen.slope;
+  const Mat3 gradient = screen.grid * screen.slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double slope = std::hypot(gradient(axis, 0), gradient(axis, 1)) * oversampling_;
+    screen.cells_per_pixel[axis] = slope;
+    screen.line_strength[axis] =
+        slope < 1e-6 ? 0 : std::clamp((1 / slope - line_fade_to) / (line_fade_from - line_fade_to), 0.0, 1.0);
+  }
   const Vec3 side = triangle[1].position - triangle[0].position, other = triangle[2].position - triangle[0].position;
   screen.normal = side.cross(other).normalized();
   const Vec3 light = (camera_.eye + 0.5 * camera_.up + 0.35 * camera_.right).normalized();
@@ -75,7 +79,7 @@ void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const 
   if (depth <= pixel.depth) return;
   const double value = weight[0] * triangle[0].value + weight[1] * triangle[1].value + weight[2] * triangle[2].value;
   const std::array<double, 3> colour = palette_colour(value);
-  const double factor = screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen.gradient));
+  const double factor = screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
   pixel.depth = depth;
   pixel.red = static_cast<float>(factor * colour[0]);
   pixel.green = static_cast<float>(factor * colour[1]);

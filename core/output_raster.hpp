@@ -43,8 +43,10 @@ class RasterImage {
   /// A triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
   struct Screen {
     double x[3], y[3], z[3];
-    Mat3 slope, grid, gradient;
+    Mat3 slope, grid;
     Vec3 normal;
+    Vec3 cells_per_pixel;  ///< by axis, of the averaged image
+    Vec3 line_strength;    ///< of the grid lines across each axis
     double shade;
     int body;
   };
@@ -52,7 +54,7 @@ class RasterImage {
   bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
   void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row);
   /// Fraction of the pixel that lies on a grid line.
-  double line_cover(const Vec3& grid, const Mat3& gradient) const;
+  static double line_cover(const Vec3& grid, const Screen& screen);
   bool is_outline(int x, int y) const;
 
   int width_, height_, oversampling_;

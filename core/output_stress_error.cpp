@@ -230,7 +230,7 @@ std::string map_script(const Results& results, const std::vector<std::vector<Str
 
 }  // namespace
 
-void write_stress_error_plot(const Results& results, const std::string& directory, std::vector<std::string>& warnings) {
+void write_stress_error_plot(const Results& results, GnuplotRuns& runs) {
   std::vector<std::vector<StressErrorSample>> bodies;
   for (std::size_t b = 0; b < results.bodies.size(); ++b) {
     std::vector<StressErrorSample> samples;
@@ -243,11 +243,11 @@ void write_stress_error_plot(const Results& results, const std::string& director
   const AxisUnit length = length_unit((layout.low.cwiseAbs() + layout.extent).maxCoeff());
   const AxisUnit stress = stress_unit(colour_limit(results.stress_errors));
   const bool curves = layout.kind != Layout::Kind::map;
-  write_text(directory + "/plots/stress_error.dat",
+  write_text(runs.directory() + "/plots/stress_error.dat",
              curves ? curve_data(bodies, layout, length, stress) : map_data(bodies, layout, length, stress));
   const std::string script = curves ? curve_script(results, bodies, layout, length, stress)
                                     : map_script(results, bodies, layout, length, stress);
-  run_gnuplot(directory, "stress_error", script, "stress_error.svg", warnings);
+  runs.start("stress_error", script, "stress_error.svg");
 }
 
 }  // namespace cgcontact

@@ -1,8 +1,10 @@
 #include "core/output_vtk.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/output_hdf.hpp"
+#include "core/parallel.hpp"
 
 namespace cgcontact {
 
@@ -10,127 +12,189 @@ namespace {
 
 constexpr unsigned char vtk_triangle = 5, vtk_tetrahedron = 10, vtk_hexahedron = 12;
 
-/// Unstructured grid as VTK stores it.
-struct VtkGrid {
-  std::vector<double> points;
-  std::vector<unsigned char> types;
-  std::vector<long long> connectivity, offsets{0};
-
-  long long num_points() const { return static_cast<long long>(points.size() / 3); }
-  template <class Points>
-  void add_cell(unsigned char type, const Points& cell, long long first_point) {
-    for (int p : cell) connectivity.push_back(first_point + p);
-    offsets.push_back(static_cast<long long>(connectivity.size()));
-    types.push_back(type);
-  }
+struct GridSizes {
+  std::size_t points = 0, cells = 0, ids = 0;
 };
 
-void write_grid(const VtkGrid& grid, HdfFile& file) {
+void write_header(const GridSizes& sizes, HdfFile& file) {
   file.make_group("/VTKHDF");
   file.set_attribute("/VTKHDF", "Version", std::vector<long long>{1, 0});
   file.set_attribute("/VTKHDF", "Type", "UnstructuredGrid");
-  file.write("/VTKHDF/NumberOfPoints", std::vector<long long>{grid.num_points()});
-  file.write("/VTKHDF/NumberOfCells", std::vector<long long>{static_cast<long long>(grid.types.size())});
-  file.write("/VTKHDF/NumberOfConnectivityIds",
-             std::vector<long long>{static_cast<long long>(grid.connectivity.size())});
-  file.write("/VTKHDF/Points", grid.points, 3);
-  file.write("/VTKHDF/Types", grid.types);
-  file.write("/VTKHDF/Connectivity", grid.connectivity);
-  file.write("/VTKHDF/Offsets", grid.offsets);
-  file.make_group("/VTKHDF/PointData");
-  file.make_group("/VTKHDF/CellData");
-  file.make_group("/VTKHDF/FieldData");
+  const auto number = [&](const char* name, std::size_t n) {
+    file.write(std::string("/VTKHDF/NumberOf") + name, std::vector<long long>{static_cast<long long>(n)});
+  };
+  number("Points", sizes.points);
+  number("Cells", sizes.cells);
+  number("ConnectivityIds", sizes.ids);
+  for (const char* group : {"PointData", "CellData", "FieldData"}) file.make_group(std::string("/VTKHDF/") + group);
 }
 
-template <class Vector>
-void append(const Vector& vector, std::vector<float>& values) {
-  for (Eigen::Index k = 0; k < vector.size(); ++k) values.push_back(static_cast<float>(vector[k]));
-}
-
-template <class Vector>
-void append(const Vector& vector, std::vector<double>& values) {
-  for (Eigen::Index k = 0; k < vector.size(); ++k) values.push_back(vector[k]);
-}
-
-/// Arrays of result.vtkhdf, cell by cell and point by point in the order of the grid.
-struct BodyArrays {
-  VtkGrid grid;
-  std::vector<int> body, cell;
-  std::vector<float> displacement, stress_recovered, von_mises, stress_raw, error, error_density;
+/// One cell of a drawn body: hexahedra come first, then tetrahedra.
+struct DrawnCell {
+  const int* points;
+  int num_points;
+  int cell;  ///< active cell
 };
 
-/// One drawn cell with the values of its active cell.
-template <class Points>
-void add_cell(const BodyFields& fields, int body, unsigned char type, const Points& points, int cell,
-              const std::vector<Vec3>& positions, long long first_point, BodyArrays& arrays) {
-  arrays.grid.add_cell(type, points, first_point);
-  arrays.body.push_back(body);
-  arrays.cell.push_back(cell);
-  const CutCells& cut_cells = *fields.cut_cells;
-  if (fields.stress_raw) {
-    Vec3 centroid = Vec3::Zero();
-    for (int p : points) centroid += positions[p] / static_cast<double>(points.size());
-    append(fields.stress_raw(cell, clamped_cell_coordinates(cut_cells, cell, centroid)), arrays.stress_raw);
-  }
-  const bool known = static_cast<std::size_t>(cell) < fields.error_of_cell.size();
-  const double error = known ? fields.error_of_cell[cell] : 0;
-  const double volume = cut_cells.volume_fraction(cell) * std::pow(cut_cells.grid.cell_size, 3);
-  arrays.error.push_back(static_cast<float>(error));
-  arrays.error_density.push_back(static_cast<float>(volume > 0 ? error / std::sqrt(volume) : 0));
+DrawnCell drawn_cell(const ClippedMesh& mesh, std::size_t i) {
+  const std::size_t hexahedra = mesh.hexahedra.size();
+  if (i < hexahedra) return {mesh.hexahedra[i].data(), 8, mesh.cell_of_hexahedron[i]};
+  return {mesh.tetrahedra[i - hexahedra].data(), 4, mesh.cell_of_tetrahedron[i - hexahedra]};
 }
 
-void add_body(const BodyFields& fields, int body, const DrawnBody& drawn, BodyArrays& arrays) {
-  const long long first_point = arrays.grid.num_points();
-  for (const Vec3& x : drawn.position) append(x, arrays.grid.points);
-  for (const Vec3& u : drawn.displacement) append(u, arrays.displacement);
-  for (const Sym3& s : drawn.stress) {
-    append(s, arrays.stress_recovered);
-    arrays.von_mises.push_back(static_cast<float>(von_mises(s)));
-  }
-  const ClippedMesh& mesh = drawn.mesh;
-  for (std::size_t i = 0; i < mesh.hexahedra.size(); ++i)
-    add_cell(fields, body, vtk_hexahedron, mesh.hexahedra[i], mesh.cell_of_hexahedron[i], mesh.points, first_point,
-             arrays);
-  for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
-    add_cell(fields, body, vtk_tetrahedron, mesh.tetrahedra[i], mesh.cell_of_tetrahedron[i], mesh.points, first_point,
-             arrays);
+std::size_t num_cells(const ClippedMesh& mesh) { return mesh.hexahedra.size() + mesh.tetrahedra.size(); }
+
+/// Connectivity entries before cell i.
+std::size_t offset_of_cell(const ClippedMesh& mesh, std::size_t i) {
+  return 8 * std::min(i, mesh.hexahedra.size()) + 4 * (i - std::min(i, mesh.hexahedra.size()));
 }
 
-/// Writes an array unless some body lacks the field.
-template <class T>
-void write_full(HdfFile& file, const std::string& path, const std::vector<T>& values, std::size_t rows, int columns) {
-  if (values.size() == rows * static_cast<std::size_t>(std::max(columns, 1))) file.write(path, values, columns);
-}
+/// Writes the bodies' arrays one after the other, so that only one of them is in memory at a time.
+class BodyWriter {
+ public:
+  BodyWriter(const std::vector<DrawnBody>& bodies, HdfFile& file) : bodies_(bodies), file_(file) {}
+
+  /// fill(body, i, row) sets the row of the body's i-th point.
+  template <class T, class Fill>
+  void points(const std::string& name, int columns, const Fill& fill) const {
+    write<T>(
+        name, columns, [](const ClippedMesh& mesh) { return mesh.points.size(); }, fill);
+  }
+  /// fill(body, i, row) sets the row of the body's i-th cell.
+  template <class T, class Fill>
+  void cells(const std::string& name, int columns, const Fill& fill) const {
+    write<T>(name, columns, num_cells, fill);
+  }
+
+  void grid() const {
+    GridSizes sizes;
+    for (const DrawnBody& body : bodies_) {
+      sizes.points += body.mesh.points.size();
+      sizes.cells += num_cells(body.mesh);
+      sizes.ids += offset_of_cell(body.mesh, num_cells(body.mesh));
+    }
+    write_header(sizes, file_);
+    points<double>("Points", 3, [&](std::size_t b, std::size_t p, double* row) { set(bodies_[b].position[p], row); });
+    cells<unsigned char>("Types", 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
+      *row = i < bodies_[b].mesh.hexahedra.size() ? vtk_hexahedron : vtk_tetrahedron;
+    });
+    connectivity(sizes);
+  }
+
+  template <class Vector, class T>
+  static void set(const Vector& vector, T* row) {
+    for (Eigen::Index k = 0; k < vector.size(); ++k) row[k] = static_cast<T>(vector[k]);
+  }
+
+ private:
+  template <class T, class Count, class Fill>
+  void write(const std::string& name, int columns, const Count& count, const Fill& fill) const {
+    std::size_t total = 0, first = 0;
+    for (const DrawnBody& body : bodies_) total += count(body.mesh);
+    const std::size_t width = std::max(columns, 1);
+    std::vector<T> values(total * width);
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const std::size_t n = count(bodies_[b].mesh);
+      parallel_for(n, 1024, [&](std::size_t i) { fill(b, i, &values[(first + i) * width]); });
+      first += n;
+    }
+    file_.write("/VTKHDF/" + name, values, columns);
+  }
+
+  void connectivity(const GridSizes& sizes) const {
+    std::vector<long long> values(sizes.ids);
+    std::size_t first_id = 0, first_point = 0;
+    for (const DrawnBody& body : bodies_) {
+      const std::size_t n = num_cells(body.mesh);
+      parallel_for(n, 1024, [&](std::size_t i) {
+        const DrawnCell cell = drawn_cell(body.mesh, i);
+        long long* id = &values[first_id + offset_of_cell(body.mesh, i)];
+        for (int p = 0; p < cell.num_points; ++p) id[p] = static_cast<long long>(first_point) + cell.points[p];
+      });
+      first_id += offset_of_cell(body.mesh, n);
+      first_point += body.mesh.points.size();
+    }
+    file_.write("/VTKHDF/Connectivity", values);
+    values.assign(1, 0);
+    values.reserve(sizes.cells + 1);
+    for (const DrawnBody& body : bodies_) {
+      const long long first = values.back();
+      for (std::size_t i = 1; i <= num_cells(body.mesh); ++i)
+        values.push_back(first + static_cast<long long>(offset_of_cell(body.mesh, i)));
+    }
+    file_.write("/VTKHDF/Offsets", values);
+  }
+
+  const std::vector<DrawnBody>& bodies_;
+  HdfFile& file_;
+};
 
 }  // namespace
 
 void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& file_name) {
-  BodyArrays arrays;
-  for (std::size_t b = 0; b < bodies.size(); ++b) add_body(results.bodies[b], static_cast<int>(b), bodies[b], arrays);
   HdfFile file;
-  write_grid(arrays.grid, file);
-  const std::size_t points = arrays.grid.points.size() / 3, cells = arrays.grid.types.size();
-  write_full(file, "/VTKHDF/PointData/displacement", arrays.displacement, points, 3);
-  write_full(file, "/VTKHDF/PointData/stress_recovered", arrays.stress_recovered, points, 6);
-  write_full(file, "/VTKHDF/PointData/von_mises", arrays.von_mises, points, 0);
-  write_full(file, "/VTKHDF/CellData/body", arrays.body, cells, 0);
-  write_full(file, "/VTKHDF/CellData/cell", arrays.cell, cells, 0);
-  write_full(file, "/VTKHDF/CellData/stress_raw", arrays.stress_raw, cells, 6);
-  write_full(file, "/VTKHDF/CellData/estimated_error", arrays.error, cells, 0);
-  write_full(file, "/VTKHDF/CellData/estimated_error_density", arrays.error_density, cells, 0);
+  const BodyWriter write(bodies, file);
+  write.grid();
+  // An array is left out if some body lacks the field.
+  const auto all = [&](const auto& has) { return std::all_of(bodies.begin(), bodies.end(), has); };
+  if (all([](const DrawnBody& body) { return !body.displacement.empty(); }))
+    write.points<float>("PointData/displacement", 3, [&](std::size_t b, std::size_t p, float* row) {
+      BodyWriter::set(bodies[b].displacement[p], row);
+    });
+  if (all([](const DrawnBody& body) { return !body.stress.empty(); })) {
+    write.points<float>("PointData/stress_recovered", 6,
+                        [&](std::size_t b, std::size_t p, float* row) { BodyWriter::set(bodies[b].stress[p], row); });
+    write.points<float>("PointData/von_mises", 0, [&](std::size_t b, std::size_t p, float* row) {
+      *row = static_cast<float>(von_mises(bodies[b].stress[p]));
+    });
+  }
+  write.cells<int>("CellData/body", 0, [](std::size_t b, std::size_t, int* row) { *row = static_cast<int>(b); });
+  write.cells<int>("CellData/cell", 0,
+                   [&](std::size_t b, std::size_t i, int* row) { *row = drawn_cell(bodies[b].mesh, i).cell; });
+  if (std::all_of(results.bodies.begin(), results.bodies.end(), [](const auto& fields) { return fields.stress_raw; }))
+    write.cells<float>("CellData/stress_raw", 6, [&](std::size_t b, std::size_t i, float* row) {
+      const DrawnCell cell = drawn_cell(bodies[b].mesh, i);
+      Vec3 centroid = Vec3::Zero();
+      for (int p = 0; p < cell.num_points; ++p) centroid += bodies[b].mesh.points[cell.points[p]] / cell.num_points;
+      const BodyFields& fields = results.bodies[b];
+      BodyWriter::set(fields.stress_raw(cell.cell, clamped_cell_coordinates(*fields.cut_cells, cell.cell, centroid)),
+                      row);
+    });
+  const auto error_of_cell = [&](std::size_t b, int cell) {
+    const std::vector<double>& errors = results.bodies[b].error_of_cell;
+    return static_cast<std::size_t>(cell) < errors.size() ? errors[cell] : 0.0;
+  };
+  write.cells<float>("CellData/estimated_error", 0, [&](std::size_t b, std::size_t i, float* row) {
+    *row = static_cast<float>(error_of_cell(b, drawn_cell(bodies[b].mesh, i).cell));
+  });
+  write.cells<float>("CellData/estimated_error_density", 0, [&](std::size_t b, std::size_t i, float* row) {
+    const int cell = drawn_cell(bodies[b].mesh, i).cell;
+    const CutCells& cut_cells = *results.bodies[b].cut_cells;
+    const double volume = cut_cells.volume_fraction(cell) * std::pow(cut_cells.grid.cell_size, 3);
+    *row = static_cast<float>(volume > 0 ? error_of_cell(b, cell) / std::sqrt(volume) : 0);
+  });
   file.save(file_name);
 }
 
 void write_vtk_contact(const ContactSurface& surface, const std::string& file_name) {
   static const char* const names[] = {"gap", "pressure_raw", "pressure_spr", "pressure_sprc"};
-  VtkGrid grid;
-  for (const Vec3& x : surface.position) append(x, grid.points);
-  for (const auto& triangle : surface.triangles) grid.add_cell(vtk_triangle, triangle, 0);
   HdfFile file;
-  write_grid(grid, file);
-  std::vector<float> displacement;
-  for (const Vec3& u : surface.displacement) append(u, displacement);
-  write_full(file, "/VTKHDF/PointData/displacement", displacement, surface.position.size(), 3);
+  write_header({surface.position.size(), surface.size(), 3 * surface.size()}, file);
+  const auto flat = [](const std::vector<Vec3>& vectors, auto zero) {
+    std::vector<decltype(zero)> values(3 * vectors.size());
+    for (std::size_t p = 0; p < vectors.size(); ++p) BodyWriter::set(vectors[p], &values[3 * p]);
+    return values;
+  };
+  std::vector<long long> connectivity, offsets{0};
+  for (const auto& triangle : surface.triangles) {
+    connectivity.insert(connectivity.end(), triangle.begin(), triangle.end());
+    offsets.push_back(static_cast<long long>(connectivity.size()));
+  }
+  file.write("/VTKHDF/Points", flat(surface.position, 0.0), 3);
+  file.write("/VTKHDF/Types", std::vector<unsigned char>(surface.size(), vtk_triangle));
+  file.write("/VTKHDF/Connectivity", connectivity);
+  file.write("/VTKHDF/Offsets", offsets);
+  if (!surface.displacement.empty()) file.write("/VTKHDF/PointData/displacement", flat(surface.displacement, 0.0f), 3);
   file.write("/VTKHDF/CellData/body", surface.body);
   file.write("/VTKHDF/CellData/pair", surface.pair);
   file.write("/VTKHDF/CellData/status", surface.active);

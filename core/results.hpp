@@ -20,7 +20,6 @@ struct BodyFields {
   std::function<Sym3(int cell, const Vec3& xi)> stress_raw;        ///< Pa, sigma_h
   std::function<Sym3(int cell, const Vec3& xi)> stress_recovered;  ///< Pa, sigma*
   std::vector<double> error_of_cell;  ///< estimated error, energy norm per active cell, sqrt(J)
-  std::vector<int> patch_status_of_node;
 };
 
 /// One boundary point of a contact face.

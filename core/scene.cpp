@@ -42,11 +42,14 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
 
 }  // namespace
 
-bool FaceSpec::contains(const std::vector<std::string>& names, const Vec3& x, const Vec3& n) const {
+bool FaceSpec::selects(const std::vector<std::string>& names) const {
   const auto is_listed = [this](const std::string& listed) {
     return std::find(surfaces.begin(), surfaces.end(), listed) != surfaces.end();
   };
-  if (!surfaces.empty() && std::none_of(names.begin(), names.end(), is_listed)) return false;
+  return surfaces.empty() || std::any_of(names.begin(), names.end(), is_listed);
+}
+
+bool FaceSpec::contains(const Vec3& x, const Vec3& n) const {
   if (box) {
     const double slack =
         box_tolerance * std::max(box->first.lpNorm<Eigen::Infinity>(), box->second.lpNorm<Eigen::Infinity>());

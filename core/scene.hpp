@@ -27,7 +27,12 @@ struct FaceSpec {
   SourcePlace place;
 
   /// Does a boundary point lie on the face? `names`: names of the elementary surface; x in m and n in global axes.
-  bool contains(const std::vector<std::string>& names, const Vec3& x, const Vec3& n) const;
+  bool contains(const std::vector<std::string>& names, const Vec3& x, const Vec3& n) const {
+    return selects(names) && contains(x, n);
+  }
+  /// Its two parts: the elementary surface; box and normal cone.
+  bool selects(const std::vector<std::string>& names) const;
+  bool contains(const Vec3& x, const Vec3& n) const;
 };
 
 struct BodySpec {

@@ -14,6 +14,7 @@ void number_nodes(BodyMesh& mesh) {
   std::vector<int> number(total, -1);
   for (const Index3& c : cc.cells)
     for (int a = 0; a < 8; ++a) number[grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})] = 0;
+  mesh.nodes.reserve(number.size() - std::count(number.begin(), number.end(), -1));
   int next = 0;
   for (int k = 0; k <= grid.num_cells[2]; ++k)
     for (int j = 0; j <= grid.num_cells[1]; ++j)
@@ -24,14 +25,12 @@ void number_nodes(BodyMesh& mesh) {
         mesh.nodes.push_back({i, j, k});
       }
   mesh.num_nodes = next;
-  mesh.cells_of_node.resize(next);
   mesh.cell_nodes.resize(cc.cells.size());
   for (std::size_t e = 0; e < cc.cells.size(); ++e) {
     const Index3& c = cc.cells[e];
     for (int a = 0; a < 8; ++a) {
       const int n = number[grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})];
       mesh.cell_nodes[e][a] = mesh.first_node + n;
-      mesh.cells_of_node[n].push_back(static_cast<int>(e));
     }
   }
 }

@@ -25,9 +25,8 @@ struct BodyMesh {
   double modulus = 1;    ///< E / Scales::stress
   double cell_size = 1;  ///< h / Scales::length
   int first_node = 0, num_nodes = 0;
-  std::vector<Index3> nodes;                    ///< grid index of each active node
-  std::vector<std::array<int, 8>> cell_nodes;   ///< node numbers (all bodies) of each active cell
-  std::vector<std::vector<int>> cells_of_node;  ///< active cells around each node of this body
+  std::vector<Index3> nodes;                   ///< grid index of each active node
+  std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
 
   CellNodesView nodes_of_cell;    ///< same as cell_nodes, cells ordered by colour
   IntView matrix_of_cell;         ///< 0: interior, 1 + cut index otherwise; same order

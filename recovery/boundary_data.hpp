@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/cell_lists.hpp"
 #include "core/cut_cells.hpp"
 
 namespace cgcontact {
@@ -13,6 +14,7 @@ struct TractionCondition {
   bool normal_held = false;                                 ///< symmetry plane or frictionless normal support
   std::array<bool, 3> component_held{false, false, false};  ///< prescribed displacement components, global axes
   /// Prescribed traction in global axes, Pa, at x (m) with outward normal n (global axes); empty: zero.
+  /// May be called by several threads at the same time.
   std::function<Vec3(const Vec3& x, const Vec3& n)> traction;
 
   bool is_support() const { return normal_held || component_held[0] || component_held[1] || component_held[2]; }
@@ -35,12 +37,11 @@ struct ContactLink {
 /// Boundary of one body: its default quadrature points with what is known there.
 struct BoundaryData {
   std::vector<TractionCondition> conditions;
-  std::vector<int> condition_of_point;           ///< per point of CutCells::boundary
-  std::vector<int> pair_of_point;                ///< contact pair that the point has an opposite surface in, or -1
-  std::vector<std::vector<int>> points_of_cell;  ///< active cell -> boundary points
+  std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
+  std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
   std::vector<ContactLink> links;
-  std::vector<std::vector<int>> links_of_cell;       ///< active cell -> contact links
-  std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero
+  CellLists links_of_cell;                           ///< active cell -> contact links
+  std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.
 };
 
 }  // namespace cgcontact

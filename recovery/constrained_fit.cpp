@@ -6,6 +6,37 @@ namespace {
 /// Number of 4-term blocks: six components per body.
 constexpr int num_components = 6;
 
+/// Solves G x = b if it is certain that no eigenvalue is below the tolerance (squared) times the largest one: the
+/// Frobenius norms of G and its inverse bound both. Most patches on one smooth face pass; it saves the eigenvalues.
+bool solve_full_rank(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(G);
+  if (cholesky.info() != Eigen::Success) return false;
+  const double inverse = cholesky.solve(Eigen::MatrixXd::Identity(G.rows(), G.cols())).norm();
+  if (!(inverse * G.norm() * rank_tolerance * rank_tolerance < 0.999)) return false;
+  x = cholesky.solve(b);
+  return true;
+}
+
+/// The pseudo-inverse from the eigenvalues of G = C C^T (squares of the singular values); those kept are above the
+/// tolerance (squared) times the largest one, so squaring costs no accuracy that matters. Returns how many are dropped.
+int solve_truncated(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(G);
+  const Eigen::VectorXd& values = eigen.eigenvalues();
+  const double threshold = rank_tolerance * rank_tolerance * values.maxCoeff();
+  Eigen::VectorXd projected = eigen.eigenvectors().transpose() * b;
+  int truncated = 0;
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
+    if (values[i] > threshold) {
+      projected[i] /= values[i];
+    } else {
+      projected[i] = 0;
+      ++truncated;
+    }
+  }
+  x = eigen.eigenvectors() * projected;
+  return truncated;
+}
+
 }  // namespace
 
 ConstrainedFitStatus constrain_fit(const std::vector<MassMatrix>& mass, const Eigen::MatrixXd& C,
@@ -14,47 +45,37 @@ ConstrainedFitStatus constrain_fit(const std::vector<MassMatrix>& mass, const Ei
   status.rows = static_cast<int>(C.rows());
   if (status.rows == 0) return status;
   // Whitening y = L^T a: the patch norm becomes the Euclidean one; rows become C L^-T and are normalised.
-  std::vector<Eigen::LLT<MassMatrix>> factor;
-  for (const MassMatrix& m : mass) factor.emplace_back(m);
+  MassMatrix factor[2], inverse[2];
   Eigen::MatrixXd Cw(C.rows(), C.cols());
-  for (std::size_t b = 0; b < mass.size(); ++b)
+  for (std::size_t b = 0; b < mass.size(); ++b) {
+    factor[b] = mass[b].llt().matrixL();
+    inverse[b] = factor[b].triangularView<Eigen::Lower>().solve(MassMatrix::Identity());
     for (int k = 0; k < num_components; ++k) {
       const int column = static_cast<int>(b * num_components + k) * num_terms;
-      Cw.middleCols<num_terms>(column) =
-          factor[b].matrixL().solve(C.middleCols<num_terms>(column).transpose()).transpose();
+      Cw.middleCols<num_terms>(column).noalias() = C.middleCols<num_terms>(column) * inverse[b].transpose();
     }
-  Eigen::VectorXd defect = lambda - C * a;
+  }
+  Eigen::VectorXd defect = lambda - C * a, multiplier;
   const Eigen::VectorXd norm = Cw.rowwise().norm();
   for (Eigen::Index r = 0; r < Cw.rows(); ++r)
     if (norm[r] > 0) {
       Cw.row(r) /= norm[r];
       defect[r] /= norm[r];
     }
-  // Pseudo-inverse from the eigenvalues of C C^T (squares of the singular values); those kept are above
-  // rank_tolerance^2, so squaring costs no accuracy that matters.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Cw * Cw.transpose());
-  const Eigen::VectorXd& values = eigen.eigenvalues();
-  const double threshold = rank_tolerance * rank_tolerance * values.maxCoeff();
-  Eigen::VectorXd multiplier = eigen.eigenvectors().transpose() * defect;
-  for (Eigen::Index i = 0; i < values.size(); ++i) {
-    if (values[i] > threshold) {
-      multiplier[i] /= values[i];
-    } else {
-      multiplier[i] = 0;
-      ++status.truncated;
-    }
-  }
-  const Eigen::VectorXd y = Cw.transpose() * (eigen.eigenvectors() * multiplier);
+  Eigen::MatrixXd gram(Cw.rows(), Cw.rows());
+  gram.noalias() = Cw * Cw.transpose();
+  const bool full_rank = solve_full_rank(gram, rank_tolerance, defect, multiplier);
+  if (!full_rank) status.truncated = solve_truncated(gram, rank_tolerance, defect, multiplier);
+  const Eigen::VectorXd y = Cw.transpose() * multiplier;
   double level = 0;
   for (std::size_t b = 0; b < mass.size(); ++b)
     for (int k = 0; k < num_components; ++k) {
       const int column = static_cast<int>(b * num_components + k) * num_terms;
-      Eigen::Vector4d dy = y.segment<num_terms>(column);
-      a.segment<num_terms>(column) += factor[b].matrixU().solve(dy);
-      level += (factor[b].matrixU() * Eigen::Vector4d(a.segment<num_terms>(column))).squaredNorm();
+      a.segment<num_terms>(column) += inverse[b].transpose() * y.segment<num_terms>(column);
+      level += (factor[b].transpose() * a.segment<num_terms>(column)).squaredNorm();
     }
-  const Eigen::VectorXd remaining = defect - Cw * y;
-  status.inconsistent = remaining.lpNorm<Eigen::Infinity>() > 0.01 * std::sqrt(level);
+  // Without truncation the rows are met to rounding.
+  if (!full_rank) status.inconsistent = (defect - Cw * y).lpNorm<Eigen::Infinity>() > 0.01 * std::sqrt(level);
   return status;
 }
 

@@ -1,7 +1,6 @@
 #include "recovery/constraints.hpp"
 
-#include <map>
-#include <tuple>
+#include <algorithm>
 
 namespace cgcontact {
 namespace {
@@ -17,47 +16,7 @@ constexpr double min_spread = 0.1 / 3.4641016151377544;
 /// whole plane however small the piece in the patch is.
 constexpr double min_contact_spread = 0.1;
 
-/// Moments of a group of boundary points.
-struct GroupMoments {
-  double area = 0;
-  Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
-};
-
 Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_distance(x) * surface.gradient(x); }
-
-/// At most three points on the surface with the same area moments up to degree 2 as the group: c + sqrt(2) F (cos t,
-/// sin t) with F F^T the covariance in the tangent plane. F is its Cholesky factor in a fixed frame, which depends
-/// continuously on the group (principal axes would not, for square pieces).
-void place_points(const GroupMoments& g, const Surface& surface, ConstraintGroup& group) {
-  const auto [t1, t2] = tangents(g.normal.normalized());
-  Eigen::Matrix2d covariance;
-  covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
-  if (group.pair >= 0 && surface.kind == Surface::Kind::plane)
-    covariance += min_contact_spread * min_contact_spread * Eigen::Matrix2d::Identity();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
-  const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
-  std::vector<Eigen::Vector2d> offsets;
-  if (spread[1] < min_spread) {
-    offsets = {Eigen::Vector2d::Zero()};
-  } else if (spread[0] < min_spread) {
-    const Eigen::Vector2d along = spread[1] * eigen.eigenvectors().col(1);
-    offsets = {-along, along};
-  } else {
-    const Eigen::Matrix2d factor = covariance.llt().matrixL();
-    for (int i = 0; i < 3; ++i) {
-      const double t = M_PI / 2 + i * 2 * M_PI / 3;
-      offsets.emplace_back(std::sqrt(2.0) * factor * Eigen::Vector2d(std::cos(t), std::sin(t)));
-    }
-  }
-  for (const Eigen::Vector2d& o : offsets) {
-    const Vec3 x = project(surface, g.centroid + o[0] * t1 + o[1] * t2);
-    Vec3 n = surface.gradient(x);
-    if (n.dot(g.normal) < 0) n = -n;
-    group.position.push_back(x);
-    group.normal.push_back(n);
-  }
-}
 
 }  // namespace
 
@@ -83,34 +42,114 @@ Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows() {
   return rows;
 }
 
-std::vector<ConstraintGroup> constraint_groups(const CutCells& cut_cells, const BoundaryData& boundary,
-                                               const int* cells, int num_cells) {
-  using Key = std::tuple<int, int, int>;  // surface, condition, pair
-  std::map<Key, std::vector<int>> members;
-  for (int c = 0; c < num_cells; ++c)
-    for (int p : boundary.points_of_cell[cells[c]])
-      members[{cut_cells.boundary.surface[p], boundary.condition_of_point[p], boundary.pair_of_point[p]}].push_back(p);
+BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary) : cut_cells_(cut_cells) {
+  const std::vector<int>& cell = cut_cells.boundary.cell;  // ascending
+  begin_.reserve(cut_cells.active_of_cut.size() + 1);
+  begin_.push_back(0);
+  std::size_t begin = 0;
+  for (int active : cut_cells.active_of_cut) {
+    std::size_t end = begin;
+    while (end < cell.size() && cell[end] == active) ++end;
+    add_cell(boundary, begin, end);
+    begin_.push_back(static_cast<int>(pieces_.size()));
+    begin = end;
+  }
+}
 
-  std::vector<ConstraintGroup> groups;
-  for (const auto& [key, points] : members) {
-    GroupMoments g;
-    for (int p : points) {
-      const double w = cut_cells.boundary.weight[p];
-      g.area += w;
-      g.centroid += w * cut_cells.boundary.position[p];
-      g.normal += w * cut_cells.boundary.normal[p];
+/// Appends the pieces of the points begin .. end, those of one cell.
+void BoundaryPieces::add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end) {
+  const BoundaryPoints& points = cut_cells_.boundary;
+  const std::size_t first = pieces_.size();
+  const auto piece_of = [&](std::size_t p) -> Piece& {
+    const std::array<int, 3> kind{points.surface[p], boundary.condition_of_point[p], boundary.pair_of_point[p]};
+    for (std::size_t i = first; i < pieces_.size(); ++i)
+      if (pieces_[i].kind() == std::tie(kind[0], kind[1], kind[2])) return pieces_[i];
+    pieces_.push_back({kind[0], kind[1], kind[2]});
+    return pieces_.back();
+  };
+  for (std::size_t p = begin; p < end; ++p) {
+    Piece& piece = piece_of(p);
+    piece.area += points.weight[p];
+    piece.centroid += points.weight[p] * points.position[p];
+    piece.normal += points.weight[p] * points.normal[p];
+  }
+  for (std::size_t i = first; i < pieces_.size(); ++i) pieces_[i].centroid /= pieces_[i].area;
+  for (std::size_t p = begin; p < end; ++p) {
+    Piece& piece = piece_of(p);
+    const Vec3 d = points.position[p] - piece.centroid;
+    piece.second += points.weight[p] * d * d.transpose();
+  }
+}
+
+void BoundaryPieces::join(Piece& whole, const Piece& part) {
+  const double area = whole.area + part.area;
+  const Vec3 d = part.centroid - whole.centroid;
+  whole.second += part.second + (whole.area * part.area / area) * d * d.transpose();
+  whole.centroid += part.area / area * d;
+  whole.normal += part.normal;
+  whole.area = area;
+}
+
+/// At most three points on the surface with the same area moments up to degree 2 as the group: c + sqrt(2) F (cos t,
+/// sin t) with F F^T the covariance in the tangent plane. F is its Cholesky factor in a fixed frame, which depends
+/// continuously on the group (principal axes would not, for square pieces).
+void BoundaryPieces::place_points(const Piece& g, const Surface& surface, ConstraintGroup& group) {
+  const auto [t1, t2] = tangents(g.normal.normalized());
+  Eigen::Matrix2d covariance;
+  covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
+  covariance /= g.area;
+  if (group.pair >= 0 && surface.kind == Surface::Kind::plane)
+    covariance += min_contact_spread * min_contact_spread * Eigen::Matrix2d::Identity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
+  const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
+  Eigen::Vector2d offsets[3];
+  int count = 3;
+  if (spread[1] < min_spread) {
+    count = 1;
+    offsets[0].setZero();
+  } else if (spread[0] < min_spread) {
+    const Eigen::Vector2d along = spread[1] * eigen.eigenvectors().col(1);
+    count = 2;
+    offsets[0] = -along;
+    offsets[1] = along;
+  } else {
+    const Eigen::Matrix2d factor = covariance.llt().matrixL();
+    for (int i = 0; i < 3; ++i) {
+      const double t = M_PI / 2 + i * 2 * M_PI / 3;
+      offsets[i] = std::sqrt(2.0) * factor * Eigen::Vector2d(std::cos(t), std::sin(t));
     }
-    if (!(g.area > 0)) continue;
-    g.centroid /= g.area;
-    for (int p : points) {
-      const Vec3 d = cut_cells.boundary.position[p] - g.centroid;
-      g.second += cut_cells.boundary.weight[p] / g.area * d * d.transpose();
+  }
+  for (int i = 0; i < count; ++i) {
+    const Vec3 x = project(surface, g.centroid + offsets[i][0] * t1 + offsets[i][1] * t2);
+    Vec3 n = surface.gradient(x);
+    if (n.dot(g.normal) < 0) n = -n;
+    group.position[i] = x;
+    group.normal[i] = n;
+  }
+  group.num_points = count;
+}
+
+std::vector<ConstraintGroup> BoundaryPieces::groups(const int* cells, int num_cells) const {
+  std::vector<Piece> wholes;
+  for (int c = 0; c < num_cells; ++c) {
+    const int cut = cut_cells_.cut_of_active[cells[c]];
+    if (cut < 0) continue;
+    for (int i = begin_[cut]; i < begin_[cut + 1]; ++i) {
+      const Piece& part = pieces_[i];
+      if (!(part.area > 0)) continue;
+      const auto whole = std::lower_bound(wholes.begin(), wholes.end(), part,
+                                          [](const Piece& a, const Piece& b) { return a.kind() < b.kind(); });
+      if (whole != wholes.end() && whole->kind() == part.kind())
+        join(*whole, part);
+      else
+        wholes.insert(whole, part);
     }
-    ConstraintGroup group;
-    std::tie(group.surface, group.condition, group.pair) = key;
-    group.area = g.area;
-    place_points(g, cut_cells.solid.surfaces()[group.surface], group);
-    groups.push_back(std::move(group));
+  }
+  std::vector<ConstraintGroup> groups(wholes.size());
+  for (std::size_t i = 0; i < wholes.size(); ++i) {
+    std::tie(groups[i].surface, groups[i].condition, groups[i].pair) = wholes[i].kind();
+    groups[i].area = wholes[i].area;
+    place_points(wholes[i], cut_cells_.solid.surfaces()[wholes[i].surface], groups[i]);
   }
   return groups;
 }

@@ -3,6 +3,8 @@
 /// auxiliary patch of the other body in its own grid axes. Stresses in units of Scales::stress.
 #pragma once
 
+#include <tuple>
+
 #include "core/grid.hpp"
 #include "recovery/boundary_data.hpp"
 #include "recovery/patches.hpp"
@@ -25,14 +27,36 @@ Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows();
 struct ConstraintGroup {
   int surface = -1;
   int condition = -1;
-  int pair = -1;               ///< contact pair, -1 for a group with known traction
-  double area = 0;             ///< cell units squared
-  std::vector<Vec3> position;  ///< constraint points on the surface, grid coordinates
-  std::vector<Vec3> normal;    ///< outward
+  int pair = -1;    ///< contact pair, -1 for a group with known traction
+  double area = 0;  ///< cell units squared
+  int num_points = 0;
+  std::array<Vec3, 3> position;  ///< constraint points on the surface, grid coordinates
+  std::array<Vec3, 3> normal;    ///< outward
 };
 
-/// Groups of the boundary pieces inside the cells of a patch.
-std::vector<ConstraintGroup> constraint_groups(const CutCells& cut_cells, const BoundaryData& boundary,
-                                               const int* cells, int num_cells);
+/// The boundary points of one body by cell, surface and kind, condensed to their moments once for all patches.
+class BoundaryPieces {
+ public:
+  BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
+
+  /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair.
+  std::vector<ConstraintGroup> groups(const int* cells, int num_cells) const;
+
+ private:
+  struct Piece {
+    int surface, condition, pair;
+    double area = 0;
+    Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();  ///< normal: integral over the piece
+    Mat3 second = Mat3::Zero();                           ///< about the centroid
+    auto kind() const { return std::tie(surface, condition, pair); }
+  };
+  void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end);
+  static void join(Piece& whole, const Piece& part);
+  static void place_points(const Piece& whole, const Surface& surface, ConstraintGroup& group);
+
+  const CutCells& cut_cells_;
+  std::vector<int> begin_;  ///< cut cell -> first piece, and the end
+  std::vector<Piece> pieces_;
+};
 
 }  // namespace cgcontact

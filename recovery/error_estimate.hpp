@@ -16,12 +16,13 @@ struct EnergySums {
   double recovered_error = 0;         ///< |sigma_exact - sigma*|^2
 };
 
-/// Exact stress at x (m, global axes) in Pa; grid axes conversion is done here.
+/// Exact stress at x (m, global axes) in Pa; grid axes conversion is done here. May be called by several threads at
+/// once.
 using ExactStress = std::function<Sym3(const Vec3& x)>;
 
 /// The integrals are exact: sigma* is of degree 2 per variable, so 3 points per direction serve interior cells and
-/// weights fitted to moments of degree 4 serve cut cells.
-EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const CoefficientView& recovered,
+/// weights fitted to moments of degree 4 serve cut cells. With an exact stress all cells get 5 points per direction.
+EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const RecoveredField& recovered,
                           const RealView& u, const ExactStress& exact);
 
 }  // namespace cgcontact

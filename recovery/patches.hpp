@@ -1,4 +1,5 @@
 /// Patches: the cells around each node over which sigma* is fitted (paper, section 2; design section 6).
+/// The recovery is host code: its loops run on the threads of core/parallel.hpp.
 #pragma once
 
 #include <vector>
@@ -10,22 +11,23 @@ namespace cgcontact {
 /// Terms of the complete linear polynomial {1, x, y, z} in cell units about the patch's node.
 constexpr int num_terms = 4;
 /// Six stress components (xx, yy, zz, xy, yz, zx) times num_terms coefficients of each node's polynomial: (node, 6, 4).
-using CoefficientView = Kokkos::View<double* [6][num_terms], Kokkos::LayoutRight, MemSpace>;
-/// Moments of each active cell about its centre: volume, x, y, z, xx, yy, zz, xy, yz, zx: (cell, 10), cell units.
-using CellMassView = Kokkos::View<double* [10], Kokkos::LayoutRight, MemSpace>;
+using CoefficientView = Kokkos::View<double* [6][num_terms], Kokkos::LayoutRight, Kokkos::HostSpace>;
 /// Integrals of {1, x, y, z} sigma_h over each active cell, x about the cell's centre: (cell, 6, 4).
-using CellStressView = Kokkos::View<double* [6][num_terms], Kokkos::LayoutRight, MemSpace>;
+using CellStressView = Kokkos::View<double* [6][num_terms], Kokkos::LayoutRight, Kokkos::HostSpace>;
+/// Integrals over the body's part of a cell, about the cell's centre, cell units:
+/// 1, x, y, z, xx, yy, zz, xy, yz, zx, xyz, xxy, xxz, xyy, yyz, xzz, yzz.
+using MonomialMoments = std::array<double, 17>;
 
 /// Cells of every node's patch, compressed.
 struct PatchSet {
-  std::vector<int> begin, cells;  ///< active cells of patch n: cells[begin[n] .. begin[n+1])
-  std::vector<char> grown;        ///< joined with a neighbour's patch because it held less than one cell of volume
-  IntView begin_view, cells_view;
-  CellMassView mass;
-  RealView weights;             ///< (1 + cut cells) x 27 fitted weights, entry 0 for interior cells
-  IntView weights_of_cell;      ///< active cell -> row of weights
-  CellNodesView nodes_of_cell;  ///< active cell -> nodes, in order of the active cells
-  Kokkos::View<double*[3], Kokkos::LayoutRight, MemSpace> cell_centre, node_position;  ///< grid coordinates
+  std::vector<int> begin, cells;         ///< active cells of patch n: cells[begin[n] .. begin[n+1])
+  std::vector<char> grown;               ///< joined with a neighbour's patch: it held less than one cell of volume
+  std::vector<char> full;                ///< eight cells, all of them interior
+  std::vector<MonomialMoments> moments;  ///< 0: interior cells, 1 + c: cut cell c
+
+  const MonomialMoments& moments_of(const CutCells& cut_cells, int cell) const {
+    return moments[1 + cut_cells.cut_of_active[cell]];
+  }
 };
 
 PatchSet make_patches(const BodyMesh& mesh);

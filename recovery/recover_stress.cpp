@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/parallel.hpp"
 #include "recovery/constrained_fit.hpp"
 #include "recovery/constraints.hpp"
 
@@ -10,20 +11,32 @@ namespace {
 
 constexpr int num_unknowns = 6 * num_terms;
 
+/// Patches per chunk of the parallel loop.
+constexpr std::size_t grain = 128;
+
+enum class PatchKind { interior, boundary, support, contact, contact_edge };
+constexpr int num_kinds = 5;
+constexpr const char* kind_names[num_kinds] = {"interior", "boundary", "support", "contact", "contact_edge"};
+
 /// Rows collected for one patch; `second` rows are those of the auxiliary body.
 class RowSet {
  public:
-  void add(const Row24& own, double value) { add(own, Row24::Zero(), value); }
+  void add(const Row24& own, double value) {
+    own_.push_back(own);
+    other_.push_back(-1);
+    value_.push_back(value);
+  }
   void add(const Row24& own, const Row24& other, double value) {
     own_.push_back(own);
-    other_.push_back(other);
+    other_.push_back(static_cast<int>(auxiliary_.size()));
+    auxiliary_.push_back(other);
     value_.push_back(value);
   }
   Eigen::MatrixXd matrix(bool with_auxiliary) const {
-    Eigen::MatrixXd C(own_.size(), with_auxiliary ? 2 * num_unknowns : num_unknowns);
+    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(own_.size(), with_auxiliary ? 2 * num_unknowns : num_unknowns);
     for (std::size_t r = 0; r < own_.size(); ++r) {
       C.row(r).head<num_unknowns>() = own_[r];
-      if (with_auxiliary) C.row(r).tail<num_unknowns>() = other_[r];
+      if (with_auxiliary && other_[r] >= 0) C.row(r).tail<num_unknowns>() = auxiliary_[other_[r]];
     }
     return C;
   }
@@ -31,7 +44,8 @@ class RowSet {
   Eigen::VectorXd values() const { return Eigen::Map<const Eigen::VectorXd>(value_.data(), value_.size()); }
 
  private:
-  std::vector<Row24> own_, other_;
+  std::vector<Row24> own_, auxiliary_;
+  std::vector<int> other_;  ///< index into auxiliary_, or -1
   std::vector<double> value_;
 };
 
@@ -61,21 +75,17 @@ struct PatchFit {
   bool regular = false;
 };
 
-PatchFit fit_cells(const RecoveryBody& body, const std::vector<int>& cells, const Vec3& centre) {
-  const auto offset = [&](int c, double d[3]) {
-    for (int i = 0; i < 3; ++i) d[i] = body.mesh->cut_cells->cells[c][i] + 0.5 - centre[i];
-  };
-  double m[num_terms][num_terms], H[6][num_terms];
-  const auto list = [&](int i) { return cells[i]; };
-  gather_patch(list, 0, static_cast<int>(cells.size()), offset, body.patches->mass, body.stress, m, H);
+PatchFit fit_cells(const RecoveryBody& body, const int* cells, int num_cells, const Vec3& centre) {
+  PatchSums sums = gather_patch(*body.mesh, *body.patches, cells, num_cells, centre.data(), body.stress,
+                                Subset(static_cast<int>(body.stress.extent(0))));
   PatchFit fit;
   fit.centre = centre;
   for (int i = 0; i < num_terms; ++i)
-    for (int j = 0; j < num_terms; ++j) fit.mass(i, j) = m[i][j];
-  fit.regular = cholesky(m);
+    for (int j = 0; j < num_terms; ++j) fit.mass(i, j) = sums.m[i][j];
+  fit.regular = cholesky(sums.m);
   for (int k = 0; k < 6 && fit.regular; ++k) {
-    cholesky_solve(m, H[k]);
-    for (int t = 0; t < num_terms; ++t) fit.a[num_terms * k + t] = H[k][t];
+    cholesky_solve(sums.m, sums.H[k]);
+    for (int t = 0; t < num_terms; ++t) fit.a[num_terms * k + t] = sums.H[k][t];
   }
   return fit;
 }
@@ -85,8 +95,12 @@ PatchFit fit_cells(const RecoveryBody& body, const std::vector<int>& cells, cons
 /// .067 .035, half .216 .097 .041.
 constexpr double closed_fraction = 0.25;
 
+/// Of contact points equally far from a place (cell units squared) the first counts, whatever the rounding.
+constexpr double same_distance = 1e-9;
+
 /// Contact points of one pair inside a patch.
 struct PairState {
+  int pair;
   double area = 0, closed_area = 0;
   std::vector<int> links;
   bool is_closed() const { return closed_area > closed_fraction * area; }
@@ -97,16 +111,24 @@ struct PairState {
 class BodyRecovery {
  public:
   BodyRecovery(const std::vector<RecoveryBody>& bodies, int index, const Scales& scales, const RecoveryOptions& options)
-      : bodies_(bodies), body_(bodies[index]), grid_(body_.mesh->cut_cells->grid), scales_(scales), options_(options) {}
+      : bodies_(bodies),
+        body_(bodies[index]),
+        grid_(body_.mesh->cut_cells->grid),
+        scales_(scales),
+        options_(options),
+        pieces_(*body_.mesh->cut_cells, *body_.boundary) {}
 
-  /// Constrained coefficients of node n; adds to the counts.
-  PatchKind recover(int n, RecoveryCounts& counts, Eigen::VectorXd& a) const;
+  /// Constrains the coefficients of node n; adds to the counts.
+  PatchKind recover(int n, RecoveryCounts& counts) const;
 
  private:
+  bool is_interior(int n) const;
+  Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
+  void recover_interior(int n) const;
   void add_equilibrium(const RecoveryBody& body, const Vec3& centre, bool auxiliary, RowSet& rows) const;
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, RowSet& rows) const;
   static void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, RowSet& rows) {
-    for (std::size_t p = 0; p < group.position.size(); ++p) {
+    for (int p = 0; p < group.num_points; ++p) {
       const auto [t1, t2] = tangents(group.normal[p]);
       rows.add(traction_row(group.position[p] - centre, group.normal[p], t1), 0);
       rows.add(traction_row(group.position[p] - centre, group.normal[p], t2), 0);
@@ -114,9 +136,9 @@ class BodyRecovery {
   }
   void add_contact(const ConstraintGroup& group, const PatchFit& own, const PatchFit* auxiliary, const PairState& state,
                    RowSet& rows) const;
-  void enforce_free_contact(const std::vector<ConstraintGroup>& groups, const std::map<int, PairState>& states,
+  void enforce_free_contact(const std::vector<ConstraintGroup>& groups, const std::vector<PairState>& states,
                             const PatchFit& own, Eigen::VectorXd& unknowns) const;
-  std::map<int, PairState> pair_states(const std::vector<int>& cells) const;
+  std::vector<PairState> pair_states(const int* cells, int num_cells) const;
   PatchFit auxiliary_fit(const PairState& state) const;
   const RecoveryBody& other_body(const PairState& state) const {
     return bodies_[body_.boundary->links[state.links.front()].other_body];
@@ -127,17 +149,45 @@ class BodyRecovery {
   const Grid& grid_;
   const Scales& scales_;
   const RecoveryOptions& options_;
+  const BoundaryPieces pieces_;
 };
 
-void BodyRecovery::add_equilibrium(const RecoveryBody& body, const Vec3& centre, bool auxiliary, RowSet& rows) const {
-  static const auto divergence = divergence_rows();
+/// Eight full cells without contact: only equilibrium is known there.
+bool BodyRecovery::is_interior(int n) const {
+  const PatchSet& patches = *body_.patches;
+  if (!patches.full[n]) return false;
+  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
+    if (!body_.boundary->links_of_cell[patches.cells[p]].empty()) return false;
+  return true;
+}
+
+/// What div sigma* must be at a place, per cell unit.
+Vec3 BodyRecovery::divergence(const RecoveryBody& body, const Vec3& centre) const {
+  if (!body.boundary->body_force_at) return Vec3::Zero();
   const Grid& grid = body.mesh->cut_cells->grid;
-  Vec3 value = Vec3::Zero();
-  if (body.boundary->body_force_at)
-    value = -grid.cell_size / scales_.stress *
-            (grid.rotation.transpose() * body.boundary->body_force_at(grid.to_global(centre)));
+  return -grid.cell_size / scales_.stress *
+         (grid.rotation.transpose() * body.boundary->body_force_at(grid.to_global(centre)));
+}
+
+/// The mass matrix of a full patch is diagonal and the same for all slopes: each row of the equilibrium is corrected on
+/// its own, its three terms alike.
+void BodyRecovery::recover_interior(int n) const {
+  constexpr int term[3][3] = {{1, 14, 23}, {13, 6, 19}, {21, 18, 11}};  // slope along j of component (i, j)
+  const Index3& node = body_.mesh->nodes[n];
+  const Vec3 value = divergence(body_, Vec3(node[0], node[1], node[2]));
+  double* a = &body_.field.values(n, 0, 0);
   for (int i = 0; i < 3; ++i) {
-    const Row24 row = divergence.row(i);
+    const int* t = term[i];
+    const double correction = (value[i] - (a[t[0]] + a[t[1]] + a[t[2]])) / 3;
+    for (int j = 0; j < 3; ++j) a[t[j]] += correction;
+  }
+}
+
+void BodyRecovery::add_equilibrium(const RecoveryBody& body, const Vec3& centre, bool auxiliary, RowSet& rows) const {
+  static const auto divergence_of = divergence_rows();
+  const Vec3 value = divergence(body, centre);
+  for (int i = 0; i < 3; ++i) {
+    const Row24 row = divergence_of.row(i);
     if (auxiliary)
       rows.add(Row24::Zero(), row, value[i]);
     else
@@ -148,7 +198,7 @@ void BodyRecovery::add_equilibrium(const RecoveryBody& body, const Vec3& centre,
 /// Equation 5 in the directions that no support holds.
 void BodyRecovery::add_known_traction(const ConstraintGroup& group, const Vec3& centre, RowSet& rows) const {
   const TractionCondition& condition = body_.boundary->conditions[group.condition];
-  for (std::size_t p = 0; p < group.position.size(); ++p) {
+  for (int p = 0; p < group.num_points; ++p) {
     const Vec3 d = group.position[p] - centre, n = group.normal[p];
     Vec3 t = Vec3::Zero();
     if (condition.traction)
@@ -158,17 +208,27 @@ void BodyRecovery::add_known_traction(const ConstraintGroup& group, const Vec3& 
   }
 }
 
-std::map<int, PairState> BodyRecovery::pair_states(const std::vector<int>& cells) const {
-  std::map<int, PairState> states;
-  for (int c : cells)
-    for (int l : body_.boundary->links_of_cell[c]) {
+/// By pair.
+std::vector<PairState> BodyRecovery::pair_states(const int* cells, int num_cells) const {
+  std::vector<PairState> states;
+  for (int c = 0; c < num_cells; ++c)
+    for (int l : body_.boundary->links_of_cell[cells[c]]) {
       const ContactLink& link = body_.boundary->links[l];
-      PairState& state = states[link.pair];
-      state.links.push_back(l);
-      state.area += link.weight;
-      if (link.active) state.closed_area += link.weight;
+      auto state = std::lower_bound(states.begin(), states.end(), link.pair,
+                                    [](const PairState& s, int pair) { return s.pair < pair; });
+      if (state == states.end() || state->pair != link.pair)
+        state = states.insert(state, PairState{link.pair, 0, 0, {}});
+      state->links.push_back(l);
+      state->area += link.weight;
+      if (link.active) state->closed_area += link.weight;
     }
   return states;
+}
+
+const PairState* find_state(const std::vector<PairState>& states, int pair) {
+  for (const PairState& state : states)
+    if (state.pair == pair) return &state;
+  return nullptr;
 }
 
 /// Fit over whole active cells of the other body under the patch's contact points, down to the auxiliary depth
@@ -192,7 +252,7 @@ PatchFit BodyRecovery::auxiliary_fit(const PairState& state) const {
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  PatchFit fit = fit_cells(other, cells, centre);
+  PatchFit fit = fit_cells(other, cells.data(), static_cast<int>(cells.size()), centre);
   double volume = 0;
   for (int c : cells) volume += cc.volume_fraction(c);
   if (volume < 0.25) fit.regular = false;  // too little to carry six linear components
@@ -203,7 +263,7 @@ PatchFit BodyRecovery::auxiliary_fit(const PairState& state) const {
 /// without an auxiliary patch keeps the zero shear only.
 void BodyRecovery::add_contact(const ConstraintGroup& group, const PatchFit& own, const PatchFit* auxiliary,
                                const PairState& state, RowSet& rows) const {
-  for (std::size_t p = 0; p < group.position.size(); ++p) {
+  for (int p = 0; p < group.num_points; ++p) {
     const Vec3 x = group.position[p], n = group.normal[p], d = x - own.centre;
     const auto [t1, t2] = tangents(n);
     rows.add(traction_row(d, n, t1), 0);
@@ -215,8 +275,11 @@ void BodyRecovery::add_contact(const ConstraintGroup& group, const PatchFit& own
     if (!auxiliary) continue;
     const auto& links = body_.boundary->links;
     int nearest = state.links.front();
-    for (int l : state.links)
-      if ((links[l].position - x).squaredNorm() < (links[nearest].position - x).squaredNorm()) nearest = l;
+    double least = (links[nearest].position - x).squaredNorm();
+    for (int l : state.links) {
+      const double distance = (links[l].position - x).squaredNorm();
+      if (distance < least - same_distance) nearest = l, least = distance;
+    }
     const Grid& other_grid = other_body(state).mesh->cut_cells->grid;
     const Mat3 to_other = other_grid.rotation.transpose() * grid_.rotation;
     const Vec3 y = other_grid.to_grid(grid_.to_global(x) + links[nearest].distance * (grid_.rotation * n));
@@ -230,13 +293,13 @@ void BodyRecovery::add_contact(const ConstraintGroup& group, const PatchFit& own
 /// Where contact is open the pressure is exactly zero: conflicting data elsewhere in the patch (a load on a face that
 /// meets the contact face at an edge) must not leak into it through the least-squares solution.
 void BodyRecovery::enforce_free_contact(const std::vector<ConstraintGroup>& groups,
-                                        const std::map<int, PairState>& states, const PatchFit& own,
+                                        const std::vector<PairState>& states, const PatchFit& own,
                                         Eigen::VectorXd& unknowns) const {
   RowSet rows;
   for (const ConstraintGroup& group : groups) {
-    const auto state = states.find(group.pair);
-    if (state == states.end() || state->second.is_closed()) continue;
-    for (std::size_t p = 0; p < group.position.size(); ++p)
+    const PairState* state = find_state(states, group.pair);
+    if (!state || state->is_closed()) continue;
+    for (int p = 0; p < group.num_points; ++p)
       rows.add(traction_row(group.position[p] - own.centre, group.normal[p], group.normal[p]), 0);
   }
   if (rows.size() == 0) return;
@@ -245,18 +308,22 @@ void BodyRecovery::enforce_free_contact(const std::vector<ConstraintGroup>& grou
   unknowns.head<num_unknowns>() = a;
 }
 
-PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts, Eigen::VectorXd& a) const {
+PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts) const {
+  if (is_interior(n)) {
+    recover_interior(n);
+    return PatchKind::interior;
+  }
   const PatchSet& patches = *body_.patches;
-  const std::vector<int> cells(patches.cells.begin() + patches.begin[n], patches.cells.begin() + patches.begin[n + 1]);
+  const int* cells = patches.cells.data() + patches.begin[n];
+  const int num_cells = patches.begin[n + 1] - patches.begin[n];
   const Index3& node = body_.mesh->nodes[n];
-  const PatchFit own = fit_cells(body_, cells, Vec3(node[0], node[1], node[2]));
+  const PatchFit own = fit_cells(body_, cells, num_cells, Vec3(node[0], node[1], node[2]));
   if (!own.regular) return PatchKind::interior;  // keeps the unconstrained value; counted by the caller's fit
 
-  const auto groups =
-      constraint_groups(*body_.mesh->cut_cells, *body_.boundary, cells.data(), static_cast<int>(cells.size()));
-  const std::map<int, PairState> states = pair_states(cells);
+  const std::vector<ConstraintGroup> groups = pieces_.groups(cells, num_cells);
+  const std::vector<PairState> states = pair_states(cells, num_cells);
   const PairState* closed = nullptr;  // the pair with the largest closed area gets the auxiliary patch
-  for (const auto& [pair, state] : states)
+  for (const PairState& state : states)
     if (state.is_closed() && (!closed || state.closed_area > closed->closed_area)) closed = &state;
   PatchFit auxiliary;
   if (closed) auxiliary = auxiliary_fit(*closed);
@@ -267,34 +334,35 @@ PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts, Eigen::VectorXd& 
   PatchKind kind = PatchKind::interior;
   add_equilibrium(body_, own.centre, false, rows);
   if (coupled) add_equilibrium(other_body(*closed), auxiliary.centre, true, rows);
-  std::map<int, double> closed_on_surface;
+  const auto closed_on_surface = [&](int surface) {
+    double area = 0;
+    for (const ConstraintGroup& group : groups) {
+      const PairState* state = find_state(states, group.pair);
+      if (group.surface == surface && state && state->is_closed()) area += group.area;
+    }
+    return area;
+  };
   for (const ConstraintGroup& group : groups) {
-    const auto state = states.find(group.pair);
-    if (state != states.end() && state->second.is_closed()) closed_on_surface[group.surface] += group.area;
-  }
-  for (const ConstraintGroup& group : groups) {
-    const auto state = states.find(group.pair);
+    const PairState* state = find_state(states, group.pair);
+    if (state) {
+      const bool here = coupled && state == closed;
+      add_contact(group, own, here ? &auxiliary : nullptr, *state, rows);
+      if (state->is_mixed())
+        kind = std::max(kind, PatchKind::contact_edge);
+      else
+        kind = std::max(kind, state->is_closed() ? PatchKind::contact : PatchKind::boundary);
+      continue;
+    }
     // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small part of the
     // patch): the closed part decides, as among contact points.
-    const auto closed_part = closed_on_surface.find(group.surface);
-    if (state == states.end() &&
-        (group.pair >= 0 || (closed_part != closed_on_surface.end() &&
-                             closed_part->second > closed_fraction * (closed_part->second + group.area)))) {
+    const double closed_part = closed_on_surface(group.surface);
+    if (group.pair >= 0 || closed_part > closed_fraction * (closed_part + group.area)) {
       add_zero_shear(group, own.centre, rows);
       continue;
     }
-    if (state == states.end()) {
-      add_known_traction(group, own.centre, rows);
-      kind = std::max(
-          kind, body_.boundary->conditions[group.condition].is_support() ? PatchKind::support : PatchKind::boundary);
-    } else {
-      const bool here = coupled && &state->second == closed;
-      add_contact(group, own, here ? &auxiliary : nullptr, state->second, rows);
-      if (state->second.is_mixed())
-        kind = std::max(kind, PatchKind::contact_edge);
-      else
-        kind = std::max(kind, state->second.is_closed() ? PatchKind::contact : PatchKind::boundary);
-    }
+    add_known_traction(group, own.centre, rows);
+    kind = std::max(
+        kind, body_.boundary->conditions[group.condition].is_support() ? PatchKind::support : PatchKind::boundary);
   }
   std::vector<MassMatrix> mass{own.mass};
   Eigen::VectorXd unknowns(coupled ? 2 * num_unknowns : num_unknowns);
@@ -309,39 +377,37 @@ PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts, Eigen::VectorXd& 
   counts.truncated_rows += status.truncated;
   counts.inconsistent += status.inconsistent;
   counts.grown += patches.grown[n];
-  a = unknowns.head<num_unknowns>();
+  for (int i = 0; i < num_unknowns; ++i) body_.field.values(n, i / num_terms, i % num_terms) = unknowns[i];
   return kind;
 }
 
-const char* kind_name(PatchKind kind) {
-  constexpr const char* names[] = {"interior", "boundary", "support", "contact", "contact_edge"};
-  return names[static_cast<int>(kind)];
-}
+/// What one chunk of patches counts.
+struct ChunkCounts {
+  std::array<long long, num_kinds> kinds{};
+  RecoveryCounts other;
+};
 
 }  // namespace
 
 RecoveryCounts recover_constrained(const std::vector<RecoveryBody>& bodies, const Scales& scales,
-                                   const RecoveryOptions& options, std::vector<CoefficientView>& coefficients,
-                                   std::vector<std::vector<int>>& kinds) {
+                                   const RecoveryOptions& options) {
   RecoveryCounts counts;
-  coefficients.clear();
-  kinds.clear();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const int num_nodes = bodies[b].mesh->num_nodes;
-    CoefficientView out("cgcontact::recover_stress::coefficients", num_nodes);
-    Kokkos::deep_copy(out, bodies[b].unconstrained);
-    std::vector<int> kind_of_node(num_nodes);
+    const std::size_t num_nodes = bodies[b].mesh->num_nodes;
     const BodyRecovery recovery(bodies, static_cast<int>(b), scales, options);
-    Eigen::VectorXd a;
-    for (int n = 0; n < num_nodes; ++n) {
-      a.resize(0);
-      const PatchKind kind = recovery.recover(n, counts, a);
-      kind_of_node[n] = static_cast<int>(kind);
-      ++counts.patches_by_kind[kind_name(kind)];
-      for (int i = 0; i < a.size(); ++i) out(n, i / num_terms, i % num_terms) = a[i];
+    std::vector<ChunkCounts> chunks(num_chunks(num_nodes, grain));
+    parallel_chunks(num_nodes, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n)
+        ++chunks[chunk].kinds[static_cast<int>(recovery.recover(static_cast<int>(n), chunks[chunk].other))];
+    });
+    for (const ChunkCounts& chunk : chunks) {
+      for (int kind = 0; kind < num_kinds; ++kind)
+        if (chunk.kinds[kind] > 0) counts.patches_by_kind[kind_names[kind]] += chunk.kinds[kind];
+      counts.grown += chunk.other.grown;
+      counts.truncated_rows += chunk.other.truncated_rows;
+      counts.inconsistent += chunk.other.inconsistent;
+      counts.without_auxiliary += chunk.other.without_auxiliary;
     }
-    coefficients.push_back(out);
-    kinds.push_back(std::move(kind_of_node));
   }
   return counts;
 }

@@ -20,21 +20,16 @@ struct RecoveryCounts {
   long long grown = 0, truncated_rows = 0, inconsistent = 0, without_auxiliary = 0;
 };
 
-/// Patch kinds as written to the status field.
-enum class PatchKind { interior = 0, boundary = 1, support = 2, contact = 3, contact_edge = 4 };
-
-/// Input of one body.
+/// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.
 struct RecoveryBody {
   const BodyMesh* mesh;
   const PatchSet* patches;
   const BoundaryData* boundary;
-  CellStressView stress;          ///< integrals of sigma_h over all cells
-  CoefficientView unconstrained;  ///< plain SPR of all nodes
+  CellStressView stress;  ///< integrals of sigma_h over all cells
+  RecoveredField field;
 };
 
-/// Coefficients of every node of every body, constrained. `kinds`: PatchKind per node of each body.
 RecoveryCounts recover_constrained(const std::vector<RecoveryBody>& bodies, const Scales& scales,
-                                   const RecoveryOptions& options, std::vector<CoefficientView>& coefficients,
-                                   std::vector<std::vector<int>>& kinds);
+                                   const RecoveryOptions& options);
 
 }  // namespace cgcontact

@@ -7,9 +7,8 @@ namespace cgcontact {
 namespace {
 
 /// Does any patch that is evaluated at a contact row hold a closed contact point?
-bool sees_contact(const Simulation& sim, const ContactRow& row) {
+bool sees_contact(const Simulation& sim, const PatchSet& patches, const ContactRow& row) {
   const BodyMesh& mesh = sim.system.meshes[row.body];
-  const PatchSet& patches = sim.patches[row.body];
   const BoundaryData& boundary = sim.bodies[row.body].boundary;
   for (int node : mesh.cell_nodes[row.cell]) {
     const int n = node - mesh.first_node;
@@ -23,8 +22,10 @@ bool sees_contact(const Simulation& sim, const ContactRow& row) {
 /// Largest SPR-C pressure where no patch point is closed, relative to the maximum; -1 if there is no such row.
 double open_pressure(const Simulation& sim) {
   double largest = -1;
+  std::vector<PatchSet> patches;
+  for (const BodyMesh& mesh : sim.system.meshes) patches.push_back(make_patches(mesh));
   for (const ContactRow& row : sim.results.contact_rows)
-    if (!sees_contact(sim, row))
+    if (!sees_contact(sim, patches[row.body], row))
       largest = std::max(largest, std::abs(row.pressure_sprc) / sim.results.pairs[0].max_pressure);
   return largest;
 }

@@ -123,5 +123,21 @@ TEST(Expression, identifiers_are_not_functions_nor_exponents) {
   for (const char* name : {"x", "z", "pi", "_pi", "sin", "2a", "a-b", ""}) EXPECT_FALSE(is_free_name(name)) << name;
 }
 
+/// Any number of threads on one object, whatever the backend.
+TEST(Expression, ThreadsShareIt) {
+  const Expression f("x*x + sin(y)*z", SourcePlace{});
+  std::vector<std::thread> threads;
+  std::vector<int> wrong(8, 0);
+  for (int t = 0; t < 8; ++t)
+    threads.emplace_back([&, t] {
+      for (int i = 0; i < 2000; ++i) {
+        const Vec3 x(i, t, 0.5 * i);
+        wrong[t] += std::abs(f(x) - (x[0] * x[0] + std::sin(x[1]) * x[2])) > 1e-6;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(wrong, std::vector<int>(8, 0));
+}
+
 }  // namespace
 }  // namespace cgcontact

@@ -61,6 +61,25 @@ TEST(ConstrainedFit, EqualsTheDenseKktSolution) {
   }
 }
 
+/// The same solution from the Cholesky factor and, just before rows are truncated, from the eigenvalues.
+TEST(ConstrainedFit, BothSolversAgree) {
+  const std::vector<MassMatrix> mass{cube_mass(2, Vec3(0.1, -0.2, 0.3))};
+  const Eigen::MatrixXd C = equilibrium_and_one_face();
+  const Eigen::VectorXd lambda = random_vector(12, 5), a0 = random_vector(24, 6);
+  Eigen::VectorXd a = a0, previous = a0;
+  constrain_fit(mass, C, lambda, 1e-8, a);
+  for (double tolerance = 1e-3; tolerance < 1; tolerance *= 1.1) {
+    Eigen::VectorXd b = a0;
+    if (constrain_fit(mass, C, lambda, tolerance, b).truncated > 0) {
+      EXPECT_GT(tolerance, 0.01);
+      break;
+    }
+    EXPECT_LT((a - b).norm(), 1e-11 * a.norm());
+    previous = b;
+  }
+  EXPECT_NE((a - previous).norm(), 0);  // the last one came from the eigenvalues
+}
+
 TEST(ConstrainedFit, RedundantRowsChangeNothingAndAreCounted) {
   const std::vector<MassMatrix> mass{cube_mass(2, Vec3::Zero())};
   const Eigen::MatrixXd C = equilibrium_and_one_face();

@@ -23,20 +23,22 @@ TEST(Spr, ReproducesLinearStressesInAllPatches) {
   CellStressView stress("stress", cc.cells.size());
   for (std::size_t e = 0; e < cc.cells.size(); ++e) {
     const double c[3] = {cc.cells[e][0] + 0.5, cc.cells[e][1] + 0.5, cc.cells[e][2] + 0.5};
-    const auto m = Kokkos::subview(patches.mass, e, Kokkos::ALL);
-    const double second[3][3] = {{m(4), m(7), m(9)}, {m(7), m(5), m(8)}, {m(9), m(8), m(6)}};
+    const MonomialMoments& m = patches.moments_of(cc, static_cast<int>(e));
+    const double second[3][3] = {{m[4], m[7], m[9]}, {m[7], m[5], m[8]}, {m[9], m[8], m[6]}};
     for (int k = 0; k < 6; ++k) {
       const double at_centre = slope[k][0] + slope[k][1] * c[0] + slope[k][2] * c[1] + slope[k][3] * c[2];
-      stress(e, k, 0) = at_centre * m(0);
+      stress(e, k, 0) = at_centre * m[0];
       for (int i = 0; i < 3; ++i) {
-        stress(e, k, 0) += slope[k][1 + i] * m(1 + i);
-        stress(e, k, 1 + i) = at_centre * m(1 + i);
+        stress(e, k, 0) += slope[k][1 + i] * m[1 + i];
+        stress(e, k, 1 + i) = at_centre * m[1 + i];
         for (int j = 0; j < 3; ++j) stress(e, k, 1 + i) += slope[k][1 + j] * second[i][j];
       }
     }
   }
-  CoefficientView a("a", mesh.num_nodes);
-  EXPECT_EQ(fit_patches(mesh, patches, IntView(), stress, a), 0);
+  const Subset all_cells(static_cast<int>(cc.cells.size()));
+  const RecoveredField field{Subset(mesh.num_nodes), CoefficientView("a", mesh.num_nodes)};
+  EXPECT_EQ(fit_patches(mesh, patches, stress, all_cells, field), 0);
+  const CoefficientView& a = field.values;
   for (int n = 0; n < mesh.num_nodes; ++n)
     for (int k = 0; k < 6; ++k) {
       const Index3& x = mesh.nodes[n];
@@ -72,9 +74,10 @@ TEST(Spr, ConstantStressIsExactAtBoundaryPoints) {
   gradient << 0.3, -0.2, 0.5, 0.1, 0.7, -0.4, 0.25, 0.15, -0.6;
   const RealView u = test::nodal_field(system, [&](const Vec3& x) -> Vec3 { return gradient * x / 0.5; });
   CellStressView stress("stress", cc.cells.size());
-  integrate_cell_stress(ExecSpace(), mesh, patches, IntView(), u, stress);
-  CoefficientView a("a", mesh.num_nodes);
-  fit_patches(mesh, patches, IntView(), stress, a);
+  const Subset all_cells(static_cast<int>(cc.cells.size()));
+  integrate_cell_stress(mesh, patches, all_cells, u, stress);
+  const RecoveredField field{Subset(mesh.num_nodes), CoefficientView("a", mesh.num_nodes)};
+  fit_patches(mesh, patches, stress, all_cells, field);
   const UnitElasticity law(0.3);
   const Mat3 strain = 0.5 * (gradient + gradient.transpose());
   const Mat3 exact = 1.5 * (law.lambda * strain.trace() * Mat3::Identity() + 2 * law.mu * strain);
@@ -82,7 +85,7 @@ TEST(Spr, ConstantStressIsExactAtBoundaryPoints) {
     const Index3& c = cc.cells[cc.boundary.cell[p]];
     const Vec3 xi = 2 * (cc.boundary.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
     Sym3 s;
-    evaluate_recovered(mesh, a, cc.boundary.cell[p], xi.data(), s.data());
+    evaluate_recovered(mesh, field, cc.boundary.cell[p], xi.data(), s.data());
     EXPECT_LT((R * tensor(s) * R.transpose() - exact).norm(), 1e-11 * exact.norm());
   }
 }

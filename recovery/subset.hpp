@@ -1,0 +1,33 @@
+/// Some of a body's cells or nodes, numbered through: arrays that are needed for those only have one row for each.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+namespace cgcontact {
+
+class Subset {
+ public:
+  /// All of `total`.
+  explicit Subset(int total = 0) : size_(total) {}
+  /// Those marked.
+  explicit Subset(const std::vector<char>& marked) : row_(marked.size(), -1) {
+    for (std::size_t n = 0; n < marked.size(); ++n)
+      if (marked[n]) {
+        row_[n] = static_cast<int>(number_.size());
+        number_.push_back(static_cast<int>(n));
+      }
+    size_ = static_cast<int>(number_.size());
+  }
+
+  int size() const { return size_; }
+  int number(int row) const { return row_.empty() ? row : number_[row]; }
+  /// -1 if it is not in the subset.
+  int row(int number) const { return row_.empty() ? number : row_[number]; }
+
+ private:
+  int size_ = 0;
+  std::vector<int> number_, row_;  ///< empty: all
+};
+
+}  // namespace cgcontact

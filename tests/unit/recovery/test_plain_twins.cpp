@@ -1,0 +1,214 @@
+/// The fast loops of the recovery against plain ones: cell by cell with quadrature, patch by patch with dense matrices.
+#include <gtest/gtest.h>
+
+#include "recovery/constrained_fit.hpp"
+#include "recovery/constraints.hpp"
+#include "recovery/error_estimate.hpp"
+#include "recovery/recover_stress.hpp"
+#include "tests/support/bodies.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// A turned box with cut cells of all sizes, a random displacement and its plain SPR.
+struct Case {
+  CutCells cc = test::cut(Solid::box(Vec3(0.1, 0.15, 0.2), Vec3(0.9, 0.8, 0.75), "box"), test::odd_grid(9, 0.3));
+  ElasticSystem system = make_elastic_system({&cc}, {Material{3, 0.3}}, Scales{0.5, 2}, 0.01);
+  const BodyMesh& mesh = system.meshes[0];
+  PatchSet patches = make_patches(mesh);
+  Subset cells{static_cast<int>(cc.cells.size())};
+  RealView u = test::random_vector(system.num_dofs(), 3);
+  CellStressView stress{"stress", cc.cells.size()};
+  RecoveredField field{Subset(mesh.num_nodes), CoefficientView("field", mesh.num_nodes)};
+
+  Case() {
+    integrate_cell_stress(mesh, patches, cells, u, stress);
+    fit_patches(mesh, patches, stress, cells, field);
+  }
+
+  void corner_displacements(int cell, double corner[8][3]) const {
+    for (int a = 0; a < 8; ++a)
+      for (int i = 0; i < 3; ++i) corner[a][i] = u(3 * mesh.cell_nodes[cell][a] + i);
+  }
+  const Moments& moments(int cell) const {
+    const int cut = cc.cut_of_active[cell];
+    return cut < 0 ? full_cell_moments() : cc.moments[cut];
+  }
+};
+
+TEST(PlainTwins, CellStressIntegrals) {
+  const Case c;
+  for (int e = 0; e < c.cells.size(); ++e) {
+    double weights[27], corner[8][3], sum[6][num_terms] = {}, largest = 0;
+    fitted_weights(c.moments(e), 3, weights);
+    c.corner_displacements(e, corner);
+    for (int q = 0; q < 27; ++q) {
+      const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
+      double s[6];
+      hex_stress(c.mesh.law, corner, xi, s);
+      for (int k = 0; k < 6; ++k) {
+        const double value = c.mesh.stress_factor() * weights[q] / 8 * s[k];
+        largest = std::max(largest, std::abs(c.mesh.stress_factor() * s[k]));
+        sum[k][0] += value;
+        for (int d = 0; d < 3; ++d) sum[k][1 + d] += 0.5 * xi[d] * value;
+      }
+    }
+    for (int k = 0; k < 6; ++k)
+      for (int t = 0; t < num_terms; ++t) EXPECT_NEAR(c.stress(e, k, t), sum[k][t], 1e-14 * largest);
+  }
+}
+
+/// All patches, the full ones with the general fit, and only some of them.
+TEST(PlainTwins, PatchFits) {
+  const Case c;
+  std::vector<char> marked(c.mesh.num_nodes, 0), marked_cells(c.cells.size(), 0);
+  for (int n = 0; n < c.mesh.num_nodes; n += 3) {
+    marked[n] = 1;
+    for (int p = c.patches.begin[n]; p < c.patches.begin[n + 1]; ++p) marked_cells[c.patches.cells[p]] = 1;
+  }
+  const Subset some_nodes(marked), some_cells(marked_cells);
+  const RecoveredField some{some_nodes, CoefficientView("some", some_nodes.size())};
+  CellStressView some_stress("some", some_cells.size());
+  integrate_cell_stress(c.mesh, c.patches, some_cells, c.u, some_stress);
+  fit_patches(c.mesh, c.patches, some_stress, some_cells, some);
+  int full = 0;
+  for (int n = 0; n < c.mesh.num_nodes; ++n) {
+    const Index3& node = c.mesh.nodes[n];
+    const double centre[3] = {double(node[0]), double(node[1]), double(node[2])};
+    PatchSums sums = gather_patch(c.mesh, c.patches, c.patches.cells.data() + c.patches.begin[n],
+                                  c.patches.begin[n + 1] - c.patches.begin[n], centre, c.stress, c.cells);
+    ASSERT_TRUE(cholesky(sums.m));
+    for (int k = 0; k < 6; ++k) {
+      cholesky_solve(sums.m, sums.H[k]);
+      for (int t = 0; t < num_terms; ++t) EXPECT_NEAR(c.field.at(n)[num_terms * k + t], sums.H[k][t], 1e-13);
+    }
+    full += c.patches.full[n];
+    EXPECT_TRUE(!marked[n] || std::equal(some.at(n), some.at(n) + 6 * num_terms, c.field.at(n)));
+  }
+  EXPECT_GT(full, 20);
+}
+
+TEST(PlainTwins, ErrorEstimate) {
+  const Case c;
+  const double nu = 0.3, factor = std::pow(c.mesh.cell_size, 3) / 8 / c.mesh.modulus;
+  const auto energy = [&](const double s[6]) {
+    return s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - 2 * nu * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]) +
+           2 * (1 + nu) * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
+  };
+  const auto exact = [](const Vec3& x) -> Sym3 {
+    return (Sym3() << std::sin(x[0]), x[1], x[2] * x[0], 1, std::exp(x[1]), x[0]).finished();
+  };
+  const EnergySums polynomial = estimate_error(c.mesh, Scales{0.5, 2}, c.field, c.u, nullptr);
+  const EnergySums sums = estimate_error(c.mesh, Scales{0.5, 2}, c.field, c.u, exact);
+  const Mat3& R = c.cc.grid.rotation;
+  double solution = 0, exact_error = 0, recovered_error = 0, error = 0;
+  for (int e = 0; e < c.cells.size(); ++e) {
+    double weights[125], corner[8][3], cell_error = 0;
+    fitted_weights(c.moments(e), 5, weights);
+    c.corner_displacements(e, corner);
+    for (int q = 0; q < 125; ++q) {
+      const double xi[3] = {Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]};
+      const Index3& cell = c.cc.cells[e];
+      const Vec3 x = c.cc.grid.to_global(Vec3(cell[0], cell[1], cell[2]) + 0.5 * Vec3(xi[0] + 1, xi[1] + 1, xi[2] + 1));
+      const Sym3 t = voigt(R.transpose() * tensor(exact(x)) * R) / 2;
+      double s[6], r[6], d[6], ds[6], dr[6];
+      hex_stress(c.mesh.law, corner, xi, s);
+      evaluate_recovered(c.mesh, c.field, e, xi, r);
+      for (int k = 0; k < 6; ++k) {
+        s[k] *= c.mesh.stress_factor();
+        d[k] = r[k] - s[k];
+        ds[k] = t[k] - s[k];
+        dr[k] = t[k] - r[k];
+      }
+      const double w = weights[q] * factor;
+      cell_error += w * energy(d);
+      solution += w * energy(s);
+      exact_error += w * energy(ds);
+      recovered_error += w * energy(dr);
+    }
+    error += cell_error;
+    EXPECT_NEAR(polynomial.error_of_cell[e], std::max(cell_error, 0.0), 1e-12 * polynomial.error);
+  }
+  for (const EnergySums* both : {&polynomial, &sums}) {
+    EXPECT_NEAR(both->error / error, 1, 1e-13);
+    EXPECT_NEAR(both->solution / solution, 1, 1e-13);
+  }
+  EXPECT_NEAR(sums.exact_error / exact_error, 1, 1e-12);
+  EXPECT_NEAR(sums.recovered_error / recovered_error, 1, 1e-12);
+}
+
+/// Free boundary everywhere and a body force: patches inside by hand, all others with the dense KKT matrix.
+TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
+  const Case c;
+  BoundaryData boundary;
+  boundary.conditions.resize(1);
+  boundary.condition_of_point.assign(c.cc.boundary.size(), 0);
+  boundary.pair_of_point.assign(c.cc.boundary.size(), -1);
+  boundary.body_force_at = [](const Vec3& x) { return Vec3(x[0], -1, x[1] * x[2]); };
+  RecoveryBody body{&c.mesh,
+                    &c.patches,
+                    &boundary,
+                    c.stress,
+                    {Subset(c.mesh.num_nodes), CoefficientView("constrained", c.mesh.num_nodes)}};
+  Kokkos::deep_copy(body.field.values, c.field.values);
+  const RecoveryCounts counts = recover_constrained({body}, Scales{0.5, 2}, {});
+  int inside = 0;
+  for (int n = 0; n < c.mesh.num_nodes; ++n) {
+    if (!c.patches.full[n]) continue;
+    ++inside;
+    const Index3& node = c.mesh.nodes[n];
+    const Vec3 x = c.cc.grid.to_global(Vec3(node[0], node[1], node[2]));
+    const Eigen::Vector3d value =
+        -c.cc.grid.cell_size / 2 * (c.cc.grid.rotation.transpose() * boundary.body_force_at(x));
+    Eigen::VectorXd a = Eigen::Map<const Eigen::VectorXd>(c.field.at(n), 24);
+    MassMatrix mass = Eigen::Vector4d(8, 8. / 3, 8. / 3, 8. / 3).asDiagonal();
+    constrain_fit_kkt({mass}, divergence_rows(), value, a);
+    for (int i = 0; i < 24; ++i) EXPECT_NEAR(body.field.at(n)[i], a[i], 1e-12);
+  }
+  EXPECT_GE(counts.patches_by_kind.at("interior"), inside);
+  EXPECT_GT(inside, 20);
+}
+
+/// The points of every group carry the first and second moments of its boundary points.
+TEST(PlainTwins, ConstraintGroups) {
+  const Case c;
+  BoundaryData boundary;
+  boundary.condition_of_point.assign(c.cc.boundary.size(), 0);
+  boundary.pair_of_point.assign(c.cc.boundary.size(), -1);
+  for (std::size_t p = 0; p < c.cc.boundary.size(); p += 2) boundary.condition_of_point[p] = 1;
+  const BoundaryPieces pieces(c.cc, boundary);
+  int threes = 0;
+  for (int n = 0; n < c.mesh.num_nodes; ++n) {
+    const int* cells = c.patches.cells.data() + c.patches.begin[n];
+    const int num_cells = c.patches.begin[n + 1] - c.patches.begin[n];
+    for (const ConstraintGroup& group : pieces.groups(cells, num_cells)) {
+      double area = 0;
+      Vec3 centroid = Vec3::Zero(), mean = Vec3::Zero();
+      Mat3 second = Mat3::Zero(), of_points = Mat3::Zero();
+      for (std::size_t p = 0; p < c.cc.boundary.size(); ++p) {
+        if (c.cc.boundary.surface[p] != group.surface || boundary.condition_of_point[p] != group.condition ||
+            std::find(cells, cells + num_cells, c.cc.boundary.cell[p]) == cells + num_cells)
+          continue;
+        const double w = c.cc.boundary.weight[p];
+        const Vec3 x = c.cc.boundary.position[p];
+        area += w;
+        centroid += w * x;
+        second += w * x * x.transpose();
+      }
+      centroid /= area;
+      second = second / area - centroid * centroid.transpose();
+      for (int i = 0; i < group.num_points; ++i) mean += group.position[i] / group.num_points;
+      for (int i = 0; i < group.num_points; ++i)
+        of_points += (group.position[i] - mean) * (group.position[i] - mean).transpose() / group.num_points;
+      EXPECT_NEAR(group.area, area, 1e-13);
+      EXPECT_LT((mean - centroid).norm(), 1e-12);
+      if (group.num_points < 3) continue;
+      ++threes;
+      EXPECT_LT((of_points - second).norm(), 1e-12);
+    }
+  }
+  EXPECT_GT(threes, 100);
+}
+
+}  // namespace
+}  // namespace cgcontact
