@@ -74,15 +74,24 @@ inline void store_first(Real* p, const Vector<Real>& v, int n) {
 #endif
 }
 
-namespace detail {
-
-/// Index vectors for __builtin_shuffle, folded by the compiler.
-template <class Real, class F>
-inline typename Lanes<Real>::Mask lane_indices(const F& f) {
-  typename Lanes<Real>::Mask m = {};
-  for (int l = 0; l < Lanes<Real>::count; ++l) m[l] = f(l);
-  return m;
+/// to += or -= the six entries v[first ... first + 5]; in pieces of four and two, because loads wait for earlier masked
+/// stores nearby (a quarter of the time of the cut cells).
+template <bool subtract, class Real>
+inline void add_six(Real* to, const Real* v) {
+  typedef Real Four __attribute__((vector_size(4 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
+  typedef Real Two __attribute__((vector_size(2 * sizeof(Real)), aligned(sizeof(Real)), may_alias));
+  const Four four = *reinterpret_cast<const Four*>(v);
+  const Two two = *reinterpret_cast<const Two*>(v + 4);
+  if (subtract) {
+    *reinterpret_cast<Four*>(to) -= four;
+    *reinterpret_cast<Two*>(to + 4) -= two;
+  } else {
+    *reinterpret_cast<Four*>(to) += four;
+    *reinterpret_cast<Two*>(to + 4) += two;
+  }
 }
+
+namespace detail {
 
 /// Index tables of (de)interleaving three components; constant data.
 template <class Real>
@@ -168,13 +177,6 @@ inline Vector<float> join_halves(const Vector<float>& a, const Vector<float>& b)
   constexpr Lanes<float>::Mask halves = {0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23};
   return __builtin_shuffle(a, b, halves);
 }
-
-/// Upper eight lanes first.
-inline Vector<float> upper_half(const Vector<float>& a) {
-  constexpr Lanes<float>::Mask swap = {8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7};
-  return __builtin_shuffle(a, swap);
-}
-inline Vector<double> upper_half(const Vector<double>& a) { return a; }  // never called: eight lanes only
 
 #pragma GCC diagnostic pop
 
