@@ -136,7 +136,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
       BandCell cell{static_cast<int>(b), static_cast<int>(e), slabs.slab_of(static_cast<int>(b), cc.cells[e]), 0, 0};
       const Index3& c = cc.cells[e];
-      cell.parity = (c[0] & 1) + 2 * (c[1] & 1) + 4 * (c[2] & 1);
+      cell.parity = 2 * c[2] + (c[0] & 1);
       if (cc.cut_of_active[e] < 0) {
         bool all = true;
         for (int n : mesh.cell_nodes[e]) all = all && by_stencil[n];

@@ -62,7 +62,7 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   const SlabPartition slabs = make_slabs(system.meshes);
   tiles_ = make_stencil_tiles<Real>(system.meshes, by_stencil);
   cells_ = make_band_cells<Real>(system, by_stencil, slabs);
-  ghosts_ = make_ghost_runs<Real>(system, slabs);
+  ghosts_ = make_ghost_chains<Real>(system, slabs);
   other_nodes_ =
       copy_rows_to_view<decltype(other_nodes_)>("cgcontact::fast_operator::other_nodes", ranges_outside(by_stencil));
   for (int colour = 0; colour < 2; ++colour) {
@@ -99,7 +99,7 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   sizes_.full_cells = cells_.num_full;
   sizes_.supported_cells = cells_.num_supported;
   sizes_.ghost_faces = ghosts_.num_faces;
-  sizes_.ghost_runs = static_cast<long long>(ghosts_.runs.extent(0));
+  sizes_.ghost_chains = static_cast<long long>(ghosts_.chains.extent(0));
   sizes_.groups = static_cast<long long>(groups_.stiffness.extent(0));
   sizes_.group_entries = static_cast<long long>(groups_.row_value.extent(0));
   sizes_.bytes = tiles_.bytes() + cells_.bytes() + ghosts_.bytes() + other_nodes_.size() * sizeof(int) +

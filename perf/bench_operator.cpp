@@ -117,7 +117,8 @@ void time_apply(benchmark::State& state, const Problem& p, bool verify, const Ap
   }
   state.counters["best_us"] = 1e6 * best;
   state.counters["best_MDoF/s"] = 1e-6 * n / best;
-  state.counters["DoF/s"] = benchmark::Counter(static_cast<double>(n) * state.iterations(), benchmark::Counter::kIsRate);
+  state.counters["DoF/s"] =
+      benchmark::Counter(static_cast<double>(n) * state.iterations(), benchmark::Counter::kIsRate);
   state.counters["DoF"] = n;
   state.counters["cut"] = static_cast<double>(p.cut_cells.moments.size()) / p.cut_cells.cells.size();
 }
@@ -143,8 +144,7 @@ void fast(benchmark::State& state) {
 
 void plain(benchmark::State& state) {
   const Problem& p = problem(state);
-  time_apply<double>(state, p, false,
-                     [&](const auto& x, const auto& y) { p.system.apply(ExecSpace(), x, y); });
+  time_apply<double>(state, p, false, [&](const auto& x, const auto& y) { p.system.apply(ExecSpace(), x, y); });
 }
 
 void crs_matrix(benchmark::State& state) {
