@@ -29,6 +29,9 @@ struct SlabPartition {
 };
 SlabPartition make_slabs(const std::vector<BodyMesh>& meshes);
 
+/// Interior cells, and cells on a face that lies on a grid plane: "cut" by name, with the full cell's moments.
+bool counts_as_full(const CutCells& cut_cells, int active);
+
 template <class Real>
 struct BandCells {
   static constexpr int L = Lanes<Real>::count;

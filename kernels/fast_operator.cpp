@@ -18,7 +18,7 @@ std::vector<char> classify(const ElasticSystem& system) {
                            const auto& cells = mesh.cells_of_node[n];
                            if (cells.size() != 8) return;
                            for (int e : cells)
-                             if (mesh.cut_cells->cut_of_active[e] < 0) by_stencil[mesh.first_node + n] = 1;
+                             if (counts_as_full(*mesh.cut_cells, e)) by_stencil[mesh.first_node + n] = 1;
                          });
   return by_stencil;
 }
@@ -69,6 +69,12 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
     std::vector<int> list;
     for (std::size_t s = 0; s < slabs.colour_of_slab.size(); ++s)
       if (slabs.colour_of_slab[s] == colour) list.push_back(static_cast<int>(s));
+    // The longest first: threads finish together.
+    auto work = [&](int s) {
+      return 8 * (cells_.chunk_begin(s + 1) - cells_.chunk_begin(s)) + ghosts_.chunk_begin(s + 1) -
+             ghosts_.chunk_begin(s);
+    };
+    std::stable_sort(list.begin(), list.end(), [&](int a, int b) { return work(a) > work(b); });
     slabs_[colour] = copy_to_view<IntView>("cgcontact::fast_operator::slabs", list);
   }
   std::vector<Real> diagonal;
