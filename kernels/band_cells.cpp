@@ -66,6 +66,18 @@ struct BandCell {
 
 }  // namespace
 
+bool counts_as_full(const CutCells& cut_cells, int active) {
+  const int cut = cut_cells.cut_of_active[active];
+  if (cut < 0) return true;
+  constexpr int n = moment_degree + 1;
+  const Moments &m = cut_cells.moments[cut], &full = full_cell_moments();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k)
+        if (std::abs(m[(i * n + j) * n + k] - full[(i * n + j) * n + k]) > 1e-14 * full[0]) return false;
+  return true;
+}
+
 SlabPartition make_slabs(const std::vector<BodyMesh>& meshes) {
   constexpr int most_slabs = 32;
   SlabPartition result;
@@ -136,15 +148,15 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
       BandCell cell{static_cast<int>(b), static_cast<int>(e), slabs.slab_of(static_cast<int>(b), cc.cells[e]), 0, 0};
       const Index3& c = cc.cells[e];
-      cell.parity = (c[0] & 1) + 2 * (c[1] & 1) + 4 * (c[2] & 1);
-      if (cc.cut_of_active[e] < 0) {
+      cell.parity = 2 * c[2] + (c[0] & 1);
+      const auto s = supports[b].find(static_cast<int>(e));
+      if (s == supports[b].end() && counts_as_full(cc, static_cast<int>(e))) {
         bool all = true;
         for (int n : mesh.cell_nodes[e]) all = all && by_stencil[n];
         if (all) continue;
         cell.pair_mask = 64;
         ++result.num_full;
       } else {
-        const auto s = supports[b].find(static_cast<int>(e));
         if (s != supports[b].end()) cell.pair_mask = s->second.mask();
         ++result.num_cut;
         if (cell.pair_mask) ++result.num_supported;

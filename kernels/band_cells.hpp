@@ -29,6 +29,9 @@ struct SlabPartition {
 };
 SlabPartition make_slabs(const std::vector<BodyMesh>& meshes);
 
+/// Interior cells, and cells on a face that lies on a grid plane: "cut" by name, with the full cell's moments.
+bool counts_as_full(const CutCells& cut_cells, int active);
+
 template <class Real>
 struct BandCells {
   static constexpr int L = Lanes<Real>::count;
@@ -266,12 +269,9 @@ inline void scatter(const BandCells<Real>& cells, int b, const V u[3][8], Real* 
     V r[8] = {u[0][2 * pair],     u[1][2 * pair],     u[2][2 * pair],     u[0][2 * pair + 1],
               u[1][2 * pair + 1], u[2][2 * pair + 1], u[0][2 * pair + 1], u[0][2 * pair + 1]};
     transpose8<Real>(r);
-    for (int l = 0; l < count; ++l) {
-      Real* to = y + 3 * static_cast<std::size_t>(cells.nodes(b, pair, l));
-      const V add = L == 16 && l >= 8 ? upper_half(r[l & 7]) : r[l & 7];
-      const V old = load_first(to, 6);
-      store_first(to, subtract ? V(old - add) : V(old + add), 6);
-    }
+    const Real* rows = reinterpret_cast<const Real*>(r);
+    for (int l = 0; l < count; ++l)
+      add_six<subtract>(y + 3 * static_cast<std::size_t>(cells.nodes(b, pair, l)), rows + (l % 8) * L + l / 8 * 8);
   }
 }
 

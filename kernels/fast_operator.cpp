@@ -18,7 +18,7 @@ std::vector<char> classify(const ElasticSystem& system) {
                            const auto& cells = mesh.cells_of_node[n];
                            if (cells.size() != 8) return;
                            for (int e : cells)
-                             if (mesh.cut_cells->cut_of_active[e] < 0) by_stencil[mesh.first_node + n] = 1;
+                             if (counts_as_full(*mesh.cut_cells, e)) by_stencil[mesh.first_node + n] = 1;
                          });
   return by_stencil;
 }
@@ -62,13 +62,19 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   const SlabPartition slabs = make_slabs(system.meshes);
   tiles_ = make_stencil_tiles<Real>(system.meshes, by_stencil);
   cells_ = make_band_cells<Real>(system, by_stencil, slabs);
-  ghosts_ = make_ghost_runs<Real>(system, slabs);
+  ghosts_ = make_ghost_chains<Real>(system, slabs);
   other_nodes_ =
       copy_rows_to_view<decltype(other_nodes_)>("cgcontact::fast_operator::other_nodes", ranges_outside(by_stencil));
   for (int colour = 0; colour < 2; ++colour) {
     std::vector<int> list;
     for (std::size_t s = 0; s < slabs.colour_of_slab.size(); ++s)
       if (slabs.colour_of_slab[s] == colour) list.push_back(static_cast<int>(s));
+    // The longest first: threads finish together.
+    auto work = [&](int s) {
+      return 8 * (cells_.chunk_begin(s + 1) - cells_.chunk_begin(s)) + ghosts_.chunk_begin(s + 1) -
+             ghosts_.chunk_begin(s);
+    };
+    std::stable_sort(list.begin(), list.end(), [&](int a, int b) { return work(a) > work(b); });
     slabs_[colour] = copy_to_view<IntView>("cgcontact::fast_operator::slabs", list);
   }
   std::vector<Real> diagonal;
@@ -90,7 +96,7 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   sizes_.full_cells = cells_.num_full;
   sizes_.supported_cells = cells_.num_supported;
   sizes_.ghost_faces = ghosts_.num_faces;
-  sizes_.ghost_runs = static_cast<long long>(ghosts_.runs.extent(0));
+  sizes_.ghost_chains = static_cast<long long>(ghosts_.chains.extent(0));
   sizes_.bytes = tiles_.bytes() + cells_.bytes() + ghosts_.bytes() + other_nodes_.size() * sizeof(int) +
                  by_stencil_.size() + rings_.size() * sizeof(Real);
 }

@@ -1,12 +1,12 @@
 /// The matrix-free operator at full speed: y = A x of all bodies, in double or in float (multigrid).
 ///   stencil_tiles.hpp  nodes whose cells are all active: the factorised 27-point stencil
 ///   band_cells.hpp     cut cells and full cells on flat faces, supports
-///   ghost_runs.hpp     ghost penalty
+///   ghost_chains.hpp     ghost penalty
 /// and the contact groups as sparse rows. apply.hpp is the plain twin.
 #pragma once
 
 #include "kernels/band_cells.hpp"
-#include "kernels/ghost_runs.hpp"
+#include "kernels/ghost_chains.hpp"
 #include "kernels/stencil_tiles.hpp"
 
 namespace cgcontact {
@@ -21,7 +21,7 @@ class FastOperator {
   /// What there is of everything, for cost models.
   struct Sizes {
     long long num_nodes = 0, stencil_nodes = 0, cut_cells = 0, full_cells = 0, supported_cells = 0, ghost_faces = 0,
-              ghost_runs = 0, groups = 0, group_entries = 0;
+              ghost_chains = 0, groups = 0, group_entries = 0;
     std::size_t bytes = 0;
   };
 
@@ -62,7 +62,7 @@ class FastOperator {
   int num_nodes_ = 0;
   StencilTiles<Real> tiles_;
   BandCells<Real> cells_;
-  GhostRuns<Real> ghosts_;
+  GhostChains<Real> ghosts_;
   Groups groups_;
   Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace> other_nodes_;  ///< (range, first and length): not by stencil
   IntView slabs_[2];                                                   ///< of each colour

@@ -39,7 +39,10 @@ class TileMaker {
       : grid_(mesh.cut_cells->grid), number_(number_of_grid_nodes(mesh)), by_stencil_(by_stencil), out_(out) {}
 
   void run(int body) {
-    constexpr int planes = 32;
+    // Long tiles read fewer planes twice; short ones keep several threads busy on a small body.
+    const int columns = static_cast<int>(pieces(1, grid_.num_cells[1], StencilRing<Real>::rows).size() *
+                                         pieces(1, grid_.num_cells[0], StencilRing<Real>::block).size());
+    const int planes = std::min(32, std::max(8, grid_.num_cells[2] * columns / 48));
     for (const auto& z : pieces(1, grid_.num_cells[2], planes))
       for (const auto& y : pieces(1, grid_.num_cells[1], StencilRing<Real>::rows))
         for (const auto& x : pieces(1, grid_.num_cells[0], StencilRing<Real>::block)) add(body, x, y, z);

@@ -19,9 +19,9 @@ namespace cgcontact {
 /// Shape of a tile's ring of split rows.
 template <class Real>
 struct StencilRing {
-  static constexpr int block = 1008 / static_cast<int>(sizeof(Real));  ///< nodes of a row in one tile
-  static constexpr int width = block + 2 + Lanes<Real>::count;         ///< not a power of two: cache sets
-  static constexpr int rows = 16;                                      ///< rows of nodes in one tile
+  static constexpr int block = 126;                             ///< nodes of a row in one tile
+  static constexpr int width = block + 2 + Lanes<Real>::count;  ///< not a power of two: cache sets
+  static constexpr int rows = 16;                               ///< rows of nodes in one tile
   static constexpr int row_stride = 3 * width;
   static constexpr int plane_stride = (rows + 2) * row_stride;
   static constexpr int size = 3 * plane_stride + 9 * width;  ///< the ring, and the rows of partial sums
@@ -161,7 +161,15 @@ inline void apply_tile(const StencilTiles<Real>& t, int tile, const Real* x, con
     if (plane < 2) continue;
     const Real* below = ring + (plane - 2) % 3 * Ring::plane_stride;
     const Real* middle = ring + (plane - 1) % 3 * Ring::plane_stride;
+    int next = t.copy_begin(first + plane + 1);
+    const int next_end = plane + 1 < planes ? t.copy_begin(first + plane + 2) : next;
     for (int e = t.run_begin(first + plane - 1); e < t.run_begin(first + plane); ++e) {
+      if (next < next_end) {  // fetch the next plane while this one is computed
+        const Real* row_begin = x + 3 * static_cast<std::size_t>(t.copies(next, 0));
+        const Real* row_end = row_begin + 3 * t.copies(next, 2);
+        for (const Real* p = row_begin; p < row_end; p += 64 / sizeof(Real)) __builtin_prefetch(p, 0, 2);
+        ++next;
+      }
       const std::size_t dof = 3 * static_cast<std::size_t>(t.runs(e, 0));
       const int row = t.runs(e, 1) * Ring::row_stride;
       apply_run<with_base>(k, below + row, middle + row, to + row, sums, t.runs(e, 2), t.runs(e, 3),
