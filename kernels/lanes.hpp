@@ -9,8 +9,8 @@
 
 namespace cgcontact {
 
-// Without AVX-512 g++ says that passing these vectors has no fixed ABI, at the end of the file: no pop. They never leave
-// a file.
+// Without AVX-512 g++ says that passing these vectors has no fixed ABI, at the end of the file: no pop. They never
+// leave a file.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 template <class Real>
