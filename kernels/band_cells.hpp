@@ -68,9 +68,6 @@ template <class Real>
 BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
                                 const SlabPartition& slabs);
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace band {
 
 /// Position of a mode's exponents in the table of moments; sums for products of modes.
@@ -303,7 +300,5 @@ inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const B
 }
 
 }  // namespace band
-
-#pragma GCC diagnostic pop
 
 }  // namespace cgcontact

@@ -31,9 +31,6 @@ struct GhostChains {
 template <class Real>
 GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabPartition& slabs);
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace ghost {
 
 /// Two nodes along x, in the first six entries.
@@ -138,7 +135,5 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
 }
 
 }  // namespace ghost
-
-#pragma GCC diagnostic pop
 
 }  // namespace cgcontact

@@ -9,8 +9,9 @@
 
 namespace cgcontact {
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"  // always inlined: no ABI to change
+// Without AVX-512 g++ says that passing these vectors has no fixed ABI, at the end of the file: no pop. They never
+// leave a file.
+#pragma GCC diagnostic ignored "-Wpsabi"
 
 template <class Real>
 struct Lanes;
@@ -230,7 +231,5 @@ inline Vector<float> join_halves(const Vector<float>& a, const Vector<float>& b)
   constexpr Lanes<float>::Mask halves = {0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23};
   return __builtin_shuffle(a, b, halves);
 }
-
-#pragma GCC diagnostic pop
 
 }  // namespace cgcontact

@@ -62,9 +62,6 @@ struct StencilTiles {
 template <class Real>
 StencilTiles<Real> make_stencil_tiles(const std::vector<BodyMesh>& meshes, const std::vector<char>& by_stencil);
 
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
-
 namespace stencil {
 
 /// Splits `length` nodes at x into the three rows at `to`.
@@ -179,7 +176,5 @@ inline void apply_tile(const StencilTiles<Real>& t, int tile, const Real* x, con
 }
 
 }  // namespace stencil
-
-#pragma GCC diagnostic pop
 
 }  // namespace cgcontact

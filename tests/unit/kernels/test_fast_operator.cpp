@@ -208,6 +208,38 @@ TEST(FastOperator, SupportsAndGroupsOfTwoBodies) {
   }
 }
 
+/// What makes the result independent of the number of threads.
+TEST(FastOperator, SlabsOfOneColourShareNoNode) {
+  const Solid ball = Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.4, "ball");
+  const CutCells first = test::cut(ball, test::odd_grid(19, 0.3)), second = whole_cells({5, 31, 3}, 1),
+                 third = whole_cells({31, 2, 3}, 0);
+  const Material material{1.0, 0.3};
+  const ElasticSystem system = make_elastic_system({&first, &second, &third}, {material, material, material}, {}, 0.01);
+  const SlabPartition slabs = make_slabs(system.meshes);
+  EXPECT_GT(slabs.colour_of_slab.size(), 20u);
+  std::vector<std::array<int, 2>> owner(system.num_nodes, {-1, -1});
+  for (int b = 0; b < 3; ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    const CutCells& cc = *mesh.cut_cells;
+    for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+      const int slab = slabs.slab_of(b, cc.cells[e]);
+      auto touch = [&](const std::array<int, 8>& nodes) {
+        for (int n : nodes) {
+          int& own = owner[n][slabs.colour_of_slab[slab]];
+          ASSERT_TRUE(own < 0 || own == slab);
+          own = slab;
+        }
+      };
+      touch(mesh.cell_nodes[e]);
+      for (int d = 0; d < 3; ++d) {  // as if every face were a ghost face
+        Index3 c = cc.cells[e];
+        ++c[d];
+        if (cc.find(c) >= 0) touch(mesh.cell_nodes[cc.find(c)]);
+      }
+    }
+  }
+}
+
 TEST(FastOperator, GroupStiffnessCanBeChanged) {
   const CutCells cc = whole_cells({4, 4, 4}, 0);
   ElasticSystem system = make_system(cc, 0.01);
