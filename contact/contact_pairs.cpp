@@ -284,8 +284,11 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
         add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
       }
       const ContactPoint& first = pair.points[group.first_point];
-      rows.push_back({sum_by_dof(std::move(entries)), pair.primary, first.primary_cell,
-                      static_cast<int>(k * max_surfaces + group.surface)});
+      GroupRow row = sum_by_dof(std::move(entries));
+      row.body = pair.primary;
+      row.cell = first.primary_cell;
+      row.family = static_cast<int>(k * max_surfaces + group.surface);
+      rows.push_back(std::move(row));
     }
   }
   return rows;

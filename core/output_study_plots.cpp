@@ -157,8 +157,7 @@ std::string panel(const Study& study, const std::vector<Curve>& curves, const st
   return text + "\n";
 }
 
-void write_plot(const Study& study, const Abscissa& abscissa, const std::string& directory,
-                std::vector<std::string>& warnings) {
+void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs) {
   const std::vector<std::string> zones = zone_names(study);
   std::vector<std::vector<Curve>> curves;
   LogRange x, y;
@@ -172,7 +171,7 @@ void write_plot(const Study& study, const Abscissa& abscissa, const std::string&
   }
   if (!(x.high > 0)) return;
   const std::string file = fmt::format("{}.dat", abscissa.picture);
-  write_text(directory + "/plots/" + file, data_of(curves));
+  write_text(runs.directory() + "/plots/" + file, data_of(curves));
 
   const Layout layout(zones.size(), study.variants.size());
   std::string script = frame(study, abscissa, layout, x.widened(), y.widened());
@@ -183,20 +182,23 @@ void write_plot(const Study& study, const Abscissa& abscissa, const std::string&
     script += panel(study, curves[z], file, z * curves[z].size());
   }
   script += "unset multiplot\n";
-  run_gnuplot(directory, abscissa.picture, script, std::string(abscissa.picture) + ".svg", warnings);
+  runs.start(abscissa.picture, script, std::string(abscissa.picture) + ".svg");
 }
 
 }  // namespace
 
 void write_study_plots(const Study& study, const std::string& directory, std::vector<std::string>& warnings) {
+  GnuplotRuns runs(directory);
   write_plot(study,
              {"error_time", "time of the run [s]", "Error against time",
               [](const RunFigures& run) { return run.total_time_s(); }},
-             directory, warnings);
+             runs);
   write_plot(study,
              {"error_unknowns", "unknowns [-]", "Error against unknowns",
               [](const RunFigures& run) { return static_cast<double>(run.unknowns); }},
-             directory, warnings);
+             runs);
+  const std::vector<std::string>& found = runs.finish();
+  warnings.insert(warnings.end(), found.begin(), found.end());
 }
 
 }  // namespace cgcontact

@@ -15,10 +15,14 @@ std::vector<char> classify(const ElasticSystem& system) {
   for (const BodyMesh& mesh : system.meshes)
     Kokkos::parallel_for("cgcontact::fast_operator::classify",
                          Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, mesh.num_nodes), [&](const int n) {
-                           const auto& cells = mesh.cells_of_node[n];
-                           if (cells.size() != 8) return;
-                           for (int e : cells)
-                             if (counts_as_full(*mesh.cut_cells, e)) by_stencil[mesh.first_node + n] = 1;
+                           const Index3& x = mesh.nodes[n];
+                           bool some_full = false;
+                           for (int a = 0; a < 8; ++a) {
+                             const int e = mesh.cut_cells->find({x[0] - (a & 1), x[1] - (a >> 1 & 1), x[2] - (a >> 2)});
+                             if (e < 0) return;
+                             some_full |= counts_as_full(*mesh.cut_cells, e);
+                           }
+                           by_stencil[mesh.first_node + n] = some_full;
                          });
   return by_stencil;
 }

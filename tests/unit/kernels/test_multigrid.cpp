@@ -49,7 +49,8 @@ TEST(Coarsening, StiffnessIsTheGalerkinProduct) {
 
 TEST(Coarsening, TransfersAreAdjointAndKeepLinearFields) {
   const TwoLevels levels(ball(), 9, 0.3, 0.01);
-  const RealView c = test::random_vector(levels.coarse.num_dofs(), 4), f = test::random_vector(levels.fine.num_dofs(), 5);
+  const RealView c = test::random_vector(levels.coarse.num_dofs(), 4),
+                 f = test::random_vector(levels.fine.num_dofs(), 5);
   RealView Pc("Pc", levels.fine.num_dofs()), Rf("Rf", levels.coarse.num_dofs());
   prolongate_add(ExecSpace(), levels.transfer, c, Pc);
   restrict_to(ExecSpace(), levels.transfer, f, Rf);
@@ -68,7 +69,8 @@ TEST(Coarsening, SupportsKeepTheirPointsAndHalveTheirStiffness) {
   const BoundaryPoints& points = levels.fine_cells.boundary;
   for (std::size_t p = 0; p < points.size(); p += 7) {
     const Index3& c = levels.fine_cells.cells[points.cell[p]];
-    terms.push_back({points.cell[p], 2 * (points.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones(), Vec3::UnitX(), 2});
+    terms.push_back(
+        {points.cell[p], 2 * (points.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones(), Vec3::UnitX(), 2});
   }
   const auto coarse = coarse_supports(levels.fine_cells, levels.coarse_cells, terms);
   for (std::size_t t = 0; t < terms.size(); ++t) {
