@@ -152,7 +152,12 @@ void quiet_mpi() {
 }  // namespace
 
 TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>()) {
-  std::string program = "cgcontact", option = "--kokkos-threads=" + std::to_string(threads);
+#if KOKKOS_VERSION >= 30700
+  std::string option = "--kokkos-num-threads=" + std::to_string(threads);
+#else
+  std::string option = "--kokkos-threads=" + std::to_string(threads);
+#endif
+  std::string program = "cgcontact";
   std::vector<char*> arguments{program.data()};
   if (threads > 0) arguments.push_back(option.data());
   quiet_mpi();
@@ -163,6 +168,13 @@ TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>()) {
 }
 TrilinosScope::~TrilinosScope() = default;
 const char* TrilinosScope::backend() { return ExecSpace::name(); }
+bool TrilinosScope::has_openmp() {
+#ifdef KOKKOS_ENABLE_OPENMP
+  return std::is_same_v<ExecSpace, Kokkos::OpenMP>;
+#else
+  return false;
+#endif
+}
 int TrilinosScope::concurrency() { return ExecSpace::concurrency(); }
 
 }  // namespace cgcontact

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "core/resources.hpp"
 #include "kernels/assembly.hpp"
 #include "kernels/linear_solver.hpp"
 
@@ -82,6 +83,7 @@ BENCHMARK(crs_matrix)->Arg(6)->Arg(20)->Arg(50)->Unit(benchmark::kMillisecond);
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (cgcontact::TrilinosScope::has_openmp()) cgcontact::restart_with_openmp_settings(0, argv);
   benchmark::Initialize(&argc, argv);
   const cgcontact::TrilinosScope trilinos(0);
   benchmark::RunSpecifiedBenchmarks();
