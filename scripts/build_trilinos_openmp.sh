@@ -99,7 +99,7 @@ make_private_apt() {
   local codename
   codename=$(. /etc/os-release && echo "${VERSION_CODENAME:-none}")
   mkdir -p "$work"/apt/{sources.list.d,lists/partial,cache/archives/partial}
-  cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
+  { cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null || true; } |
     sed -nE 's/^[[:space:]]*deb(-src)?[[:space:]]+((\[[^]]*\][[:space:]]+)?[^[:space:]]+[[:space:]]+('"$codename"'|stable)[[:space:]](.*[[:space:]])?main([[:space:]].*)?)$/deb-src \2/p' |
     sort -u >"$work/apt/sources.list.d/cgcontact.list"
   for file in /etc/apt/sources.list.d/*.sources; do
@@ -168,6 +168,7 @@ show_progress() {
 say "building with $jobs compilers at a time; this takes about 70 minutes of CPU time (log: $work/build.log)"
 SECONDS=0
 NINJA_STATUS="[%f/%t] " ninja -C "$work/build" -j "$jobs" install 2>&1 | tee "$work/build.log" | show_progress || {
+  ! grep -q '^ninja: build stopped: interrupted' "$work/build.log" || exit 130
   grep -A 30 -m 1 '^FAILED' "$work/build.log" >&2 || tail -n 30 "$work/build.log" >&2
   fail "Trilinos did not build (see above)"
 }
