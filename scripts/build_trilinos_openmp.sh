@@ -85,6 +85,7 @@ on_exit() {
   [ -e "$complete" ] || say "not finished; the same command goes on from here ($work)" >&2
 }
 trap on_exit EXIT
+trap "exit 130" INT TERM
 
 # The system's own package sources of this release, as sources of source packages, in a state of our own: the system's apt is
 # left as it is. apt checks the signatures.
