@@ -137,7 +137,8 @@ if command -v ccache >/dev/null; then
 fi
 if [ ! -e "$work/configured" ]; then
   say "configuring"
-  cmake -G Ninja "${options[@]}" "-DCMAKE_INSTALL_PREFIX=$prefix" "${launcher[@]}" -S "$work/source" -B "$work/build" \
+  cmake -G Ninja "${options[@]}" "-DCMAKE_INSTALL_PREFIX=$prefix" "${launcher[@]}" \
+    "-DCMAKE_PROJECT_Trilinos_INCLUDE=$here/../cmake/TrilinosUnity.cmake" -S "$work/source" -B "$work/build" \
     >"$work/configure.log" 2>&1 || { tail -n 40 "$work/configure.log" >&2; fail "cmake failed (see above)"; }
   touch "$work/configured"
 fi
