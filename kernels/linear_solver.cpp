@@ -158,7 +158,9 @@ TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>()) {
   std::string option = "--kokkos-threads=" + std::to_string(threads);
 #endif
   std::string program = "cgcontact";
-  std::vector<char*> arguments{program.data()};
+  std::string no_warnings =
+      "--kokkos-disable-warnings";  // on binding and on the number of threads: the program's own task
+  std::vector<char*> arguments{program.data(), no_warnings.data()};
   if (threads > 0) arguments.push_back(option.data());
   quiet_mpi();
   int argc = static_cast<int>(arguments.size());

@@ -167,14 +167,15 @@ show_progress() {
     END { if (terminal && last != "") print "" }'
 }
 
-say "building with $jobs compilers at a time; this takes about 70 minutes of CPU time (log: $work/build.log)"
+say "building with $jobs compilers at a time; this takes about 40 minutes of CPU time (log: $work/build.log)"
 SECONDS=0
 NINJA_STATUS="[%f/%t] " ninja -C "$work/build" -j "$jobs" install 2>&1 | tee "$work/build.log" | show_progress || {
   ! grep -q '^ninja: build stopped: interrupted' "$work/build.log" || exit 130
   grep -A 30 -m 1 '^FAILED' "$work/build.log" >&2 || tail -n 30 "$work/build.log" >&2
   fail "Trilinos did not build (see above)"
 }
-cpu=$(times | tail -n 1)
+times >"$work/times"  # not in a subshell, which has times of its own
+cpu=$(tail -n 1 "$work/times")
 printf '%s\n' "trilinos $version" "${options[@]}" >"$prefix/options"
 mv "$prefix/options" "$complete"
 rm -rf "$work"

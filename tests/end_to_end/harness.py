@@ -76,8 +76,9 @@ NOT_COMPARED = ("times_s", "peak_memory_bytes", "backend", "threads", "warnings"
 
 def largest_difference(first, second):
     """The largest difference between the results in two directories, and where it is. Columns of contact.csv: relative to
-    the column's largest value; figures of the reports: to the value itself, components of forces to the largest of all.
-    Texts, counts and the state of every point must be equal. Residuals are of no interest: they are rounding."""
+    the column's largest value; figures of the reports: to the value itself, components of forces and the zones of the pressure
+    error to the largest of all. Texts, counts and the state of every point must be equal. Residuals are not compared: the
+    last ones are rounding."""
     differences = [(0, "")]
     rows, others = contact_rows(first), contact_rows(second)
     if len(rows) != len(others):
@@ -93,19 +94,19 @@ def largest_difference(first, second):
                         if key not in NOT_COMPARED and "residual" not in key}) for directory in (first, second)]
     if set(reports[0]) != set(reports[1]):
         return float("inf"), f"parts of the reports: {sorted(set(reports[0]) ^ set(reports[1]))}"
-    vectors = re.compile(r"\.(force|moment)(\.\w+)?\[\d+\]$")
+    parts = re.compile(r"\.(force|moment)(\.\w+)?\[\d+\]$|\.(pressure_error)\[")
+    kind = {name: parts.search(name) and (parts.search(name).group(1) or parts.search(name).group(3)) for name in reports[0]}
     largest = {}
     for name, value in reports[0].items():
-        if vectors.search(name):
-            kind = vectors.search(name).group(1)
-            largest[kind] = max(largest.get(kind, 1e-300), abs(value))
+        if kind[name] and not isinstance(value, str):
+            largest[kind[name]] = max(largest.get(kind[name], 1e-300), abs(value))
     for name, a in reports[0].items():
         b = reports[1][name]
         if not isinstance(a, float) and not isinstance(b, float):
             if a != b:
                 differences.append((float("inf"), f"{name}: {a} and {b}"))
         else:
-            scale = largest[vectors.search(name).group(1)] if vectors.search(name) else max(abs(a), 1e-300)
+            scale = largest[kind[name]] if kind[name] else max(abs(a), 1e-300)
             differences.append((abs(a - b) / scale, name))
     return max(differences)
 
