@@ -3,6 +3,7 @@
 #   make            install what is missing and build
 #   make demo       run the paper's scene and say where its pictures are
 #   make test       build and run all tests
+#   make trilinos-openmp   build Trilinos with OpenMP into ~/.cache/cgcontact, for BACKEND=openmp (once; an hour)
 #   make asan       the same with address and undefined-behaviour sanitizers
 #   make format     format the sources; format-check, tidy: complain only
 #   make clean      remove what these commands built
@@ -21,7 +22,7 @@ folders := core kernels recovery contact perf tests
 sources = $(shell find $(folders) -name '*.[ch]pp')
 
 .NOTPARALLEL:
-.PHONY: all build configure demo test asan format format-check tidy clean deps deps-test deps-format
+.PHONY: all build configure demo test trilinos-openmp asan format format-check tidy clean deps deps-test deps-format
 all: build
 
 deps:
@@ -46,6 +47,9 @@ demo: configure
 
 test: deps-test build
 	@ctest --preset $(BACKEND)
+
+trilinos-openmp:
+	@scripts/build_trilinos_openmp.sh
 
 asan:
 	@$(MAKE) --no-print-directory test BACKEND=asan

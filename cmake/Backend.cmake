@@ -1,4 +1,5 @@
-# Which Trilinos: Debian's (Kokkos Serial), or one built with Kokkos OpenMP in CGCONTACT_TRILINOS_PREFIX.
+# Which Trilinos: Debian's (Kokkos Serial), or one built with Kokkos OpenMP: in CGCONTACT_TRILINOS_PREFIX, or where
+# `make trilinos-openmp` puts it.
 set(CGCONTACT_BACKEND serial CACHE STRING "serial or openmp")
 set_property(CACHE CGCONTACT_BACKEND PROPERTY STRINGS serial openmp)
 set(CGCONTACT_TRILINOS_PREFIX "" CACHE PATH "openmp only: where a Trilinos with OpenMP is installed (or in the environment)")
@@ -9,15 +10,24 @@ if(CGCONTACT_BACKEND STREQUAL openmp)
     set(trilinos_prefix "$ENV{CGCONTACT_TRILINOS_PREFIX}")
   endif()
   if(NOT trilinos_prefix)
-    message(FATAL_ERROR "The openmp backend needs a Trilinos 13.2 that was built with OpenMP; Debian's was not. "
-      "Say where it is installed with the environment or CMake variable CGCONTACT_TRILINOS_PREFIX (docs/setup.md).")
+    execute_process(COMMAND ${CMAKE_SOURCE_DIR}/scripts/build_trilinos_openmp.sh --prefix
+      OUTPUT_VARIABLE trilinos_prefix OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE not_built)
+    if(not_built)
+      message(FATAL_ERROR "The openmp backend needs a Trilinos that was built with OpenMP; Debian's was not. "
+        "\"make trilinos-openmp\" builds one (once, about 40 minutes of CPU time) in ${trilinos_prefix}; "
+        "or say where you have one with the environment or CMake variable CGCONTACT_TRILINOS_PREFIX (docs/setup.md).")
+    endif()
   endif()
-  if(NOT EXISTS "${trilinos_prefix}/lib/cmake/Trilinos/TrilinosConfig.cmake")
+  file(GLOB trilinos_config "${trilinos_prefix}/lib*/cmake/Trilinos/TrilinosConfig.cmake"
+    "${trilinos_prefix}/lib/*/cmake/Trilinos/TrilinosConfig.cmake")
+  if(NOT trilinos_config)
     message(FATAL_ERROR "CGCONTACT_TRILINOS_PREFIX is \"${trilinos_prefix}\": "
-      "there is no lib/cmake/Trilinos/TrilinosConfig.cmake in it. The openmp backend needs a Trilinos 13.2 that was built "
-      "with OpenMP (docs/setup.md).")
+      "there is no lib/cmake/Trilinos/TrilinosConfig.cmake in it. The openmp backend needs a Trilinos that was built "
+      "with OpenMP (\"make trilinos-openmp\", docs/setup.md).")
   endif()
-  set(Trilinos_DIR "${trilinos_prefix}/lib/cmake/Trilinos" CACHE PATH "" FORCE)
+  list(GET trilinos_config 0 trilinos_config)
+  get_filename_component(trilinos_config "${trilinos_config}" DIRECTORY)
+  set(Trilinos_DIR "${trilinos_config}" CACHE PATH "" FORCE)
 elseif(NOT CGCONTACT_BACKEND STREQUAL serial)
   message(FATAL_ERROR "CGCONTACT_BACKEND is \"${CGCONTACT_BACKEND}\": expected serial or openmp.")
 endif()

@@ -1,13 +1,19 @@
 # cgcontact_end_to_end_tests(FOLDER): every test_*.sh and test_*.py in FOLDER becomes the test end_to_end.<name>. It runs in
 # an empty directory of its own, with the built program and the source directory as arguments, and passes when it exits
 # with 0. A line "# timeout: SECONDS" near its top replaces the limit of 900 seconds (ten times as long with sanitizers,
-# where CGCONTACT_SANITIZED is set); "# alone" keeps ctest from running other tests beside it.
+# where CGCONTACT_SANITIZED is set); "# alone" keeps ctest from running other tests beside it; "# backend: NAME" is for tests
+# of that backend only. Exit code 77: skipped.
 find_program(CGCONTACT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)  # Debian's own: the one that has VTK
 find_program(CGCONTACT_PYTHON python3)
 
 function(cgcontact_end_to_end_tests folder)
   file(GLOB scripts CONFIGURE_DEPENDS ${folder}/test_*.sh ${folder}/test_*.py)
   foreach(script ${scripts})
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${script})
+    file(STRINGS ${script} backend REGEX "^# backend: " LIMIT_COUNT 1)
+    if(backend AND NOT backend STREQUAL "# backend: ${CGCONTACT_BACKEND}")
+      continue()
+    endif()
     get_filename_component(name ${script} NAME_WE)
     string(REPLACE "test_" "" name ${name})
     if(script MATCHES "\\.py$")
@@ -22,7 +28,7 @@ function(cgcontact_end_to_end_tests folder)
     file(STRINGS ${script} timeout REGEX "^# timeout: [0-9]+$" LIMIT_COUNT 1)
     string(REGEX MATCH "[0-9]+" timeout "${timeout};900")
     file(STRINGS ${script} alone REGEX "^# alone$" LIMIT_COUNT 1)
-    set_tests_properties(end_to_end.${name} PROPERTIES LABELS end_to_end)
+    set_tests_properties(end_to_end.${name} PROPERTIES LABELS end_to_end SKIP_RETURN_CODE 77)
     if(CGCONTACT_SANITIZE)
       math(EXPR timeout "10 * ${timeout}")
       set_tests_properties(end_to_end.${name} PROPERTIES ENVIRONMENT CGCONTACT_SANITIZED=1)
@@ -31,6 +37,5 @@ function(cgcontact_end_to_end_tests folder)
     if(alone)
       set_tests_properties(end_to_end.${name} PROPERTIES RUN_SERIAL ON)
     endif()
-    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${script})
   endforeach()
 endfunction()

@@ -12,6 +12,7 @@
 #include "core/cli.hpp"
 #include "core/output.hpp"
 #include "core/progress.hpp"
+#include "core/resources.hpp"
 #include "kernels/linear_solver.hpp"
 
 namespace {
@@ -24,10 +25,18 @@ std::string output_directory(const CommandLine& options, const Scene& scene) {
   return "out/" + std::filesystem::path(scene.file).stem().string();
 }
 
+/// Empty, or what is to be said about the number of threads asked for.
 std::string too_many_threads(int wanted) {
-  const int available = TrilinosScope::concurrency();
-  return fmt::format("--threads {}: this program runs on {} thread{} (backend {})", wanted, available,
-                     available == 1 ? "" : "s", TrilinosScope::backend());
+  if (!TrilinosScope::has_openmp())
+    return wanted > 1 ? fmt::format(
+                            "--threads {}: this program runs on 1 thread (backend {}); "
+                            "\"make BACKEND=openmp\" builds one that runs on several",
+                            wanted, TrilinosScope::backend())
+                      : "";
+  const int available = available_threads();
+  return wanted > available ? fmt::format("--threads {}: only {} hardware thread{} available, {} would be faster",
+                                          wanted, available, available == 1 ? " is" : "s are", available)
+                            : "";
 }
 
 int check(const Scene& scene) {
@@ -39,12 +48,15 @@ int check(const Scene& scene) {
   return 0;
 }
 
-int run(const Scene& scene, const CommandLine& options) {
+int run(const Scene& scene, const CommandLine& options, char** argv) {
   const std::string directory = output_directory(options, scene);
   check_output_directory(directory);
+  if (TrilinosScope::has_openmp()) restart_with_openmp_settings(options.threads, argv);
+  // The affinity of this thread changes when OpenMP starts.
+  const std::string threads_warning = too_many_threads(options.threads);
   const TrilinosScope trilinos(options.threads);
   Progress progress;
-  if (options.threads > TrilinosScope::concurrency()) progress.message("warning: " + too_many_threads(options.threads));
+  if (!threads_warning.empty()) progress.message("warning: " + threads_warning);
   ProgressCallbacks callbacks;
   callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
   callbacks.step = [&](const OuterStep& s) { progress.outer_iteration(s.iteration, s.active_points, s.residual); };
@@ -54,7 +66,7 @@ int run(const Scene& scene, const CommandLine& options) {
   Results& results = simulation.results;
   results.backend = TrilinosScope::backend();
   results.threads = TrilinosScope::concurrency();
-  if (options.threads > results.threads) results.warnings.push_back(too_many_threads(options.threads));
+  if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
   for (const std::string& warning : write_results(results, scene, directory)) progress.message("warning: " + warning);
   progress.finish();
   fmt::print("{}", summary(results, directory));
@@ -72,7 +84,7 @@ int main(int argc, char** argv) {
     if (!options) return exit_code;
     if (options->command == CommandLine::study) return run_study(*options);
     const Scene scene = read_scene(options->scene, options->overrides);
-    return options->command == CommandLine::check ? check(scene) : run(scene, *options);
+    return options->command == CommandLine::check ? check(scene) : run(scene, *options, argv);
   } catch (const InputError& error) {
     fmt::print(stderr, "cgcontact: {}\n", error.what());
   } catch (const std::exception& error) {

@@ -1,13 +1,106 @@
 #include "core/resources.hpp"
 
+#include <sched.h>
 #include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <thread>
+#include <vector>
 
 namespace cgcontact {
+namespace {
+
+int threads_by_affinity() {
+  // The kernel refuses sets that are smaller than its own.
+  for (std::size_t size = CPU_SETSIZE; size <= 64 * CPU_SETSIZE; size *= 2) {
+    std::vector<cpu_set_t> set(size / CPU_SETSIZE);
+    if (sched_getaffinity(0, set.size() * sizeof(cpu_set_t), set.data()) == 0)
+      return std::max(1, CPU_COUNT_S(set.size() * sizeof(cpu_set_t), set.data()));
+  }
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+/// CPUs that one group allows, 0: no limit or no such group.
+double quota_of_group(const std::string& directory, bool version_2) {
+  double quota = 0, period = 0;
+  if (version_2) {
+    std::ifstream(directory + "/cpu.max") >> quota >> period;  // "max 100000": no number, no limit
+  } else {
+    std::ifstream(directory + "/cpu.cfs_quota_us") >> quota;  // -1: no limit
+    std::ifstream(directory + "/cpu.cfs_period_us") >> period;
+  }
+  return quota > 0 && period > 0 ? quota / period : 0;
+}
+
+/// Sets a variable; true if that changes the environment.
+bool set_variable(const char* name, const std::string& value) {
+  const char* old = std::getenv(name);
+  if (old && value == old) return false;
+  setenv(name, value.c_str(), 1);
+  return true;
+}
+
+bool set_if_absent(const char* name, const std::string& value) {
+  return !std::getenv(name) && set_variable(name, value);
+}
+
+}  // namespace
 
 long long peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   return 1024LL * usage.ru_maxrss;
+}
+
+double cpu_quota(const std::string& groups, const std::string& root) {
+  double smallest = 0;
+  std::istringstream lines(groups);
+  for (std::string line; std::getline(lines, line);) {  // number:controllers:/group
+    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = line.substr(first + 1, second - first - 1);
+    const bool version_2 = controllers.empty();
+    if (!version_2 && ("," + controllers + ",").find(",cpu,") == std::string::npos) continue;
+    const std::string mount = version_2 ? root : root + "/" + controllers;
+    // Every group above limits as well. In a container the group's own directory may be the mount itself.
+    for (std::string group = line.substr(second + 1);; group.resize(group.rfind('/'))) {
+      while (!group.empty() && group.back() == '/') group.pop_back();
+      const double quota = quota_of_group(mount + group, version_2);
+      if (quota > 0 && (smallest == 0 || quota < smallest)) smallest = quota;
+      if (group.find('/') == std::string::npos) break;
+    }
+  }
+  return smallest;
+}
+
+int available_threads() {
+  const int threads = threads_by_affinity();
+  std::ifstream file("/proc/self/cgroup");
+  const std::string groups{std::istreambuf_iterator<char>(file), {}};
+  const double quota = cpu_quota(groups, "/sys/fs/cgroup");
+  // Rounded down: threads wait for each other, and one that has used up its time holds up all.
+  return quota > 0 ? std::min(threads, std::max(1, static_cast<int>(quota))) : threads;
+}
+
+void restart_with_openmp_settings(int threads, char** argv) {
+  const int available = threads_by_affinity();
+  if (threads <= 0 && std::getenv("OMP_NUM_THREADS")) {
+    threads = std::atoi(std::getenv("OMP_NUM_THREADS"));
+  } else if (threads <= 0) {
+    threads = available_threads();
+  }
+  bool changed = threads > 0 && set_variable("OMP_NUM_THREADS", std::to_string(threads));
+  // A part of the machine stays unbound: two such programs would be bound to the same part.
+  if (!std::getenv("GOMP_CPU_AFFINITY")) {
+    changed |= set_if_absent("OMP_PROC_BIND", threads == available ? "spread" : "false");
+    changed |= set_if_absent("OMP_PLACES", "threads");
+  }
+  changed |= set_if_absent("OPENBLAS_NUM_THREADS", "1");  // two runtimes whose threads wait busily share no CPUs
+  if (changed) execv("/proc/self/exe", argv);             // on failure: only the binding is missing
 }
 
 }  // namespace cgcontact

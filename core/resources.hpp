@@ -1,9 +1,25 @@
-/// What this process has used so far.
+/// What this process has used so far, and what it may use.
 #pragma once
+
+#include <string>
 
 namespace cgcontact {
 
 /// Largest resident set, bytes.
 long long peak_memory_bytes();
+
+/// Hardware threads that this process may run on: its CPU affinity, and no more than its control group's quota of CPU
+/// time.
+int available_threads();
+
+/// The CPUs that a control group and those above it allow (quota / period); 0: no limit. `groups` is the text of
+/// /proc/self/cgroup, `root` the place where the hierarchies are mounted (/sys/fs/cgroup); versions 1 and 2.
+double cpu_quota(const std::string& groups, const std::string& root);
+
+/// Settings of the OpenMP runtime, which reads them before main: starts the program again, in the same process, with
+/// OMP_NUM_THREADS as given and, where the environment does not have them yet, OMP_PROC_BIND, OMP_PLACES and
+/// OPENBLAS_NUM_THREADS. Returns if the environment is as it should be already (so the second time), or if the system
+/// does not allow it. threads = 0: OMP_NUM_THREADS if set, else available_threads().
+void restart_with_openmp_settings(int threads, char** argv);
 
 }  // namespace cgcontact

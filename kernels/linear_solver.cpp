@@ -121,8 +121,15 @@ void quiet_mpi() {
 }  // namespace
 
 TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>()) {
-  std::string program = "cgcontact", option = "--kokkos-threads=" + std::to_string(threads);
-  std::vector<char*> arguments{program.data()};
+#if KOKKOS_VERSION >= 30700
+  std::string option = "--kokkos-num-threads=" + std::to_string(threads);
+#else
+  std::string option = "--kokkos-threads=" + std::to_string(threads);
+#endif
+  std::string program = "cgcontact";
+  std::string no_warnings =
+      "--kokkos-disable-warnings";  // on binding and on the number of threads: the program's own task
+  std::vector<char*> arguments{program.data(), no_warnings.data()};
   if (threads > 0) arguments.push_back(option.data());
   quiet_mpi();
   int argc = static_cast<int>(arguments.size());
@@ -132,6 +139,13 @@ TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>()) {
 }
 TrilinosScope::~TrilinosScope() = default;
 const char* TrilinosScope::backend() { return ExecSpace::name(); }
+bool TrilinosScope::has_openmp() {
+#ifdef KOKKOS_ENABLE_OPENMP
+  return std::is_same_v<ExecSpace, Kokkos::OpenMP>;
+#else
+  return false;
+#endif
+}
 int TrilinosScope::concurrency() { return ExecSpace::concurrency(); }
 
 }  // namespace cgcontact

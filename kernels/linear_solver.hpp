@@ -49,7 +49,8 @@ class TrilinosScope {
   explicit TrilinosScope(int threads);
   ~TrilinosScope();
   static const char* backend();  ///< name of the default execution space
-  static int concurrency();
+  static bool has_openmp();
+  static int concurrency();  ///< number of threads
 
  private:
   struct Impl;

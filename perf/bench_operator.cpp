@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 
+#include "core/resources.hpp"
 #include "kernels/assembly.hpp"
 #include "kernels/fast_operator.hpp"
 #include "kernels/linear_solver.hpp"
@@ -194,6 +195,7 @@ BENCHMARK(crs_matrix)->Apply(small_sizes);
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (cgcontact::TrilinosScope::has_openmp()) cgcontact::restart_with_openmp_settings(0, argv);
   benchmark::Initialize(&argc, argv);
   const cgcontact::TrilinosScope trilinos(0);
   benchmark::RunSpecifiedBenchmarks();

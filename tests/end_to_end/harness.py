@@ -7,6 +7,7 @@ import dataclasses
 import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import time
@@ -31,11 +32,12 @@ class Outcome:
         return [line for line in self.err.splitlines() if line.startswith("cgcontact:")]
 
 
-def cgcontact(*arguments, cwd=None, timeout=120):
-    """Runs the program to its end."""
+def cgcontact(*arguments, cwd=None, timeout=120, program=None, environment=None):
+    """Runs the program to its end; environment: variables on top of our own."""
     start = time.monotonic()
-    done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL, timeout=timeout,
-                          capture_output=True, text=True, errors="replace", check=False)
+    done = subprocess.run([program or PROGRAM, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL, timeout=timeout,
+                          capture_output=True, text=True, errors="replace", check=False,
+                          env={**os.environ, **(environment or {})})
     return Outcome(done.returncode, done.stdout, done.stderr, time.monotonic() - start)
 
 
@@ -59,6 +61,56 @@ def contact_rows(directory):
                 for row in csv.DictReader(file)]
 
 
+def figures(value, name=""):
+    """Every number and text in a report, by its place."""
+    if isinstance(value, dict):
+        return {key: x for part in value for key, x in figures(value[part], f"{name}.{part}").items()}
+    if isinstance(value, list):
+        return {key: x for i, part in enumerate(value) for key, x in figures(part, f"{name}[{i}]").items()}
+    return {name: value}
+
+
+# Of a run, not of its results.
+NOT_COMPARED = ("times_s", "peak_memory_bytes", "backend", "threads", "warnings", "files")
+
+
+def largest_difference(first, second):
+    """The largest difference between the results in two directories, and where it is. Columns of contact.csv: relative to
+    the column's largest value; figures of the reports: to the value itself, components of forces and the zones of the pressure
+    error to the largest of all. Texts, counts and the state of every point must be equal. Residuals are not compared: the
+    last ones are rounding."""
+    differences = [(0, "")]
+    rows, others = contact_rows(first), contact_rows(second)
+    if len(rows) != len(others):
+        return float("inf"), "number of rows of contact.csv"
+    for column in CSV_HEADER.split(",") if rows else []:
+        values = [(row[column], other[column]) for row, other in zip(rows, others)]
+        if column in ("body", "active"):
+            differences += [(float("inf"), column) for a, b in values if a != b][:1]
+        else:
+            scale = max(max(abs(a) for a, _ in values), 1e-300)
+            differences.append((max(abs(a - b) for a, b in values) / scale, column))
+    reports = [figures({key: value for key, value in report(directory).items()
+                        if key not in NOT_COMPARED and "residual" not in key}) for directory in (first, second)]
+    if set(reports[0]) != set(reports[1]):
+        return float("inf"), f"parts of the reports: {sorted(set(reports[0]) ^ set(reports[1]))}"
+    parts = re.compile(r"\.(force|moment)(\.\w+)?\[\d+\]$|\.(pressure_error)\[")
+    kind = {name: parts.search(name) and (parts.search(name).group(1) or parts.search(name).group(3)) for name in reports[0]}
+    largest = {}
+    for name, value in reports[0].items():
+        if kind[name] and not isinstance(value, str):
+            largest[kind[name]] = max(largest.get(kind[name], 1e-300), abs(value))
+    for name, a in reports[0].items():
+        b = reports[1][name]
+        if not isinstance(a, float) and not isinstance(b, float):
+            if a != b:
+                differences.append((float("inf"), f"{name}: {a} and {b}"))
+        else:
+            scale = largest[kind[name]] if kind[name] else max(abs(a), 1e-300)
+            differences.append((abs(a - b) / scale, name))
+    return max(differences)
+
+
 def contents(directory):
     """Bytes of every file below a directory, by relative name."""
     root = pathlib.Path(directory)
@@ -71,4 +123,8 @@ def main():
     if len(sys.argv) < 3:
         sys.exit(f"usage: {sys.argv[0]} PROGRAM SOURCE_DIR [TEST...]")
     PROGRAM, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
-    unittest.main(module="__main__", argv=[sys.argv[0], *sys.argv[3:]], verbosity=2)
+    result = unittest.main(module="__main__", argv=[sys.argv[0], *sys.argv[3:]], verbosity=2, exit=False).result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    if result.skipped and len(result.skipped) == result.testsRun:
+        sys.exit(77)  # ctest says "Skipped"

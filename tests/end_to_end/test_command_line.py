@@ -75,7 +75,8 @@ class Options(unittest.TestCase):
             return
         outcome = cgcontact("run", scene("two_solids"), "--out", "four", "--threads", "4", *settings(n=4))
         self.assertEqual(outcome.code, 0, outcome.err)
-        message = "--threads 4: this program runs on 1 thread (backend Serial)"
+        message = ('--threads 4: this program runs on 1 thread (backend Serial); "make BACKEND=openmp" builds one that '
+                   "runs on several")
         self.assertIn("warning: " + message, outcome.err.splitlines()[0])
         self.assertIn(message, outcome.out)
         self.assertEqual((report("four")["threads"], report("four")["warnings"]), (1, [message]))

@@ -1,9 +1,11 @@
 /// Test main that starts Kokkos and Tpetra once.
 #include <gtest/gtest.h>
 
+#include "core/resources.hpp"
 #include "kernels/linear_solver.hpp"
 
 int main(int argc, char** argv) {
+  if (cgcontact::TrilinosScope::has_openmp()) cgcontact::restart_with_openmp_settings(0, argv);
   testing::InitGoogleTest(&argc, argv);
   const cgcontact::TrilinosScope scope(0);
   return RUN_ALL_TESTS();

@@ -1,0 +1,41 @@
+#!/usr/bin/python3
+# timeout: 300
+# alone
+# backend: openmp
+"""The serial program beside this one (build/serial) computes the same."""
+import pathlib
+import unittest
+
+import harness
+from harness import cgcontact, largest_difference, report, scene, settings
+
+CASES = (("two_solids", {"n": 16}), ("rings", {"n": 8}), ("two_solids_3d", {"n": 6}), ("hertz", {"n": 2}))
+SMALL = {"output__plots": "false", "output__vtk": "false"}
+
+
+class BackendsAgree(unittest.TestCase):
+    def test_serial_and_openmp(self):
+        """Results of the two agree to 1e-10, counts exactly."""
+        serial = pathlib.Path(harness.PROGRAM).parent.parent / "serial" / "cgcontact"
+        if not serial.is_file():
+            self.skipTest(f"not compared: there is no {serial}")
+        sources = [path for folder in ("core", "kernels", "recovery", "contact")
+                   for path in (harness.SOURCE / folder).glob("*.?pp")]
+        newest = max(sources, key=lambda path: path.stat().st_mtime)
+        if newest.stat().st_mtime > serial.stat().st_mtime:
+            self.skipTest(f"not compared: {serial} is older than {newest}")
+        for name, values in CASES:
+            with self.subTest(scene=name):
+                for program, directory in ((str(serial), f"{name}_serial"), (harness.PROGRAM, f"{name}_openmp")):
+                    outcome = cgcontact("run", scene(name), "--out", directory, *settings(**values, **SMALL),
+                                        program=program)
+                    self.assertEqual(outcome.code, 0, outcome.err)
+                self.assertEqual(report(f"{name}_serial")["backend"], "Serial")
+                self.assertEqual(report(f"{name}_openmp")["backend"], "OpenMP")
+                difference, where = largest_difference(f"{name}_serial", f"{name}_openmp")
+                print(f"{name}: {difference:.1e} {where}")
+                self.assertLess(difference, 1e-10, where)
+
+
+if __name__ == "__main__":
+    harness.main()
