@@ -12,15 +12,6 @@ Subset nodes_of_cells(const BodyMesh& mesh, const std::vector<int>& cells) {
   return Subset(marked);
 }
 
-Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Subset& nodes) {
-  std::vector<char> marked(mesh.cell_nodes.size(), 0);
-  for (int row = 0; row < nodes.size(); ++row) {
-    const int n = nodes.number(row);
-    for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) marked[patches.cells[p]] = 1;
-  }
-  return Subset(marked);
-}
-
 }  // namespace
 
 std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,

@@ -94,24 +94,19 @@ void Simulation::recover() {
   update_contact_links(pairs, bodies);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    const int num_cells = static_cast<int>(mesh.cell_nodes.size());
-    RecoveryBody body{&mesh,
-                      &patches[b],
-                      &bodies[b].boundary,
-                      CellStressView("cgcontact::simulation::cell_stress", num_cells),
-                      {Subset(mesh.num_nodes), CoefficientView("cgcontact::simulation::recovered", mesh.num_nodes)}};
-    integrate_cell_stress(mesh, patches[b], Subset(num_cells), outer.u, body.stress);
-    const int singular = fit_patches(mesh, patches[b], body.stress, Subset(num_cells), body.field);
+    const RecoveredField field{Subset(mesh.num_nodes),
+                               CoefficientView("cgcontact::simulation::recovered", mesh.num_nodes)};
+    const int singular = recover_all(mesh, patches[b], outer.u, field);
     if (singular > 0)
       results.warnings.push_back(std::to_string(singular) + " patches of body \"" + bodies[b].spec->name +
                                  "\" were singular: constant stress used there");
-    spr.push_back(part_of(body.field, nodes_near_contact(pairs, bodies, static_cast<int>(b), mesh)));
-    sprc.push_back(body.field);
-    input.push_back(std::move(body));
+    spr.push_back(part_of(field, nodes_near_contact(pairs, bodies, static_cast<int>(b), mesh)));
+    sprc.push_back(field);
+    input.push_back({&mesh, &patches[b], &bodies[b].boundary, field});
   }
   if (scene.recovery.spr_c)
     recovery_counts =
-        recover_constrained(input, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth});
+        recover_constrained(input, outer.u, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth});
   patches.clear();
 }
 

@@ -60,6 +60,7 @@ class Clipper {
   void emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces);
 
   std::vector<int> surfaces_near(const Vec3& centre, double half_diagonal, const std::vector<int>& candidates) const;
+  int add_point(const Vec3& x);
   int node(const Index3& fine);
   int edge_point(int a, int b, int surface);
   int side(int point, int surface) const;
@@ -77,9 +78,12 @@ class Clipper {
   std::vector<int> all_surfaces_;
   int active_ = -1;               ///< the cell in work
   std::vector<char> inner_side_;  ///< sides of the piece in work
-  /// Per point: surface and side, where it counts as on another side than it measures.
-  std::vector<std::vector<std::pair<int, int>>> fixed_sides_;
-  std::unordered_map<std::uint64_t, int> nodes_;
+  /// Point p counts as on another side than it measures for fixed_sides_[fixed_begin_[p] .. fixed_begin_[p + 1]]:
+  /// surface and side.
+  std::vector<int> fixed_begin_{0};
+  std::vector<std::pair<int, int>> fixed_sides_;
+  std::vector<int> nodes_;  ///< by Grid::node_index, -1 where there is no point yet
+  std::unordered_map<std::uint64_t, int> fine_nodes_;
   std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
   std::vector<Tetrahedron> pieces_, next_pieces_;
   ClippedMesh mesh_;
@@ -91,6 +95,10 @@ Clipper::Clipper(const CutCells& cut_cells, const Solid& solid)
       surfaces_(solid.surfaces()),
       whole_body_(&solid == &cut_cells.solid),
       inner_side_(solid.surfaces().size(), 0) {
+  const Index3& n = cut_cells.grid.num_cells;
+  nodes_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), -1);
+  mesh_.hexahedra.reserve(cut_cells.cells.size());
+  mesh_.cell_of_hexahedron.reserve(cut_cells.cells.size());
   double curvature = 0;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     all_surfaces_.push_back(static_cast<int>(s));
@@ -257,16 +265,26 @@ void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<
   }
 }
 
+/// The new point's number; its fixed sides, if any, have been appended before.
+int Clipper::add_point(const Vec3& x) {
+  mesh_.points.push_back(x);
+  mesh_.cell_of_point.push_back(active_);
+  fixed_begin_.push_back(static_cast<int>(fixed_sides_.size()));
+  return static_cast<int>(mesh_.points.size()) - 1;
+}
+
 int Clipper::node(const Index3& fine) {
-  const auto key = (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
-                   static_cast<std::uint64_t>(fine[0]);
-  const auto [entry, added] = nodes_.try_emplace(key, static_cast<int>(mesh_.points.size()));
-  if (added) {
-    mesh_.points.push_back(Vec3(fine[0], fine[1], fine[2]) / max_subdivision);
-    mesh_.cell_of_point.push_back(active_);
-    fixed_sides_.emplace_back();
+  int* number = nullptr;
+  if ((fine[0] | fine[1] | fine[2]) % max_subdivision == 0) {
+    const Index3 coarse{fine[0] / max_subdivision, fine[1] / max_subdivision, fine[2] / max_subdivision};
+    number = &nodes_[cut_cells_.grid.node_index(coarse)];
+  } else {
+    const auto key = (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
+                     static_cast<std::uint64_t>(fine[0]);
+    number = &fine_nodes_.try_emplace(key, -1).first->second;
   }
-  return entry->second;
+  if (*number < 0) *number = add_point(Vec3(fine[0], fine[1], fine[2]) / max_subdivision);
+  return *number;
 }
 
 int Clipper::edge_point(int a, int b, int surface) {
@@ -285,18 +303,15 @@ int Clipper::edge_point(int a, int b, int surface) {
       t = roots[r];
     }
   const Vec3 middle = x + t * d;
-  std::vector<std::pair<int, int>> fixed{{surface, 0}};
+  fixed_sides_.emplace_back(surface, 0);
   for (int s : all_surfaces_) {
     const int side_a = side(a, s), side_b = side(b, s);
     // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
     const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
     const int linear_side = side_a != 0 ? side_a : side_b;
-    if (s != surface && decided && linear_side != measured_side(middle, s)) fixed.emplace_back(s, linear_side);
+    if (s != surface && decided && linear_side != measured_side(middle, s)) fixed_sides_.emplace_back(s, linear_side);
   }
-  mesh_.points.push_back(middle);
-  mesh_.cell_of_point.push_back(active_);
-  fixed_sides_.push_back(std::move(fixed));
-  return entry->second;
+  return add_point(middle);
 }
 
 /// -1 inner, 0 on, +1 outer side of a surface.
@@ -307,8 +322,8 @@ int Clipper::measured_side(const Vec3& x, int surface) const {
 }
 
 int Clipper::side(int point, int surface) const {
-  for (const auto& [fixed, where] : fixed_sides_[point])
-    if (fixed == surface) return where;
+  for (int i = fixed_begin_[point]; i < fixed_begin_[point + 1]; ++i)
+    if (fixed_sides_[i].first == surface) return fixed_sides_[i].second;
   return measured_side(mesh_.points[point], surface);
 }
 

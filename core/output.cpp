@@ -126,12 +126,15 @@ std::vector<std::string> write_files(const Results& results, const Scene& scene,
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
   if (scene.output.vtk || scene.output.plots) {
     const std::vector<DrawnBody> drawn = draw_bodies(results);
-    if (scene.output.plots) write_picture(results, drawn, runs);
-    if (scene.output.vtk) {
+    const auto write_fields = [&] {
       write_vtk(results, drawn, temporary.file("result.vtkhdf"));
       const ContactSurface surface = make_contact_surface(results, drawn);
       if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
-    }
+    };
+    parallel_for(2, 1, [&](std::size_t task) {
+      if (task == 0 && scene.output.plots) write_picture(results, drawn, runs);
+      if (task == 1 && scene.output.vtk) write_fields();
+    });
   }
   const std::vector<std::string> warnings = runs.finish();
   std::error_code error;

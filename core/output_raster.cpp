@@ -101,8 +101,26 @@ void RasterImage::draw(const std::array<RasterVertex, 3>& triangle, int body, do
                               static_cast<int>(std::clamp(last, -1.0, size - 1.0))};
   };
   const std::array<int, 2> columns = range(screen.x, width_), rows = range(screen.y, height_);
-  for (int row = rows[0]; row <= rows[1]; ++row)
-    for (int column = columns[0]; column <= columns[1]; ++column) draw_pixel(triangle, screen, column, row);
+  for (int row = rows[0]; row <= rows[1]; ++row) {
+    const std::array<int, 2> inside = columns_of_row(screen, row, columns);
+    for (int column = inside[0]; column <= inside[1]; ++column) draw_pixel(triangle, screen, column, row);
+  }
+}
+
+/// The columns of a row that the triangle may cover, one more at each end for rounding.
+std::array<int, 2> RasterImage::columns_of_row(const Screen& screen, int row, const std::array<int, 2>& columns) {
+  double first = columns[0], last = columns[1];
+  for (int v = 0; v < 3; ++v) {
+    const int a = (v + 1) % 3;
+    const double slope = screen.slope(v, 0);
+    const double zero = screen.x[a] - 0.5 - screen.slope(v, 1) * (row + 0.5 - screen.y[a]) / slope;
+    if (!std::isfinite(zero)) continue;  // an edge along the row
+    if (slope > 0)
+      first = std::max(first, std::floor(zero) - 1);
+    else
+      last = std::min(last, std::ceil(zero) + 1);
+  }
+  return {static_cast<int>(std::min(first, columns[1] + 1.0)), static_cast<int>(std::max(last, columns[0] - 1.0))};
 }
 
 bool RasterImage::is_outline(int x, int y) const {

@@ -52,6 +52,7 @@ class RasterImage {
   };
   /// False if the triangle is seen from behind or from the side.
   bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
+  static std::array<int, 2> columns_of_row(const Screen& screen, int row, const std::array<int, 2>& columns);
   void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row);
   /// Fraction of the pixel that lies on a grid line.
   static double line_cover(const Vec3& grid, const Screen& screen);

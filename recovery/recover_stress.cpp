@@ -75,13 +75,64 @@ struct PatchFit {
   bool regular = false;
 };
 
-PatchFit fit_cells(const RecoveryBody& body, const int* cells, int num_cells, const Vec3& centre) {
-  PatchSums sums = gather_patch(*body.mesh, *body.patches, cells, num_cells, centre.data(), body.stress,
-                                Subset(static_cast<int>(body.stress.extent(0))));
+MassMatrix to_matrix(const double m[num_terms][num_terms]) {
+  MassMatrix matrix;
+  for (int i = 0; i < num_terms; ++i)
+    for (int j = 0; j < num_terms; ++j) matrix(i, j) = m[i][j];
+  return matrix;
+}
+
+/// The unconstrained fit of a node.
+PatchFit own_fit(const RecoveryBody& body, int n) {
+  const PatchSet& patches = *body.patches;
+  const Index3& node = body.mesh->nodes[n];
+  PatchFit fit;
+  fit.centre = Vec3(node[0], node[1], node[2]);
+  double m[num_terms][num_terms];
+  gather_mass(*body.mesh, patches, patches.cells.data() + patches.begin[n], patches.begin[n + 1] - patches.begin[n],
+              fit.centre.data(), m);
+  fit.mass = to_matrix(m);
+  fit.a = Eigen::Map<const Eigen::Matrix<double, num_unknowns, 1>>(body.field.at(n));
+  fit.regular = cholesky(m);
+  return fit;
+}
+
+/// Integrals of sigma_h over the cells of one body that auxiliary patches may consist of.
+struct AuxiliaryCells {
+  Subset cells;
+  CellStressView stress;
+};
+
+/// Cells near the contact points, as far as the auxiliary depth and two cells more.
+AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const RealView& u, double depth) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<int> touched;
+  for (const ContactLink& link : body.boundary->links) touched.push_back(link.cell);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  const int reach = static_cast<int>(std::ceil(depth)) + 2, width = 2 * reach + 1;
+  std::vector<char> marked(cc.cells.size(), 0);
+  for (int t : touched)
+    for (int n = 0; n < width * width * width; ++n) {
+      const Index3& c = cc.cells[t];
+      const int near =
+          cc.find({c[0] + n % width - reach, c[1] + n / width % width - reach, c[2] + n / width / width - reach});
+      if (near >= 0) marked[near] = 1;
+    }
+  AuxiliaryCells auxiliary{Subset(marked), {}};
+  auxiliary.stress = CellStressView("cgcontact::recover_stress::auxiliary", auxiliary.cells.size());
+  integrate_cell_stress(*body.mesh, *body.patches, auxiliary.cells, u, auxiliary.stress);
+  return auxiliary;
+}
+
+/// The fit over some cells of an auxiliary patch.
+PatchFit fit_cells(const RecoveryBody& body, const AuxiliaryCells& auxiliary, const std::vector<int>& cells,
+                   const Vec3& centre) {
+  PatchSums sums = gather_patch(*body.mesh, *body.patches, cells.data(), static_cast<int>(cells.size()), centre.data(),
+                                auxiliary.stress, auxiliary.cells);
   PatchFit fit;
   fit.centre = centre;
-  for (int i = 0; i < num_terms; ++i)
-    for (int j = 0; j < num_terms; ++j) fit.mass(i, j) = sums.m[i][j];
+  fit.mass = to_matrix(sums.m);
   fit.regular = cholesky(sums.m);
   for (int k = 0; k < 6 && fit.regular; ++k) {
     cholesky_solve(sums.m, sums.H[k]);
@@ -110,8 +161,10 @@ struct PairState {
 /// Recovers the patches of one body; holds what is common to them.
 class BodyRecovery {
  public:
-  BodyRecovery(const std::vector<RecoveryBody>& bodies, int index, const Scales& scales, const RecoveryOptions& options)
+  BodyRecovery(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary, int index,
+               const Scales& scales, const RecoveryOptions& options)
       : bodies_(bodies),
+        auxiliary_(auxiliary),
         body_(bodies[index]),
         grid_(body_.mesh->cut_cells->grid),
         scales_(scales),
@@ -140,11 +193,11 @@ class BodyRecovery {
                             const PatchFit& own, Eigen::VectorXd& unknowns) const;
   std::vector<PairState> pair_states(const int* cells, int num_cells) const;
   PatchFit auxiliary_fit(const PairState& state) const;
-  const RecoveryBody& other_body(const PairState& state) const {
-    return bodies_[body_.boundary->links[state.links.front()].other_body];
-  }
+  int other_index(const PairState& state) const { return body_.boundary->links[state.links.front()].other_body; }
+  const RecoveryBody& other_body(const PairState& state) const { return bodies_[other_index(state)]; }
 
   const std::vector<RecoveryBody>& bodies_;
+  const std::vector<AuxiliaryCells>& auxiliary_;  ///< by body
   const RecoveryBody& body_;
   const Grid& grid_;
   const Scales& scales_;
@@ -235,6 +288,7 @@ const PairState* find_state(const std::vector<PairState>& states, int pair) {
 /// (equation 13).
 PatchFit BodyRecovery::auxiliary_fit(const PairState& state) const {
   const RecoveryBody& other = other_body(state);
+  const AuxiliaryCells& auxiliary = auxiliary_[other_index(state)];
   const CutCells& cc = *other.mesh->cut_cells;
   const Mat3 to_other = cc.grid.rotation.transpose() * grid_.rotation;
   std::vector<int> cells;
@@ -247,12 +301,12 @@ PatchFit BodyRecovery::auxiliary_fit(const PairState& state) const {
       const Vec3 x = link.other_position + depth * options_.auxiliary_depth * inward;
       const int c = cc.find(
           {static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])), static_cast<int>(std::floor(x[2]))});
-      if (c >= 0) cells.push_back(c);
+      if (c >= 0 && auxiliary.cells.row(c) >= 0) cells.push_back(c);
     }
   }
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  PatchFit fit = fit_cells(other, cells.data(), static_cast<int>(cells.size()), centre);
+  PatchFit fit = fit_cells(other, auxiliary, cells, centre);
   double volume = 0;
   for (int c : cells) volume += cc.volume_fraction(c);
   if (volume < 0.25) fit.regular = false;  // too little to carry six linear components
@@ -316,8 +370,7 @@ PatchKind BodyRecovery::recover(int n, RecoveryCounts& counts) const {
   const PatchSet& patches = *body_.patches;
   const int* cells = patches.cells.data() + patches.begin[n];
   const int num_cells = patches.begin[n + 1] - patches.begin[n];
-  const Index3& node = body_.mesh->nodes[n];
-  const PatchFit own = fit_cells(body_, cells, num_cells, Vec3(node[0], node[1], node[2]));
+  const PatchFit own = own_fit(body_, n);
   if (!own.regular) return PatchKind::interior;  // keeps the unconstrained value; counted by the caller's fit
 
   const std::vector<ConstraintGroup> groups = pieces_.groups(cells, num_cells);
@@ -389,12 +442,14 @@ struct ChunkCounts {
 
 }  // namespace
 
-RecoveryCounts recover_constrained(const std::vector<RecoveryBody>& bodies, const Scales& scales,
+RecoveryCounts recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u, const Scales& scales,
                                    const RecoveryOptions& options) {
   RecoveryCounts counts;
+  std::vector<AuxiliaryCells> auxiliary;
+  for (const RecoveryBody& body : bodies) auxiliary.push_back(auxiliary_cells(body, u, options.auxiliary_depth));
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
-    const BodyRecovery recovery(bodies, static_cast<int>(b), scales, options);
+    const BodyRecovery recovery(bodies, auxiliary, static_cast<int>(b), scales, options);
     std::vector<ChunkCounts> chunks(num_chunks(num_nodes, grain));
     parallel_chunks(num_nodes, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
       for (std::size_t n = begin; n < end; ++n)

@@ -25,11 +25,11 @@ struct RecoveryBody {
   const BodyMesh* mesh;
   const PatchSet* patches;
   const BoundaryData* boundary;
-  CellStressView stress;  ///< integrals of sigma_h over all cells
   RecoveredField field;
 };
 
-RecoveryCounts recover_constrained(const std::vector<RecoveryBody>& bodies, const Scales& scales,
+/// u: displacements of all bodies, for the auxiliary patches.
+RecoveryCounts recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u, const Scales& scales,
                                    const RecoveryOptions& options);
 
 }  // namespace cgcontact

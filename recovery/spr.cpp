@@ -100,11 +100,19 @@ void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const 
   });
 }
 
-PatchSums gather_patch(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells,
-                       const double centre[3], const CellStressView& stress, const Subset& stressed) {
+Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Subset& nodes) {
+  std::vector<char> marked(mesh.cell_nodes.size(), 0);
+  for (int row = 0; row < nodes.size(); ++row) {
+    const int n = nodes.number(row);
+    for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) marked[patches.cells[p]] = 1;
+  }
+  return Subset(marked);
+}
+
+void gather_mass(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells, const double centre[3],
+                 double m[num_terms][num_terms]) {
   const CutCells& cc = *mesh.cut_cells;
-  PatchSums sums = {};
-  auto& m = sums.m;
+  std::fill(&m[0][0], &m[0][0] + num_terms * num_terms, 0.0);
   for (int c = 0; c < num_cells; ++c) {
     const MonomialMoments& mass = patches.moments_of(cc, cells[c]);
     double d[3];  // centre of the cell relative to the patch's
@@ -116,12 +124,22 @@ PatchSums gather_patch(const BodyMesh& mesh, const PatchSet& patches, const int*
       m[0][1 + i] += first[i] + v * d[i];
       for (int j = 0; j < 3; ++j) m[1 + i][1 + j] += second[i][j] + d[i] * first[j] + d[j] * first[i] + v * d[i] * d[j];
     }
+  }
+  for (int i = 0; i < 3; ++i) m[1 + i][0] = m[0][1 + i];
+}
+
+PatchSums gather_patch(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells,
+                       const double centre[3], const CellStressView& stress, const Subset& stressed) {
+  PatchSums sums = {};
+  gather_mass(mesh, patches, cells, num_cells, centre, sums.m);
+  for (int c = 0; c < num_cells; ++c) {
+    const Index3& cell = mesh.cut_cells->cells[cells[c]];
     const double* s = &stress(stressed.row(cells[c]), 0, 0);
-    const double shift[num_terms] = {0, d[0], d[1], d[2]};
+    const double shift[num_terms] = {0, cell[0] + 0.5 - centre[0], cell[1] + 0.5 - centre[1],
+                                     cell[2] + 0.5 - centre[2]};
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t) sums.H[k][t] += s[num_terms * k + t] + shift[t] * s[num_terms * k];
   }
-  for (int i = 0; i < 3; ++i) m[1 + i][0] = m[0][1 + i];
   return sums;
 }
 
@@ -173,6 +191,22 @@ int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressV
   int sum = 0;
   for (int count : singular) sum += count;
   return sum;
+}
+
+int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
+                int nodes_per_part) {
+  int singular = 0;
+  for (int begin = 0; begin < mesh.num_nodes; begin += nodes_per_part) {
+    const int end = std::min(begin + nodes_per_part, mesh.num_nodes);
+    const RecoveredField part_of_field{
+        Subset::range(begin, end, mesh.num_nodes),
+        Kokkos::subview(field.values, std::make_pair(begin, end), Kokkos::ALL, Kokkos::ALL)};
+    const Subset cells = cells_of_patches(mesh, patches, part_of_field.nodes);
+    const CellStressView stress("cgcontact::spr::cell_stress", cells.size());
+    integrate_cell_stress(mesh, patches, cells, u, stress);
+    singular += fit_patches(mesh, patches, stress, cells, part_of_field);
+  }
+  return singular;
 }
 
 }  // namespace cgcontact

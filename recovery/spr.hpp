@@ -29,6 +29,13 @@ void cell_stress_integrals(const UnitElasticity& law, double factor, const doubl
 void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const Subset& cells, const RealView& u,
                            const CellStressView& out);
 
+/// Cells of the patches of some nodes.
+Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Subset& nodes);
+
+/// Mass matrix of a patch about its centre (grid coordinates).
+void gather_mass(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells, const double centre[3],
+                 double m[num_terms][num_terms]);
+
 /// Sums over a patch, shifted to its centre: mass matrix m (4 x 4) and right-hand side H (6 x 4).
 struct PatchSums {
   double m[num_terms][num_terms], H[6][num_terms];
@@ -48,6 +55,11 @@ void cholesky_solve(const double L[num_terms][num_terms], double b[num_terms]);
 /// Returns the number of patches whose mass matrix was singular (their polynomial is the constant mean stress).
 int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
                 const RecoveredField& field);
+
+/// The fit of all nodes from the displacements, a part of the body at a time: the integrals of all cells would take as
+/// much memory as the field. Returns the number of singular patches.
+int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
+                int nodes_per_part = 200000);
 
 /// sigma*(x) = sum_v N_v(x) P_v(x) A_v at cell coordinates xi of a cell (conjoint polynomials).
 inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],

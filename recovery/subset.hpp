@@ -20,6 +20,13 @@ class Subset {
     size_ = static_cast<int>(number_.size());
   }
 
+  /// The numbers begin .. end of `total`.
+  static Subset range(int begin, int end, int total) {
+    std::vector<char> marked(total, 0);
+    std::fill(marked.begin() + begin, marked.begin() + end, char{1});
+    return Subset(marked);
+  }
+
   int size() const { return size_; }
   int number(int row) const { return row_.empty() ? row : number_[row]; }
   /// -1 if it is not in the subset.

@@ -71,8 +71,11 @@ TEST(PlainTwins, PatchFits) {
   CellStressView some_stress("some", some_cells.size());
   integrate_cell_stress(c.mesh, c.patches, some_cells, c.u, some_stress);
   fit_patches(c.mesh, c.patches, some_stress, some_cells, some);
+  const RecoveredField all{Subset(c.mesh.num_nodes), CoefficientView("all", c.mesh.num_nodes)};
+  EXPECT_EQ(recover_all(c.mesh, c.patches, c.u, all, 100), 0);
   int full = 0;
   for (int n = 0; n < c.mesh.num_nodes; ++n) {
+    EXPECT_TRUE(std::equal(all.at(n), all.at(n) + 6 * num_terms, c.field.at(n)));
     const Index3& node = c.mesh.nodes[n];
     const double centre[3] = {double(node[0]), double(node[1]), double(node[2])};
     PatchSums sums = gather_patch(c.mesh, c.patches, c.patches.cells.data() + c.patches.begin[n],
@@ -145,13 +148,10 @@ TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
   boundary.condition_of_point.assign(c.cc.boundary.size(), 0);
   boundary.pair_of_point.assign(c.cc.boundary.size(), -1);
   boundary.body_force_at = [](const Vec3& x) { return Vec3(x[0], -1, x[1] * x[2]); };
-  RecoveryBody body{&c.mesh,
-                    &c.patches,
-                    &boundary,
-                    c.stress,
-                    {Subset(c.mesh.num_nodes), CoefficientView("constrained", c.mesh.num_nodes)}};
+  RecoveryBody body{
+      &c.mesh, &c.patches, &boundary, {Subset(c.mesh.num_nodes), CoefficientView("constrained", c.mesh.num_nodes)}};
   Kokkos::deep_copy(body.field.values, c.field.values);
-  const RecoveryCounts counts = recover_constrained({body}, Scales{0.5, 2}, {});
+  const RecoveryCounts counts = recover_constrained({body}, c.u, Scales{0.5, 2}, {});
   int inside = 0;
   for (int n = 0; n < c.mesh.num_nodes; ++n) {
     if (!c.patches.full[n]) continue;
