@@ -13,7 +13,7 @@ namespace cgcontact {
 struct MultigridSettings {
   int smoother_degree = 3;
   double smoother_ratio = 10;     ///< the smoother works on the eigenvalues in [largest / ratio, largest]
-  int coarsest_unknowns = 4000;   ///< coarsening stops below
+  int coarsest_unknowns = 1000;   ///< coarsening stops below
   std::vector<double> thickness;  ///< of each body, in its cells: coarsening stops at one cell; empty: no limit
 };
 
