@@ -23,11 +23,12 @@ struct LinearSolver::Impl {
   RCP<TpetraOperator> preconditioner;
   RCP<Multigrid> multigrid;
   PreconditionerReport report;
+  std::vector<double> muelu_groups;  ///< stiffness of the contact groups that MueLu was set up with
 };
 
 LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner,
                            const std::vector<double>& thickness)
-    : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}}) {
+    : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}}) {
   impl_->settings.thickness = thickness;
   impl_->map = make_dof_map(system, Tpetra::getDefaultComm());
   impl_->op = rcp(new ElasticityOperator(system, impl_->map));
@@ -40,9 +41,11 @@ void LinearSolver::update() {
   Impl& s = *impl_;
   s.op->update_groups(s.system);
   if (s.kind == Preconditioner::muelu) {
-    if (!s.preconditioner.is_null()) return;
+    const std::vector<double> stiffness = group_stiffness(s.system);
+    if (!s.preconditioner.is_null() && !changed_much(s.muelu_groups, stiffness)) return;
     s.preconditioner = make_muelu(s.system, s.map);
-    s.report.setups = 1;
+    s.muelu_groups = stiffness;
+    ++s.report.setups;
     return;
   }
   if (s.multigrid.is_null()) {

@@ -40,12 +40,6 @@ struct Level {
   LevelVector b, x, r, d;
 };
 
-std::vector<double> group_stiffness(const ElasticSystem& system) {
-  auto host = Kokkos::create_mirror_view(system.groups.stiffness);
-  Kokkos::deep_copy(host, system.groups.stiffness);
-  return {host.data(), host.data() + host.extent(0)};
-}
-
 }  // namespace
 
 struct Multigrid::Impl {
@@ -122,6 +116,7 @@ struct Multigrid::Impl {
 
   void update_groups() {
     std::vector<double> stiffness = group_stiffness(fine), full = fine.full_group_stiffness;
+    if (full.empty()) full.assign(stiffness.size(), 1.0);
     for (std::size_t l = 0; l < levels.size(); ++l) {
       Level& level = *levels[l];
       if (l + 1 == levels.size()) break;
@@ -135,12 +130,7 @@ struct Multigrid::Impl {
       stiffness = std::move(rows.stiffness);
       full = std::move(rows.full_stiffness);
     }
-    double change = 0, sum = 0;
-    for (std::size_t g = 0; g < stiffness.size(); ++g) {
-      sum += stiffness[g];
-      if (!coarsest_groups.empty()) change += std::abs(stiffness[g] - coarsest_groups[g]);
-    }
-    if (coarsest.is_null() || change > 0.1 * sum) {
+    if (coarsest.is_null() || changed_much(coarsest_groups, stiffness)) {
       coarsest = make_muelu(*levels.back()->system, coarsest_map);
       coarsest_groups = stiffness;
       ++report.coarsest_setups;

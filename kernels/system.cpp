@@ -1,6 +1,7 @@
 #include "kernels/system.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
 
@@ -70,6 +71,21 @@ void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows) {
   r.column_value = to_view<RealView>("cgcontact::system::column_value", column_value);
   r.stiffness = RealView("cgcontact::system::stiffness", system.group_rows.size());
   r.scratch = RealView("cgcontact::system::scratch", system.group_rows.size());
+}
+
+std::vector<double> group_stiffness(const ElasticSystem& system) {
+  auto host = Kokkos::create_mirror_view(system.groups.stiffness);
+  Kokkos::deep_copy(host, system.groups.stiffness);
+  return {host.data(), host.data() + host.extent(0)};
+}
+
+bool changed_much(const std::vector<double>& before, const std::vector<double>& now) {
+  double change = 0, sum = 0;
+  for (std::size_t g = 0; g < now.size(); ++g) {
+    sum += now[g];
+    change += std::abs(now[g] - before[g]);
+  }
+  return change > 0.1 * sum;
 }
 
 void set_group_stiffness(ElasticSystem& system, const std::vector<double>& stiffness) {

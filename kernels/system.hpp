@@ -58,6 +58,11 @@ void add_support_terms(ElasticSystem& system, int body, const std::vector<Suppor
 /// Sets the rows of the contact groups; stiffnesses start at zero.
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows);
 
+/// Present stiffness of each group.
+std::vector<double> group_stiffness(const ElasticSystem& system);
+/// Have the stiffnesses changed so much that a matrix factorised with the old ones is a bad preconditioner?
+bool changed_much(const std::vector<double>& before, const std::vector<double>& now);
+
 /// Sets the stiffness of each group (Scales::stress * Scales::length).
 void set_group_stiffness(ElasticSystem& system, const std::vector<double>& stiffness);
 
