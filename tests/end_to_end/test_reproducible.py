@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # timeout: 120
-"""Serial runs are reproducible bit for bit."""
+"""Runs on one thread of the serial backend are reproducible bit for bit."""
 import pathlib
 import unittest
 

@@ -1,6 +1,10 @@
 /// What must not change the answer: running again, the user's units, the order of the bodies.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/linear_solver.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {
@@ -8,13 +12,19 @@ namespace {
 
 const std::string scene = "tests/scenes/units.toml";
 
-TEST(Invariance, SerialRunsAreReproducibleBitForBit) {
+/// Bit for bit on the serial backend. With several threads sums are in another order each time (the random start of the
+/// eigenvalue estimates as well), so only rounding and what the solver makes of it may differ.
+TEST(Invariance, RunsAreReproducible) {
   const auto a = test::run_scene(scene), b = test::run_scene(scene);
   const RealView &u = a->simulation->outer.u, &v = b->simulation->outer.u;
   ASSERT_EQ(u.extent(0), v.extent(0));
-  for (std::size_t i = 0; i < u.extent(0); ++i) ASSERT_EQ(u(i), v(i));
+  double largest = 0;
+  for (std::size_t i = 0; i < u.extent(0); ++i) largest = std::max(largest, std::abs(u(i)));
+  const double relative = TrilinosScope::has_openmp() ? 1e-10 : 0;
+  for (std::size_t i = 0; i < u.extent(0); ++i) ASSERT_NEAR(u(i), v(i), relative * largest);
   for (std::size_t r = 0; r < a->results().contact_rows.size(); ++r)
-    ASSERT_EQ(a->results().contact_rows[r].pressure_sprc, b->results().contact_rows[r].pressure_sprc);
+    ASSERT_NEAR(a->results().contact_rows[r].pressure_sprc, b->results().contact_rows[r].pressure_sprc,
+                relative * a->results().pairs[0].max_pressure);
 }
 
 /// Lengths in mm and stresses in MPa: only rounding differs, so converged solutions agree to the linear tolerance.
