@@ -3,7 +3,7 @@
 #   make            install what is missing and build
 #   make demo       run the paper's scene and say where its pictures are
 #   make test       build and run all tests
-#   make trilinos-openmp   build Trilinos with OpenMP into ~/.cache/cgcontact, for BACKEND=openmp (once; an hour)
+#   make trilinos-openmp   build Trilinos with OpenMP into ~/.cache/cgcontact, for BACKEND=openmp (once; half an hour)
 #   make asan       the same with address and undefined-behaviour sanitizers
 #   make format     format the sources; format-check, tidy: complain only
 #   make clean      remove what these commands built

@@ -14,7 +14,7 @@ if(CGCONTACT_BACKEND STREQUAL openmp)
       OUTPUT_VARIABLE trilinos_prefix OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE not_built)
     if(not_built)
       message(FATAL_ERROR "The openmp backend needs a Trilinos that was built with OpenMP; Debian's was not. "
-        "\"make trilinos-openmp\" builds one (once, about 40 minutes of CPU time) in ${trilinos_prefix}; "
+        "\"make trilinos-openmp\" builds one (once, about 45 minutes of CPU time) in ${trilinos_prefix}; "
         "or say where you have one with the environment or CMake variable CGCONTACT_TRILINOS_PREFIX (docs/setup.md).")
     endif()
   endif()

@@ -167,7 +167,7 @@ show_progress() {
     END { if (terminal && last != "") print "" }'
 }
 
-say "building with $jobs compilers at a time; this takes about 40 minutes of CPU time (log: $work/build.log)"
+say "building with $jobs compilers at a time; this takes about 45 minutes of CPU time (log: $work/build.log)"
 SECONDS=0
 NINJA_STATUS="[%f/%t] " ninja -C "$work/build" -j "$jobs" install 2>&1 | tee "$work/build.log" | show_progress || {
   ! grep -q '^ninja: build stopped: interrupted' "$work/build.log" || exit 130
