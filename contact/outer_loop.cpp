@@ -281,17 +281,18 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     const LinearSolveResult solve = solver_.solve(rhs_, u_, inner * force_norm_, solver.max_linear_iterations);
     step.linear_iterations = solve.iterations;
     result.linear_iterations.push_back(solve.iterations);
-    if (!std::isfinite(solve.residual) || solve.iterations >= solver.max_linear_iterations) {
+    const auto stop = [&](const std::string& why) {
       result.iterations = iteration;
-      result.diagnosis = fmt::format(
-          "the linear solver stopped after {} iterations at a relative residual of {:.2e} "
-          "(solver.max_linear_iterations, solver.linear_tolerance)",
-          solve.iterations, solve.residual / force_norm_);
       set_forces(result);
       const std::string motion = find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs);
-      if (!motion.empty()) result.diagnosis += "; " + motion;
+      result.diagnosis = motion.empty() ? why : why + "; " + motion;
       return result;
-    }
+    };
+    if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
+      return stop(fmt::format(
+          "the linear solver stopped after {} iterations at a relative residual of {:.2e} "
+          "(solver.max_linear_iterations, solver.linear_tolerance)",
+          solve.iterations, solve.residual / force_norm_));
     step.changed_points = update_active_set();
     step.residual = update_recovered_stress();
     step.active_points = count_active();
@@ -299,6 +300,9 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     result.iterations = iteration;
     outer_residual = step.residual;
     progress(step);
+    if (step.active_points == 0 && step.changed_points > 0 &&
+        !find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs).empty())
+      return stop("all contact has opened and nothing else holds the bodies");
     if (step.changed_points == 0 && step.residual < solver.tolerance) {
       result.converged = true;
       polish(result);

@@ -31,9 +31,18 @@ class NotConverged(unittest.TestCase):
 
     def test_linear_iterations(self):
         """One linear iteration is not enough: the diagnosis names the linear solver, its residual and its limit."""
-        written = self.not_converged("patch_test", "max_linear_iterations", solver__max_linear_iterations=1)
+        written = self.not_converged("two_solids_3d", "max_linear_iterations", n=8, solver__max_linear_iterations=1)
         self.assertEqual(written["linear_iterations"], [1])
         self.assertIn("relative residual", written["diagnosis"])
+
+    def test_pulled_off(self):
+        """A load that opens all contact of a body that nothing else holds: found at once, the free motion is named."""
+        outcome = cgcontact("run", harness.SOURCE / "tests/scenes/pulled_off.toml", "--out", "off", *settings(n=4))
+        self.assertEqual(outcome.code, 2, outcome.err)
+        written = report("off")
+        self.assertIn("all contact has opened", written["diagnosis"])
+        self.assertIn('body "upper" is free to move along (0.000, 0.000, 1.000)', written["diagnosis"])
+        self.assertLess(sum(written["linear_iterations"]), 100)
 
     def test_a_good_run_replaces_a_bad_one(self):
         """Exit code, report and summary of a run that converges say so, also in the directory of one that did not."""
