@@ -3,6 +3,7 @@
 /// the result does not depend on the number of threads.
 #pragma once
 
+#include "kernels/coloured_mesh.hpp"
 #include "kernels/element_matrices.hpp"
 #include "kernels/system.hpp"
 
@@ -10,7 +11,7 @@ namespace cgcontact {
 
 /// y += sum_cells K_cell x_cell. 1152 flop per cell; 24 + 24 (+ 4.6 kB matrix of a cut cell) bytes x 8.
 template <class Exec, class X, class Y>
-void apply_cells(const Exec& exec, const BodyMesh& mesh, const CellMatrixView& matrices, const X& x, const Y& y) {
+void apply_cells(const Exec& exec, const ColouredMesh& mesh, const CellMatrixView& matrices, const X& x, const Y& y) {
   const auto nodes = mesh.nodes_of_cell;
   const auto matrix_of_cell = mesh.matrix_of_cell;
   for (std::size_t colour = 0; colour + 1 < mesh.colour_begin.size(); ++colour) {
@@ -35,7 +36,7 @@ void apply_cells(const Exec& exec, const BodyMesh& mesh, const CellMatrixView& m
 
 /// y += sum_faces (G x I_3) x_face. 864 flop per face.
 template <class Exec, class X, class Y>
-void apply_ghost_faces(const Exec& exec, const BodyMesh& mesh, const GhostMatrix& ghost, const X& x, const Y& y) {
+void apply_ghost_faces(const Exec& exec, const ColouredMesh& mesh, const GhostMatrix& ghost, const X& x, const Y& y) {
   const auto nodes = mesh.nodes_of_face;
   for (std::size_t colour = 0; colour + 1 < mesh.face_colour_begin.size(); ++colour) {
     Kokkos::parallel_for(

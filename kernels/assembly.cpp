@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "kernels/coloured_mesh.hpp"
 #include "kernels/element_matrices.hpp"
 
 namespace cgcontact {
@@ -27,7 +28,20 @@ std::vector<int> nodes_of_group(const GroupRow& row) {
   return nodes;
 }
 
-void make_graph(const ElasticSystem& system, BlockMatrix& A) {
+using HostFaces = decltype(Kokkos::create_mirror_view(FaceNodesView()));
+
+/// Nodes of the ghost faces of every body.
+std::vector<HostFaces> ghost_faces(const ElasticSystem& system) {
+  std::vector<HostFaces> faces;
+  for (const BodyMesh& mesh : system.meshes) {
+    const FaceNodesView nodes = colour_mesh(mesh).nodes_of_face;
+    faces.push_back(Kokkos::create_mirror_view(nodes));
+    Kokkos::deep_copy(faces.back(), nodes);
+  }
+  return faces;
+}
+
+void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, BlockMatrix& A) {
   std::vector<std::vector<int>> neighbours(system.num_nodes);
   auto connect = [&](const auto& nodes, std::size_t n) {
     for (std::size_t a = 0; a < n; ++a)
@@ -38,10 +52,10 @@ void make_graph(const ElasticSystem& system, BlockMatrix& A) {
     list.erase(std::unique(list.begin(), list.end()), list.end());
     list.shrink_to_fit();
   };
-  for (const BodyMesh& mesh : system.meshes) {
+  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
     for (const auto& nodes : mesh.cell_nodes) connect(nodes, 8);
-    auto faces = Kokkos::create_mirror_view(mesh.nodes_of_face);
-    Kokkos::deep_copy(faces, mesh.nodes_of_face);
+    const HostFaces& faces = ghost_faces[b];
     for (std::size_t f = 0; f < faces.extent(0); ++f) connect(&faces(f, 0), 12);
     for (int n = 0; n < mesh.num_nodes; ++n) compress(neighbours[mesh.first_node + n]);
   }
@@ -58,7 +72,7 @@ void make_graph(const ElasticSystem& system, BlockMatrix& A) {
   A.value.assign(9 * A.column.size(), 0.0);
 }
 
-void add_cells(const ElasticSystem& system, BlockMatrix& A) {
+void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, BlockMatrix& A) {
   for (std::size_t b = 0; b < system.meshes.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
     const CellMatrixView matrices = make_cell_matrices(mesh, system.supports[b]);
@@ -74,8 +88,7 @@ void add_cells(const ElasticSystem& system, BlockMatrix& A) {
             for (int j = 0; j < 3; ++j) block[3 * i + j] += K(m, 3 * r + i, 3 * c + j);
         }
     }
-    auto faces = Kokkos::create_mirror_view(mesh.nodes_of_face);
-    Kokkos::deep_copy(faces, mesh.nodes_of_face);
+    const HostFaces& faces = ghost_faces[b];
     for (std::size_t f = 0; f < faces.extent(0); ++f)
       for (int r = 0; r < 12; ++r)
         for (int c = 0; c < 12; ++c) {
@@ -100,8 +113,11 @@ void add_groups(const ElasticSystem& system, BlockMatrix& A) {
 
 Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map) {
   BlockMatrix A;
-  make_graph(system, A);
-  add_cells(system, A);
+  {
+    const std::vector<HostFaces> faces = ghost_faces(system);
+    make_graph(system, faces, A);
+    add_cells(system, faces, A);
+  }
   add_groups(system, A);
 
   using LocalMatrix = TpetraMatrix::local_matrix_device_type;

@@ -1,4 +1,4 @@
-/// Numbering of one body's active nodes and cells, in the order the kernels use.
+/// Numbering of one body's active nodes and cells.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ struct Scales {
   double stress = 1;  ///< Pa
 };
 
-/// Active nodes of one body (corners of active cells), cells by colour, ghost-penalty faces.
+/// Active nodes of one body (corners of active cells) and the nodes of its cells.
 /// Displacements are stored node by node (x, y, z in grid axes), in units of Scales::length;
 /// node numbers run through all bodies (first_node .. first_node + num_nodes).
 struct BodyMesh {
@@ -27,13 +27,6 @@ struct BodyMesh {
   int first_node = 0, num_nodes = 0;
   std::vector<Index3> nodes;                   ///< grid index of each active node
   std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
-
-  CellNodesView nodes_of_cell;    ///< same as cell_nodes, cells ordered by colour
-  IntView matrix_of_cell;         ///< 0: interior, 1 + cut index otherwise; same order
-  std::vector<int> colour_begin;  ///< first cell of each colour, and the end (9 entries)
-
-  FaceNodesView nodes_of_face;  ///< ghost faces by colour: layer * 4 + tangential corner
-  std::vector<int> face_colour_begin;
 
   /// Factor from gradients per cell unit to stresses in units of Scales::stress.
   double stress_factor() const { return modulus / cell_size; }

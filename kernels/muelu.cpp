@@ -2,8 +2,6 @@
 
 #include <MueLu_CreateTpetraPreconditioner.hpp>
 
-#include "kernels/assembly.hpp"
-
 namespace cgcontact {
 namespace {
 
@@ -52,8 +50,9 @@ RCP<TpetraVector> rigid_body_modes(const ElasticSystem& system, const RCP<const 
 
 }  // namespace
 
-RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map) {
-  RCP<TpetraOperator> matrix = assemble_matrix(system, map);
+RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map,
+                               const RCP<TpetraMatrix>& assembled) {
+  const RCP<TpetraOperator> matrix = assembled;
   Teuchos::ParameterList list;
   list.set("verbosity", "none");
   list.set("number of equations", 3);
@@ -71,6 +70,10 @@ RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const Tpet
   list.sublist("user data").set("Nullspace", rigid_body_modes(system, map, *positions));
   list.sublist("user data").set("Coordinates", positions);
   return MueLu::CreateTpetraPreconditioner<double>(matrix, list);
+}
+
+RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map) {
+  return make_muelu(system, map, assemble_matrix(system, map));
 }
 
 }  // namespace cgcontact

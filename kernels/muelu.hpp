@@ -2,11 +2,16 @@
 /// the whole system for comparison.
 #pragma once
 
+#include "kernels/assembly.hpp"
 #include "kernels/operator.hpp"
 
 namespace cgcontact {
 
-/// Assembles the matrix as the system is now and sets up MueLu on it, with the rigid-body modes of the assembly.
+/// Sets up MueLu on the system's assembled matrix, with the rigid-body modes of the assembly.
+Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
+                                        const Teuchos::RCP<TpetraMatrix>& matrix);
+
+/// Assembles the matrix as the system is now and sets up MueLu on it.
 Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map);
 
 }  // namespace cgcontact

@@ -10,6 +10,7 @@ class PlainOperator {
   /// The system must outlive the operator.
   explicit PlainOperator(const ElasticSystem& system) : system_(system) {
     for (std::size_t b = 0; b < system.meshes.size(); ++b) {
+      meshes_.push_back(colour_mesh(system.meshes[b]));
       matrices_.push_back(make_cell_matrices(system.meshes[b], system.supports[b]));
       ghosts_.push_back(make_ghost_matrix(system.meshes[b], system.ghost_penalty));
     }
@@ -20,14 +21,15 @@ class PlainOperator {
   void apply(const Exec& exec, const X& x, const Y& y) const {
     Kokkos::deep_copy(exec, y, 0.0);
     for (std::size_t b = 0; b < system_.meshes.size(); ++b) {
-      apply_cells(exec, system_.meshes[b], matrices_[b], x, y);
-      apply_ghost_faces(exec, system_.meshes[b], ghosts_[b], x, y);
+      apply_cells(exec, meshes_[b], matrices_[b], x, y);
+      apply_ghost_faces(exec, meshes_[b], ghosts_[b], x, y);
     }
     apply_groups(exec, system_.groups, x, y);
   }
 
  private:
   const ElasticSystem& system_;
+  std::vector<ColouredMesh> meshes_;
   std::vector<CellMatrixView> matrices_;
   std::vector<GhostMatrix> ghosts_;
 };

@@ -1,24 +1,32 @@
-/// Operator application, the fast one with its parts, the plain kernels and Tpetra's CrsMatrix on the same system.
-///   block: cells of a box on a shifted grid; cube: no cell cut; ball: about 20 % of the cells cut at 46 cells across.
-/// Every operator is verified against the plain kernels before it is timed (cubes: up to 60 cells along an edge).
-#include <benchmark/benchmark.h>
-
+/// The matrix-free operator, in double and in single precision: the whole of it and its parts, and Tpetra's CrsMatrix
+/// with the same matrix, in the same run where it fits (`times_crs`: its time over the operator's).
+///   cube     no cell cut: stencil nodes, and full cells at the faces; sizes are cells along an edge
+///   ball     about 20 % of the cells cut at 46 cells across
+///   contact  the groups of scenes/two_solids_3d.toml; sizes are n of the scene
+/// All results are compared with the plain kernels'.
+///
+/// Bytes: every vector entry once (x read; y written, which counts twice), and what is stored of cells and faces. The
+/// parts of cut cells and ghost faces add to y: it is read and written at the nodes they touch.
 #include <Tpetra_Core.hpp>
-#include <chrono>
-#include <ctime>
-#include <map>
+#include <array>
 #include <memory>
 
-#include "core/resources.hpp"
 #include "kernels/assembly.hpp"
 #include "kernels/fast_operator.hpp"
-#include "kernels/linear_solver.hpp"
+#include "kernels/plain_operator.hpp"
+#include "perf/harness.hpp"
+#include "perf/problems.hpp"
 
 namespace {
 
 using namespace cgcontact;
+using namespace cgcontact::perf;
 
-enum Shape { block, cube, ball };
+/// Beyond this the assembled matrix (1 kB per unknown, three times as much while it is made) is left out.
+constexpr int largest_assembled = 1200000;
+
+enum class Shape { cube, ball };
+enum class Part { all, interior, cut, ghost };
 
 /// A cube of full cells (make_cut_cells would call those at the faces cut).
 CutCells whole_cells(int n) {
@@ -34,171 +42,247 @@ CutCells whole_cells(int n) {
   return cc;
 }
 
-struct Problem {
+CutCells ball_cells(int n) {
+  Grid grid;
+  grid.num_cells = {n + 1, n + 1, n + 1};
+  const Vec3 centre = Vec3(0.414, 0.732, 0.236) + Vec3::Constant(0.5 * n);
+  return make_cut_cells(Solid::sphere(centre, 0.5 * n, "ball"), grid);
+}
+
+struct Body {
   CutCells cut_cells;
   ElasticSystem system;
-  std::map<bool, std::shared_ptr<void>> fast;  ///< FastOperator<double>, <float>
-  Teuchos::RCP<const TpetraMap> map;
-  Teuchos::RCP<TpetraMatrix> matrix;
-
-  Problem(Shape shape, int n, bool reference) {
-    Grid grid;
-    grid.num_cells = {n + 1, n + 1, n + 1};
-    const Vec3 start(0.414, 0.732, 0.236);
-    if (shape == block)
-      cut_cells = make_cut_cells(Solid::box(start, start + Vec3::Constant(n), "block"), grid);
-    else if (shape == cube)
-      cut_cells = whole_cells(n);
-    else
-      cut_cells = make_cut_cells(Solid::sphere(start + Vec3::Constant(0.5 * n), 0.5 * n, "ball"), grid);
+  Body(Shape shape, int n) : cut_cells(shape == Shape::cube ? whole_cells(n) : ball_cells(n)) {
     system = make_elastic_system({&cut_cells}, {Material{1, 0.3}}, Scales{1, 1}, 0.01);
-    std::vector<GroupRow> rows;  // block: groups of 24 DoFs, as many as a face has cells
-    for (int g = 0; shape == block && g < n * n && 24 * (g + 1) < system.num_dofs(); ++g) {
-      rows.emplace_back();
-      for (int e = 0; e < 24; ++e) rows.back().entries.emplace_back(system.num_dofs() - 24 * (g + 1) + e, 0.1);
-    }
-    set_group_rows(system, rows);
-    set_group_stiffness(system, std::vector<double>(rows.size(), 0.5));
-    if (!reference) return;
-    map = make_dof_map(system, Tpetra::getDefaultComm());
-    matrix = assemble_matrix(system, map);
   }
-
-  template <class Real>
-  const FastOperator<Real>& fast_operator() {
-    auto& f = fast[sizeof(Real) == 8];
-    if (!f) f = std::make_shared<FastOperator<Real>>(system);
-    return *static_cast<FastOperator<Real>*>(f.get());
+  double cut_share() const {
+    return static_cast<double>(cut_cells.moments.size()) / static_cast<double>(cut_cells.cells.size());
   }
 };
 
-/// Shared by the benchmarks; cleared before Kokkos ends.
-std::map<std::pair<int, int>, std::unique_ptr<Problem>> problems;
+template <class Real>
+using RealVector = Kokkos::View<Real*, MemSpace>;
 
-Problem& problem(benchmark::State& state) {
-  auto& p = problems[{state.range(0), state.range(1)}];
-  const auto n = static_cast<int>(state.range(1));
-  if (!p) p = std::make_unique<Problem>(static_cast<Shape>(state.range(0)), n, n <= 50);
-  return *p;
+/// The same numbers in another precision.
+template <class Real, class From>
+RealVector<Real> copy(const From& x) {
+  const RealVector<Real> y("cgcontact::perf::x", x.extent(0));
+  for (std::size_t i = 0; i < x.extent(0); ++i) y(i) = static_cast<Real>(x(i));
+  return y;
 }
 
-template <class Real>
-Kokkos::View<Real*, MemSpace> random_vector(int size) {
-  Kokkos::View<Real*, MemSpace> x("x", size);
-  std::uint64_t s = 1;
-  for (int i = 0; i < size; ++i) {
-    s = s * 6364136223846793005ull + 1442695040888963407ull;
-    x(i) = static_cast<Real>(static_cast<float>(static_cast<double>(s >> 40) / (1 << 24) - 0.5));
-  }
+RealView single_precision_vector(int size) {
+  const RealView x = random_vector(size, 1);
+  for (int i = 0; i < size; ++i) x(i) = static_cast<float>(x(i));
   return x;
 }
 
-/// Times apply(x, y) once its result has been compared with the plain kernels.
-template <class Real, class Apply>
-void time_apply(benchmark::State& state, const Problem& p, bool verify, const Apply& apply) {
-  const int n = p.system.num_dofs();
-  const auto x = random_vector<Real>(n);
-  Kokkos::View<Real*, MemSpace> y("y", n);
-  if (verify && n < 1000000) {
-    const RealView xd = random_vector<double>(n), yd("yd", n);
-    p.system.apply(ExecSpace(), xd, yd);
-    apply(x, y);
-    double error = 0, scale = 0;
-    for (int i = 0; i < n; ++i) {
-      error = std::max(error, std::abs(y(i) - yd(i)));
-      scale = std::max(scale, std::abs(yd(i)));
-    }
-    if (!(error < (sizeof(Real) == 8 ? 1e-12 : 1e-5) * scale)) state.SkipWithError("differs from the plain kernels");
+/// Assembled matrix and its product.
+struct Assembled {
+  Teuchos::RCP<const TpetraMap> map;
+  Teuchos::RCP<TpetraMatrix> matrix;
+  TpetraVector x, y;
+  explicit Assembled(const ElasticSystem& system)
+      : map(make_dof_map(system, Tpetra::getDefaultComm())),
+        matrix(assemble_matrix(system, map)),
+        x(map, 1),
+        y(map, 1) {
+    auto host = x.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    const RealView values = single_precision_vector(system.num_dofs());
+    for (std::size_t i = 0; i < values.extent(0); ++i) host(i, 0) = values(i);
   }
-  double best = 1e300, best_cpu = 1e300;  // on a machine with other work the fastest iteration says most
-  auto cpu_time = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
-  for (auto _ : state) {
-    const auto start = std::chrono::steady_clock::now();
-    const double cpu_start = cpu_time();
-    apply(x, y);
-    Kokkos::fence();
-    best_cpu = std::min(best_cpu, cpu_time() - cpu_start);
-    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  void apply() { matrix->apply(x, y); }
+  double entries() const { return static_cast<double>(matrix->getGlobalNumEntries()); }
+};
+
+/// Nodes of cut cells, nodes of ghost faces.
+std::array<double, 2> touched_nodes(const ElasticSystem& system) {
+  std::array<double, 2> count{};
+  for (const BodyMesh& mesh : system.meshes) {
+    std::vector<char> by_cells(mesh.num_nodes, 0), by_faces(mesh.num_nodes, 0);
+    for (std::size_t e = 0; e < mesh.cell_nodes.size(); ++e)
+      if (mesh.cut_cells->cut_of_active[e] >= 0)
+        for (int node : mesh.cell_nodes[e]) by_cells[node - mesh.first_node] = 1;
+    const FaceNodesView faces = colour_mesh(mesh).nodes_of_face;
+    for (std::size_t i = 0; i < faces.size(); ++i) by_faces[faces.data()[i] - mesh.first_node] = 1;
+    for (char touched : by_cells) count[0] += touched;
+    for (char touched : by_faces) count[1] += touched;
   }
-  state.counters["best_cpu_us"] = 1e6 * best_cpu;  // of all threads
-  state.counters["best_us"] = 1e6 * best;
-  state.counters["best_MDoF/s"] = 1e-6 * n / best;
-  state.counters["DoF/s"] =
-      benchmark::Counter(static_cast<double>(n) * state.iterations(), benchmark::Counter::kIsRate);
-  state.counters["DoF"] = n;
-  state.counters["cut"] = static_cast<double>(p.cut_cells.moments.size()) / p.cut_cells.cells.size();
+  return count;
 }
 
-enum Part { all, interior, cut, ghost, contact, residual };
-
-template <class Real, int part>
-void fast(benchmark::State& state) {
-  Problem& p = problem(state);
-  const FastOperator<Real>& A = p.fast_operator<Real>();
-  const auto b = random_vector<Real>(p.system.num_dofs());
-  time_apply<Real>(state, p, part == all, [&](const auto& x, const auto& y) {
-    const ExecSpace exec;
-    if (part == all) A.apply(exec, x, y);
-    if (part == interior) A.apply_stencil(exec, x, y);
-    if (part == cut) A.add_band(exec, x, y, true, false);
-    if (part == ghost) A.add_band(exec, x, y, false, true);
-    if (part == contact) A.add_groups(exec, x, y);
-    if (part == residual) A.residual(exec, b, x, y);
-  });
-  state.counters["bytes/DoF"] = static_cast<double>(A.sizes().bytes) / A.num_dofs();
-}
-
-/// Construction from the system.
+/// flop per stencil node: 108 (27 x 9 multiply-adds unfactorised would be 486). Per cut cell 780: modes and corners
+/// 144, products with the moments 441, taking back the full cell 171, sums 24; per full cell at the rim 243. Per ghost
+/// face 156 and 96 per chain's two last layers. Bytes: a cut cell 27 moments, 4 node numbers, lanes; a full one the
+/// latter; a chain 16 and two node numbers per layer; a run of stencil nodes little.
 template <class Real>
-void setup(benchmark::State& state) {
-  Problem& p = problem(state);
-  for (auto _ : state) benchmark::DoNotOptimize(FastOperator<Real>(p.system).num_dofs());
-  state.counters["DoF/s"] =
-      benchmark::Counter(static_cast<double>(p.system.num_dofs()) * state.iterations(), benchmark::Counter::kIsRate);
+Cost part_cost(const Body& body, const FastOperator<Real>& op, Part part) {
+  const auto& s = op.sizes();
+  const double real = sizeof(Real), nodes = static_cast<double>(s.num_nodes);
+  const auto number = [](long long n) { return static_cast<double>(n); };
+  const std::array<double, 2> touched =
+      part == Part::cut || part == Part::ghost ? touched_nodes(body.system) : std::array<double, 2>{};
+  Cost interior{108 * number(s.stencil_nodes), 0}, vectors{0, 9 * real * nodes};
+  Cost cells{780 * number(s.cut_cells) + 243 * number(s.full_cells),
+             number(s.cut_cells) * 27 * real + (number(s.cut_cells) + number(s.full_cells)) * 24};
+  Cost ghosts{156 * number(s.ghost_faces) + 96 * number(s.ghost_chains),
+              8 * number(s.ghost_faces) + 32 * number(s.ghost_chains)};
+  Cost cost;
+  if (part == Part::all) cost = {interior.flop + cells.flop + ghosts.flop, vectors.bytes + cells.bytes + ghosts.bytes};
+  if (part == Part::interior) cost = {interior.flop, vectors.bytes};
+  if (part == Part::cut) cost = {cells.flop, cells.bytes + 9 * real * touched[0]};
+  if (part == Part::ghost) cost = {ghosts.flop, ghosts.bytes + 9 * real * touched[1]};
+  cost.single = sizeof(Real) == 4;
+  return cost;
 }
 
-void plain(benchmark::State& state) {
-  const Problem& p = problem(state);
-  time_apply<double>(state, p, false, [&](const auto& x, const auto& y) { p.system.apply(ExecSpace(), x, y); });
+/// Largest difference of a part from the plain kernels. The stencil gives the cells' share at nodes of full cells only;
+/// elsewhere the cut cells complete it (or take back), so that both together are the plain sum over all cells.
+template <class Real>
+double part_error(const Body& body, const FastOperator<Real>& op, Part part, const RealView& xd,
+                  const RealVector<Real>& x) {
+  const ElasticSystem& system = body.system;
+  const BodyMesh& mesh = system.meshes[0];
+  const RealView plain("cgcontact::perf::plain", xd.extent(0));
+  const RealVector<Real> y("cgcontact::perf::y", xd.extent(0));
+  std::vector<char> compared(mesh.num_nodes, 1);
+  const ExecSpace exec;
+  if (part == Part::all) {
+    op.apply(exec, x, y);
+    PlainOperator(system).apply(exec, xd, plain);
+  } else if (part == Part::ghost) {
+    op.add_band(exec, x, y, false, true);
+    apply_ghost_faces(exec, colour_mesh(mesh), make_ghost_matrix(mesh, system.ghost_penalty), xd, plain);
+  } else {
+    op.apply_stencil(exec, x, y);
+    if (part == Part::cut) op.add_band(exec, x, y, true, false);
+    apply_cells(exec, colour_mesh(mesh), make_cell_matrices(mesh, {}), xd, plain);
+    if (part == Part::interior) {
+      std::vector<int> full_cells(mesh.num_nodes, 0);
+      for (std::size_t e = 0; e < mesh.cell_nodes.size(); ++e)
+        if (mesh.cut_cells->cut_of_active[e] < 0)
+          for (int node : mesh.cell_nodes[e]) ++full_cells[node];
+      for (int n = 0; n < mesh.num_nodes; ++n) compared[n] = full_cells[n] == 8;
+    }
+  }
+  exec.fence();
+  double difference = 0, scale = 0;
+  for (std::size_t i = 0; i < plain.extent(0); ++i) {
+    if (!compared[i / 3]) continue;
+    difference = std::max(difference, std::abs(y(i) - plain(i)));
+    scale = std::max(scale, std::abs(plain(i)));
+  }
+  return difference / scale;
 }
 
-void crs_matrix(benchmark::State& state) {
-  const Problem& p = problem(state);
-  TpetraVector x(p.map, 1), y(p.map, 1);
-  x.randomize();
-  time_apply<double>(state, p, false, [&](const auto&, const auto&) { p.matrix->apply(x, y); });
+template <class Real>
+Kernel operator_kernel(Shape shape, int n, Part part) {
+  auto body = std::make_shared<Body>(shape, n);
+  auto op = std::make_shared<FastOperator<Real>>(body->system);
+  const int num_dofs = body->system.num_dofs();
+  const RealView xd = single_precision_vector(num_dofs);
+  const auto x = copy<Real>(xd);
+  const RealVector<Real> y("cgcontact::perf::y", num_dofs);
+  Kernel k;
+  k.items = num_dofs;
+  k.cost = part_cost(*body, *op, part);
+  k.error = part_error(*body, *op, part, xd, x), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
+  k.against = "the plain kernels";
+  k.run = [op, x, y, part] {
+    const ExecSpace exec;
+    if (part == Part::all) op->apply(exec, x, y);
+    if (part == Part::interior) op->apply_stencil(exec, x, y);
+    if (part == Part::cut) op->add_band(exec, x, y, true, false);
+    if (part == Part::ghost) op->add_band(exec, x, y, false, true);
+  };
+  k.figures = {{"cut_share", body->cut_share()}, {"B/DoF", static_cast<double>(op->sizes().bytes) / num_dofs}};
+  if (part == Part::all && num_dofs < largest_assembled) {
+    auto assembled = std::make_shared<Assembled>(body->system);
+    k.baseline = [assembled] { assembled->apply(); };
+    k.ratio = "times_crs";
+  }
+  return k;
 }
 
-void sizes(benchmark::internal::Benchmark* b) {
-  b->Args({block, 6})->Args({cube, 6})->Args({ball, 6});
-  b->Args({ball, 46})->Args({block, 50})->Args({cube, 36})->Args({cube, 118});
-  b->Unit(benchmark::kMillisecond);
-}
-void small_sizes(benchmark::internal::Benchmark* b) {
-  b->Args({block, 6})->Args({ball, 46})->Args({block, 50})->Unit(benchmark::kMillisecond);
+/// 12 bytes and 2 flop per entry; the rows' beginnings, x and y.
+Kernel crs(Shape shape, int n) {
+  const Body body(shape, n);
+  auto assembled = std::make_shared<Assembled>(body.system);
+  const int num_dofs = body.system.num_dofs();
+  const RealView x = single_precision_vector(num_dofs), plain("cgcontact::perf::plain", num_dofs);
+  PlainOperator(body.system).apply(ExecSpace(), x, plain);
+  assembled->apply();
+  Kokkos::fence();
+  Kernel k;
+  {
+    const auto y = assembled->y.getLocalViewHost(Tpetra::Access::ReadOnly);
+    const RealView result("cgcontact::perf::result", num_dofs);
+    for (int i = 0; i < num_dofs; ++i) result(i) = y(i, 0);
+    k.error = relative_difference(result, plain), k.tolerance = 1e-12, k.against = "the plain kernels";
+  }
+  k.items = num_dofs;
+  k.cost = {2 * assembled->entries(), 12 * assembled->entries() + 32.0 * num_dofs};
+  k.run = [assembled] { assembled->apply(); };
+  k.figures = {{"cut_share", body.cut_share()}, {"B/DoF", 12 * assembled->entries() / num_dofs}};
+  return k;
 }
 
-BENCHMARK_TEMPLATE(fast, double, all)->Apply(sizes);
-BENCHMARK_TEMPLATE(fast, double, residual)->Apply(sizes);
-BENCHMARK_TEMPLATE(fast, double, interior)->Apply(sizes);
-BENCHMARK_TEMPLATE(fast, double, cut)->Apply(sizes);
-BENCHMARK_TEMPLATE(fast, double, ghost)->Apply(small_sizes);
-BENCHMARK_TEMPLATE(fast, double, contact)->Apply(small_sizes);
-BENCHMARK_TEMPLATE(fast, float, all)->Apply(sizes);
-BENCHMARK_TEMPLATE(fast, float, interior)->Apply(sizes);
-BENCHMARK_TEMPLATE(fast, float, cut)->Apply(sizes);
-BENCHMARK_TEMPLATE(fast, float, ghost)->Apply(small_sizes);
-BENCHMARK_TEMPLATE(setup, double)->Apply(sizes);
-BENCHMARK(plain)->Apply(small_sizes);
-BENCHMARK(crs_matrix)->Apply(small_sizes);
+/// Construction from the system; the operator made is compared.
+template <class Real>
+Kernel setup(int n) {
+  auto body = std::make_shared<Body>(Shape::ball, n);
+  const RealView x = single_precision_vector(body->system.num_dofs());
+  Kernel k;
+  k.items = body->system.num_dofs();
+  k.error = part_error(*body, FastOperator<Real>(body->system), Part::all, x, copy<Real>(x));
+  k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5, k.against = "the plain kernels";
+  k.run = [body] { benchmark::DoNotOptimize(FastOperator<Real>(body->system).num_dofs()); };
+  return k;
+}
+
+/// Per entry of the rows two multiply-adds (gap and force), number and value in both directions; y is read and written.
+template <class Real>
+Kernel groups(int n) {
+  auto p =
+      std::make_shared<SceneProblem>("scenes/two_solids_3d.toml", std::vector<std::string>{"n=" + std::to_string(n)});
+  auto op = std::make_shared<FastOperator<Real>>(p->system);
+  const int num_dofs = p->system.num_dofs();
+  const RealView xd = single_precision_vector(num_dofs), plain("cgcontact::perf::plain", num_dofs);
+  const auto x = copy<Real>(xd);
+  const RealVector<Real> y("cgcontact::perf::y", num_dofs);
+  op->add_groups(ExecSpace(), x, y);
+  apply_groups(ExecSpace(), p->system.groups, xd, plain);
+  Kokkos::fence();
+  const double entries = static_cast<double>(op->sizes().group_entries), real = sizeof(Real);
+  Kernel k;
+  k.error = relative_difference(copy<double>(y), plain);
+  k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5, k.against = "the plain kernels";
+  k.items = static_cast<double>(p->system.groups.dof_list.extent(0));
+  k.cost = {4 * entries, 2 * entries * (4 + real) + 3 * real * k.items, real == 4};
+  k.run = [op, x, y] { op->add_groups(ExecSpace(), x, y); };
+  k.figures = {{"groups", static_cast<double>(op->sizes().groups)}};
+  return k;
+}
+
+template <class Real>
+void add_all(const std::string& precision) {
+  const auto part = [](Shape shape, Part p) { return [=](int n) { return operator_kernel<Real>(shape, n, p); }; };
+  add("operator/cube_" + precision, part(Shape::cube, Part::all), {{6}, {36, 60, 118}});
+  add("operator/ball_" + precision, part(Shape::ball, Part::all), {{6}, {46}});
+  add("operator/interior_" + precision, part(Shape::ball, Part::interior), {{6}, {46}});
+  add("operator/cut_" + precision, part(Shape::ball, Part::cut), {{6}, {46}});
+  add("operator/ghost_" + precision, part(Shape::ball, Part::ghost), {{6}, {46}});
+  add("operator/contact_" + precision, groups<Real>, {{5}, {32}});
+  add("operator/setup_" + precision, setup<Real>, {{6}, {46}});
+}
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (cgcontact::TrilinosScope::has_openmp()) cgcontact::restart_with_openmp_settings(0, argv);
-  benchmark::Initialize(&argc, argv);
-  const cgcontact::TrilinosScope trilinos(0);
-  benchmark::RunSpecifiedBenchmarks();
-  problems.clear();
-  return 0;
+  return run_benchmarks(argc, argv, [] {
+    add_all<double>("double");
+    add_all<float>("float");
+    add("crs/cube", [](int n) { return crs(Shape::cube, n); }, {{6}, {36, 60}});
+    add("crs/ball", [](int n) { return crs(Shape::ball, n); }, {{6}, {46}});
+  });
 }

@@ -25,15 +25,17 @@ struct SprProblem {
   BlockProblem block;
   PatchSet patches;
   CellStressView stress;
-  CoefficientView coefficients;
+  RecoveredField field;
   RealView u;
   explicit SprProblem(int size)
       : block(size),
         patches(make_patches(mesh())),
         stress("cgcontact::perf::stress", mesh().cell_nodes.size()),
-        coefficients("cgcontact::perf::coefficients", mesh().num_nodes),
+        field{Subset(mesh().num_nodes), CoefficientView("cgcontact::perf::coefficients", mesh().num_nodes)},
         u("cgcontact::perf::u", block.system.num_dofs()) {}
   const BodyMesh& mesh() const { return block.system.meshes[0]; }
+  Subset cells() const { return Subset(static_cast<int>(mesh().cell_nodes.size())); }
+  const MonomialMoments& moments(int cell) const { return patches.moments_of(block.cut_cells, cell); }
 };
 
 /// Gradients of the displacement in grid axes -> the displacement itself at the nodes of a mesh.
@@ -53,18 +55,19 @@ double constant_stress_error(const SprProblem& p, const Mat3& gradient) {
   for (std::size_t c = 0; c < p.stress.extent(0); ++c)
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t)
-        largest = std::max(largest, std::abs(p.stress(c, k, t) - s[k] * p.patches.mass(c, t)));
+        largest = std::max(largest, std::abs(p.stress(c, k, t) - s[k] * p.moments(static_cast<int>(c))[t]));
   return largest;
 }
 
-/// Per Gauss point: gradients of the shape functions 120, of the displacement 144, stress 15, weight 5, sums 48 flop.
-/// Bytes: displacements once, node numbers and weight number, weights of cut cells, 24 integrals written.
+/// Sums and differences of the corners 72 flop; for each of the four integrals 9 gradients of 8, factors 12, stress 15,
+/// scaling 6. Bytes: displacements once, node numbers and number of the moments, 17 moments of cut cells, 24 integrals
+/// written.
 Kernel cell_stress(int size) {
   auto p = std::make_shared<SprProblem>(size);
   Mat3 gradient;
   gradient << 0.7, -0.2, 0.4, 0.3, -0.5, 0.1, -0.6, 0.25, 0.9;
   set_linear_field(p->mesh(), gradient, p->u);
-  const auto run = [p] { integrate_cell_stress(ExecSpace(), p->mesh(), p->patches, IntView(), p->u, p->stress); };
+  const auto run = [p] { integrate_cell_stress(p->mesh(), p->patches, p->cells(), p->u, p->stress); };
   run();
   Kokkos::fence();
   const double cells = static_cast<double>(p->stress.extent(0));
@@ -72,7 +75,7 @@ Kernel cell_stress(int size) {
   Kernel k;
   k.unit = "cells";
   k.items = cells;
-  k.cost = {cells * 27 * (120 + 144 + 15 + 5 + 48), 24.0 * p->mesh().num_nodes + cells * (36 + 2 * 192) + cut * 216};
+  k.cost = {cells * (72 + 4 * (72 + 12 + 15 + 6)), 24.0 * p->mesh().num_nodes + cells * (36 + 2 * 192) + cut * 136};
   k.error = constant_stress_error(*p, gradient), k.tolerance = 1e-12, k.against = "a constant stress";
   k.run = run;
   return k;
@@ -85,10 +88,10 @@ Eigen::Matrix<double, num_terms, 6> plain_fit(const SprProblem& p, int n) {
   for (int i = p.patches.begin[n]; i < p.patches.begin[n + 1]; ++i) {
     const int c = p.patches.cells[i];
     MassMatrix own, shift = MassMatrix::Identity();  // {1, x, y, z} about the cell's centre -> about the node
-    const auto& mass = p.patches.mass;
-    own << mass(c, 0), mass(c, 1), mass(c, 2), mass(c, 3), mass(c, 1), mass(c, 4), mass(c, 7), mass(c, 9), mass(c, 2),
-        mass(c, 7), mass(c, 5), mass(c, 8), mass(c, 3), mass(c, 9), mass(c, 8), mass(c, 6);
-    for (int d = 0; d < 3; ++d) shift(1 + d, 0) = p.patches.cell_centre(c, d) - p.patches.node_position(n, d);
+    const MonomialMoments& m1 = p.moments(c);
+    own << m1[0], m1[1], m1[2], m1[3], m1[1], m1[4], m1[7], m1[9], m1[2], m1[7], m1[5], m1[8], m1[3], m1[9], m1[8],
+        m1[6];
+    for (int d = 0; d < 3; ++d) shift(1 + d, 0) = p.block.cut_cells.cells[c][d] + 0.5 - p.mesh().nodes[n][d];
     m += shift * own * shift.transpose();
     for (int k = 0; k < 6; ++k)
       rhs.col(k) += shift * Eigen::Vector4d(p.stress(c, k, 0), p.stress(c, k, 1), p.stress(c, k, 2), p.stress(c, k, 3));
@@ -103,19 +106,20 @@ double fit_error(const SprProblem& p) {
     double difference = 0;
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t)
-        difference = std::max(difference, std::abs(plain(t, k) - p.coefficients(n, k, t)));
+        difference = std::max(difference, std::abs(plain(t, k) - p.field.values(n, k, t)));
     largest = std::max(largest, difference / plain.cwiseAbs().maxCoeff());
   }
   return largest;
 }
 
-/// Per cell of a patch: offset 3, mass matrix 70, right-hand sides 60 flop; per patch: Cholesky 30, six solves of 32.
-/// Bytes: cell data (moments, integrals, centre: 296) once, cell lists, position, 24 coefficients written.
+/// As if all patches were fitted alike (full ones take a shorter way). Per cell of a patch: offset 3, mass matrix 70,
+/// right-hand sides 60 flop; per patch: Cholesky 30, six solves of 32. Bytes: cell data (moments, integrals, centre:
+/// 296) once, cell lists, position, 24 coefficients written.
 Kernel fit(int size) {
   auto p = std::make_shared<SprProblem>(size);
   const RealView random = random_vector(static_cast<int>(p->stress.size()), 3);
   for (std::size_t i = 0; i < p->stress.size(); ++i) p->stress.data()[i] = random(i);
-  const auto run = [p] { fit_patches(p->mesh(), p->patches, IntView(), p->stress, p->coefficients); };
+  const auto run = [p] { fit_patches(p->mesh(), p->patches, p->stress, p->cells(), p->field); };
   run();
   const double patches = p->mesh().num_nodes, entries = static_cast<double>(p->patches.cells.size());
   Kernel k;
@@ -137,13 +141,9 @@ struct Patch {
 
 /// Mass matrix of a node's patch.
 MassMatrix patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n) {
-  const auto offset = [&](int c, double d[3]) {
-    for (int i = 0; i < 3; ++i) d[i] = patches.cell_centre(c, i) - mesh.nodes[n][i];
-  };
-  const CellStressView nothing("cgcontact::perf::nothing", mesh.cell_nodes.size());
-  const auto cells = [&](int i) { return patches.cells[i]; };
-  double m[num_terms][num_terms], H[6][num_terms];
-  gather_patch(cells, patches.begin[n], patches.begin[n + 1], offset, patches.mass, nothing, m, H);
+  const double centre[3] = {double(mesh.nodes[n][0]), double(mesh.nodes[n][1]), double(mesh.nodes[n][2])};
+  double m[num_terms][num_terms];
+  gather_mass(mesh, patches, &patches.cells[patches.begin[n]], patches.begin[n + 1] - patches.begin[n], centre, m);
   return MassMatrix(&m[0][0]);  // symmetric
 }
 
@@ -151,14 +151,16 @@ MassMatrix patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n) {
 /// supports; on contact faces zero shear of both bodies and equal normal tractions.
 class PatchBuilder {
  public:
-  PatchBuilder(const SceneProblem& problem, int body) : p_(problem), body_(body), other_(1 - body) {}
+  PatchBuilder(const SceneProblem& problem, int body)
+      : p_(problem.simulation),
+        body_(body),
+        other_(1 - body),
+        pieces_(p_.bodies[body].cut_cells, p_.bodies[body].boundary) {}
 
   /// False if the node's patch is not of the kind asked for.
   bool build(int n, bool contact, Patch& patch) {
     const PatchSet& set = p_.patches[body_];
-    const BodyModel& model = p_.parts.bodies[body_];
-    const auto groups =
-        constraint_groups(model.cut_cells, model.boundary, &set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n]);
+    const auto groups = pieces_.groups(&set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n]);
     const bool touches = std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.pair >= 0; });
     if (groups.empty() || touches != contact) return false;
     rows_.clear();
@@ -186,7 +188,7 @@ class PatchBuilder {
   /// The patch of the other body's node nearest to the contact face stands in for the auxiliary patch.
   void add_other_body(const std::vector<ConstraintGroup>& groups, Patch& patch) {
     const auto on_face = std::find_if(groups.begin(), groups.end(), [](const auto& g) { return g.pair >= 0; });
-    const Vec3 x = to_other(on_face->position.front());
+    const Vec3 x = to_other(on_face->position[0]);
     const BodyMesh& mesh = p_.system.meshes[other_];
     int nearest = 0;
     double distance = 1e300;
@@ -202,14 +204,13 @@ class PatchBuilder {
   }
 
   Vec3 to_other(const Vec3& x) const {
-    return p_.parts.bodies[other_].cut_cells.grid.to_grid(p_.parts.bodies[body_].cut_cells.grid.to_global(x));
+    return p_.bodies[other_].cut_cells.grid.to_grid(p_.bodies[body_].cut_cells.grid.to_global(x));
   }
 
   void add_group(const ConstraintGroup& g) {
-    const bool support = g.pair < 0 && p_.parts.bodies[body_].boundary.conditions[g.condition].is_support();
-    const Mat3 turn =
-        p_.parts.bodies[other_].cut_cells.grid.rotation.transpose() * p_.parts.bodies[body_].cut_cells.grid.rotation;
-    for (std::size_t i = 0; i < g.position.size(); ++i) {
+    const bool support = g.pair < 0 && p_.bodies[body_].boundary.conditions[g.condition].is_support();
+    const Mat3 turn = p_.bodies[other_].cut_cells.grid.rotation.transpose() * p_.bodies[body_].cut_cells.grid.rotation;
+    for (int i = 0; i < g.num_points; ++i) {
       const Vec3 d = g.position[i] - centre_, n = g.normal[i];
       const auto [t1, t2] = tangents(n);
       add(traction_row(d, n, t1), Row24::Zero());
@@ -225,8 +226,9 @@ class PatchBuilder {
     }
   }
 
-  const SceneProblem& p_;
+  const Simulation& p_;
   int body_, other_;
+  BoundaryPieces pieces_;
   Vec3 centre_, other_centre_;
   std::vector<Row48> rows_;
 };
@@ -320,56 +322,60 @@ struct RecoveryProblem {
   SceneProblem problem;
   std::vector<RecoveryBody> bodies;
   std::vector<Sym3> exact;  ///< per body, grid axes, Scales::stress
-  std::vector<CoefficientView> result;
-  std::vector<std::vector<int>> kinds;
+  std::vector<CoefficientView> unconstrained;
+  RealView u;
 
   explicit RecoveryProblem(int cells) : problem("scenes/patch_test.toml", {"h=1/" + std::to_string(cells)}) {
     const double p = 1e8;
-    const RealView u("cgcontact::perf::u", problem.system.num_dofs());
-    for (std::size_t b = 0; b < problem.parts.bodies.size(); ++b) {
-      const BodyModel& body = problem.parts.bodies[b];
+    const Simulation& sim = problem.simulation;
+    u = RealView("cgcontact::perf::u", problem.system.num_dofs());
+    for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
+      const BodyModel& body = sim.bodies[b];
       const BodyMesh& mesh = problem.system.meshes[b];
       const Mat3& R = body.cut_cells.grid.rotation;
       const double E = body.spec->material.youngs_modulus, nu = body.spec->material.poisson_ratio;
       const Mat3 strain = Vec3(nu * p / E, nu * p / E, -p / E).asDiagonal();
       set_linear_field(mesh, mesh.cell_size * (R.transpose() * strain * R), u);
-      const Mat3 s = R.transpose() * Vec3(0, 0, -p / problem.scales.stress).asDiagonal() * R;
+      const Mat3 s = R.transpose() * Vec3(0, 0, -p / sim.scales.stress).asDiagonal() * R;
       exact.emplace_back();
       exact.back() << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0);
-      RecoveryBody r{&mesh, &problem.patches[b], &body.boundary,
-                     CellStressView("cgcontact::perf::stress", mesh.cell_nodes.size()),
-                     CoefficientView("cgcontact::perf::spr", mesh.num_nodes)};
-      integrate_cell_stress(ExecSpace(), mesh, problem.patches[b], IntView(), u, r.stress);
-      fit_patches(mesh, problem.patches[b], IntView(), r.stress, r.unconstrained);
-      bodies.push_back(r);
+      unconstrained.emplace_back("cgcontact::perf::spr", mesh.num_nodes);
+      const Subset all(mesh.num_nodes);
+      recover_all(mesh, sim.patches[b], u, {all, unconstrained.back()});
+      bodies.push_back(
+          {&mesh, &sim.patches[b], &body.boundary, {all, CoefficientView("cgcontact::perf::spr_c", mesh.num_nodes)}});
     }
   }
-  RecoveryCounts run() { return recover_constrained(bodies, problem.scales, {}, result, kinds); }
+  RecoveryCounts run() {
+    for (std::size_t b = 0; b < bodies.size(); ++b) Kokkos::deep_copy(bodies[b].field.values, unconstrained[b]);
+    return recover_constrained(bodies, u, problem.simulation.scales, {});
+  }
   double error() const {
     double largest = 0;
     for (std::size_t b = 0; b < bodies.size(); ++b)
       for (int n = 0; n < bodies[b].mesh->num_nodes; ++n)
         for (int k = 0; k < 6; ++k)
           for (int t = 0; t < num_terms; ++t)
-            largest = std::max(largest, std::abs(result[b](n, k, t) - (t == 0 ? exact[b][k] : 0.0)));
+            largest = std::max(largest, std::abs(bodies[b].field.values(n, k, t) - (t == 0 ? exact[b][k] : 0.0)));
     return largest / exact[0].cwiseAbs().maxCoeff();
   }
 };
 
-/// As if every patch were one constrained fit with the rows PatchBuilder would give it, after an unconstrained one (133
-/// flop per cell, 222 per patch; 296 bytes per cell). Finding the groups of boundary points is not counted.
+/// The copy of the unconstrained fit is part of the run. As if every patch were one constrained fit with the rows
+/// PatchBuilder would give it, after an unconstrained one (133 flop per cell, 222 per patch; 296 bytes per cell).
+/// Finding the groups of boundary points is not counted.
 Cost whole_cost(const SceneProblem& problem) {
   Cost sum;
   for (std::size_t b = 0; b < problem.system.meshes.size(); ++b) {
-    const PatchSet& set = problem.patches[b];
-    const BodyModel& model = problem.parts.bodies[b];
+    const PatchSet& set = problem.simulation.patches[b];
+    const BodyModel& model = problem.simulation.bodies[b];
+    const BoundaryPieces pieces(model.cut_cells, model.boundary);
     for (int n = 0; n < problem.system.meshes[b].num_nodes; ++n) {
       const int cells = set.begin[n + 1] - set.begin[n];
       Eigen::Index rows = 3, columns = num_unknowns;
-      for (const ConstraintGroup& g :
-           constraint_groups(model.cut_cells, model.boundary, &set.cells[set.begin[n]], cells)) {
+      for (const ConstraintGroup& g : pieces.groups(&set.cells[set.begin[n]], cells)) {
         const bool support = g.pair < 0 && model.boundary.conditions[g.condition].is_support();
-        rows += static_cast<Eigen::Index>(g.position.size()) * (g.pair >= 0 ? 5 : support ? 2 : 3);
+        rows += g.num_points * (g.pair >= 0 ? 5 : support ? 2 : 3);
         if (g.pair >= 0 && columns == num_unknowns) {
           columns = 2 * num_unknowns;
           rows += 3;

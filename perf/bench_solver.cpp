@@ -1,20 +1,26 @@
-/// The linear solver on the paper's scene in 3D, all contact closed: set-up of the preconditioner, solve to 1e-8.
-/// Sizes are n of the scene.
+/// The linear solver on the paper's scene in 3D, all contact closed: one step of the smoother, one V-cycle, the set-up
+/// of multigrid; and the whole way to the solution (set-up and CG to 1e-8 of the right-hand side, which is random),
+/// with multigrid and, in the same run, as others would do it: matrix assembled, MueLu, Belos' CG on the assembled
+/// matrix (`times_muelu`: its time over ours). Sizes are n of the scene: 26 makes 105,000 unknowns, 56 about a million.
 ///
-/// Multigrid on the grids (kernels/multigrid) belongs here as well: register
-///   multigrid/v_cycle     one application to a random residual; unit DoF; cost: per level 2 d + 1 operator
-///   applications
-///                         of its size (smoother of degree d before and after, one residual) plus the transfers;
-///                         verified by the reduction of the error energy in one cycle against the plain twin's,
-///   multigrid/smoother    one Chebyshev sweep on the finest level; cost: d operator applications and 5 vectors each;
-///                         verified against the plain recurrence,
-///   multigrid/transfer    prolongation of a linear field, exact,
-/// each with the operator's Cost (bench_operator_parts.cpp) for its applications.
+/// Memory (B/DoF, muelu_B/DoF) is the largest resident set during set-up and solve beyond that before them, when there
+/// are the system and its right-hand side only (before_B/DoF); set_up_B/DoF is what the solver holds.
+#include <BelosPseudoBlockCGSolMgr.hpp>
+#include <BelosTpetraAdapter.hpp>
+#include <Tpetra_Core.hpp>
+#include <Tpetra_Vector.hpp>
 #include <cmath>
+#include <fstream>
 #include <memory>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
-#include "contact/postprocess.hpp"
 #include "kernels/linear_solver.hpp"
+#include "kernels/muelu.hpp"
+#include "kernels/multigrid.hpp"
+#include "kernels/plain_operator.hpp"
+#include "kernels/smoother.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
 
@@ -22,65 +28,307 @@ namespace {
 
 using namespace cgcontact;
 using namespace cgcontact::perf;
+using Teuchos::RCP;
+using Teuchos::rcp;
 
-struct SolverProblem {
-  SceneProblem scene;
-  NearNullSpace near_null_space;
-  std::unique_ptr<LinearSolver> solver;
-  RealView b, x;
+constexpr double tolerance = 1e-8;
+constexpr int most_iterations = 500;
 
-  explicit SolverProblem(int n) : scene("scenes/two_solids_3d.toml", {"n=" + std::to_string(n)}) {
-    add_supports(scene.scene, scene.parts.supports, scene.scales, scene.system);
-    std::vector<double> stiffness;
-    for (const ContactPair& pair : scene.parts.pairs)
-      for (const ContactGroup& group : pair.groups)
-        stiffness.push_back(pair.stiffness * group.area / (scene.scales.stress * scene.scales.length));
-    set_group_stiffness(scene.system, stiffness);
-    for (std::size_t body = 0; body < scene.parts.bodies.size(); ++body) {
-      const Grid& grid = scene.parts.bodies[body].cut_cells.grid;
-      near_null_space.axes.push_back(grid.rotation);
-      for (const Index3& i : scene.system.meshes[body].nodes) {
-        near_null_space.position.push_back(grid.to_global(Vec3(i[0], i[1], i[2])) / scene.scales.length);
-        near_null_space.body_of_node.push_back(static_cast<int>(body));
-      }
-    }
-    solver = std::make_unique<LinearSolver>(scene.system, near_null_space);
-    solver->rebuild_preconditioner();
-    b = random_vector(scene.system.num_dofs(), 5);
-    x = RealView("cgcontact::perf::x", scene.system.num_dofs());
-  }
+double dot(const RealView& x, const RealView& y) {
+  double sum = 0;
+  for (std::size_t i = 0; i < x.extent(0); ++i) sum += x(i) * y(i);
+  return sum;
+}
 
-  static double norm(const RealView& v) {
-    double sum = 0;
-    for (std::size_t i = 0; i < v.extent(0); ++i) sum += v(i) * v(i);
-    return std::sqrt(sum);
+struct SolverProblem : SceneProblem {
+  RealView b;
+  std::vector<double> thickness;
+  explicit SolverProblem(int n)
+      : SceneProblem("scenes/two_solids_3d.toml", {"n=" + std::to_string(n)}), b(random_vector(system.num_dofs(), 5)) {
+    for (const BodyModel& body : simulation.bodies) thickness.push_back(body.free_thickness);
   }
-  int solve() {
-    Kokkos::deep_copy(x, 0.0);
-    return solver->solve(b, x, 1e-8 * norm(b), 500).iterations;
+  MultigridSettings settings() const {
+    MultigridSettings s;
+    s.thickness = thickness;
+    return s;
   }
-  /// |b - A x| / |b|, computed here.
-  double residual() const {
-    const RealView r("cgcontact::perf::r", b.extent(0));
-    scene.system.apply(ExecSpace(), x, r);
+  RealView zero() const { return RealView("cgcontact::perf::zero", system.num_dofs()); }
+  /// |b - A x| / |b| with the plain operator.
+  double residual(const RealView& x) const {
+    const RealView r = zero();
+    PlainOperator(system).apply(ExecSpace(), x, r);
     Kokkos::fence();
     for (std::size_t i = 0; i < b.extent(0); ++i) r(i) = b(i) - r(i);
-    return norm(r) / norm(b);
+    return std::sqrt(dot(r, r) / dot(b, b));
   }
 };
 
-/// No cost model for MueLu; the unknowns per second of a whole set-up or solve.
-Kernel solver(int n, bool setup) {
-  auto p = std::make_shared<SolverProblem>(n);
-  const int iterations = p->solve();
+/// What the operator moves and computes on one level, single precision: bench_operator.cpp.
+Cost operator_cost(const FastOperator<float>& op) {
+  const auto& s = op.sizes();
+  const auto number = [](long long n) { return static_cast<double>(n); };
+  const double cells = number(s.cut_cells) + number(s.full_cells);
+  return {108 * number(s.stencil_nodes) + 780 * number(s.cut_cells) + 243 * number(s.full_cells) +
+              156 * number(s.ghost_faces) + 96 * number(s.ghost_chains) + 4 * number(s.group_entries),
+          36 * number(s.num_nodes) + 108 * number(s.cut_cells) + 24 * cells + 8 * number(s.ghost_faces) +
+              32 * number(s.ghost_chains) + 16 * number(s.group_entries),
+          true};
+}
+
+/// A residual (one more vector than the operator reads) and d = beta d + alpha M^-1 r, x += d: r, six numbers per node,
+/// d and x in both directions, the number of the surface node; 27 flop per node. Surface rows are not counted.
+Cost step_cost(const FastOperator<float>& op) {
+  Cost cost = operator_cost(op);
+  const double nodes = static_cast<double>(op.sizes().num_nodes);
+  cost.flop += 30 * nodes;
+  cost.bytes += nodes * (12 + 12 + 24 + 24 + 24 + 4);
+  return cost;
+}
+
+/// The finest level's smoother.
+struct Smoothing {
+  SolverProblem problem;
+  FastOperator<float> op;
+  FastOperator<float>::BlockView blocks;
+  std::unique_ptr<SurfaceSmoother<float>> smoother;
+  FastOperator<float>::VectorView b, x, r, d;
+
+  explicit Smoothing(int n) : problem(n), op(problem.system) {
+    const int size = problem.system.num_dofs();
+    blocks = decltype(blocks)("cgcontact::perf::blocks", problem.system.num_nodes);
+    op.diagonal_blocks(ExecSpace(), blocks);
+    smoother = std::make_unique<SurfaceSmoother<float>>(problem.system, blocks);
+    smoother->set_groups(problem.system.group_rows, problem.system.full_group_stiffness);
+    for (auto* v : {&b, &x, &r, &d}) *v = FastOperator<float>::VectorView("cgcontact::perf::vector", size);
+    for (int i = 0; i < size; ++i) b(i) = static_cast<float>(problem.b(i));
+  }
+  void step(float alpha, float beta) {
+    const ExecSpace exec;
+    op.residual(exec, b, x, r);
+    smoother->step(exec, r, alpha, beta, d, x, false);
+  }
+  /// M d against b after one step from zero with alpha = 1. M: the node blocks, the contact groups, and the rows of
+  /// thin supports, whose own node blocks are taken out.
+  double error() {
+    step(1, 0);
+    Kokkos::fence();
+    const int size = problem.system.num_dofs();
+    const RealView dd = problem.zero(), Md = problem.zero();
+    for (int i = 0; i < size; ++i) dd(i) = d(i);
+    apply_groups(ExecSpace(), problem.system.groups, dd, Md);
+    const FastOperator<double> in_double(problem.system);
+    const FastOperator<double>::BlockView D("cgcontact::perf::D", problem.system.num_nodes);
+    in_double.diagonal_blocks(ExecSpace(), D);
+    constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    for (int n = 0; n < problem.system.num_nodes; ++n)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) Md(3 * n + i) += D(n, at[i][j]) * dd(3 * n + j);
+    const SupportRows supports = make_support_rows(problem.system);
+    for (std::size_t g = 0; g < supports.rows.size(); ++g)
+      for (const auto& [p, vp] : supports.rows[g].entries)
+        for (const auto& [q, vq] : supports.rows[g].entries)
+          if (p / 3 != q / 3) Md(p) += supports.stiffness[g] * vp * vq * dd(q);
+    for (int i = 0; i < size; ++i) Md(i) -= b(i);
+    return std::sqrt(dot(Md, Md) / dot(problem.b, problem.b));
+  }
+};
+
+Kernel smoother_step(int n) {
+  auto s = std::make_shared<Smoothing>(n);
   Kernel k;
-  k.items = p->scene.system.num_dofs();
-  k.error = p->residual(), k.tolerance = 1.01e-8, k.against = "the system";
-  if (setup)
-    k.run = [p] { p->solver->rebuild_preconditioner(); };
-  else
-    k.run = [p] { p->solve(); };
-  k.figures = {{"iterations", static_cast<double>(iterations)}};
+  k.items = s->problem.system.num_dofs();
+  k.cost = step_cost(s->op);
+  k.error = s->error(), k.tolerance = 1e-4, k.against = "the smoother's base M times the step";
+  k.run = [s] { s->step(1e-3f, 0.5f); };
+  return k;
+}
+
+struct Cycle {
+  SolverProblem problem;
+  RCP<const TpetraMap> map;
+  Multigrid multigrid;
+  TpetraVector r, z;
+  explicit Cycle(int n)
+      : problem(n),
+        map(make_dof_map(problem.system, Tpetra::getDefaultComm())),
+        multigrid(problem.system, map, problem.settings()),
+        r(map, 1),
+        z(map, 1) {
+    const auto host = r.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t i = 0; i < problem.b.extent(0); ++i) host(i, 0) = problem.b(i);
+  }
+  void run() { multigrid.apply(r, z, Teuchos::NO_TRANS, 1, 0); }
+  /// Factor by which a cycle reduces the energy norm of the error, mean over some cycles from a random error.
+  double reduction() {
+    constexpr int cycles = 6;
+    const PlainOperator plain(problem.system);
+    RealView e = random_vector(problem.system.num_dofs(), 8);
+    const RealView Ae = problem.zero();
+    TpetraVector in(map, 1), out(map, 1);
+    double first = 0, last = 0;
+    for (int i = 0; i <= cycles; ++i) {
+      plain.apply(ExecSpace(), e, Ae);
+      Kokkos::fence();
+      last = std::sqrt(dot(e, Ae));
+      if (i == 0) first = last;
+      {
+        const auto host = in.getLocalViewHost(Tpetra::Access::OverwriteAll);
+        for (std::size_t j = 0; j < e.extent(0); ++j) host(j, 0) = Ae(j);
+      }
+      multigrid.apply(in, out, Teuchos::NO_TRANS, 1, 0);
+      const auto host = out.getLocalViewHost(Tpetra::Access::ReadOnly);
+      for (std::size_t j = 0; j < e.extent(0); ++j) e(j) -= host(j, 0);
+    }
+    return std::pow(last / first, 1.0 / cycles);
+  }
+};
+
+constexpr double expected_reduction = 0.6;
+
+/// Per level 6 steps of the smoother, whose first knows its residual, and a residual; the coarser levels as if the
+/// finest one's costs scaled with the unknowns; in and out of single precision 36 bytes per unknown. Transfers and the
+/// coarsest level are not counted.
+Kernel v_cycle(int n) {
+  auto c = std::make_shared<Cycle>(n);
+  const std::vector<int>& unknowns = c->multigrid.report().unknowns;
+  double all = 0;
+  for (std::size_t l = 0; l + 1 < unknowns.size(); ++l) all += static_cast<double>(unknowns[l]) / unknowns[0];
+  Kernel k;
+  k.items = unknowns[0];
+  const Cost step = step_cost(FastOperator<float>(c->problem.system));
+  k.cost = {6 * all * step.flop, 6 * all * step.bytes + 36.0 * unknowns[0], true};
+  k.error = c->reduction(), k.tolerance = expected_reduction, k.against = "the error's energy norm before";
+  k.run = [c] { c->run(); };
+  k.figures = {{"levels", static_cast<double>(unknowns.size())}};
+  return k;
+}
+
+Kernel setup(int n) {
+  auto c = std::make_shared<Cycle>(n);
+  Kernel k;
+  k.items = c->problem.system.num_dofs();
+  k.error = c->reduction(), k.tolerance = expected_reduction, k.against = "the error's energy norm before";
+  k.run = [c] { Multigrid(c->problem.system, c->map, c->problem.settings()); };
+  return k;
+}
+
+/// A line "VmHWM: 123 kB" of the process's status, in bytes.
+double status_bytes(const std::string& key) {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (word == key + ":") {
+      status >> word;
+      return 1024 * std::stod(word);
+    }
+  return 0;
+}
+
+/// Times and memory of one way to the solution.
+class Way {
+ public:
+  double setup_s = 0, solve_s = 0, held = 0, peak = 0, before = 0;
+  int iterations = 0;
+  double part_s = 0;  ///< of the set-up: assembly
+
+  void start() {
+#ifdef __GLIBC__
+    malloc_trim(0);  // what was freed before does not hide what is taken now
+#endif
+    std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+    before = status_bytes("VmRSS");
+    last_ = now();
+  }
+  void lap(double& seconds) {
+    Kokkos::fence();
+    seconds = now() - last_;
+    last_ += seconds;
+  }
+  void set_up() { held = status_bytes("VmRSS") - before; }
+  void stop() { peak = status_bytes("VmHWM") - before; }
+
+ private:
+  double last_ = 0;
+};
+
+void solve_with_multigrid(const SolverProblem& p, const RealView& x, Way& way) {
+  Kokkos::deep_copy(x, 0.0);
+  way.start();
+  LinearSolver solver(p.system, Preconditioner::multigrid, p.thickness);
+  solver.update();
+  way.lap(way.setup_s);
+  way.set_up();
+  way.iterations = solver.solve(p.b, x, tolerance * std::sqrt(dot(p.b, p.b)), most_iterations).iterations;
+  way.lap(way.solve_s);
+  way.stop();
+}
+
+void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
+  way.start();
+  const RCP<const TpetraMap> map = make_dof_map(p.system, Tpetra::getDefaultComm());
+  const RCP<TpetraMatrix> matrix = assemble_matrix(p.system, map);
+  way.lap(way.part_s);
+  const RCP<TpetraOperator> muelu = make_muelu(p.system, map, matrix);
+  way.lap(way.setup_s);
+  way.setup_s += way.part_s;
+  way.set_up();
+  const auto rhs = rcp(new TpetraVector(map, 1)), solution = rcp(new TpetraVector(map, 1));
+  {
+    const auto host = rhs->getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t i = 0; i < p.b.extent(0); ++i) host(i, 0) = p.b(i);
+  }
+  const RCP<TpetraOperator> op = matrix;
+  const auto problem = rcp(new Belos::LinearProblem<double, TpetraVector, TpetraOperator>(op, solution, rhs));
+  problem->setLeftPrec(muelu);
+  problem->setProblem();
+  const auto list = rcp(new Teuchos::ParameterList);
+  list->set("Convergence Tolerance", 0.95 * tolerance);
+  list->set("Maximum Iterations", most_iterations);
+  list->set("Verbosity", static_cast<int>(Belos::Errors));
+  list->set("Residual Scaling", "Norm of Initial Residual");
+  list->set("Implicit Residual Scaling", "Norm of Initial Residual");
+  list->set("Assert Positive Definiteness", false);
+  Belos::PseudoBlockCGSolMgr<double, TpetraVector, TpetraOperator> solver(problem, list);
+  solver.solve();
+  way.iterations = solver.getNumIters();
+  way.lap(way.solve_s);
+  way.stop();
+  const auto host = solution->getLocalViewHost(Tpetra::Access::ReadOnly);
+  for (std::size_t i = 0; i < x.extent(0); ++i) x(i) = host(i, 0);
+}
+
+struct Comparison {
+  SolverProblem problem;
+  RealView x, x_muelu;
+  Way multigrid, muelu;
+  explicit Comparison(int n) : problem(n), x(problem.zero()), x_muelu(problem.zero()) {}
+};
+
+Kernel solve(int n) {
+  auto c = std::make_shared<Comparison>(n);
+  Kernel k;
+  k.items = c->problem.system.num_dofs();
+  k.tolerance = 1.01 * tolerance, k.against = "the plain operator times the solution";
+  k.run = [c] { solve_with_multigrid(c->problem, c->x, c->multigrid); };
+  k.baseline = [c] { solve_with_muelu(c->problem, c->x_muelu, c->muelu); };
+  k.ratio = "times_muelu";
+  k.finish = [c](Kernel& kernel) {
+    kernel.error = std::max(c->problem.residual(c->x), c->problem.residual(c->x_muelu));
+    const double size = kernel.items;
+    const Way &ours = c->multigrid, &theirs = c->muelu;
+    kernel.figures = {{"iterations", static_cast<double>(ours.iterations)},
+                      {"setup_s", ours.setup_s},
+                      {"solve_s", ours.solve_s},
+                      {"before_B/DoF", ours.before / size},
+                      {"set_up_B/DoF", ours.held / size},
+                      {"B/DoF", ours.peak / size},
+                      {"muelu_iterations", static_cast<double>(theirs.iterations)},
+                      {"muelu_assembly_s", theirs.part_s},
+                      {"muelu_setup_s", theirs.setup_s},
+                      {"muelu_solve_s", theirs.solve_s},
+                      {"muelu_DoF/s", size / (theirs.setup_s + theirs.solve_s)},
+                      {"muelu_set_up_B/DoF", theirs.held / size},
+                      {"muelu_B/DoF", theirs.peak / size}};
+  };
   return k;
 }
 
@@ -88,7 +336,9 @@ Kernel solver(int n, bool setup) {
 
 int main(int argc, char** argv) {
   return run_benchmarks(argc, argv, [] {
-    add("solver/setup", [](int n) { return solver(n, true); }, {{5}, {16}});
-    add("solver/solve", [](int n) { return solver(n, false); }, {{5}, {16}});
+    add("multigrid/smoother_step", smoother_step, {{5}, {26, 56}});
+    add("multigrid/v_cycle", v_cycle, {{5}, {26, 56}});
+    add("multigrid/setup", setup, {{5}, {26, 56}});
+    add("solver/solve", solve, {{5}, {26, 56}});
   });
 }

@@ -34,6 +34,7 @@ namespace cgcontact::perf {
 struct Cost {
   double flop = 0;
   double bytes = 0;
+  bool single = false;  ///< single precision: twice as many lanes, so twice the multiply-add peak
 };
 
 struct Kernel {
@@ -44,8 +45,12 @@ struct Kernel {
   double error = 0, tolerance = 0;
   std::string against;
   std::function<void()> run;
-  /// The straightforward alternative, timed in turns with `run`: reported as "speedup". Optional.
+  /// The straightforward alternative, timed in turns with `run`: the ratio of the times is reported. Optional.
   std::function<void()> baseline;
+  std::string ratio = "speedup";  ///< what it is called
+  /// Long runs, of seconds and more: no warm-up. Called after the timing; verifies the last run (error) and adds to the
+  /// figures. Optional.
+  std::function<void(Kernel&)> finish;
   std::vector<std::pair<std::string, double>> figures;  ///< further figures of the problem (share of cut cells, ...)
 };
 
@@ -56,7 +61,7 @@ struct Sizes {
 };
 
 /// Registers the benchmark `name`/SIZE for every size. `make` is called when its turn comes; what it returns is
-/// destroyed after the timing.
+/// destroyed when the next one's has come.
 void add(const std::string& name, std::function<Kernel(int size)> make, const Sizes& sizes);
 
 /// Verifies and times inside any Google Benchmark (add() uses it). The rates are those of the fastest sample, a sample

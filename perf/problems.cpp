@@ -1,7 +1,6 @@
 #include "perf/problems.hpp"
 
 #include <random>
-#include <set>
 
 namespace cgcontact::perf {
 
@@ -15,45 +14,12 @@ BlockProblem::BlockProblem(int size) {
 
 SceneProblem::SceneProblem(const std::string& file, const std::vector<std::string>& overrides)
     : scene(read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/" + file, overrides)),
-      parts(prepare(scene)),
-      scales{0, 0} {
-  std::vector<const CutCells*> cut_cells;
-  std::vector<Material> materials;
-  for (const BodyModel& body : parts.bodies) {
-    cut_cells.push_back(&body.cut_cells);
-    materials.push_back(body.spec->material);
-    scales.length = std::max(scales.length, body.spec->cell_size);
-    scales.stress = std::max(scales.stress, body.spec->material.youngs_modulus);
-  }
-  system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
-  set_group_rows(system, make_group_rows(parts.pairs, parts.bodies, system));
-  for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
-  update_contact_links(parts.pairs, parts.bodies);
-}
-
-BodyMesh only_cells(const BodyMesh& mesh, bool interior) {
-  BodyMesh part = mesh;
-  std::vector<int> kept;
-  part.colour_begin.assign(1, 0);
-  for (std::size_t colour = 0; colour + 1 < mesh.colour_begin.size(); ++colour) {
-    for (int c = mesh.colour_begin[colour]; c < mesh.colour_begin[colour + 1]; ++c)
-      if ((mesh.matrix_of_cell(c) == 0) == interior) kept.push_back(c);
-    part.colour_begin.push_back(static_cast<int>(kept.size()));
-  }
-  part.nodes_of_cell = CellNodesView("cgcontact::perf::nodes_of_cell", kept.size());
-  part.matrix_of_cell = IntView("cgcontact::perf::matrix_of_cell", kept.size());
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    for (int a = 0; a < 8; ++a) part.nodes_of_cell(i, a) = mesh.nodes_of_cell(kept[i], a);
-    part.matrix_of_cell(i) = mesh.matrix_of_cell(kept[i]);
-  }
-  return part;
-}
-
-int count_nodes(const BodyMesh& mesh) {
-  std::set<int> nodes;
-  for (std::size_t c = 0; c < mesh.nodes_of_cell.extent(0); ++c)
-    for (int a = 0; a < 8; ++a) nodes.insert(mesh.nodes_of_cell(c, a));
-  return static_cast<int>(nodes.size());
+      simulation(scene),
+      system(simulation.system) {
+  simulation.place_on_grids();
+  simulation.make_system();
+  set_group_stiffness(system, system.full_group_stiffness);
+  update_contact_links(simulation.pairs, simulation.bodies);
 }
 
 RealView random_vector(int size, unsigned seed) {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "contact/simulation.hpp"
-#include "core/cut_cells.hpp"
 #include "kernels/system.hpp"
 
 namespace cgcontact::perf {
@@ -22,19 +21,11 @@ struct BlockProblem {
 /// A scene on its grids up to the linear system, unsolved; all contact points closed.
 struct SceneProblem {
   Scene scene;
-  Preparation parts;
-  Scales scales;
-  ElasticSystem system;
-  std::vector<PatchSet> patches;
+  Simulation simulation;
+  ElasticSystem& system;  ///< the simulation's
   /// Scene of the repository (path from its root) with overrides.
   SceneProblem(const std::string& file, const std::vector<std::string>& overrides);
 };
-
-/// The mesh with its interior cells only, or its cut ones only; nodes and everything else stay.
-BodyMesh only_cells(const BodyMesh& mesh, bool interior);
-
-/// Nodes that the mesh's cells (as the kernels see them) touch.
-int count_nodes(const BodyMesh& mesh);
 
 RealView random_vector(int size, unsigned seed);
 

@@ -1,0 +1,90 @@
+/// CG with multigrid, all contact closed: how many iterations to 1e-8 of a random right-hand side, over refinements,
+/// slivers, positions of the grids, stiffness ratios and scenes. Every case prints a line of the table.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "contact/simulation.hpp"
+#include "kernels/linear_solver.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr int most_iterations = 15;
+
+Scene scene_of(const std::string& name, int n) {
+  return read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/" + name + ".toml", {"n=" + std::to_string(n)});
+}
+
+/// Solves; `what` names the line of the table. 1000: not converged.
+int iterations(const Scene& scene, const std::string& what) {
+  Simulation sim(scene);
+  sim.place_on_grids();
+  sim.make_system();
+  set_group_stiffness(sim.system, sim.system.full_group_stiffness);
+  std::vector<double> thickness;
+  for (const BodyModel& body : sim.bodies) thickness.push_back(body.free_thickness);
+  LinearSolver solver(sim.system, Preconditioner::multigrid, thickness);
+  solver.update();
+  const int size = sim.system.num_dofs();
+  const RealView b("b", size), x("x", size);
+  std::mt19937 random(1);
+  double sum = 0;
+  for (int i = 0; i < size; ++i) {
+    b(i) = std::uniform_real_distribution<double>(-1, 1)(random);
+    sum += b(i) * b(i);
+  }
+  const LinearSolveResult result = solver.solve(b, x, 1e-8 * std::sqrt(sum), 200);
+  std::printf("%-44s %8d unknowns %4d iterations\n", what.c_str(), size, result.iterations);
+  return result.converged ? result.iterations : 1000;
+}
+
+void expect_flat(const std::string& scene, const std::vector<int>& refinements) {
+  std::vector<int> counts;
+  for (int n : refinements) {
+    counts.push_back(iterations(scene_of(scene, n), scene + ", n = " + std::to_string(n)));
+    EXPECT_LE(counts.back(), most_iterations) << n;
+  }
+  for (int count : counts) EXPECT_LE(std::abs(count - counts[counts.size() / 2]), 2);
+}
+
+TEST(SolverRobustness, RefinementsOfTwoSolids) { expect_flat("two_solids_3d", {8, 12, 18}); }
+TEST(SolverRobustness, RefinementsOfRings) { expect_flat("rings", {12, 24, 48}); }
+TEST(SolverRobustness, RefinementsOfHertz) { expect_flat("hertz", {8, 12, 18}); }
+
+/// Both grids leave slivers of the given width on the contact face, and on two other faces of each body.
+TEST(SolverRobustness, Slivers) {
+  for (int digits = 1; digits <= 12; ++digits) {
+    Scene scene = scene_of("two_solids_3d", 10);
+    const double width = std::pow(10.0, -digits);
+    scene.bodies[0].grid_offset = Vec3::Constant(width);
+    scene.bodies[1].grid_offset = Vec3::Constant(1 - width);
+    EXPECT_LE(iterations(scene, "slivers of 1e-" + std::to_string(digits)), most_iterations);
+  }
+}
+
+TEST(SolverRobustness, ShiftsAndRotations) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> shift(0, 1), angle(-1, 1);
+  for (int i = 0; i < 20; ++i) {
+    Scene scene = scene_of("two_solids_3d", 8);
+    for (BodySpec& body : scene.bodies) {
+      for (int d = 0; d < 3; ++d) body.grid_offset[d] = shift(random);
+      const Vec3 axis = Vec3(angle(random), angle(random), angle(random)).normalized();
+      body.grid_rotation = Eigen::AngleAxisd(M_PI * angle(random), axis).toRotationMatrix();
+    }
+    EXPECT_LE(iterations(scene, "shift and rotation " + std::to_string(i + 1)), most_iterations);
+  }
+}
+
+TEST(SolverRobustness, StiffnessRatios) {
+  for (int exponent = -3; exponent <= 3; ++exponent) {
+    Scene scene = scene_of("two_solids_3d", 10);
+    scene.bodies[1].material.youngs_modulus *= std::pow(10.0, exponent);
+    EXPECT_LE(iterations(scene, "upper body stiffer by 1e" + std::to_string(exponent)), most_iterations);
+  }
+}
+
+}  // namespace
+}  // namespace cgcontact
