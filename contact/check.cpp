@@ -50,7 +50,7 @@ std::string describe_body(const BodyModel& body) {
 long long expected_memory(const Preparation& preparation) {
   double bytes = 91e6;
   for (const BodyModel& body : preparation.bodies)
-    bytes += 3 * 4100.0 * static_cast<double>(count_nodes(body.cut_cells));
+    bytes += 3 * 420.0 * static_cast<double>(count_nodes(body.cut_cells));
   for (const ContactPair& pair : preparation.pairs) bytes += 2800.0 * static_cast<double>(pair.points.size());
   return static_cast<long long>(bytes);
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr double inner_fraction = 0.005;
 constexpr double loosest_inner_tolerance = 1e-3;
 /// Forces below this part of the kappa terms, and stresses below this part of E u / h, are rounding.
-constexpr double no_force = 1e-10, no_stress = 1e-11;
+constexpr double no_force = 1e-10, no_stress = 1e-9;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -300,7 +300,7 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     result.iterations = iteration;
     outer_residual = step.residual;
     progress(step);
-    if (step.active_points == 0 && step.changed_points > 0 &&
+    if (step.active_points == 0 && step.changed_points > 0 && norm(load_) > 0 &&
         !find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs).empty())
       return stop("all contact has opened and nothing else holds the bodies");
     if (step.changed_points == 0 && step.residual < solver.tolerance) {

@@ -119,9 +119,9 @@ class Progress(unittest.TestCase):
 
     def test_terminal(self):
         """On a terminal: after a second one line that is rewritten in place, and removed before the figures."""
-        for h in (0.06, 0.045, 0.035, 0.025):  # until it takes a while
-            out, shown, seconds = self.on_terminal("run", scene("patch_test"), "--out", "tty", *settings(h=h))
-            if seconds > 2:
+        for n in (32, 48, 64, 80):  # until it takes a while
+            out, shown, seconds = self.on_terminal("run", scene("two_solids_3d"), "--out", "tty", *settings(n=n))
+            if seconds > 4:
                 break
         self.assertNotIn("\n", shown)
         updates = [text for text in shown.split("\r") if text.strip()]
