@@ -289,10 +289,10 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
       return result;
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
-      return stop(fmt::format(
-          "the linear solver stopped after {} iterations at a relative residual of {:.2e} "
-          "(solver.max_linear_iterations, solver.linear_tolerance)",
-          solve.iterations, solve.residual / force_norm_));
+      return stop(
+          fmt::format("the linear solver stopped after {} iterations at a relative residual of {:.2e} "
+                      "(solver.max_linear_iterations, solver.linear_tolerance)",
+                      solve.iterations, solve.residual / force_norm_));
     step.changed_points = update_active_set();
     step.residual = update_recovered_stress();
     step.active_points = count_active();

@@ -14,7 +14,11 @@
 namespace cgcontact {
 namespace {
 
+/// What the restarted program can no longer see: OpenMP has bound its first thread to one CPU by then.
+constexpr const char* threads_before_binding = "CGCONTACT_THREADS_BEFORE_BINDING";
+
 int threads_by_affinity() {
+  if (const char* known = std::getenv(threads_before_binding)) return std::max(1, std::atoi(known));
   // The kernel refuses sets that are smaller than its own.
   for (std::size_t size = CPU_SETSIZE; size <= 64 * CPU_SETSIZE; size *= 2) {
     std::vector<cpu_set_t> set(size / CPU_SETSIZE);
@@ -100,7 +104,8 @@ void restart_with_openmp_settings(int threads, char** argv) {
     changed |= set_if_absent("OMP_PLACES", "threads");
   }
   changed |= set_if_absent("OPENBLAS_NUM_THREADS", "1");  // two runtimes whose threads wait busily share no CPUs
-  if (changed) execv("/proc/self/exe", argv);             // on failure: only the binding is missing
+  if (changed) setenv(threads_before_binding, std::to_string(available).c_str(), 1);
+  if (changed) execv("/proc/self/exe", argv);  // on failure: only the binding is missing
 }
 
 }  // namespace cgcontact

@@ -29,8 +29,8 @@ class LinearSolver {
   LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, const std::vector<double>& thickness = {});
   ~LinearSolver();
 
-  /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid follows
-  /// the changes, MueLu is set up anew when they are large).
+  /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
+  /// follows the changes, MueLu is set up anew when they are large).
   void update();
   const PreconditionerReport& report() const;
 
