@@ -16,6 +16,7 @@
 #include "core/output_study.hpp"
 #include "core/output_text.hpp"
 #include "core/progress.hpp"
+#include "core/resources.hpp"
 
 namespace cgcontact {
 
@@ -251,6 +252,9 @@ int StudyRunner::run() try {
 
 }  // namespace
 
-int run_study(const CommandLine& line) { return StudyRunner(line).run(); }
+int run_study(const CommandLine& line) {
+  undo_openmp_binding();
+  return StudyRunner(line).run();
+}
 
 }  // namespace cgcontact

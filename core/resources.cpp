@@ -1,5 +1,8 @@
 #include "core/resources.hpp"
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 #include <sched.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -14,18 +17,40 @@
 namespace cgcontact {
 namespace {
 
-/// What the restarted program can no longer see: OpenMP has bound its first thread to one CPU by then.
-constexpr const char* threads_before_binding = "CGCONTACT_THREADS_BEFORE_BINDING";
+using CpuSet = std::vector<cpu_set_t>;
+std::size_t bytes(const CpuSet& set) { return set.size() * sizeof(cpu_set_t); }
+
+/// CPUs of this process; empty if the system does not say. An OpenMP runtime that binds its threads has bound the first
+/// one, before main, to a CPU of its own: the places of all threads are what the process may use.
+CpuSet usable_cpus() {
+#ifdef _OPENMP
+  if (const int places = omp_get_num_places(); places > 0) {
+    std::vector<int> cpus;
+    for (int p = 0; p < places; ++p) {
+      std::vector<int> of_place(omp_get_place_num_procs(p));
+      omp_get_place_proc_ids(p, of_place.data());
+      cpus.insert(cpus.end(), of_place.begin(), of_place.end());
+    }
+    if (!cpus.empty()) {
+      CpuSet set(*std::max_element(cpus.begin(), cpus.end()) / CPU_SETSIZE + 1);
+      CPU_ZERO_S(bytes(set), set.data());
+      for (const int cpu : cpus) CPU_SET_S(cpu, bytes(set), set.data());
+      return set;
+    }
+  }
+#endif
+  // The kernel refuses sets that are smaller than its own.
+  for (std::size_t size = 1; size <= 64; size *= 2) {
+    CpuSet set(size);
+    if (sched_getaffinity(0, bytes(set), set.data()) == 0) return set;
+  }
+  return {};
+}
 
 int threads_by_affinity() {
-  if (const char* known = std::getenv(threads_before_binding)) return std::max(1, std::atoi(known));
-  // The kernel refuses sets that are smaller than its own.
-  for (std::size_t size = CPU_SETSIZE; size <= 64 * CPU_SETSIZE; size *= 2) {
-    std::vector<cpu_set_t> set(size / CPU_SETSIZE);
-    if (sched_getaffinity(0, set.size() * sizeof(cpu_set_t), set.data()) == 0)
-      return std::max(1, CPU_COUNT_S(set.size() * sizeof(cpu_set_t), set.data()));
-  }
-  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const CpuSet set = usable_cpus();
+  const int count = set.empty() ? std::thread::hardware_concurrency() : CPU_COUNT_S(bytes(set), set.data());
+  return std::max(1, count);
 }
 
 /// CPUs that one group allows, 0: no limit or no such group.
@@ -104,8 +129,14 @@ void restart_with_openmp_settings(int threads, char** argv) {
     changed |= set_if_absent("OMP_PLACES", "threads");
   }
   changed |= set_if_absent("OPENBLAS_NUM_THREADS", "1");  // two runtimes whose threads wait busily share no CPUs
-  if (changed) setenv(threads_before_binding, std::to_string(available).c_str(), 1);
-  if (changed) execv("/proc/self/exe", argv);  // on failure: only the binding is missing
+  if (!changed) return;
+  undo_openmp_binding();
+  execv("/proc/self/exe", argv);  // on failure: only the settings are missing
+}
+
+void undo_openmp_binding() {
+  const CpuSet set = usable_cpus();
+  if (!set.empty()) sched_setaffinity(0, bytes(set), set.data());
 }
 
 }  // namespace cgcontact

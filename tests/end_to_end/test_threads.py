@@ -3,6 +3,7 @@
 # alone
 """The number of threads: taken from the command line, told in the report, without influence on the results."""
 import os
+import re
 import unittest
 
 from harness import cgcontact, largest_difference, report, scene, settings
@@ -76,6 +77,17 @@ class OpenMP(unittest.TestCase):
             os.sched_setaffinity(0, cpus)
         self.assertEqual(outcome.code, 0, outcome.err)
         self.assertEqual((report("bound")["threads"], report("bound")["warnings"]), (1, []))
+
+    def test_binding_from_the_environment(self):
+        """With OpenMP's own binding, as users set it, threads still spread over all CPUs (the first is bound before main)."""
+        cpus = os.sched_getaffinity(0)
+        outcome = cgcontact("run", scene("two_solids"), "--out", "spread", *settings(n=4, **SMALL),
+                            environment={"OMP_PROC_BIND": "spread", "OMP_PLACES": "threads",
+                                         "OMP_DISPLAY_AFFINITY": "true", "OMP_AFFINITY_FORMAT": "bound to %A;"})
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertEqual((report("spread")["threads"], report("spread")["warnings"]), (len(cpus), []))
+        bound = re.findall(r"bound to (\d+);", outcome.out + outcome.err)
+        self.assertEqual({int(cpu) for cpu in bound}, cpus, outcome.out + outcome.err)
 
     def test_more_threads_than_hardware(self):
         """More threads than there are: a warning, no noise of the runtime, and it runs."""
