@@ -38,6 +38,7 @@ struct SupportMoments {
     for (int pair = 0; pair < 6; ++pair) {
       const int i = pair % 3, j = pair < 3 ? i : (i + 1) % 3;
       const double k = term.stiffness * term.direction[i] * term.direction[j] / 64;
+      if (k == 0) continue;
       double x = k;
       for (int a = 0; a < 3; ++a, x *= term.xi[0]) {
         double y = x;
@@ -144,19 +145,32 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
     for (int p = 0; p < 3; ++p) law.full[p] = static_cast<Real>(moment_scale(mesh) * 8 / std::pow(3, p));
     laws.push_back(law);
-    for (const SupportTerm& t : system.supports[b]) supports[b][t.cell].add(t);
+    enum Kind : char { by_stencil_alone, full, cut };
+    std::vector<Kind> kind(cc.cells.size());
+    Kokkos::parallel_for(
+        "cgcontact::band::kind",
+        Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(kind.size())), [&](const int e) {
+          const auto& n = mesh.cell_nodes[e];
+          const bool inside = std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node]; });
+          kind[e] = !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
+        });
+    SupportMoments* of_cell = nullptr;
+    for (std::size_t t = 0; t < system.supports[b].size(); ++t) {  // terms of a cell mostly follow each other
+      const SupportTerm& term = system.supports[b][t];
+      if (t == 0 || term.cell != system.supports[b][t - 1].cell) of_cell = &supports[b][term.cell];
+      of_cell->add(term);
+      kind[term.cell] = cut;
+    }
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+      if (kind[e] == by_stencil_alone) continue;
       BandCell cell{static_cast<int>(b), static_cast<int>(e), slabs.slab_of(static_cast<int>(b), cc.cells[e]), 0, 0};
       const Index3& c = cc.cells[e];
       cell.parity = 2 * c[2] + (c[0] & 1);
-      const auto s = supports[b].find(static_cast<int>(e));
-      if (s == supports[b].end() && counts_as_full(cc, static_cast<int>(e))) {
-        bool all = true;
-        for (int n : mesh.cell_nodes[e]) all = all && by_stencil[n];
-        if (all) continue;
+      if (kind[e] == full) {
         cell.pair_mask = 64;
         ++result.num_full;
       } else {
+        const auto s = supports[b].find(static_cast<int>(e));
         if (s != supports[b].end()) cell.pair_mask = s->second.mask();
         ++result.num_cut;
         if (cell.pair_mask) ++result.num_supported;

@@ -241,11 +241,12 @@ template <class Real, class V>
 inline void gather(const BandCells<Real>& cells, int b, const Real* x, V u[3][8]) {
   constexpr int L = Lanes<Real>::count;
   for (int pair = 0; pair < 4; ++pair) {
+    const int* nodes = &cells.nodes(b, pair, 0);
     V r[8];
     for (int l = 0; l < 8; ++l) {
-      r[l] = load_first(x + 3 * static_cast<std::size_t>(cells.nodes(b, pair, l)), 6);
+      r[l] = load_first(x + 3 * static_cast<std::size_t>(nodes[l]), 6);
       if constexpr (L == 16) {
-        const V second = load_first(x + 3 * static_cast<std::size_t>(cells.nodes(b, pair, l + 8)), 6);
+        const V second = load_first(x + 3 * static_cast<std::size_t>(nodes[l + 8]), 6);
         r[l] = join_halves(r[l], second);
       }
     }
@@ -263,12 +264,13 @@ inline void scatter(const BandCells<Real>& cells, int b, const V u[3][8], Real* 
   constexpr int L = Lanes<Real>::count;
   const int count = cells.batches(b).count;
   for (int pair = 0; pair < 4; ++pair) {
+    const int* nodes = &cells.nodes(b, pair, 0);
     V r[8] = {u[0][2 * pair],     u[1][2 * pair],     u[2][2 * pair],     u[0][2 * pair + 1],
               u[1][2 * pair + 1], u[2][2 * pair + 1], u[0][2 * pair + 1], u[0][2 * pair + 1]};
     transpose8<Real>(r);
     const Real* rows = reinterpret_cast<const Real*>(r);
     for (int l = 0; l < count; ++l)
-      add_six<subtract>(y + 3 * static_cast<std::size_t>(cells.nodes(b, pair, l)), rows + (l % 8) * L + l / 8 * 8);
+      add_six<subtract>(y + 3 * static_cast<std::size_t>(nodes[l]), rows + (l % 8) * L + l / 8 * 8);
   }
 }
 

@@ -34,7 +34,6 @@ struct GhostFace {
   std::array<int, 12> nodes;
 };
 
-/// Faces between two active cells of which at least one is cut.
 std::vector<GhostFace> ghost_faces(const BodyMesh& mesh) {
   const CutCells& cc = *mesh.cut_cells;
   std::vector<GhostFace> faces;
@@ -43,7 +42,7 @@ std::vector<GhostFace> ghost_faces(const BodyMesh& mesh) {
       Index3 c = cc.cells[e];
       ++c[d];
       const int f = cc.find(c);
-      if (f < 0 || (cc.cut_of_active[e] < 0 && cc.cut_of_active[f] < 0)) continue;
+      if (f < 0 || !is_ghost_face(cc, e, f)) continue;
       const int t1 = (d + 1) % 3, t2 = (d + 2) % 3;
       GhostFace face;
       face.colour = ((d * 3 + c[d] % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);

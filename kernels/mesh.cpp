@@ -37,6 +37,11 @@ void number_nodes(BodyMesh& mesh) {
 
 }  // namespace
 
+bool is_ghost_face(const CutCells& cut_cells, int e, int f) {
+  constexpr double well_filled = 0.25;
+  return cut_cells.volume_fraction(e) < well_filled || cut_cells.volume_fraction(f) < well_filled;
+}
+
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
   BodyMesh mesh;
   mesh.cut_cells = &cut_cells;

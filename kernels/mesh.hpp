@@ -32,6 +32,11 @@ struct BodyMesh {
   double stress_factor() const { return modulus / cell_size; }
 };
 
+/// Whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a quarter,
+/// which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs twice the time and gives
+/// nothing: docs/decisions.md, "Ghost penalty".
+bool is_ghost_face(const CutCells& cut_cells, int e, int f);
+
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node);
 
 }  // namespace cgcontact

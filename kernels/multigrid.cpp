@@ -21,10 +21,21 @@ constexpr int lanczos_steps = 10;
 constexpr double eigenvalue_margin = 1.1;
 
 double dot(const ExecSpace& exec, const LevelVector& x, const LevelVector& y) {
+  constexpr int block = 4096, lanes = 16;  // independent sums: one would wait for the previous addition every time
+  const int n = static_cast<int>(x.extent(0));
   double sum = 0;
   Kokkos::parallel_reduce(
-      "cgcontact::multigrid::dot", Kokkos::RangePolicy<ExecSpace>(exec, 0, x.extent(0)),
-      KOKKOS_LAMBDA(const int i, double& s) { s += static_cast<double>(x(i)) * y(i); }, sum);
+      "cgcontact::multigrid::dot", Kokkos::RangePolicy<ExecSpace>(exec, 0, (n + block - 1) / block),
+      KOKKOS_LAMBDA(const int b, double& s) {
+        double part[lanes] = {};
+        const int end = n < (b + 1) * block ? n : (b + 1) * block;
+        int i = b * block;
+        for (; i + lanes <= end; i += lanes)
+          for (int l = 0; l < lanes; ++l) part[l] += static_cast<double>(x(i + l)) * y(i + l);
+        for (; i < end; ++i) s += static_cast<double>(x(i)) * y(i);
+        for (int l = 0; l < lanes; ++l) s += part[l];
+      },
+      sum);
   return sum;
 }
 

@@ -5,18 +5,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "kernels/host_copy.hpp"
+
 namespace cgcontact {
 namespace {
 
 constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
-template <class Blocks>
-Mat3 block(const Blocks& b, int n) {
-  Mat3 m;
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) m(i, j) = b(n, at[i][j]);
-  return m;
-}
+constexpr int longest_run = 512;  // nodes
+constexpr int runs_at_once = 16;
 
 }  // namespace
 
@@ -73,21 +70,61 @@ struct SurfaceSmoother<Real>::Factor {
 
 template <class Real>
 SurfaceSmoother<Real>::SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks)
-    : num_nodes_(system.num_nodes), supports_(make_support_rows(system)), inverse_(blocks) {
+    : num_nodes_(system.num_nodes), supports_(make_support_rows(system)) {
   for (std::size_t r = 0; r < supports_.rows.size(); ++r)
     for (const auto& [p, vp] : supports_.rows[r].entries)
       for (const auto& [q, vq] : supports_.rows[r].entries)
         if (p / 3 == q / 3 && p <= q)
           blocks(p / 3, at[p % 3][q % 3]) -= static_cast<Real>(supports_.stiffness[r] * vp * vq);
+  // The blocks of the stencil are multiples of the identity: most nodes need no matrix.
+  std::vector<std::array<int, 3>> runs;
+  std::vector<Real> run_inverse;
+  block_of_node_ = IntView("cgcontact::smoother::block_of_node", num_nodes_);
+  int num_blocks = 0;
+  for (int n = 0; n < num_nodes_; ++n) {
+    const Real d = blocks(n, 0);
+    const bool scalar =
+        blocks(n, 1) == d && blocks(n, 2) == d && blocks(n, 3) == 0 && blocks(n, 4) == 0 && blocks(n, 5) == 0;
+    const Real inverse = scalar ? 1 / d : 0;
+    block_of_node_(n) = scalar ? -1 : num_blocks;
+    if (runs.empty() || run_inverse.back() != inverse || runs.back()[1] == longest_run) {
+      runs.push_back({n, 0, block_of_node_(n)});
+      run_inverse.push_back(inverse);
+    }
+    ++runs.back()[1];
+    num_blocks += !scalar;
+  }
+  run_ = copy_rows_to_view<decltype(run_)>("cgcontact::smoother::run", runs);
+  run_inverse_ = copy_to_view<Vector>("cgcontact::smoother::run_inverse", run_inverse);
+  inverse_ = BlocksView("cgcontact::smoother::inverse", num_blocks);
+  const auto block_of_node = block_of_node_;
+  const auto inverses = inverse_;
   Kokkos::parallel_for(
       "cgcontact::smoother::invert", Kokkos::RangePolicy<ExecSpace>(0, num_nodes_), KOKKOS_LAMBDA(const int n) {
+        const int b = block_of_node(n);
+        if (b < 0) return;
         Mat3 m;
         for (int i = 0; i < 3; ++i)
           for (int j = 0; j < 3; ++j) m(i, j) = blocks(n, at[i][j]);
         const Mat3 inverse = m.inverse();
         for (int i = 0; i < 3; ++i)
-          for (int j = i; j < 3; ++j) blocks(n, at[i][j]) = static_cast<Real>(inverse(i, j));
+          for (int j = i; j < 3; ++j) inverses(b, at[i][j]) = static_cast<Real>(inverse(i, j));
       });
+}
+
+template <class Real>
+Mat3 SurfaceSmoother<Real>::inverse(int node) const {
+  const int b = block_of_node_(node);
+  Mat3 m;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m(i, j) = b < 0 ? 0 : inverse_(b, at[i][j]);
+  if (b >= 0) return m;
+  int low = 0, high = static_cast<int>(run_.extent(0));
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    (run_(middle, 0) <= node ? low : high) = middle;
+  }
+  return run_inverse_(low) * Mat3::Identity();
 }
 
 template <class Real>
@@ -112,11 +149,12 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
     }
     row_begin.push_back(static_cast<int>(row_node.size()));
   }
-  for (std::size_t e = 0; e < row_node.size(); ++e) row_w.push_back(block(inverse_, row_node[e]) * row_b[e]);
-  std::vector<int> node_begin{0}, touched(num_nodes_, -1);
-  for (int n = 0, next = 0; n < num_nodes_; ++n) {
+  for (std::size_t e = 0; e < row_node.size(); ++e) row_w.push_back(inverse(row_node[e]) * row_b[e]);
+  std::vector<int> node_begin{0}, touched(num_nodes_, -1), touched_nodes;
+  for (int n = 0; n < num_nodes_; ++n) {
     if (count[n] == 0) continue;
-    touched[n] = next++;
+    touched[n] = static_cast<int>(touched_nodes.size());
+    touched_nodes.push_back(n);
     node_begin.push_back(node_begin.back() + count[n]);
   }
   std::vector<int> node_row(row_node.size()), node_entry(row_node.size()),
@@ -127,18 +165,11 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
       node_row[p] = r;
       node_entry[p] = e;
     }
-  const auto to_view = [](const char* label, const std::vector<int>& v) {
-    IntView view(std::string(label), v.size());
-    auto host = Kokkos::create_mirror_view(view);
-    std::copy(v.begin(), v.end(), host.data());
-    Kokkos::deep_copy(view, host);
-    return view;
-  };
-  touched_of_node_ = to_view("cgcontact::smoother::touched_of_node", touched);
-  node_begin_ = to_view("cgcontact::smoother::node_begin", node_begin);
-  node_row_ = to_view("cgcontact::smoother::node_row", node_row);
-  row_begin_ = to_view("cgcontact::smoother::row_begin", row_begin);
-  row_node_ = to_view("cgcontact::smoother::row_node", row_node);
+  touched_ = copy_to_view<IntView>("cgcontact::smoother::touched", touched_nodes);
+  node_begin_ = copy_to_view<IntView>("cgcontact::smoother::node_begin", node_begin);
+  node_row_ = copy_to_view<IntView>("cgcontact::smoother::node_row", node_row);
+  row_begin_ = copy_to_view<IntView>("cgcontact::smoother::row_begin", row_begin);
+  row_node_ = copy_to_view<IntView>("cgcontact::smoother::row_node", row_node);
   node_w_ = decltype(node_w_)("cgcontact::smoother::node_w", row_node.size());
   row_w_ = decltype(row_w_)("cgcontact::smoother::row_w", row_node.size());
   for (std::size_t e = 0; e < row_node.size(); ++e)
@@ -202,24 +233,49 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
     Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface.data(), num_rows);
     g = factor_->llt.solve(g).eval();
   }
+  const int num_runs = static_cast<int>(run_.extent(0));
+  const auto run = run_;
+  const auto run_inverse = run_inverse_;
   const auto inverse = inverse_;
-  const auto touched_of_node = touched_of_node_, node_begin = node_begin_, node_row = node_row_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::nodes",
+      Kokkos::RangePolicy<ExecSpace, Kokkos::Schedule<Kokkos::Dynamic>>(exec, 0, num_runs,
+                                                                        Kokkos::ChunkSize(runs_at_once)),
+      KOKKOS_LAMBDA(const int k) {
+        const std::size_t first = 3 * static_cast<std::size_t>(run(k, 0));
+        const int nodes = run(k, 1);
+        const Real* __restrict rk = r.data() + first;
+        Real* __restrict dk = d.data() + first, * __restrict xk = x.data() + first;
+        const auto add = [&](int i, Real z) {
+          Real change = alpha * z;
+          if (beta != 0) change += beta * dk[i];
+          dk[i] = change;
+          xk[i] = overwrite ? change : xk[i] + change;
+        };
+        if (run(k, 2) < 0) {
+          const Real scalar = run_inverse(k);
+          for (int i = 0; i < 3 * nodes; ++i) add(i, scalar * rk[i]);
+          return;
+        }
+        for (int n = 0; n < nodes; ++n) {
+          const Real* m = &inverse(run(k, 2) + n, 0);
+          const Real r0 = rk[3 * n], r1 = rk[3 * n + 1], r2 = rk[3 * n + 2];
+          add(3 * n, m[0] * r0 + m[3] * r1 + m[5] * r2);
+          add(3 * n + 1, m[3] * r0 + m[1] * r1 + m[4] * r2);
+          add(3 * n + 2, m[5] * r0 + m[4] * r1 + m[2] * r2);
+        }
+      });
+  if (num_rows == 0) return;
+  const auto touched = touched_, node_begin = node_begin_, node_row = node_row_;
   const auto w = node_w_;
   Kokkos::parallel_for(
-      "cgcontact::smoother::nodes", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_nodes_), KOKKOS_LAMBDA(const int n) {
-        const Real r0 = r(3 * n), r1 = r(3 * n + 1), r2 = r(3 * n + 2);
-        Real z[3] = {inverse(n, 0) * r0 + inverse(n, 3) * r1 + inverse(n, 5) * r2,
-                     inverse(n, 3) * r0 + inverse(n, 1) * r1 + inverse(n, 4) * r2,
-                     inverse(n, 5) * r0 + inverse(n, 4) * r1 + inverse(n, 2) * r2};
-        const int t = touched_of_node(n);
-        if (t >= 0)
-          for (int e = node_begin(t); e < node_begin(t + 1); ++e)
-            for (int i = 0; i < 3; ++i) z[i] -= w(e, i) * surface(node_row(e));
+      "cgcontact::smoother::touched", Kokkos::RangePolicy<ExecSpace>(exec, 0, touched.extent(0)),
+      KOKKOS_LAMBDA(const int t) {
         for (int i = 0; i < 3; ++i) {
-          Real change = alpha * z[i];
-          if (beta != 0) change += beta * d(3 * n + i);
-          d(3 * n + i) = change;
-          x(3 * n + i) = overwrite ? change : x(3 * n + i) + change;
+          Real z = 0;
+          for (int e = node_begin(t); e < node_begin(t + 1); ++e) z += w(e, i) * surface(node_row(e));
+          d(3 * touched(t) + i) -= alpha * z;
+          x(3 * touched(t) + i) -= alpha * z;
         }
       });
 }

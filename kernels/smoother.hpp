@@ -42,12 +42,17 @@ class SurfaceSmoother {
 
  private:
   struct Factor;
+  Mat3 inverse(int node) const;
+
   int num_nodes_ = 0;
   SupportRows supports_;
-  BlocksView inverse_;
-  IntView touched_of_node_;        // node -> touched node or -1
-  IntView node_begin_, node_row_;  // touched node -> (row, W)
-  IntView row_begin_, row_node_;   // row -> (node, W)
+  IntView block_of_node_;                                      // -1: a multiple of the identity
+  BlocksView inverse_;                                         // of the other nodes
+  Kokkos::View<int* [3], Kokkos::LayoutRight, MemSpace> run_;  // first node, nodes, first block or -1
+  Vector run_inverse_;                                         // where there is no block
+  IntView touched_;                                            // nodes of surface rows
+  IntView node_begin_, node_row_;                              // touched node -> (row, W)
+  IntView row_begin_, row_node_;                               // row -> (node, W)
   Kokkos::View<Real*[3], Kokkos::LayoutRight, MemSpace> node_w_, row_w_;
   Vector surface_;
   std::shared_ptr<Factor> factor_;
