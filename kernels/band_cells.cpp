@@ -133,7 +133,9 @@ template <class Real>
 BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
                                 const SlabPartition& slabs) {
   constexpr int L = Lanes<Real>::count;
+  constexpr std::size_t cache = 16 << 20;
   BandCells<Real> result;
+  result.far = 3 * sizeof(Real) * system.num_nodes > cache;
   std::vector<BandCell> list;
   std::vector<std::map<int, SupportMoments>> supports(system.meshes.size());
   std::vector<typename BandCells<Real>::Law> laws;

@@ -60,6 +60,7 @@ struct BandCells {
   IntView chunk_begin;  ///< slab -> first batch
   Kokkos::View<Law*, MemSpace> laws;
   long long num_cut = 0, num_full = 0, num_supported = 0;
+  bool far = false;  ///< vectors do not stay in the cache: values are fetched one batch ahead
 
   std::size_t bytes() const;
 };
@@ -103,7 +104,7 @@ inline void to_corners(V f[8]) {
 
 /// Modal forces of the full cell.
 template <class Real, class V>
-inline void full_forces(const typename BandCells<Real>::Law& law, const V c[3][8], V f[3][8]) {
+KOKKOS_FORCEINLINE_FUNCTION void full_forces(const typename BandCells<Real>::Law& law, const V c[3][8], V f[3][8]) {
   const Real m0 = law.full[0], m1 = law.full[1], m2 = law.full[2];
 #pragma GCC unroll 3
   for (int d = 0; d < 3; ++d) {
@@ -123,7 +124,8 @@ inline void full_forces(const typename BandCells<Real>::Law& law, const V c[3][8
 
 /// Modal forces from the moments of a cut cell.
 template <class Real, class V>
-inline void cut_forces(const typename BandCells<Real>::Law& law, const Real* moments, const V c[3][8], V f[3][8]) {
+KOKKOS_FORCEINLINE_FUNCTION void cut_forces(const typename BandCells<Real>::Law& law, const Real* moments,
+                                            const V c[3][8], V f[3][8]) {
   constexpr int L = Lanes<Real>::count;
   const V* m = reinterpret_cast<const V*>(moments);
   static_assert(sizeof(V) == L * sizeof(Real));
@@ -207,7 +209,7 @@ inline Vector<Real> lanes_where(int bits, const Vector<Real>& v) {
 
 /// Corner forces of a batch from its corner displacements, in place.
 template <class Real, class V>
-inline void batch_forces(const BandCells<Real>& cells, int b, V u[3][8]) {
+KOKKOS_FORCEINLINE_FUNCTION void batch_forces(const BandCells<Real>& cells, int b, V u[3][8]) {
   const auto& batch = cells.batches(b);
   const auto& law = cells.laws(batch.body);
   V f[3][8];
@@ -274,9 +276,21 @@ inline void scatter(const BandCells<Real>& cells, int b, const V u[3][8], Real* 
   }
 }
 
+/// Fetches the corner values of a batch.
+template <class Real>
+inline void prefetch(const BandCells<Real>& cells, int b, const Real* x) {
+  const int* nodes = &cells.nodes(b, 0, 0);
+  for (int i = 0; i < 4 * BandCells<Real>::L; ++i) __builtin_prefetch(x + 3 * static_cast<std::size_t>(nodes[i]));
+}
+
 template <bool subtract, class Real>
 inline void apply_chunk(const BandCells<Real>& cells, int chunk, const Real* x, Real* y) {
-  for (int b = cells.chunk_begin(chunk); b < cells.chunk_begin(chunk + 1); ++b) {
+  const int end = cells.chunk_begin(chunk + 1);
+  for (int b = cells.chunk_begin(chunk); b < end; ++b) {
+    if (cells.far) {
+      prefetch(cells, b, y);
+      if (b + 1 < end) prefetch(cells, b + 1, x);
+    }
     Vector<Real> u[3][8];
     gather(cells, b, x, u);
     batch_forces(cells, b, u);

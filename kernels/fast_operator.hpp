@@ -4,10 +4,10 @@
 ///   ghost_chains.hpp     ghost penalty
 /// and the contact groups as sparse rows. apply.hpp is the plain twin.
 ///
-/// One thread of a busy 2-core Zen 4 (bench_operator, fastest iterations), million unknowns per second, double / float:
-///   stencil nodes alone, cube of 36 cells    720 / 1100      ball of 46 cells, 18 % cut: all    193 / 275
-///   cube of 36 cells, no cell cut: all       400 / 600          plain kernels 15, Tpetra::CrsMatrix 17
-/// The ball's 956 us are stencil 275, cut cells 390 (43 ns each), ghost penalty 300 (12 ns per face).
+/// One thread of a 2-core Zen 4 (bench_operator), million unknowns per second, double / float:
+///   cube of 46 cells, no cell cut    490 / 800        ball of 46 cells, 18 % cut    244 / 380
+///   cube of 118 (5M unknowns)        340 / 600        ball of 118, 7 % cut          223 / 400
+/// The ball of 46 takes 750 us: stencil 280, cut cells 330 (38 ns each), ghost penalty 160.
 #pragma once
 
 #include "kernels/band_cells.hpp"

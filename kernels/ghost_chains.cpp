@@ -48,7 +48,8 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
       }
   }
   std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) {
-    return std::tie(a.slab, a.direction, a.place) < std::tie(b.slab, b.direction, b.place);
+    return std::make_tuple(a.slab, a.direction, a.faces > 1, a.place) <
+           std::make_tuple(b.slab, b.direction, b.faces > 1, b.place);
   });
   std::vector<Chain> chains;
   std::vector<int> row, chunk_begin(slabs.colour_of_slab.size() + 1, 0);

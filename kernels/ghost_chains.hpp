@@ -67,10 +67,59 @@ struct TwoRows {
   }
 };
 
+/// Forces on the face from the jump of its four nodes: factor times the tangential mass matrix.
+template <class Half, class Real, class V>
+inline void face_forces(Real factor, const V jump[2], V p[2]) {
+  for (int t = 0; t < 2; ++t) {
+    const V h = Real(2) * jump[t] + jump[1 - t];
+    p[t] = factor * (Real(2) * h + Half::swapped(h));
+  }
+}
+
+/// A chain of one face in direction x: the three nodes of each row follow each other. row: the first DoF of four rows.
+template <class Real>
+inline void apply_face_along_x(Real factor, const Real* x, Real* y, const std::size_t row[4]) {
+  using V = Eight<Real>;
+  V jump[2], p[2];
+  for (int t = 0; t < 2; ++t) {
+    const Real *a = x + row[2 * t], *b = x + row[2 * t + 1];
+    jump[t] =
+        load_three_and_three(a, b) + load_three_and_three(a + 6, b + 6) - Real(2) * load_three_and_three(a + 3, b + 3);
+  }
+  face_forces<TwoRows>(factor, jump, p);
+  constexpr V weights = {1, 1, 1, -2, -2, -2, 1, 1};
+  for (int t = 0; t < 2; ++t) {
+    const V rows[2] = {weights * __builtin_shufflevector(p[t], p[t], 0, 1, 2, 0, 1, 2, 0, 1),
+                       weights * __builtin_shufflevector(p[t], p[t], 4, 5, 6, 4, 5, 6, 4, 5)};
+    for (int side = 0; side < 2; ++side) {
+      Real* to = y + row[2 * t + side];
+      add_eight(to, reinterpret_cast<const Real*>(&rows[side]));
+      to[8] += p[t][4 * side + 2];
+    }
+  }
+}
+
+/// A chain of one face: half of all chains and more. `at` as in apply_chain.
+template <class Half, class Real, class At>
+inline void apply_face(Real factor, const Real* x, Real* y, const At& at) {
+  using V = Eight<Real>;
+  V jump[2], p[2];
+  for (int t = 0; t < 2; ++t)
+    jump[t] = Half::load(x + at(0, t, 0), x + at(0, t, 1)) + Half::load(x + at(2, t, 0), x + at(2, t, 1)) -
+              Real(2) * Half::load(x + at(1, t, 0), x + at(1, t, 1));
+  face_forces<Half>(factor, jump, p);
+  for (int t = 0; t < 2; ++t) {
+    Half::add(y + at(0, t, 0), y + at(0, t, 1), p[t]);
+    Half::add(y + at(1, t, 0), y + at(1, t, 1), V(Real(-2) * p[t]));
+    Half::add(y + at(2, t, 0), y + at(2, t, 1), p[t]);
+  }
+}
+
 /// One chain. `at(layer, t, side)`: first DoF of half t, for two rows also of its second row (side 1).
 template <class Half, class Real, class At>
 inline void apply_chain(int faces, Real factor, const Real* x, Real* y, const At& at) {
   using V = Eight<Real>;
+  if (faces == 1) return apply_face<Half>(factor, x, y, at);
   V below[2], middle[2], last[2] = {V{}, V{}}, last_but_one[2] = {V{}, V{}};
   for (int t = 0; t < 2; ++t) {
     below[t] = Half::load(x + at(0, t, 0), x + at(0, t, 1));
@@ -91,10 +140,7 @@ inline void apply_chain(int faces, Real factor, const Real* x, Real* y, const At
       below[t] = middle[t];
       middle[t] = above[t];
     }
-    for (int t = 0; t < 2; ++t) {
-      const V h = Real(2) * jump[t] + jump[1 - t];
-      p[t] = factor * (Real(2) * h + Half::swapped(h));
-    }
+    face_forces<Half>(factor, jump, p);
     add(layer, p);
   }
   const V none[2] = {V{}, V{}};
@@ -108,7 +154,11 @@ inline void apply_chunk(const GhostChains<Real>& ghosts, int chunk, const Real* 
     const auto& chain = ghosts.chains(e);
     const Real factor = subtract ? -ghosts.factor(chain.body) : ghosts.factor(chain.body);
     const int* row = &ghosts.row(chain.rows);
-    if (chain.direction == 0)
+    if (chain.direction == 0 && chain.faces == 1) {
+      std::size_t rows[4];
+      for (int t = 0; t < 4; ++t) rows[t] = 3 * static_cast<std::size_t>(row[t]);
+      apply_face_along_x(factor, x, y, rows);
+    } else if (chain.direction == 0)
       apply_chain<TwoRows>(chain.faces, factor, x, y, [row](int layer, int t, int side) {
         return 3 * (static_cast<std::size_t>(row[2 * t + side]) + layer);
       });

@@ -139,6 +139,13 @@ inline void add_six(Real* to, const Real* v) {
 }
 
 template <class Real>
+inline void add_eight(Real* to, const Real* v) {
+  using Four = typename Pieces<Real>::Four;
+  *reinterpret_cast<Four*>(to) += *reinterpret_cast<const Four*>(v);
+  *reinterpret_cast<Four*>(to + 4) += *reinterpret_cast<const Four*>(v + 4);
+}
+
+template <class Real>
 inline void add_three(Real* to, const Real* v) {
   using Two = typename Pieces<Real>::Two;
   *reinterpret_cast<Two*>(to) += *reinterpret_cast<const Two*>(v);
