@@ -44,8 +44,9 @@ std::string describe_body(const BodyModel& body) {
 
 }  // namespace
 
-/// Fitted to 17 runs of the scenes of this repository on two threads, 2,000 to 50 million unknowns, plane and solid, with
-/// pictures: between 0.77 (plane) and 1.2 times the memory that they took. What grows like the surface weighs most.
+/// Fitted to 17 runs of the scenes of this repository on two threads, 2,000 to 50 million unknowns, plane and solid,
+/// with pictures: between 0.77 (plane) and 1.2 times the memory that they took. What grows like the surface weighs
+/// most.
 long long expected_memory(const Preparation& preparation) {
   double bytes = 85e6;
   for (const BodyModel& body : preparation.bodies)
