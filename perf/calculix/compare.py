@@ -230,7 +230,12 @@ def run_calculix(n, settings, folder, threads):
     environment = dict(os.environ, OMP_NUM_THREADS=str(threads), CCX_NPROC_EQUATION_SOLVER=str(threads),
                        OPENBLAS_NUM_THREADS="1")
     log = os.path.join(folder, "ccx.log")
-    code, wall, cpu, memory = run_measured(["ccx", "-i", name], log, environment)
+    here = os.getcwd()
+    os.chdir(folder)  # CalculiX leaves files behind where it runs
+    try:
+        code, wall, cpu, memory = run_measured(["ccx", "-i", "deck"], log, environment)
+    finally:
+        os.chdir(here)
     row = {"program": "CalculiX", "settings": str(settings), "n": n, "unknowns": 6 * (n + 1) * (n // 2 + 1) * (n + 1),
            "wall_s": wall, "cpu_s": cpu, "memory_mb": memory, "threads": threads}
     text = open(log).read()
