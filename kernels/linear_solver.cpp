@@ -1,11 +1,10 @@
 #include "kernels/linear_solver.hpp"
 
-#include <BelosPseudoBlockCGSolMgr.hpp>
-#include <BelosTpetraAdapter.hpp>
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Vector.hpp>
 #include <cstdlib>
 
+#include "kernels/conjugate_gradients.hpp"
 #include "kernels/muelu.hpp"
 #include "kernels/multigrid.hpp"
 
@@ -76,19 +75,9 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   // true one near rounding: a second sweep corrects that.
   for (int sweep = 0; sweep < 3 && norm > tolerance && result.iterations < max_iterations; ++sweep) {
     correction->putScalar(0);
-    auto problem = rcp(new Belos::LinearProblem<double, TpetraVector, TpetraOperator>(impl_->op, correction, rhs));
-    if (!impl_->preconditioner.is_null()) problem->setLeftPrec(impl_->preconditioner);
-    problem->setProblem();
-    auto list = rcp(new Teuchos::ParameterList);
-    list->set("Convergence Tolerance", std::max(0.9 * tolerance / norm, 1e-15));
-    list->set("Maximum Iterations", max_iterations - result.iterations);
-    list->set("Verbosity", static_cast<int>(Belos::Errors));
-    list->set("Residual Scaling", "Norm of Initial Residual");
-    list->set("Implicit Residual Scaling", "Norm of Initial Residual");
-    list->set("Assert Positive Definiteness", false);
-    Belos::PseudoBlockCGSolMgr<double, TpetraVector, TpetraOperator> solver(problem, list);
-    solver.solve();
-    result.iterations += solver.getNumIters();
+    const double relative = std::max(0.9 * tolerance / norm, 1e-15);
+    result.iterations += conjugate_gradients(impl_->op, impl_->preconditioner, rhs, correction, relative,
+                                             max_iterations - result.iterations);
     const auto dx = Kokkos::subview(correction->getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
     Kokkos::parallel_for(
         "cgcontact::linear_solver::update", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),

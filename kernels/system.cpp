@@ -5,20 +5,9 @@
 #include <map>
 #include <stdexcept>
 
+#include "kernels/host_copy.hpp"
+
 namespace cgcontact {
-namespace {
-
-template <class View, class T>
-View to_view(const char* label, const std::vector<T>& values) {
-  View view(std::string(label), values.size());
-  auto host = Kokkos::create_mirror_view(view);
-  for (std::size_t i = 0; i < values.size(); ++i) host(i) = values[i];
-  Kokkos::deep_copy(view, host);
-  return view;
-}
-
-}  // namespace
-
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty) {
   ElasticSystem system;
@@ -62,13 +51,13 @@ void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows) {
     dof_begin.push_back(static_cast<int>(column_group.size()));
   }
   GroupRows& r = system.groups;
-  r.row_begin = to_view<IntView>("cgcontact::system::row_begin", begin);
-  r.row_dof = to_view<IntView>("cgcontact::system::row_dof", dof);
-  r.row_value = to_view<RealView>("cgcontact::system::row_value", value);
-  r.dof_begin = to_view<IntView>("cgcontact::system::dof_begin", dof_begin);
-  r.dof_list = to_view<IntView>("cgcontact::system::dof_list", dof_list);
-  r.column_group = to_view<IntView>("cgcontact::system::column_group", column_group);
-  r.column_value = to_view<RealView>("cgcontact::system::column_value", column_value);
+  r.row_begin = copy_to_view<IntView>("cgcontact::system::row_begin", begin);
+  r.row_dof = copy_to_view<IntView>("cgcontact::system::row_dof", dof);
+  r.row_value = copy_to_view<RealView>("cgcontact::system::row_value", value);
+  r.dof_begin = copy_to_view<IntView>("cgcontact::system::dof_begin", dof_begin);
+  r.dof_list = copy_to_view<IntView>("cgcontact::system::dof_list", dof_list);
+  r.column_group = copy_to_view<IntView>("cgcontact::system::column_group", column_group);
+  r.column_value = copy_to_view<RealView>("cgcontact::system::column_value", column_value);
   r.stiffness = RealView("cgcontact::system::stiffness", system.group_rows.size());
   r.scratch = RealView("cgcontact::system::scratch", system.group_rows.size());
 }

@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -17,21 +16,11 @@
 #include "contact/simulation.hpp"
 #include "core/output.hpp"
 #include "kernels/linear_solver.hpp"
+#include "perf/process_memory.hpp"
 
 namespace {
 
 using namespace cgcontact;
-
-/// A line "VmHWM: 123 kB" of the process's status, in bytes.
-double status_bytes(const std::string& key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == key + ":") {
-      status >> word;
-      return 1024 * std::stod(word);
-    }
-  return 0;
-}
 
 struct Phase {
   std::string name;
@@ -42,13 +31,13 @@ class Recorder {
  public:
   template <class Work>
   void operator()(const std::string& name, const Work& work) {
-    std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+    perf::reset_peak_memory();
     const std::clock_t used = std::clock();
     const auto start = std::chrono::steady_clock::now();
     work();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double processor = static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC;
-    phases_.push_back({name, seconds, processor, status_bytes("VmRSS"), status_bytes("VmHWM")});
+    phases_.push_back({name, seconds, processor, perf::status_bytes("VmRSS"), perf::status_bytes("VmHWM")});
   }
 
   void print(long long unknowns) const {

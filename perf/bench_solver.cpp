@@ -5,17 +5,15 @@
 ///
 /// Memory (B/DoF, muelu_B/DoF) is the largest resident set during set-up and solve beyond that before them, when there
 /// are the system and its right-hand side only (before_B/DoF); set_up_B/DoF is what the solver holds.
-#include <BelosPseudoBlockCGSolMgr.hpp>
-#include <BelosTpetraAdapter.hpp>
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Vector.hpp>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
 
+#include "kernels/conjugate_gradients.hpp"
 #include "kernels/linear_solver.hpp"
 #include "kernels/muelu.hpp"
 #include "kernels/multigrid.hpp"
@@ -23,6 +21,7 @@
 #include "kernels/smoother.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
+#include "perf/process_memory.hpp"
 
 namespace {
 
@@ -212,17 +211,6 @@ Kernel setup(int n) {
   return k;
 }
 
-/// A line "VmHWM: 123 kB" of the process's status, in bytes.
-double status_bytes(const std::string& key) {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (word == key + ":") {
-      status >> word;
-      return 1024 * std::stod(word);
-    }
-  return 0;
-}
-
 /// Times and memory of one way to the solution.
 class Way {
  public:
@@ -234,7 +222,7 @@ class Way {
 #ifdef __GLIBC__
     malloc_trim(0);  // what was freed before does not hide what is taken now
 #endif
-    std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+    reset_peak_memory();
     before = status_bytes("VmRSS");
     last_ = now();
   }
@@ -279,20 +267,7 @@ void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
     const auto host = rhs->getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t i = 0; i < p.b.extent(0); ++i) host(i, 0) = p.b(i);
   }
-  const RCP<TpetraOperator> op = matrix;
-  const auto problem = rcp(new Belos::LinearProblem<double, TpetraVector, TpetraOperator>(op, solution, rhs));
-  problem->setLeftPrec(muelu);
-  problem->setProblem();
-  const auto list = rcp(new Teuchos::ParameterList);
-  list->set("Convergence Tolerance", 0.95 * tolerance);
-  list->set("Maximum Iterations", most_iterations);
-  list->set("Verbosity", static_cast<int>(Belos::Errors));
-  list->set("Residual Scaling", "Norm of Initial Residual");
-  list->set("Implicit Residual Scaling", "Norm of Initial Residual");
-  list->set("Assert Positive Definiteness", false);
-  Belos::PseudoBlockCGSolMgr<double, TpetraVector, TpetraOperator> solver(problem, list);
-  solver.solve();
-  way.iterations = solver.getNumIters();
+  way.iterations = conjugate_gradients(matrix, muelu, rhs, solution, 0.95 * tolerance, most_iterations);
   way.lap(way.solve_s);
   way.stop();
   const auto host = solution->getLocalViewHost(Tpetra::Access::ReadOnly);
