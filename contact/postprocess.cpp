@@ -190,12 +190,14 @@ void fill_counts(const Simulation& sim, Results& results) {
   results.diagnosis = sim.outer.diagnosis;
   for (const ContactPair& pair : sim.pairs)
     for (const ContactPoint& q : pair.points) results.active_points += q.active;
-  results.patches_by_kind = sim.recovery_counts.patches_by_kind;
-  if (sim.recovery_counts.grown > 0) results.patches_by_kind["grown"] = sim.recovery_counts.grown;
-  if (sim.recovery_counts.without_auxiliary > 0)
-    results.patches_by_kind["contact_without_auxiliary"] = sim.recovery_counts.without_auxiliary;
-  results.truncated_rows = sim.recovery_counts.truncated_rows;
-  results.inconsistent_patches = sim.recovery_counts.inconsistent;
+  const RecoveryCounts& counts = sim.recovery_counts;
+  for (int k = 0; k < num_patch_kinds; ++k)
+    if (counts.kinds[k] > 0) results.patches_by_kind[patch_kind_names[k]] = counts.kinds[k];
+  for (int k = 0; k < num_patch_statuses; ++k)
+    if (counts.statuses[k] > 0) results.patches_by_status[patch_status_names[k]] = counts.statuses[k];
+  if (counts.grown > 0) results.patches_by_kind["grown"] = counts.grown;
+  results.truncated_rows = counts.truncated_rows;
+  results.inconsistent_patches = counts.statuses[static_cast<int>(PatchStatus::conflicting)];
 }
 
 void fill_body_fields(const Simulation& sim, Results& results) {

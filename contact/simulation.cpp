@@ -111,9 +111,15 @@ void Simulation::recover() {
     sprc.push_back(field);
     input.push_back({&mesh, &patches[b], &bodies[b].boundary, field});
   }
-  if (scene.recovery.spr_c)
-    recovery_counts =
-        recover_constrained(input, outer.u, scales, {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth});
+  if (scene.recovery.spr_c) {
+    ConstrainedRecovery recovery = recover_constrained(
+        input, outer.u, scales,
+        {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth, !std::getenv("NO_EDGE")});
+    recovery_counts = recovery.counts;
+    patch_states = std::move(recovery.states);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (!recovery.edges[b].terms.empty()) sprc[b].edge = std::make_shared<EdgeTerms>(std::move(recovery.edges[b]));
+  }
   patches.clear();
 }
 

@@ -45,6 +45,7 @@ struct Simulation {
   std::vector<RecoveredField> spr;   ///< per body: near the contact faces, where it is shown
   std::vector<RecoveredField> sprc;  ///< per body: everywhere (SPR where the scene does not want SPR-C)
   RecoveryCounts recovery_counts;
+  std::vector<PatchStates> patch_states;  ///< by body
   Results results;
 
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results.

@@ -93,7 +93,7 @@ struct Results {
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;
-  std::map<std::string, long long> patches_by_kind;
+  std::map<std::string, long long> patches_by_kind, patches_by_status;
   long long truncated_rows = 0, inconsistent_patches = 0;
   std::vector<std::pair<std::string, double>> times_s;  ///< phases in order
   long long peak_memory_bytes = 0;

@@ -129,8 +129,9 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, Constr
   group.num_points = count;
 }
 
-std::vector<ConstraintGroup> BoundaryPieces::groups(const int* cells, int num_cells) const {
-  std::vector<Piece> wholes;
+void BoundaryPieces::groups(const int* cells, int num_cells, std::vector<ConstraintGroup>& groups) const {
+  static thread_local std::vector<Piece> wholes;
+  wholes.clear();
   for (int c = 0; c < num_cells; ++c) {
     const int cut = cut_cells_.cut_of_active[cells[c]];
     if (cut < 0) continue;
@@ -145,13 +146,12 @@ std::vector<ConstraintGroup> BoundaryPieces::groups(const int* cells, int num_ce
         wholes.insert(whole, part);
     }
   }
-  std::vector<ConstraintGroup> groups(wholes.size());
+  groups.assign(wholes.size(), {});
   for (std::size_t i = 0; i < wholes.size(); ++i) {
     std::tie(groups[i].surface, groups[i].condition, groups[i].pair) = wholes[i].kind();
     groups[i].area = wholes[i].area;
     place_points(wholes[i], cut_cells_.solid.surfaces()[wholes[i].surface], groups[i]);
   }
-  return groups;
 }
 
 }  // namespace cgcontact

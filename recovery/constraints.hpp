@@ -40,7 +40,12 @@ class BoundaryPieces {
   BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
 
   /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair.
-  std::vector<ConstraintGroup> groups(const int* cells, int num_cells) const;
+  void groups(const int* cells, int num_cells, std::vector<ConstraintGroup>& groups) const;
+  std::vector<ConstraintGroup> groups(const int* cells, int num_cells) const {
+    std::vector<ConstraintGroup> found;
+    groups(cells, num_cells, found);
+    return found;
+  }
 
  private:
   struct Piece {

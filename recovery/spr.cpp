@@ -51,6 +51,19 @@ RecoveredField part_of(const RecoveredField& field, Subset nodes) {
   return part;
 }
 
+void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],
+                    double s[6]) {
+  const Index3& c = mesh.cut_cells->cells[cell];
+  const Vec3 x(c[0] + 0.5 * (xi[0] + 1), c[1] + 0.5 * (xi[1] + 1), c[2] + 0.5 * (xi[2] + 1));
+  for (int a = 0; a < 8; ++a) {
+    const EdgeTerms::Term* term = field.edge->of_node(mesh.cell_nodes[cell][a] - mesh.first_node);
+    if (!term) continue;
+    double w[6];
+    term->edge.stress(x, w);
+    for (int k = 0; k < 6; ++k) s[k] += N[a] * term->factor * w[k];
+  }
+}
+
 void cell_stress_integrals(const UnitElasticity& law, double factor, const double u[8][3],
                            const MonomialMoments& moments, double out[6][num_terms]) {
   // u = sum over the corners = products of (1/2 -+ x): with the sums and differences h over each direction (bit set:

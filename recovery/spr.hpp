@@ -2,6 +2,9 @@
 /// Stresses are in units of Scales::stress, components in the grid axes of the body.
 #pragma once
 
+#include <memory>
+
+#include "recovery/contact_edge.hpp"
 #include "recovery/patches.hpp"
 #include "recovery/subset.hpp"
 
@@ -10,7 +13,8 @@ namespace cgcontact {
 /// Polynomials of some or all nodes of one body.
 struct RecoveredField {
   Subset nodes;
-  CoefficientView values;  ///< row of the subset, component, term
+  CoefficientView values;                      ///< row of the subset, component, term
+  std::shared_ptr<const EdgeTerms> edge = {};  ///< beside the polynomials; may be empty
   /// The 6 x 4 coefficients of a node (number within the body).
   const double* at(int node) const {
     return values.data() + 6 * num_terms * static_cast<std::ptrdiff_t>(nodes.row(node));
@@ -61,6 +65,10 @@ int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressV
 int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
                 int nodes_per_part = 200000);
 
+/// Adds what the terms of the contact edges at a cell's nodes contribute. N: shape functions at xi.
+void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],
+                    double s[6]);
+
 /// sigma*(x) = sum_v N_v(x) P_v(x) A_v at cell coordinates xi of a cell (conjoint polynomials).
 inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
                                double s[6]) {
@@ -73,6 +81,7 @@ inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field
     for (int k = 0; k < 6; ++k)
       s[k] += N[a] * (A[4 * k] + A[4 * k + 1] * d[0] + A[4 * k + 2] * d[1] + A[4 * k + 3] * d[2]);
   }
+  if (field.edge) add_edge_terms(mesh, field, cell, xi, N, s);
 }
 
 }  // namespace cgcontact

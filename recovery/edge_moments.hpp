@@ -1,0 +1,25 @@
+/// Integrals of the stress term of a contact edge over the cells of a patch.
+#pragma once
+
+#include "kernels/mesh.hpp"
+#include "recovery/contact_edge.hpp"
+#include "recovery/patch_problem.hpp"
+
+namespace cgcontact {
+
+/// Over the body's part of the cells, cell units: W is the term, P the polynomials about a centre, sigma_h the stress.
+struct EdgeMoments {
+  Eigen::Matrix<double, 6 * num_terms, 1> with_polynomials;  ///< P^T W
+  double square = 0, with_stress = 0;                        ///< W : W, W : sigma_h
+};
+
+/// u: displacements of all bodies; empty: with_stress is not computed. 27 points per cell; for the square root at an
+/// edge inside the cell that is good to 1 %, and the fit uses the same points throughout.
+EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge,
+                         const Vec3& centre, const RealView& u);
+
+/// Coefficients of the polynomials nearest to the term on a patch.
+Eigen::Matrix<double, 6 * num_terms, 1> edge_polynomial(const BodyMesh& mesh, const int* cells, int num_cells,
+                                                        const ContactEdge& edge, const PatchFit& fit);
+
+}  // namespace cgcontact

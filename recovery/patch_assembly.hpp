@@ -1,0 +1,129 @@
+/// From the mesh and the boundary to the constrained fit of one patch: its kind, its auxiliary patch in the other body,
+/// its constraint rows (paper, equations 4, 5, 12, 13; design section 6).
+#pragma once
+
+#include "kernels/system.hpp"
+#include "recovery/boundary_data.hpp"
+#include "recovery/constraints.hpp"
+#include "recovery/contact_edge.hpp"
+#include "recovery/patch_problem.hpp"
+#include "recovery/spr.hpp"
+
+namespace cgcontact {
+
+struct RecoveryOptions {
+  double rank_tolerance = 0.05;
+  double auxiliary_depth = 0.5;  ///< cells of the other body
+  bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
+};
+
+/// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.
+struct RecoveryBody {
+  const BodyMesh* mesh;
+  const PatchSet* patches;
+  const BoundaryData* boundary;
+  RecoveredField field;
+};
+
+/// Integrals of sigma_h over the cells of one body that auxiliary patches may consist of.
+struct AuxiliaryCells {
+  Subset cells;
+  CellStressView stress;
+};
+
+/// Cells near the contact points, as far as the auxiliary depth and two cells more.
+AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const RealView& u, double depth);
+
+/// Contact points of one pair inside a patch.
+struct PairState {
+  int pair = -1, other_body = -1;
+  double area = 0, closed_area = 0;  ///< m^2
+  bool is_closed() const;
+  bool is_mixed() const { return closed_area > 0 && closed_area < area * (1 - 1e-12); }
+};
+
+/// The edge of a contact zone near some place, found by recovery/edge_search.hpp; global axes.
+struct EdgePiece {
+  Vec3 origin, closed;  ///< m; unit vector across the edge into the zone
+  double factor;        ///< of the term, Scales::stress per square root of a metre
+};
+
+/// Where the edges of all pairs run.
+class EdgeMap {
+ public:
+  virtual ~EdgeMap() = default;
+  /// The edge of a pair near x (m, global axes); false if there is none in reach.
+  virtual bool near(int pair, const Vec3& x, EdgePiece& piece) const = 0;
+};
+
+/// Memory that is used again for patch after patch.
+struct PatchWorkspace {
+  std::vector<ConstraintGroup> groups;
+  std::vector<PairState> states;
+  std::vector<char> modes;     ///< of states
+  std::vector<int> auxiliary;  ///< cells
+};
+
+/// What assembling one patch gives; its rows are appended to a list of many patches.
+struct PatchProblem {
+  int node = -1;
+  PatchKind kind = PatchKind::interior;
+  PatchStatus status = PatchStatus::exact;
+  bool coupled = false;          ///< with an auxiliary patch
+  PatchFit fit[2];               ///< own, auxiliary
+  Vec3 divergence[2];            ///< what div sigma must be, per cell unit; own, auxiliary
+  std::size_t first_row = 0;     ///< in the list
+  int num_rows = 0;
+  int pair = -1, other_body = -1;  ///< of the auxiliary patch
+  bool has_edge = false;         ///< the term of the contact edge is part of the stress
+  ContactEdge edge[2];           ///< own, auxiliary
+  double factor = 0;
+};
+
+/// Assembles the patches of one body.
+class PatchAssembly {
+ public:
+  PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary, int index,
+                const Scales& scales, const RecoveryOptions& options);
+
+  /// Eight full cells without contact: only equilibrium is known there.
+  bool is_interior(int node) const;
+  /// What div sigma must be at a place (grid coordinates of a body), per cell unit.
+  Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
+
+  /// The patch of a node, its rows appended to `rows`. `edges` may be null: edges are then not looked for.
+  PatchProblem assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<FitRow>& rows) const;
+  /// The same as if the edge of a pair ran through the patch: the polynomials of both bodies carry no pressure.
+  PatchProblem assemble_at_edge(int node, int pair, PatchWorkspace& workspace, std::vector<FitRow>& rows) const;
+
+  /// Contact points by pair in the patch of a node.
+  void pair_states(int node, std::vector<PairState>& states) const;
+  /// An edge (global axes, m) seen from a body; `unit`: m.
+  ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
+                        double unit) const;
+  const RecoveryBody& body() const { return body_; }
+  const Grid& grid() const { return grid_; }
+
+ private:
+  enum class ContactMode { open, closed, edge, unclear };
+  PatchProblem assemble(int node, const EdgeMap* edges, int edge_pair, PatchWorkspace& workspace,
+                        std::vector<FitRow>& rows) const;
+  ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
+                           PatchProblem& problem) const;
+  PatchFit own_fit(int node) const;
+  PatchFit auxiliary_fit(int node, const PairState& state, std::vector<int>& cells) const;
+  void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<FitRow>& rows) const;
+  void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<FitRow>& rows) const;
+  void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
+                   const PairState& state, ContactMode mode, std::vector<FitRow>& rows) const;
+
+  const std::vector<RecoveryBody>& bodies_;
+  const std::vector<AuxiliaryCells>& auxiliary_;  ///< by body
+  const RecoveryBody& body_;
+  const Grid& grid_;
+  const Scales& scales_;
+  const RecoveryOptions& options_;
+  const BoundaryPieces pieces_;
+};
+
+}  // namespace cgcontact

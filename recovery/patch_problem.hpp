@@ -1,0 +1,45 @@
+/// One patch ready to be solved: unconstrained fits, constraint rows, what kind it is.
+#pragma once
+
+#include <vector>
+
+#include "recovery/patches.hpp"
+
+namespace cgcontact {
+
+/// What a patch touches; a patch that touches several things is of the last kind in this list.
+enum class PatchKind : char { interior, boundary, loaded, symmetry, support, contact, contact_edge };
+constexpr int num_patch_kinds = 7;
+constexpr const char* patch_kind_names[num_patch_kinds] = {"interior", "boundary", "loaded",      "symmetry",
+                                                           "support",  "contact",  "contact_edge"};
+
+/// What became of a patch; a patch that is several of these counts as the last one.
+enum class PatchStatus : char {
+  exact,         ///< all rows are met
+  truncated,     ///< redundant rows were dropped, the others are met
+  conflicting,   ///< data that contradict each other, met in least squares
+  uncoupled,     ///< closed contact without an auxiliary patch: zero shear only
+  edge_unclear,  ///< the edge of the contact zone runs through the patch and could not be placed
+  singular,      ///< not enough material for the polynomial: mean stress, no constraints
+};
+constexpr int num_patch_statuses = 6;
+constexpr const char* patch_status_names[num_patch_statuses] = {"exact",     "truncated",    "conflicting",
+                                                                "uncoupled", "edge_unclear", "singular"};
+
+/// One constraint at a point: sum over the bodies of weight : sigma(centre + place) = value.
+struct FitRow {
+  double weight[2][6] = {};  ///< of xx, yy, zz, xy, yz, zx; own body, auxiliary body (zero: no part)
+  double place[2][3] = {};   ///< relative to the polynomial's centre, cell units of the body
+  double value = 0;          ///< Scales::stress
+  bool firm = false;         ///< holds to rounding, whatever the other rows ask for: no pressure on an open face
+};
+
+/// A polynomial fit before constraints: mass matrix and coefficients about a centre.
+struct PatchFit {
+  Eigen::Matrix<double, num_terms, num_terms> mass;
+  Eigen::Matrix<double, 6 * num_terms, 1> a;
+  Vec3 centre;  ///< grid coordinates
+  bool regular = false;
+};
+
+}  // namespace cgcontact
