@@ -45,6 +45,7 @@ struct Simulation {
   std::vector<RecoveredField> spr;   ///< per body: near the contact faces, where it is shown
   std::vector<RecoveredField> sprc;  ///< per body: everywhere (SPR where the scene does not want SPR-C)
   RecoveryCounts recovery_counts;
+  ReferenceSpec reference;  ///< what the results are compared with
   Results results;
 
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results.
@@ -55,6 +56,9 @@ struct Simulation {
   void make_system();
   void recover();
   void fill_results();
+
+ private:
+  void choose_reference();
 };
 
 }  // namespace cgcontact
