@@ -124,7 +124,8 @@ void Simulation::choose_reference() {
     reference = scene.reference_at(force);
   } else {
     reference = {};
-    results.warnings.emplace_back("the first contact pair carries no force: the reference depends on it and is left out");
+    results.warnings.emplace_back(
+        "the first contact pair carries no force: the reference depends on it and is left out");
   }
 }
 

@@ -267,7 +267,8 @@ std::string used_constants(const std::string& text, const Constants& constants) 
 
 bool is_free_name(const std::string& name) {
   if (name.empty() || !starts_name(name[0]) || !std::all_of(name.begin(), name.end(), continues_name)) return false;
-  if (name == "pi" || name == contact_force_name || std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names))
+  if (name == "pi" || name == contact_force_name ||
+      std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names))
     return false;
   const mu::Parser parser;
   return parser.GetFunDef().count(name) == 0 && parser.GetConst().count(name) == 0;

@@ -11,8 +11,8 @@
 
 namespace cgcontact {
 
-/// Values of a table of parameters and those that its text knows already; entries may be expressions of other entries, in
-/// any order.
+/// Values of a table of parameters and those that its text knows already; entries may be expressions of other entries,
+/// in any order.
 Constants read_parameters(const TomlCursor& table);
 
 class SceneReader {

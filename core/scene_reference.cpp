@@ -1,4 +1,5 @@
-/// The section [reference] of the scene file. What it says may depend on the contact force, which is known after the solve.
+/// The section [reference] of the scene file. What it says may depend on the contact force, which is known after the
+/// solve.
 #include <algorithm>
 #include <filesystem>
 
