@@ -203,7 +203,7 @@ void fill_counts(const Simulation& sim, Results& results) {
 void fill_body_fields(const Simulation& sim, Results& results) {
   const double energy = sim.scales.stress * std::pow(sim.scales.length, 3);
   double error = 0, solution = 0, exact_error = 0;
-  const ReferenceSpec& reference = sim.scene.reference;
+  const ReferenceSpec& reference = sim.reference;
   for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
     ExactStress exact;
     if (!reference.stress_of_body.empty())
@@ -307,9 +307,9 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
 void fill_path(const Simulation& sim, Results& results) {
   if (results.contact_rows.empty()) return;
   constexpr int num_samples = 401;
-  const Reference reference(sim.scene);
+  const Reference reference(sim.scene, sim.reference);
   const auto [from, to] = path_ends(sim, results);
-  const bool by_coordinate = !sim.scene.reference.pressure_file.empty();
+  const bool by_coordinate = !sim.reference.pressure_file.empty();
   const auto place = [&](int i) { return (i + 0.5) / num_samples; };
   for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
     std::vector<std::optional<ContactRow>> rows(num_samples);
@@ -336,7 +336,7 @@ void fill_path(const Simulation& sim, Results& results) {
 }
 
 void fill_pressure_errors(const Simulation& sim, Results& results) {
-  const Reference reference(sim.scene);
+  const Reference reference(sim.scene, sim.reference);
   if (reference.has_stress())
     for (const ContactRow& r : results.contact_rows) {
       const Sym3 exact = reference.stress(r.body, r.x);
@@ -345,7 +345,7 @@ void fill_pressure_errors(const Simulation& sim, Results& results) {
     }
   if (!reference.has_pressure() || results.contact_rows.empty()) return;
   results.pressure_errors = pressure_errors(
-      results.contact_rows, [&](const ContactRow& r) { return reference.pressure(r.x); }, sim.scene.reference.zones);
+      results.contact_rows, [&](const ContactRow& r) { return reference.pressure(r.x); }, sim.reference.zones);
 }
 
 }  // namespace cgcontact

@@ -23,7 +23,8 @@ class ReferenceTable {
 /// What is known of the solution on the contact face.
 class Reference {
  public:
-  explicit Reference(const Scene& scene);
+  /// `spec`: the scene's, at the computed contact force. Both must outlive this.
+  Reference(const Scene& scene, const ReferenceSpec& spec);
   bool has_pressure() const { return pressure_table_ || spec_.pressure; }
   bool has_stress() const { return stress_table_.has_value() || !spec_.stress_of_body.empty(); }
   /// Pa

@@ -50,7 +50,7 @@ Preparation prepare(const Scene& scene) {
   // Contact points are all closed before the solve: a motion that is free even so is a mistake in the scene.
   const std::string motion = find_free_motion(scene, p.bodies, p.supports, p.pairs);
   if (!motion.empty()) throw InputError(scene.file + ": " + motion);
-  [[maybe_unused]] const Reference readable(scene);
+  [[maybe_unused]] const Reference readable(scene, scene.reference);
   return p;
 }
 
@@ -123,11 +123,24 @@ void Simulation::recover() {
   patches.clear();
 }
 
+/// The scene's reference at the computed force. Without any force, one that depends on it says nothing.
+void Simulation::choose_reference() {
+  const double force = results.pairs.empty() ? 0 : results.pairs.front().force_on_first.norm();
+  if (!scene.late_reference || force > 0) {
+    reference = scene.reference_at(force);
+  } else {
+    reference = {};
+    results.warnings.emplace_back(
+        "the first contact pair carries no force: the reference depends on it and is left out");
+  }
+}
+
 void Simulation::fill_results() {
   fill_counts(*this, results);
-  fill_body_fields(*this, results);
   fill_contact_rows(*this, results);
   fill_pair_figures(*this, results);
+  choose_reference();
+  fill_body_fields(*this, results);
   fill_path(*this, results);
   fill_pressure_errors(*this, results);
 }

@@ -187,6 +187,7 @@ void StudyRunner::compare_with_finest() {
     const fs::path file = folder(row) / "contact.csv";  // there is none if the bodies are far apart
     return fs::exists(file) ? read_contact_rows(file.string(), scene) : std::vector<ContactRow>();
   };
+  const ReferenceSpec reference = scene.reference_at(finest->figures.force.value_or(0));
   const FacePressure pressure(points(*finest), finest->cell_size);
   for (StudyRow& row : study_.rows) {
     const bool coarser = row.has_figures() && row.cell_size > finest->cell_size * (1 + 1e-9);
@@ -194,8 +195,8 @@ void StudyRunner::compare_with_finest() {
     const std::vector<ContactRow> rows = coarser ? points(row) : std::vector<ContactRow>();
     if (!rows.empty())
       row.errors = pressure_errors(
-          rows, [&](const ContactRow& point) { return pressure(point.body, point.x); }, scene.reference.zones);
-    if (scene.reference.force) continue;
+          rows, [&](const ContactRow& point) { return pressure(point.body, point.x); }, reference.zones);
+    if (reference.force) continue;
     row.force_reference = coarser ? finest->figures.force : std::nullopt;
   }
 }

@@ -101,8 +101,12 @@ std::string format_number(double value) {
     std::vector<std::string> all = known;
     all.insert(all.end(), functions.begin(), functions.end());
     const bool coordinate = token == "x" || token == "y" || token == "z";
-    const std::string why = coordinate ? "must be one number, it cannot depend on " + quoted(token)
-                                       : "unknown name " + quoted(token) + did_you_mean(token, all);
+    std::string why = "unknown name " + quoted(token) + did_you_mean(token, all);
+    if (coordinate) why = "must be one number, it cannot depend on " + quoted(token);
+    if (token == contact_force_name)
+      why = quoted(token) +
+            " is a result: only parameters, pressure, stress and zones of [reference] may use it, in a scene with a "
+            "contact pair";
     throw InputError(place, quoted(text), why, join(known) + ", " + join(functions, " "));
   }
   std::string message = error.GetCode() == mu::ecINTERNAL_ERROR ? "an operand is missing" : error.GetMsg();
@@ -263,7 +267,8 @@ std::string used_constants(const std::string& text, const Constants& constants) 
 
 bool is_free_name(const std::string& name) {
   if (name.empty() || !starts_name(name[0]) || !std::all_of(name.begin(), name.end(), continues_name)) return false;
-  if (name == "pi" || std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names))
+  if (name == "pi" || name == contact_force_name ||
+      std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names))
     return false;
   const mu::Parser parser;
   return parser.GetFunDef().count(name) == 0 && parser.GetConst().count(name) == 0;

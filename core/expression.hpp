@@ -14,6 +14,9 @@ namespace cgcontact {
 /// Named numbers that expressions may use besides x, y, z and pi (the scene's [parameters]).
 using Constants = std::map<std::string, double>;
 
+/// Name of the constant that only [reference] knows, after the solve: magnitude of the first pair's contact force, N.
+inline constexpr const char* contact_force_name = "contact_force";
+
 /// A number or an expression of x, y, z. Several threads may evaluate one object at the same time.
 class Expression {
  public:
@@ -48,7 +51,7 @@ std::vector<std::string> identifiers(const std::string& text);
 /// " with n = 16, t = 0.1" for the constants that occur in the text, or "".
 std::string used_constants(const std::string& text, const Constants& constants);
 
-/// Is the name free to be used as a constant: an identifier that is no variable, function or built-in constant?
+/// Is the name free to be used as a constant: an identifier that is no variable, function or built-in name?
 bool is_free_name(const std::string& name);
 
 }  // namespace cgcontact

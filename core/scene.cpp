@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <string_view>
 
@@ -40,6 +41,18 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
   }
 }
 
+/// If [reference] depends on the contact force, it is read again when that is known; document and text stay until then.
+void keep_reference(const TomlCursor& root, const std::shared_ptr<const toml::table>& document,
+                    const std::shared_ptr<const SceneText>& text, Scene& scene) {
+  const auto section = root.find("reference");
+  if (!section || !uses_contact_force(*section)) return;
+  std::vector<std::string> names;
+  for (const BodySpec& body : scene.bodies) names.push_back(body.name);
+  scene.late_reference = [section = *section, names, document, text](double contact_force) {
+    return read_reference(section, names, contact_force);
+  };
+}
+
 }  // namespace
 
 bool FaceSpec::selects(const std::vector<std::string>& names) const {
@@ -58,13 +71,18 @@ bool FaceSpec::contains(const Vec3& x, const Vec3& n) const {
   return !normal_cone || n.dot(normal_cone->first) >= normal_cone->second - cone_tolerance;
 }
 
+ReferenceSpec Scene::reference_at(double contact_force) const {
+  return late_reference && contact_force > 0 ? late_reference(contact_force) : reference;
+}
+
 Scene read_scene(const std::string& file, const std::vector<std::string>& overrides) {
-  toml::table document = parse_toml(read_file(file), file);
-  apply_overrides(document, overrides);
-  SceneText text{file, {}};
-  const TomlCursor root(document, "", text);
-  if (const auto parameters = root.find("parameters")) text.parameters = read_parameters(*parameters);
+  const auto document = std::make_shared<toml::table>(parse_toml(read_file(file), file));
+  apply_overrides(*document, overrides);
+  const auto text = std::make_shared<SceneText>(SceneText{file, {}});
+  const TomlCursor root(*document, "", *text);
+  if (const auto parameters = root.find("parameters")) text->parameters = read_parameters(*parameters);
   Scene scene = SceneReader().read(root);
+  keep_reference(root, document, text, scene);
   const std::string stem = std::filesystem::path(file).stem().string();
   if (scene.title.empty()) scene.title = stem;
   if (scene.output.directory.empty()) scene.output.directory = (std::filesystem::path("out") / stem).string();

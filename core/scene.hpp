@@ -2,6 +2,7 @@
 /// All units are SI (m, N, Pa); all keys are documented in docs/scene.md.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -129,8 +130,13 @@ struct Scene {
   SolverSpec solver;
   RecoverySpec recovery;
   OutputSpec output;
-  ReferenceSpec reference;
+  ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
+  /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it
+  std::function<ReferenceSpec(double)> late_reference;
   Constants parameters;  ///< values of [parameters], after --set
+
+  /// The reference at the computed contact force, N; a force of zero is as good as none.
+  ReferenceSpec reference_at(double contact_force) const;
 };
 
 /// Reads and validates a scene; `overrides` are "dotted.key=value" as given to --set (body.NAME.cell_size=1e-3

@@ -25,11 +25,11 @@ std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::str
 /// One parameter after those that its expression uses; `in_progress` detects circles.
 double read_parameter(const TomlCursor& table, const std::string& name, Constants& known,
                       std::set<std::string>& in_progress) {
-  if (const auto found = known.find(name); found != known.end()) return found->second;
   const TomlCursor entry = table.at(name);
   if (!is_free_name(name))
     entry.fail("\"" + name + "\" cannot be the name of a parameter",
-               "letters, digits and _, but not x, y, z, pi or a function's name");
+               "letters, digits and _, but not x, y, z, pi, contact_force or a function's name");
+  if (const auto found = known.find(name); found != known.end()) return found->second;
   if (!in_progress.insert(name).second)
     entry.fail("is defined by itself", "parameters that do not refer to each other");
   if (entry.is_string()) {
@@ -105,7 +105,7 @@ void check_unique(const TomlCursor& node, const std::string& name, std::set<std:
 
 Constants read_parameters(const TomlCursor& table) {
   if (!table.is_table()) table.expect_keys({"name = number"});
-  Constants known;
+  Constants known = table.text().parameters;
   std::set<std::string> in_progress;
   for (const auto& entry : table.entries()) read_parameter(table, entry.first, known, in_progress);
   return known;
@@ -362,7 +362,11 @@ Scene SceneReader::read(const TomlCursor& root) {
   if (const auto node = root.find("solver")) scene_.solver = read_solver(*node);
   if (const auto node = root.find("recovery")) scene_.recovery = read_recovery(*node);
   if (const auto node = root.find("output")) scene_.output = read_output(*node);
-  if (const auto node = root.find("reference")) scene_.reference = read_reference(*node, body_names());
+  if (const auto node = root.find("reference")) {
+    std::optional<double> contact_force;
+    if (!scene_.contacts.empty()) contact_force = 1;
+    scene_.reference = read_reference(*node, body_names(), contact_force);
+  }
   return std::move(scene_);
 }
 

@@ -1,6 +1,7 @@
 /// Turns the parsed scene file into a Scene, checking every value. Used by read_scene() only.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,8 @@
 
 namespace cgcontact {
 
-/// Values of the table [parameters]; entries may be expressions of other entries, in any order.
+/// Values of a table of parameters and those that its text knows already; entries may be expressions of other entries,
+/// in any order.
 Constants read_parameters(const TomlCursor& table);
 
 class SceneReader {
@@ -40,6 +42,12 @@ class SceneReader {
 SolverSpec read_solver(const TomlCursor& node);
 RecoverySpec read_recovery(const TomlCursor& node);
 OutputSpec read_output(const TomlCursor& node);
-ReferenceSpec read_reference(const TomlCursor& node, const std::vector<std::string>& body_names);
+
+// [reference] (scene_reference.cpp).
+
+/// `contact_force`: value of that name in expressions, N; without one it is not known.
+ReferenceSpec read_reference(const TomlCursor& section, const std::vector<std::string>& body_names,
+                             std::optional<double> contact_force);
+bool uses_contact_force(const TomlCursor& section);
 
 }  // namespace cgcontact

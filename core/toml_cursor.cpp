@@ -140,6 +140,13 @@ std::string TomlCursor::string(const std::string& what) const {
   return text;
 }
 
+std::string TomlCursor::one_of(const std::vector<std::string>& names) const {
+  const std::string name = string(join(names));
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    fail("is not known" + did_you_mean(name, names), join(names));
+  return name;
+}
+
 bool TomlCursor::boolean() const {
   if (!node_->is_boolean()) fail("is " + type_name() + ", not a boolean", "true or false");
   return *node_->value<bool>();

@@ -109,8 +109,8 @@ AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const RealView& u, doub
 }
 
 PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary,
-                             int index, const Scales& scales, const RecoveryOptions& options)
-    : bodies_(bodies),
+                             int index, const Scales& scales, const RecoveryOptions& options, const RealView& u)
+    : u_(u), bodies_(bodies),
       auxiliary_(auxiliary),
       body_(bodies[index]),
       grid_(body_.mesh->cut_cells->grid),
@@ -388,6 +388,38 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
                     static_cast<int>(workspace.auxiliary.size()), problem.edge[1], problem.factor, problem.fit[1]);
   }
 
+  if (problem.coupled && std::getenv("WEIGHT")) {
+    static const double power = std::atof(std::getenv("WEIGHT"));
+    const auto residual = [&](const RecoveryBody& body, const int* list, int count, const PatchFit& fit) {
+      const BodyMesh& mesh = *body.mesh;
+      const CutCells& cc = *mesh.cut_cells;
+      double sum = 0, volume = 0, all = 0;
+      for (int i = 0; i < count; ++i) {
+        const int c = list[i], cut = cc.cut_of_active[c];
+        double weights[27], corner[8][3];
+        fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 3, weights);
+        for (int a = 0; a < 8; ++a) for (int k = 0; k < 3; ++k) corner[a][k] = u_(3 * mesh.cell_nodes[c][a] + k);
+        for (int q = 0; q < 27; ++q) {
+          const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
+          const Index3& cell = cc.cells[c];
+          const Vec3 x(cell[0] + 0.5 * (xi[0] + 1), cell[1] + 0.5 * (xi[1] + 1), cell[2] + 0.5 * (xi[2] + 1));
+          double s[6]; hex_stress(mesh.law, corner, xi, s);
+          const Vec3 d = x - fit.centre;
+          for (int k = 0; k < 6; ++k) {
+            const double v = mesh.stress_factor() * s[k];
+            const double p = fit.a[4*k] + fit.a[4*k+1]*d[0] + fit.a[4*k+2]*d[1] + fit.a[4*k+3]*d[2];
+            sum += weights[q] / 8 * (v-p)*(v-p); all += weights[q]/8*v*v;
+          }
+          volume += weights[q] / 8;
+        }
+      }
+      return (sum + 1e-8 * all) / volume;
+    };
+    const double r0 = residual(body_, cells, num_cells, own);
+    const double r1 = residual(bodies_[problem.other_body], workspace.auxiliary.data(), (int)workspace.auxiliary.size(), problem.fit[1]);
+    const double f = std::pow(r0 / r1, power);
+    problem.fit[1].mass *= f;
+  }
   const auto closed_on_surface = [&](int surface) {
     double area = 0;
     for (const ConstraintGroup& group : groups) {

@@ -84,7 +84,8 @@ struct PatchProblem {
 class PatchAssembly {
  public:
   PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary, int index,
-                const Scales& scales, const RecoveryOptions& options);
+                const Scales& scales, const RecoveryOptions& options, const RealView& u);
+  RealView u_;
 
   /// Eight full cells without contact: only equilibrium is known there.
   bool is_interior(int node) const;

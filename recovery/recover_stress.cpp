@@ -124,7 +124,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   std::vector<PatchAssembly> assemblies;
   assemblies.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    assemblies.emplace_back(bodies, auxiliary, static_cast<int>(b), scales, options);
+    assemblies.emplace_back(bodies, auxiliary, static_cast<int>(b), scales, options, u);
   const FoundEdges edges = find_contact_edges(assemblies, bodies, u, options);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;

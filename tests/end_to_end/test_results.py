@@ -180,6 +180,12 @@ class Rings(Results):
     force_errors = {"pressure_sprc": 0.05}
 
 
+class SphereInShell(Results):
+    file, options = "scenes/sphere_in_shell.toml", {"n": 8}
+    areas = dict.fromkeys(("sphere", "shell"), math.pi / 2 * 0.7**2)
+    force_errors = {"pressure_sprc": 0.1}
+
+
 class HangingBar(Results):
     """One body without contact: the same path without contact files."""
     file = "tests/scenes/hanging_bar.toml"

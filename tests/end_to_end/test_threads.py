@@ -8,7 +8,8 @@ import unittest
 
 from harness import cgcontact, largest_difference, report, scene, settings
 
-CASES = (("two_solids", {"n": 8}), ("rings", {"n": 8}), ("two_solids_3d", {"n": 6}), ("hertz", {"n": 2}))
+CASES = (("two_solids", {"n": 8}), ("rings", {"n": 8}), ("two_solids_3d", {"n": 6}), ("hertz", {"n": 2}),
+         ("sphere_in_shell", {"n": 6}))
 SMALL = {"output__plots": "false", "output__vtk": "false"}
 
 

@@ -152,6 +152,69 @@ TEST(Scene, reference_of_rings_is_lames_solution) {
   EXPECT_EQ(scene.contacts[0].interference, 1e-4);
 }
 
+/// Lame: the shell's stress at the interface and on the free side, equilibrium, and the displacement jumps by delta.
+TEST(Scene, reference_of_sphere_in_shell_is_lames_solution) {
+  const Scene scene = read_scene(scene_file("sphere_in_shell.toml"));
+  ASSERT_EQ(scene.reference.stress_of_body.size(), 2u);
+  const double b = 0.7, c = 1.0, nu = 0.3, modulus = 200e9;
+  const Vec3 e(0.48, 0.6, 0.64), across(-0.78086880944303028, 0.62469504755442429, 0);
+  const auto stress = [&](int body, double r) {
+    Sym3 s;
+    for (int k = 0; k < 6; ++k) s[k] = scene.reference.stress_of_body[body][k](r * e);
+    return Mat3(tensor(s));
+  };
+  const auto radial = [&](int body, double r) { return e.dot(stress(body, r) * e); };
+  const auto hoop = [&](int body, double r) { return across.dot(stress(body, r) * across); };
+  const double p = (*scene.reference.pressure)(Vec3(0, 0, 0));
+  for (const int body : {0, 1}) {
+    EXPECT_NEAR(radial(body, b), -p, 1e-9 * p);
+    EXPECT_NEAR((stress(body, b) * e + p * e).norm(), 0, 1e-9 * p) << "no shear";
+  }
+  EXPECT_NEAR(radial(1, c), 0, 1e-9 * p);
+  const double r = 0.83, step = 1e-4;
+  const double slope = (radial(1, r + step) - radial(1, r - step)) / (2 * step);
+  EXPECT_NEAR(slope + 2 / r * (radial(1, r) - hoop(1, r)), 0, 1e-6 * p) << "equilibrium";
+  const auto displacement = [&](int body, double at) {
+    return at / modulus * ((1 - nu) * hoop(body, at) - nu * radial(body, at));
+  };
+  const double strain = (displacement(1, r + step) - displacement(1, r - step)) / (2 * step);
+  EXPECT_NEAR(modulus * strain, radial(1, r) - 2 * nu * hoop(1, r), 1e-6 * p) << "compatibility";
+  EXPECT_NEAR(displacement(1, b) - displacement(0, b), scene.contacts[0].interference, 1e-13);
+}
+
+/// Hertz's pressure follows the computed force: its integral over the quarter's circle is that force.
+TEST(Scene, reference_of_hertz_is_that_of_the_computed_force) {
+  const Scene scene = read_scene(scene_file("hertz.toml"));
+  for (const double force : {1.0, 2e7}) {
+    const ReferenceSpec reference = scene.reference_at(force);
+    const double reduced_modulus = 200e9 / (2 * (1 - 0.09));
+    const double a = std::cbrt(3 * 4 * force / (4 * reduced_modulus));
+    EXPECT_NEAR((*reference.pressure)(Vec3(0, 0, 0)) / (2 * a * reduced_modulus / M_PI), 1, 1e-12);
+    EXPECT_EQ((*reference.pressure)(Vec3(a, 0.1 * a, 0)), 0);
+    const int steps = 2000;
+    double integral = 0;
+    for (int k = 0; k < steps; ++k) {
+      const double r = a * (k + 0.5) / steps;
+      integral += M_PI / 2 * r * (a / steps) * (*reference.pressure)(Vec3(r, 0, 0));
+    }
+    EXPECT_NEAR(integral / force, 1, 1e-4);
+    EXPECT_NE(reference.zones[0].second(Vec3(0.7 * a, 0, 0)), 0);
+    EXPECT_EQ(reference.zones[0].second(Vec3(0.9 * a, 0, 0)), 0);
+  }
+  EXPECT_EQ((*scene.reference_at(0).pressure)(Vec3(0, 0, 0)), (*scene.reference.pressure)(Vec3(0, 0, 0)));
+}
+
+TEST(Scene, contact_force_is_no_name_for_a_parameter) {
+  for (const char* key : {"parameters", "reference.parameters"})
+    expect_contains(message_of(scene_file("hertz.toml"), {std::string(key) + ".contact_force=3"}),
+                    {".contact_force = 3", "cannot be the name of a parameter"});
+}
+
+TEST(Scene, reference_force_is_not_compared_with_itself) {
+  expect_contains(message_of(scene_file("hertz.toml"), {"reference.force=contact_force"}),
+                  {"reference.force = \"contact_force\"", "is a result"});
+}
+
 TEST(Scene, every_scene_of_the_program_is_good) {
   int count = 0;
   for (const auto& entry : fs::directory_iterator(root / "scenes")) {
@@ -159,7 +222,7 @@ TEST(Scene, every_scene_of_the_program_is_good) {
     EXPECT_EQ(message_of(entry.path().string()), "");
     ++count;
   }
-  EXPECT_GE(count, 5);
+  EXPECT_GE(count, 6);
 }
 
 // ---- bad scenes
