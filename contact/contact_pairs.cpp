@@ -294,21 +294,29 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
   return rows;
 }
 
-void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies) {
+void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
+                          const std::vector<double>& group_force) {
+  std::size_t first_group = 0;
   for (BodyModel& body : bodies) body.boundary.links.clear();
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const ContactPair& pair = pairs[p];
     BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
     const Mat3 to_primary = primary.cut_cells.grid.rotation.transpose();
     const Mat3 to_secondary = secondary.cut_cells.grid.rotation.transpose();
+    std::vector<double> closed_area(pair.groups.size(), 0.0);
+    for (const ContactPoint& q : pair.points)
+      if (q.active) closed_area[q.group] += q.weight;
     for (const ContactPoint& q : pair.points) {
       const int index = static_cast<int>(p);
+      const double pressure =
+          q.active && !group_force.empty() ? group_force[first_group + q.group] / closed_area[q.group] : 0.0;
       primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
-                                        pair.secondary, q.secondary_cell, q.secondary_position, q.distance, q.active});
+                                        pair.secondary, q.secondary_cell, q.secondary_position, q.distance, q.active, pressure});
       secondary.boundary.links.push_back({q.secondary_cell, index, q.secondary_position, -(to_secondary * q.normal),
                                           q.weight, pair.primary, q.primary_cell, q.primary_position, q.distance,
-                                          q.active});
+                                          q.active, pressure});
     }
+    first_group += pair.groups.size();
   }
   for (BodyModel& body : bodies) {
     std::vector<int> cells;

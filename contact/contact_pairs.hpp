@@ -65,6 +65,8 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
                                       const ElasticSystem& system);
 
 /// Hands the contact points with their state to the bodies' boundary data, for the recovery.
-void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies);
+/// group_force: N, compression positive, of all groups of all pairs in order; empty: not known.
+void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
+                          const std::vector<double>& group_force = {});
 
 }  // namespace cgcontact

@@ -98,7 +98,9 @@ void Simulation::make_system() {
 
 void Simulation::recover() {
   std::vector<RecoveryBody> input;
-  update_contact_links(pairs, bodies);
+  std::vector<double> group_force = outer.group_force;
+  for (double& force : group_force) force *= scales.stress * scales.length * scales.length;
+  update_contact_links(pairs, bodies, group_force);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
     const RecoveredField field{Subset(mesh.num_nodes),

@@ -32,6 +32,7 @@ struct ContactLink {
   Vec3 other_position;  ///< grid coordinates of the other body
   double distance = 0;  ///< m, from this point along the outward normal to the other body
   bool active = false;
+  double pressure = 0;  ///< Pa, what the solution transmits here: constant over the closed points of a group
 };
 
 /// Boundary of one body: its default quadrature points with what is known there.
@@ -40,6 +41,7 @@ struct BoundaryData {
   std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
   std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
   std::vector<ContactLink> links;
+  double stress_scale = 2e11;
   CellLists links_of_cell;                           ///< active cell -> contact links
   std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.
 };

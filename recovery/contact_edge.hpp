@@ -1,29 +1,52 @@
 /// Stress at the edge of a contact zone. Where a frictionless contact opens the pressure ends like the square root of
-/// the distance, which no polynomial follows: the first term of Williams's expansion (half of a mode I crack: zero shear
-/// on the ligament, no traction on the open side) is fitted beside the polynomial, with the same factor in both bodies.
+/// the distance, which no polynomial follows: the first term of Williams's expansion (half of a mode I crack: no shear on
+/// the ligament, no traction on the open side) stands beside the polynomials, with the same factor in both bodies. The
+/// paper leaves the edge open; splitting sigma* into a singular and a smooth part follows what Rodenas et al. do at
+/// crack tips. Evidence: docs/recovery.md.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "core/csg.hpp"
 
 namespace cgcontact {
 
-/// A straight piece of the edge seen from one body; grid coordinates of that body.
+/// A piece of the edge, a parabola, seen from one body; grid coordinates of that body.
 struct ContactEdge {
   Vec3 origin = Vec3::Zero();   ///< on the edge
   Vec3 closed = Vec3::UnitX();  ///< unit tangent of the surface, across the edge into the contact zone
+  Vec3 along = Vec3::UnitY();   ///< unit tangent of the surface, along the edge
+  double curvature = 0;         ///< of the edge, 1 / cell; negative around a convex zone
   Surface surface;              ///< contact face
   double orientation = 1;       ///< outward normal = orientation * gradient of the signed distance
   double scale = 1;             ///< unit of length of the term, per cell of this body
   double poisson_ratio = 0;     ///< plane strain along the edge
 
   /// Distance from the edge into the closed side (negative: open), unit of length of the term.
-  double inside(const Vec3& x) const { return scale * closed.dot(x - origin); }
+  double inside(const Vec3& x) const {
+    const Vec3 d = x - origin;
+    const double t = along.dot(d);
+    return scale * (closed.dot(d) + 0.5 * curvature * t * t);
+  }
+
   /// Stress (xx, yy, zz, xy, yz, zx; grid axes) of the unit term: normal traction sqrt(inside) in the zone, none outside,
-  /// no shear. In equilibrium where the face is plane; on a curved one up to depth over radius.
+  /// no shear. In equilibrium where face and edge are plane and straight; else up to the distance over the radius.
   void stress(const Vec3& x, double s[6]) const;
 };
+
+/// The term at depth y >= 0 below the face and x inside the edge, in the frame (across into the zone, inward normal,
+/// along the edge): components across, normal, shear. Westergaard's Z = sqrt(x + i y): Re Z - y Im Z', Re Z + y Im Z',
+/// -y Re Z'. Along the edge acts nu (across + normal).
+inline void edge_term(double x, double y, double& across, double& normal, double& shear) {
+  const double radius = std::sqrt(x * x + y * y);
+  const double real = std::sqrt(std::max(radius + x, 0.0) / 2), imaginary = std::sqrt(std::max(radius - x, 0.0) / 2);
+  const double ratio = y / (2 * radius + 1e-300);
+  across = real + ratio * imaginary;
+  normal = real - ratio * imaginary;
+  shear = -ratio * real;
+}
 
 /// The terms beside the polynomials of some nodes of a body.
 struct EdgeTerms {

@@ -1,36 +1,85 @@
 #include "recovery/edge_moments.hpp"
 
 namespace cgcontact {
+namespace {
+
+constexpr int n = 3, num_points = n * n * n;
+
+/// The term at the Gauss points of one cell; the points run along the rows, so that the loops over them are vectorised.
+struct CellTerm {
+  double position[3][num_points], stress[6][num_points];
+
+  CellTerm(const Index3& cell, const ContactEdge& edge) {
+    for (int q = 0; q < num_points; ++q)
+      for (int i = 0, stride = n * n; i < 3; ++i, stride /= n)
+        position[i][q] = cell[i] + 0.5 * (Gauss3::point[q / stride % n] + 1);
+    if (edge.surface.kind == Surface::Kind::plane && edge.curvature == 0)
+      set_plane(edge);
+    else
+      for (int q = 0; q < num_points; ++q) {
+        double s[6];
+        edge.stress(Vec3(position[0][q], position[1][q], position[2][q]), s);
+        for (int k = 0; k < 6; ++k) stress[k][q] = s[k];
+      }
+  }
+
+ private:
+  /// One frame for all points.
+  void set_plane(const ContactEdge& edge) {
+    const Vec3 inward = -edge.orientation * edge.surface.direction;
+    const Vec3 e = (edge.closed - edge.closed.dot(inward) * inward).normalized(), t = inward.cross(e);
+    const double closed[3] = {edge.closed[0], edge.closed[1], edge.closed[2]}, in[3] = {inward[0], inward[1], inward[2]};
+    const double start = edge.closed.dot(edge.origin), face = inward.dot(edge.surface.point);
+    double across[num_points], normal[num_points], shear[num_points];
+    for (int q = 0; q < num_points; ++q) {
+      const double x = closed[0] * position[0][q] + closed[1] * position[1][q] + closed[2] * position[2][q] - start;
+      const double y = in[0] * position[0][q] + in[1] * position[1][q] + in[2] * position[2][q] - face;
+      edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), across[q], normal[q], shear[q]);
+    }
+    constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
+    for (int k = 0; k < 6; ++k) {
+      const int i = first[k], j = second[k];
+      const double third = edge.poisson_ratio * t[i] * t[j], c_across = e[i] * e[j] + third,
+                   c_normal = in[i] * in[j] + third, c_shear = e[i] * in[j] + in[i] * e[j];
+      for (int q = 0; q < num_points; ++q)
+        stress[k][q] = c_across * across[q] + c_normal * normal[q] + c_shear * shear[q];
+    }
+  }
+};
+
+}  // namespace
 
 EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge,
                          const Vec3& centre, const RealView& u) {
-  constexpr int n = 3;
   const CutCells& cc = *mesh.cut_cells;
   EdgeMoments moments;
   moments.with_polynomials.setZero();
   for (int i = 0; i < num_cells; ++i) {
     const int c = cells[i], cut = cc.cut_of_active[c];
-    double weights[n * n * n], corner[8][3];
+    double weights[num_points];
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weights);
-    if (u.extent(0) > 0)
-      for (int a = 0; a < 8; ++a)
-        for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[c][a] + k);
-    for (int q = 0; q < n * n * n; ++q) {
-      const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
-      const Index3& cell = cc.cells[c];
-      const Vec3 x(cell[0] + 0.5 * (xi[0] + 1), cell[1] + 0.5 * (xi[1] + 1), cell[2] + 0.5 * (xi[2] + 1));
-      double term[6];
-      edge.stress(x, term);
-      const double weight = weights[q] / 8;
-      const double p[num_terms] = {1, x[0] - centre[0], x[1] - centre[1], x[2] - centre[2]};
-      for (int k = 0; k < 6; ++k) {
-        for (int t = 0; t < num_terms; ++t) moments.with_polynomials[num_terms * k + t] += weight * p[t] * term[k];
-        moments.square += weight * term[k] * term[k];
+    const CellTerm term(cc.cells[c], edge);
+    for (int k = 0; k < 6; ++k) {
+      double sum[num_terms] = {}, square = 0;
+      for (int q = 0; q < num_points; ++q) {
+        const double value = weights[q] / 8 * term.stress[k][q];
+        sum[0] += value;
+        for (int d = 0; d < 3; ++d) sum[1 + d] += value * (term.position[d][q] - centre[d]);
+        square += value * term.stress[k][q];
       }
-      if (u.extent(0) == 0) continue;
+      for (int t = 0; t < num_terms; ++t) moments.with_polynomials[num_terms * k + t] += sum[t];
+      moments.square += square;
+    }
+    if (u.extent(0) == 0) continue;
+    double corner[8][3];
+    for (int a = 0; a < 8; ++a)
+      for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[c][a] + k);
+    for (int q = 0; q < num_points; ++q) {
+      const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
       double s[6];
       hex_stress(mesh.law, corner, xi, s);
-      for (int k = 0; k < 6; ++k) moments.with_stress += weight * term[k] * mesh.stress_factor() * s[k];
+      for (int k = 0; k < 6; ++k)
+        moments.with_stress += weights[q] / 8 * mesh.stress_factor() * s[k] * term.stress[k][q];
     }
   }
   return moments;

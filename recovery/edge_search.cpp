@@ -1,39 +1,48 @@
 #include "recovery/edge_search.hpp"
 
+#include "core/parallel.hpp"
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <memory>
 
-#include "core/parallel.hpp"
-#include "recovery/constrained_fit.hpp"
-#include "recovery/edge_moments.hpp"
+#include "recovery/edge_misfit.hpp"
 
 namespace cgcontact {
 namespace {
 
+/// Patches per chunk of the parallel loops.
 constexpr std::size_t grain = 4;
-constexpr int num_unknowns = 6 * num_terms;
-using Unknowns = Eigen::Matrix<double, 2 * num_unknowns, 1>;
 
-/// First guess of the edge in a patch: the line that parts closed from open contact points best (least squares of
-/// +1 and -1) among those within two cells.
+/// Places tried across the edge, own cells: widely from the first guess, then closely about the parabola through what
+/// the neighbours found (its direction and curvature are better than the guess's).
+constexpr double wide_step = 0.2, close_step = 0.2;
+constexpr int wide_trials = 11, close_trials = 5;
+
+/// Samples count with exp(-(distance / (smoothing width))^2 / 2), and not at all beyond reach widths.
+constexpr double smoothing = 1.5, reach = 4 * smoothing;
+/// Pull of slope and curvature of the parabola to zero, relative to the sum of the weights: samples of a thin body lie
+/// on one line.
+constexpr double ridge = 0.1;
+
+/// First guess of the edge in a patch: the line that parts closed from open contact points best.
 struct Guess {
-  Vec3 origin, closed, normal, opposite;  ///< global axes, m
-  bool clear = false;
+  EdgePiece piece;
+  Vec3 point, opposite;  ///< on the faces of both bodies, m, global axes
+  Vec3 normal;           ///< outward
+  bool clear = false;    ///< a line parts the points at all
 };
 
-Guess part_points(const PatchAssembly& assembly, int node, int pair, const RecoveryBody& other) {
+/// Least squares of +1 (closed) and -1 by a linear function on the face, over the contact points within two cells.
+Guess part_points(const PatchAssembly& assembly, int node, int pair, const Grid& other) {
   const RecoveryBody& body = assembly.body();
-  const Grid& grid = assembly.grid();
   const CutCells& cc = *body.mesh->cut_cells;
+  const Grid& grid = cc.grid;
   const Index3& at = body.mesh->nodes[node];
-  Guess guess;
-  constexpr int reach = 2;
+  constexpr int cells = 2;
   const auto each_link = [&](const auto& use) {
-    for (int k = -reach; k < reach; ++k)
-      for (int j = -reach; j < reach; ++j)
-        for (int i = -reach; i < reach; ++i) {
+    for (int k = -cells; k < cells; ++k)
+      for (int j = -cells; j < cells; ++j)
+        for (int i = -cells; i < cells; ++i) {
           const int cell = cc.find({at[0] + i, at[1] + j, at[2] + k});
           if (cell < 0) continue;
           for (int l : body.boundary->links_of_cell[cell])
@@ -49,203 +58,231 @@ Guess part_points(const PatchAssembly& assembly, int node, int pair, const Recov
     opposite += link.weight * link.other_position;
   });
   centroid /= area;
-  opposite /= area;
   normal.normalize();
   const auto [t1, t2] = tangents(normal);
-  // Plane fit of the state in the tangent plane.
   Mat3 A = Mat3::Zero();
   Vec3 b = Vec3::Zero();
+  const auto tangential = [&, &e1 = t1, &e2 = t2](const ContactLink& link) {
+    return Vec3(1, e1.dot(link.position - centroid), e2.dot(link.position - centroid));
+  };
   each_link([&](const ContactLink& link) {
-    const Vec3 d = link.position - centroid;
-    const Vec3 p(1, t1.dot(d), t2.dot(d));
+    const Vec3 p = tangential(link);
     A += link.weight / area * p * p.transpose();
     b += link.weight / area * (link.active ? 1 : -1) * p;
   });
-  A.diagonal().tail<2>().array() += 1e-6;
+  A.diagonal().tail<2>().array() += 1e-6;  // points on one line
   const Vec3 c = A.ldlt().solve(b);
-  const Vec3 slope = c[1] * t1 + c[2] * t2;
-  const double steep = slope.norm();
+  const double steep = c.tail<2>().norm();
+  Guess guess;
   if (!(steep > 0.05)) return guess;
-  const Vec3 closed = slope / steep;
-  const Vec3 origin = centroid - c[0] / steep * closed;
+  const Vec3 closed = (c[1] * t1 + c[2] * t2) / steep;
   double wrong = 0;
   each_link([&](const ContactLink& link) {
-    if (link.active != (closed.dot(link.position - origin) > 0)) wrong += link.weight / area;
+    if (link.active != (c.dot(tangential(link)) > 0)) wrong += link.weight / area;
   });
   guess.clear = wrong < 0.2;
-  guess.origin = grid.to_global(origin);
-  guess.closed = grid.rotation * closed;
+  guess.piece.origin = grid.to_global(centroid - c[0] / steep * closed);
+  guess.piece.closed = grid.rotation * closed;
+  guess.piece.along = grid.rotation * normal.cross(closed);
+  guess.point = grid.to_global(centroid);
+  guess.opposite = other.to_global(opposite / area);
   guess.normal = grid.rotation * normal;
-  guess.opposite = other.mesh->cut_cells->grid.to_global(opposite);
   return guess;
 }
 
-/// The fit of polynomials and term in one patch and its auxiliary patch, as a function of the place of the edge.
-class PatchMisfit {
- public:
-  PatchMisfit(const RecoveryBody* const bodies[2], const PatchProblem& problem, const std::vector<FitRow>& rows,
-              const std::vector<int> cells[2], const RealView& u, double rank_tolerance)
-      : problem_(problem), u_(u) {
-    for (int b = 0; b < 2; ++b) {
-      bodies_[b] = bodies[b];
-      cells_[b] = &cells[b];
-      factor_[b].compute(problem.fit[b].mass);
-    }
-    Eigen::MatrixXd C = Eigen::MatrixXd::Zero(6 + problem.num_rows, 2 * num_unknowns);
-    C.block<3, num_unknowns>(0, 0) = divergence_rows();
-    C.block<3, num_unknowns>(3, num_unknowns) = divergence_rows();
-    for (int r = 0; r < problem.num_rows; ++r) {
-      const FitRow& row = rows[problem.first_row + r];
-      for (int b = 0; b < 2; ++b) {
-        const double p[num_terms] = {1, row.place[b][0], row.place[b][1], row.place[b][2]};
-        for (int k = 0; k < 6; ++k)
-          for (int t = 0; t < num_terms; ++t) C(6 + r, num_unknowns * b + num_terms * k + t) = row.weight[b][k] * p[t];
-      }
-    }
-    for (int b = 0; b < 2; ++b)
-      for (int k = 0; k < 6; ++k) {
-        auto columns = C.middleCols<num_terms>(num_unknowns * b + num_terms * k);
-        columns = factor_[b].matrixL().solve(columns.transpose()).transpose().eval();
-      }
-    for (Eigen::Index r = 0; r < C.rows(); ++r)
-      if (C.row(r).norm() > 0) C.row(r).normalize();
-    // Orthonormal basis of the rows that count.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C * C.transpose());
-    const double threshold = rank_tolerance * rank_tolerance * eigen.eigenvalues().maxCoeff();
-    Eigen::Index first = 0;
-    while (first < C.rows() && !(eigen.eigenvalues()[first] > threshold)) ++first;
-    const Eigen::Index rank = C.rows() - first;
-    basis_ = C.transpose() * eigen.eigenvectors().rightCols(rank) *
-             eigen.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-    for (int b = 0; b < 2; ++b)
-      for (int k = 0; k < 6; ++k)
-        free_.segment<num_terms>(num_unknowns * b + num_terms * k) =
-            factor_[b].matrixL().transpose() * problem.fit[b].a.segment<num_terms>(num_terms * k);
-    free_ -= basis_ * (basis_.transpose() * free_);
-  }
-
-  /// How much the term reduces the square of the misfit (less is better: it is negative), its factor and the square of
-  /// the part of the term that polynomials do not carry.
-  double operator()(const ContactEdge edge[2], double& factor, double& weight) const {
-    Unknowns h;
-    double square = 0, with_stress = 0;
-    for (int b = 0; b < 2; ++b) {
-      const EdgeMoments moments = edge_moments(*bodies_[b]->mesh, cells_[b]->data(), static_cast<int>(cells_[b]->size()),
-                                               edge[b], problem_.fit[b].centre, u_);
-      square += moments.square;
-      with_stress += moments.with_stress;
-      for (int k = 0; k < 6; ++k)
-        h.segment<num_terms>(num_unknowns * b + num_terms * k) =
-            factor_[b].matrixL().solve(moments.with_polynomials.segment<num_terms>(num_terms * k));
-    }
-    const Eigen::VectorXd in_rows = basis_.transpose() * h;
-    weight = square - h.squaredNorm() + in_rows.squaredNorm();
-    const double product = with_stress - free_.dot(h);
-    factor = product / weight;
-    return -product * factor;
-  }
-
- private:
-  const PatchProblem& problem_;
-  const RealView& u_;
-  const RecoveryBody* bodies_[2];
-  const std::vector<int>* cells_[2];
-  Eigen::LLT<Eigen::Matrix<double, num_terms, num_terms>> factor_[2];
-  Eigen::MatrixXd basis_;
-  Unknowns free_;  ///< polynomials of sigma_h that the rows leave
+/// A patch that holds closed and open points.
+struct Candidate {
+  const PatchAssembly* assembly;
+  int pair = -1;  ///< -1: of no use
+  Guess guess;
+  std::unique_ptr<EdgeMisfit> misfit;
 };
 
-/// Places tried, own cells from the first guess.
-constexpr int num_trials = 11;
-constexpr double trial_step = 0.2;
+Candidate make_candidate(const PatchAssembly& assembly, int node, int pair, const RealView& u,
+                         double rank_tolerance) {
+  Candidate candidate{&assembly, -1, {}, nullptr};
+  PatchWorkspace workspace;
+  std::vector<FitRow> rows;
+  const PatchProblem problem = assembly.assemble_at_edge(node, pair, workspace, rows);
+  if (!problem.coupled) return candidate;
+  const RecoveryBody& other = assembly.body_of(problem.other_body);
+  candidate.guess = part_points(assembly, node, pair, other.mesh->cut_cells->grid);
+  if (!candidate.guess.clear) return candidate;
+  const RecoveryBody& body = assembly.body();
+  const int* cells = body.patches->cells.data() + body.patches->begin[node];
+  const int num_cells = body.patches->begin[node + 1] - body.patches->begin[node];
+  candidate.misfit = std::make_unique<EdgeMisfit>(
+      EdgeMisfit::Side{&body, {cells, cells + num_cells}}, EdgeMisfit::Side{&other, workspace.auxiliary}, problem, rows, u,
+      rank_tolerance);
+  candidate.pair = pair;
+  return candidate;
+}
 
-}  // namespace
-
-bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
-  double sum = 0, factor_sum = 0;
-  piece = {Vec3::Zero(), Vec3::Zero(), 0};
-  double nearest = 1e300;
-  for (const EdgeSample& s : samples_)
-    if (s.pair == pair) nearest = std::min(nearest, (s.origin - x).norm());
-  if (nearest > 4 * width_) return false;
-  for (const EdgeSample& s : samples_) {
-    if (s.pair != pair) continue;
-    const double distance = std::max((s.origin - x).norm() - nearest, 0.0) / width_;
-    if (distance > 4) continue;
-    const double kernel = std::exp(-0.5 * distance * distance);
-    piece.origin += kernel * s.place_weight * s.origin;
-    piece.closed += kernel * s.place_weight * s.closed;
-    piece.factor += kernel * s.factor_weight * s.factor;
-    sum += kernel * s.place_weight;
-    factor_sum += kernel * s.factor_weight;
+/// Moves the edge of a candidate's guess across to the least misfit; false if there is none among the places tried.
+bool place_edge(const Candidate& candidate, double step, int trials, EdgeSample& sample) {
+  const PatchAssembly& assembly = *candidate.assembly;
+  const double h = assembly.grid().cell_size;
+  EdgeFit fit;
+  const auto misfit_at = [&](double shift) {
+    EdgePiece piece = candidate.guess.piece;
+    piece.origin += shift * h * piece.closed;
+    const auto seen = [&](int side) {
+      return side == 0 ? assembly.seen_from(assembly.body(), candidate.guess.point, candidate.guess.normal, piece, h)
+                       : assembly.seen_from(candidate.misfit->other(), candidate.guess.opposite,
+                                            -candidate.guess.normal, piece, h);
+    };
+    fit = candidate.misfit->at(seen(0), seen(1));
+    return fit.misfit;
+  };
+  double value[wide_trials];
+  int best = 0;
+  for (int t = 0; t < trials; ++t) {
+    value[t] = misfit_at(step * (t - trials / 2));
+    if (value[t] < value[best]) best = t;
   }
-  piece.origin /= sum;
-  piece.closed.normalize();
-  piece.factor /= factor_sum;
+  if (best == 0 || best == trials - 1) return false;
+  const double before = value[best - 1], after = value[best + 1], curvature = before - 2 * value[best] + after;
+  double shift = step * (best - trials / 2);
+  if (curvature > 0) shift += 0.5 * step * (before - after) / curvature;
+  misfit_at(shift);
+  if (!(fit.factor < 0)) return false;  // pulls instead of pressing
+  const EdgePiece& piece = candidate.guess.piece;
+  sample = {candidate.pair, piece.origin + shift * h * piece.closed, piece.closed, candidate.guess.normal,
+            fit.factor / std::sqrt(h), fit.weight};
   return true;
 }
 
-FoundEdges find_contact_edges(const std::vector<PatchAssembly>& assemblies, const std::vector<RecoveryBody>& bodies,
-                              const RealView& u, const RecoveryOptions& options) {
-  std::vector<EdgeSample> samples;
+/// All candidates' samples, in order.
+std::vector<EdgeSample> place_edges(const std::vector<Candidate>& candidates, double step, int trials) {
+  std::vector<EdgeSample> samples(candidates.size());
+  parallel_for(candidates.size(), grain, [&](std::size_t i) {
+    if (candidates[i].pair < 0 || !place_edge(candidates[i], step, trials, samples[i])) samples[i].pair = -1;
+  });
+  samples.erase(std::remove_if(samples.begin(), samples.end(), [](const EdgeSample& s) { return s.pair < 0; }),
+                samples.end());
+  return samples;
+}
+
+}  // namespace
+
+FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width) : samples_(std::move(samples)), width_(width) {
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    // The normals of both bodies' patches point the same way.
+    for (std::size_t k = 0; k < i; ++k)
+      if (samples_[k].pair == samples_[i].pair) {
+        if (samples_[k].normal.dot(samples_[i].normal) < 0) samples_[i].normal *= -1;
+        break;
+      }
+    buckets_[bucket(samples_[i].origin)].push_back(static_cast<int>(i));
+  }
+}
+
+FoundEdges::Bucket FoundEdges::bucket(const Vec3& x) const {
+  Bucket key;
+  for (int d = 0; d < 3; ++d) key[d] = static_cast<long long>(std::floor(x[d] / (reach * width_)));
+  return key;
+}
+
+template <class Use>
+void FoundEdges::each_near(int pair, const Vec3& x, const Use& use) const {
+  const Bucket centre = bucket(x);
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k) {
+        const auto found = buckets_.find({centre[0] + i, centre[1] + j, centre[2] + k});
+        if (found == buckets_.end()) continue;
+        for (int s : found->second)
+          if (samples_[s].pair == pair) use(samples_[s]);
+      }
+}
+
+bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
+  if (samples_.empty()) return false;
+  const EdgeSample* first = nullptr;
+  double nearest = reach * width_;
+  each_near(pair, x, [&](const EdgeSample& s) {
+    const double distance = (s.origin - x).norm();
+    if (distance < nearest) first = &s, nearest = distance;
+  });
+  if (!first) return false;
+  Vec3 foot = first->origin;
+  const auto each_weighted = [&](const auto& use) {
+    each_near(pair, foot, [&](const EdgeSample& s) {
+      const double distance = (s.origin - foot).norm() / width_;
+      if (distance < reach) use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
+    });
+  };
+  // Mean directions about the nearest sample; the foot of x on the edge.
+  Vec3 closed = Vec3::Zero(), normal = Vec3::Zero();
+  each_weighted([&](const EdgeSample& s, double w) {
+    closed += w * s.closed;
+    normal += w * s.normal;
+  });
+  normal.normalize();
+  closed = (closed - closed.dot(normal) * normal).normalized();
+  const Vec3 along = normal.cross(closed);
+  foot += along.dot(x - foot) * along;
+  // A parabola across over along.
+  Mat3 A = Mat3::Zero();
+  Vec3 b = Vec3::Zero();
+  double sum = 0, height = 0, factor = 0, factor_weight = 0;
+  each_weighted([&](const EdgeSample& s, double w) {
+    const Vec3 d = (s.origin - foot) / width_;
+    const double t = along.dot(d);
+    const Vec3 p(1, t, 0.5 * t * t);
+    A += w * p * p.transpose();
+    b += w * closed.dot(d) * p;
+    sum += w;
+    height += w * normal.dot(d);
+    factor += w * s.weight * s.factor;
+    factor_weight += w * s.weight;
+  });
+  if (!(factor_weight > 0)) return false;
+  A(1, 1) += ridge * sum;
+  A(2, 2) += ridge * sum;
+  const Vec3 c = A.ldlt().solve(b);
+  piece.origin = foot + width_ * (c[0] * closed + height / sum * normal);
+  piece.closed = (closed - c[1] * along).normalized();
+  piece.along = normal.cross(piece.closed);
+  piece.curvature = -c[2] / width_;
+  piece.factor = factor / factor_weight;
+  return true;
+}
+
+FoundEdges find_contact_edges(const std::vector<PatchAssembly>& assemblies, const RealView& u,
+                              const RecoveryOptions& options) {
+  if (!options.contact_edge) return FoundEdges({}, 1);
+  std::vector<Candidate> candidates;
   double width = 0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const PatchAssembly& assembly = assemblies[b];
-    const double h = assembly.grid().cell_size;
-    width = std::max(width, h);
-    const int num_nodes = bodies[b].mesh->num_nodes;
+  for (const PatchAssembly& assembly : assemblies) {
+    width = std::max(width, assembly.grid().cell_size);
     std::vector<std::pair<int, int>> mixed;  // node, pair
-    PatchWorkspace workspace;
-    for (int n = 0; n < num_nodes && options.contact_edge; ++n) {
-      assembly.pair_states(n, workspace.states);
-      for (const PairState& state : workspace.states)
+    std::vector<PairState> states;
+    for (int n = 0; n < assembly.body().mesh->num_nodes; ++n) {
+      assembly.pair_states(n, states);
+      for (const PairState& state : states)
         if (state.is_mixed()) mixed.emplace_back(n, state.pair);
     }
-    std::vector<EdgeSample> found(mixed.size());
+    const std::size_t first = candidates.size();
+    candidates.resize(first + mixed.size());
     parallel_for(mixed.size(), grain, [&](std::size_t i) {
-      found[i].pair = -1;
-      PatchWorkspace work;
-      std::vector<FitRow> rows;
-      const PatchProblem problem = assembly.assemble_at_edge(mixed[i].first, mixed[i].second, work, rows);
-      if (!problem.coupled) return;
-      const RecoveryBody& other = bodies[problem.other_body];
-      const Guess guess = part_points(assembly, mixed[i].first, problem.pair, other);
-      if (!guess.clear) return;
-      const RecoveryBody* both[2] = {&bodies[b], &other};
-      const PatchSet& patches = *bodies[b].patches;
-      const std::vector<int> cells[2] = {
-          {patches.cells.begin() + patches.begin[problem.node], patches.cells.begin() + patches.begin[problem.node + 1]},
-          work.auxiliary};
-      const PatchMisfit misfit(both, problem, rows, cells, u, options.rank_tolerance);
-      const auto at = [&](double shift, double& factor, double& weight) {
-        EdgePiece piece{guess.origin + shift * h * guess.closed, guess.closed, 0};
-        const ContactEdge edge[2] = {assembly.seen_from(bodies[b], guess.origin, guess.normal, piece, h),
-                                     assembly.seen_from(other, guess.opposite, -guess.normal, piece, h)};
-        return misfit(edge, factor, weight);
-      };
-      double value[num_trials], factor, weight;
-      int best = 0;
-      for (int t = 0; t < num_trials; ++t) {
-        value[t] = at(trial_step * (t - num_trials / 2), factor, weight);
-        if (value[t] < value[best]) best = t;
-      }
-      if (best == 0 || best == num_trials - 1) return;
-      const double curvature = value[best - 1] - 2 * value[best] + value[best + 1];
-      double shift = trial_step * (best - num_trials / 2);
-      if (curvature > 0) shift += 0.5 * trial_step * (value[best - 1] - value[best + 1]) / curvature;
-      const double least = at(shift, factor, weight);
-      if (std::getenv("EDGE_PRINT")) {
-        const Vec3 o = guess.origin + shift * h * guess.closed;
-        std::printf("edge body %zu node %d guess %.4e %.4e closed %.3f %.3f %.3f shift %.3f -> %.5e %.5e K %.4e w %.3e curv %.3e J %.3e\n", b, mixed[i].first, guess.origin[0], guess.origin[1], guess.closed[0], guess.closed[1], guess.closed[2], shift, o[0], o[1], factor/std::sqrt(h), weight, curvature, least);
-      }
-      if (!(factor < 0)) return;
-      found[i] = {problem.pair, guess.origin + shift * h * guess.closed, guess.closed, factor / std::sqrt(h), curvature,
-                  weight};
+      candidates[first + i] = make_candidate(assembly, mixed[i].first, mixed[i].second, u, options.rank_tolerance);
     });
-    for (const EdgeSample& sample : found)
-      if (sample.pair >= 0) samples.push_back(sample);
   }
-  return FoundEdges(std::move(samples), width);
+  const FoundEdges rough(place_edges(candidates, wide_step, wide_trials), width);
+  for (Candidate& candidate : candidates) {
+    if (candidate.pair < 0) continue;
+    Guess& guess = candidate.guess;
+    EdgePiece piece;
+    if (!rough.near(candidate.pair, guess.piece.origin, piece)) {
+      candidate.pair = -1;
+      continue;
+    }
+    guess.piece = piece;
+    guess.piece.closed = (piece.closed - piece.closed.dot(guess.normal) * guess.normal).normalized();
+    guess.piece.along = guess.normal.cross(guess.piece.closed);
+  }
+  return FoundEdges(place_edges(candidates, close_step, close_trials), width);
 }
 
 }  // namespace cgcontact

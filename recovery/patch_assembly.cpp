@@ -273,6 +273,8 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
   ContactEdge edge;
   edge.origin = grid.to_grid(piece.origin);
   edge.closed = grid.rotation.transpose() * piece.closed;
+  edge.along = grid.rotation.transpose() * piece.along;
+  edge.curvature = piece.curvature * grid.cell_size;
   const Vec3 x = grid.to_grid(face_point), n = grid.rotation.transpose() * normal;
   double least = 1e300;
   for (const Surface& surface : mesh.cut_cells->solid.surfaces()) {
@@ -310,7 +312,7 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
   if (!edges.near(state.pair, x, piece)) return plain;
   double least = 1e300, most = -1e300;
   each_link([&](const ContactLink& link) {
-    const double inside = piece.closed.dot(grid_.to_global(link.position) - piece.origin) / grid_.cell_size;
+    const double inside = piece.inside(grid_.to_global(link.position)) / grid_.cell_size;
     least = std::min(least, inside);
     most = std::max(most, inside);
   });
@@ -388,7 +390,7 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
                     static_cast<int>(workspace.auxiliary.size()), problem.edge[1], problem.factor, problem.fit[1]);
   }
 
-  if (problem.coupled && std::getenv("WEIGHT")) {
+  if (problem.coupled && edge_pair < 0 && std::getenv("WEIGHT")) {
     static const double power = std::atof(std::getenv("WEIGHT"));
     const auto residual = [&](const RecoveryBody& body, const int* list, int count, const PatchFit& fit) {
       const BodyMesh& mesh = *body.mesh;

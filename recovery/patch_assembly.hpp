@@ -44,8 +44,13 @@ struct PairState {
 
 /// The edge of a contact zone near some place, found by recovery/edge_search.hpp; global axes.
 struct EdgePiece {
-  Vec3 origin, closed;  ///< m; unit vector across the edge into the zone
-  double factor;        ///< of the term, Scales::stress per square root of a metre
+  Vec3 origin, closed, along;  ///< m; unit vectors across the edge into the zone and along it
+  double curvature = 0;        ///< 1/m, negative around a convex zone
+  double factor = 0;           ///< of the term, Scales::stress per square root of a metre
+  double inside(const Vec3& x) const {
+    const double t = along.dot(x - origin);
+    return closed.dot(x - origin) + 0.5 * curvature * t * t;
+  }
 };
 
 /// Where the edges of all pairs run.
@@ -103,6 +108,7 @@ class PatchAssembly {
   ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
                         double unit) const;
   const RecoveryBody& body() const { return body_; }
+  const RecoveryBody& body_of(int index) const { return bodies_[index]; }
   const Grid& grid() const { return grid_; }
 
  private:

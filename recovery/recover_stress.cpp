@@ -29,14 +29,6 @@ void recover_interior(const PatchAssembly& assembly, int n) {
   }
 }
 
-Row24 full_row(const FitRow& row, int body) {
-  const double p[num_terms] = {1, row.place[body][0], row.place[body][1], row.place[body][2]};
-  Row24 full;
-  for (int k = 0; k < 6; ++k)
-    for (int t = 0; t < num_terms; ++t) full[num_terms * k + t] = row.weight[body][k] * p[t];
-  return full;
-}
-
 /// Solves one patch; returns the number of truncated rows.
 int solve_patch(PatchProblem& problem, const std::vector<FitRow>& rows, double rank_tolerance) {
   const int num_bodies = problem.coupled ? 2 : 1;
@@ -125,7 +117,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   assemblies.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
     assemblies.emplace_back(bodies, auxiliary, static_cast<int>(b), scales, options, u);
-  const FoundEdges edges = find_contact_edges(assemblies, bodies, u, options);
+  const FoundEdges edges = find_contact_edges(assemblies, u, options);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
     PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes)};
