@@ -52,7 +52,7 @@ class Batches {
       status[l] = status_ + i;
     }
     Kernel::run(patch, status, used, tolerance_, solver,
-                thread_scratch(Kernel::scratch_size(patch[lanes - 1]->num_rows, solver)), unsolved);
+                thread_scratch(Kernel::scratch_size(patch[lanes - 1]->num_rows)), unsolved);
     for (int l = 0; l < used; ++l) left[order[begin + l]] = unsolved[l];
   }
 

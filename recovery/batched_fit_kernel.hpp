@@ -21,7 +21,8 @@ class FitKernel {
   static constexpr int num_interior = bodies * P::num_interior;
 
   enum class Solver {
-    cholesky,  ///< patches that certainly have full rank are finished, the others marked and left as they are
+    cholesky,  ///< patches that certainly have full rank; the others are marked and left as they are, unless all are
+               ///< such
     spectral,  ///< truncated pseudo-inverse
     either     ///< Cholesky, and the pseudo-inverse if a lane needs it
   };
@@ -31,13 +32,10 @@ class FitKernel {
     return (num_interior + rows + row_block - 1) / row_block * row_block;
   }
   /// Work space for up to `rows` rows of the input: numbers of type Real.
-  static KOKKOS_INLINE_FUNCTION std::size_t scratch_size(int rows, Solver solver) {
+  static KOKKOS_INLINE_FUNCTION std::size_t scratch_size(int rows) {
     const int n = padded(rows);
     const std::size_t packed = packed_row(n), spectral = SpectralScratch::size(n);
-    const std::size_t work = solver == Solver::cholesky   ? packed
-                             : solver == Solver::spectral ? spectral
-                             : packed > spectral          ? packed
-                                                          : spectral;
+    const std::size_t work = packed > spectral ? packed : spectral;
     return packed + work + 5 * n + (n - num_interior + row_tile) * bodies * (6 + 3 + P::num_terms);
   }
 
@@ -52,7 +50,7 @@ class FitKernel {
     k.gram_rows();
     k.find_defects();
     k.bound_norm();
-    k.solve(tolerance, solver);
+    k.solve(tolerance, solver, used);
     k.correct();
     k.write(status, used, unsolved);
   }
@@ -308,42 +306,51 @@ class FitKernel {
     for (int r = 0; r < n_; ++r) mu_[r] = defect_[r];
   }
 
-  /// Upper bound of the largest eigenvalue: the Frobenius norm or the largest row sum.
+  /// Upper bound of the largest eigenvalue: the largest row sum, or from trace and Frobenius norm (with mean eigenvalue
+  /// 1 of m rows: 1 + sqrt((m - 1) (|G|^2 / m - 1)), Wolkowicz and Styan 1980).
   KOKKOS_INLINE_FUNCTION void bound_norm() {
-    Real squares = Real{}, largest = Real{};
+    Real squares = Real{}, trace = Real{}, largest = Real{};
     Real* sum = work_;
     for (int r = 0; r < n_; ++r) {
       const Real* row = gram_ + packed_row(r);
-      squares += live_[r];
-      sum[r] = live_[r];
+      trace += live_[r];
+      Real own = live_[r], own_squares = Real{};
       for (int s = 0; s < r; ++s) {
-        const Real size = magnitude(row[s]);
-        squares += 2.0 * size * size;
-        sum[r] += size;
-        sum[s] += size;
+        own += magnitude(row[s]);
+        own_squares += row[s] * row[s];
+        sum[s] += magnitude(row[s]);
       }
+      sum[r] = own;
+      squares += own_squares;
     }
     for (int r = 0; r < n_; ++r) largest = larger(largest, sum[r]);
-    const Real frobenius = square_root(squares);
-    norm_ = select<Real>(frobenius < largest, frobenius, largest);
+    const Real spread = square_root((trace - 1.0) * (2.0 * squares / trace));
+    norm_ = select<Real>(1.0 + spread < largest, 1.0 + spread, largest);
   }
 
   /// Full rank is certain if G - tolerance^2 norm I is positive definite (Sylvester's law of inertia).
-  KOKKOS_INLINE_FUNCTION void solve(double tolerance, Solver solver) {
+  KOKKOS_INLINE_FUNCTION void solve(double tolerance, Solver solver, int used) {
     truncated_ = Real{};
-    unsolved_ = rows_of_lane_ != rows_of_lane_;
+    const Mask none = rows_of_lane_ != rows_of_lane_;
+    unsolved_ = none;
     if (solver != Solver::spectral) {
       unsolved_ = good_ & !packed_cholesky<Real>(gram_, 1.001 * tolerance * tolerance * norm_, n_, work_);
-      if (solver == Solver::cholesky || !any(unsolved_)) {
+      if (!any(unsolved_) || (solver == Solver::cholesky && !all_unsolved(used))) {
         packed_cholesky<Real>(gram_, Real{}, n_, work_);
         packed_cholesky_solve(work_, n_, mu_);
         return;
       }
     }
-    unsolved_ = rows_of_lane_ != rows_of_lane_;
+    unsolved_ = none;
     const SpectralResult<Real> result = pseudo_inverse_solve(gram_, norm_, tolerance * tolerance, n_, mu_, work_);
     good_ = good_ & result.converged;
     truncated_ = result.truncated + idle_;
+  }
+
+  KOKKOS_INLINE_FUNCTION bool all_unsolved(int used) const {
+    for (int l = 0; l < used; ++l)
+      if (!lane(unsolved_, l)) return false;
+    return true;
   }
 
   /// a += m^-1 C^T mu.

@@ -90,56 +90,78 @@ struct SpectralScratch {
   /// QR takes less than two sweeps for an eigenvalue; the slowest lane counts.
   static constexpr int max_sweeps(int n) { return 6 * n + 20; }
   static constexpr int max_rotations(int n) { return n * (2 * n + 20); }
-  static constexpr std::size_t size(int n) { return 5 * n + 2 * max_sweeps(n) + 2 * max_rotations(n); }
+  static constexpr std::size_t size(int n) { return 7 * n + 2 * max_sweeps(n) + 2 * max_rotations(n); }
 };
 
-/// Householder's reduction to a tridiagonal matrix: A <- the vectors (column k, below the diagonal), d, e, factor;
-/// x <- Q^T x. p, v: n numbers each. 4/3 n^3 flop.
+/// The reflector H = 1 - factor v v^T that takes rows k+1 .. of column k of A to their length: v into the column, and v
+/// with zeros around it into v[]; e: the image's first entry.
 template <class Real>
-KOKKOS_INLINE_FUNCTION void tridiagonalise(Real* A, int n, Real* d, Real* e, Real* factor, Real* v, Real* p, Real* x) {
-  for (int k = 0; k + 1 < n; ++k) {
-    Real squares = Real{};
-    for (int i = k + 1; i < n; ++i) {
-      v[i] = A[packed_row(i) + k];
-      squares += v[i] * v[i];
+KOKKOS_INLINE_FUNCTION void make_reflector(Real* A, int n, int k, Real* v, Real& factor, Real& e) {
+  Real squares = Real{};
+  for (int i = k + 1; i < n; ++i) {
+    v[i] = A[packed_row(i) + k];
+    squares += v[i] * v[i];
+  }
+  const MaskOf<Real> some = squares > 1e-280;
+  const Real first = v[k + 1], norm = square_root(squares);
+  const Real image = select<Real>(first > 0, -norm, norm);
+  v[k + 1] = A[packed_row(k + 1) + k] = first - image;
+  const Real half = squares - first * image;  // v.v / 2
+  factor = select<Real>(some, 1.0 / select<Real>(some, half, Real{} + 1), Real{});
+  e = select<Real>(some, image, Real{});
+}
+
+/// Householder's reduction to a tridiagonal matrix: A <- the reflectors (column k, below the diagonal), d, e, factor;
+/// x <- Q^T x. work: 4 n numbers. The update after one reflector and the product with the next one, which needs one
+/// updated column only, share one pass over the matrix. 4/3 n^3 flop.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void tridiagonalise(Real* A, int n, Real* d, Real* e, Real* factor, Real* work, Real* x) {
+  Real *v = work, *w = v + n, *next = w + n, *product = next + n;
+  make_reflector(A, n, 0, v, factor[0], e[0]);
+  for (int i = 1; i < n; ++i) product[i] = Real{};
+  for (int i = 1; i < n; ++i) {
+    const Real* row = A + packed_row(i);
+    Real sum = row[i] * v[i];
+    for (int j = 1; j < i; ++j) {
+      sum += row[j] * v[j];
+      product[j] += row[j] * v[i];
     }
-    const MaskOf<Real> some = squares > 1e-280;
-    const Real first = v[k + 1], norm = square_root(squares);
-    const Real image = select<Real>(first > 0, -norm, norm);
-    v[k + 1] = first - image;
-    // v.v / 2 = norm^2 - first * image = norm (norm + |first|)
-    const Real half = squares - first * image;
-    factor[k] = select<Real>(some, 1.0 / select<Real>(some, half, Real{} + 1), Real{});
-    d[k] = A[packed_row(k) + k];
-    e[k] = select<Real>(some, image, Real{});
-    Real xv = Real{}, pv = Real{};
-    for (int i = k + 1; i < n; ++i) A[packed_row(i) + k] = v[i], p[i] = Real{}, xv += v[i] * x[i];
+    product[i] += sum;
+  }
+  for (int k = 0;; ++k) {
+    // A <- H A H = A - v w^T - w v^T in the rows from k + 1, with product = A v.
+    Real along = Real{}, inner = Real{};
     for (int i = k + 1; i < n; ++i) {
-      const Real* row = A + packed_row(i);
-      Real sum = row[i] * v[i];
-      const Real vi = v[i];
-      for (int j = k + 1; j < i; ++j) {
-        sum += row[j] * v[j];
-        p[j] += row[j] * vi;
-      }
-      p[i] += sum;
+      along += v[i] * x[i];
+      inner += v[i] * product[i];
     }
+    along *= factor[k];
+    inner *= 0.5 * factor[k] * factor[k];
     for (int i = k + 1; i < n; ++i) {
-      p[i] *= factor[k];
-      pv += p[i] * v[i];
-    }
-    const Real part = 0.5 * factor[k] * pv, along = factor[k] * xv;
-    for (int i = k + 1; i < n; ++i) {
-      p[i] -= part * v[i];
+      w[i] = factor[k] * product[i] - inner * v[i];
       x[i] -= along * v[i];
     }
-    for (int i = k + 1; i < n; ++i) {
+    const int c = k + 1;
+    for (int i = c; i < n; ++i) A[packed_row(i) + c] -= v[i] * w[c] + w[i] * v[c];
+    if (c + 1 == n) break;
+    make_reflector(A, n, c, next, factor[c], e[c]);
+    for (int i = c + 1; i < n; ++i) product[i] = Real{};
+    for (int i = c + 1; i < n; ++i) {
       Real* row = A + packed_row(i);
-      const Real vi = v[i], pi = p[i];
-      for (int j = k + 1; j <= i; ++j) row[j] -= vi * p[j] + pi * v[j];
+      const Real vi = v[i], wi = w[i], ni = next[i];
+      Real sum = Real{};
+      for (int j = c + 1; j < i; ++j) {
+        const Real updated = row[j] = row[j] - (vi * w[j] + wi * v[j]);
+        sum += updated * next[j];
+        product[j] += updated * ni;
+      }
+      row[i] -= 2.0 * vi * wi;
+      product[i] += sum + row[i] * ni;
     }
+    Real* const used = v;
+    v = next, next = used;
   }
-  d[n - 1] = A[packed_row(n - 1) + n - 1];
+  for (int k = 0; k < n; ++k) d[k] = A[packed_row(k) + k];
 }
 
 /// The last block of a tridiagonal matrix that has not split, per lane: rows low .. high (high 0: none is left), and
@@ -271,9 +293,9 @@ struct SpectralResult {
 template <class Real>
 KOKKOS_INLINE_FUNCTION SpectralResult<Real> pseudo_inverse_solve(Real* A, const Real& norm, double relative_tolerance,
                                                                  int n, Real* x, Real* scratch) {
-  Real *d = scratch, *e = d + n, *factor = e + n, *v = factor + n, *p = v + n;
-  RotationLog<Real> log{p + n, p + n + 2 * SpectralScratch::max_sweeps(n)};
-  tridiagonalise(A, n, d, e, factor, v, p, x);
+  Real *d = scratch, *e = d + n, *factor = e + n, *work = factor + n, *ranges = work + 4 * n;
+  RotationLog<Real> log{ranges, ranges + 2 * SpectralScratch::max_sweeps(n)};
+  tridiagonalise(A, n, d, e, factor, work, x);
   SpectralResult<Real> result;
   result.converged = diagonalise<Real>(d, e, n, 1e-16 * norm, x, log);
   result.largest = result.truncated = Real{};

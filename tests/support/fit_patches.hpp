@@ -195,13 +195,13 @@ template <int degree>
 void random_mass(const Shape& shape, Generator& g, double* packed) {
   constexpr int T = Polynomial<degree>::num_terms;
   Eigen::MatrixXd m = Eigen::MatrixXd::Zero(T, T);
-  const bool bare = shape.slivers && g.integer(0, 7) == 0;
+  const bool bare = shape.slivers && g.integer(0, 3) == 0;
   const double gauss[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
   const double weights[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538};
   const int layers = degree == 2 && !shape.slivers ? 3 : 2;  // enough for quadratic polynomials
   for (int cell = 0; cell < layers * layers * layers; ++cell) {
     const bool corner = cell == 0;  // never left out: a patch has a cell
-    if (!corner && shape.slivers && g.integer(0, 3) == 0) continue;
+    if (!corner && (bare || (shape.slivers && g.integer(0, 3) == 0))) continue;
     double low[3], size[3] = {1, 1, 1};
     for (int i = 0, c = cell; i < 3; ++i, c /= layers) low[i] = c % layers - 0.5 * layers;
     if (shape.least_fraction < 1 && (bare || (!corner && g.integer(0, 1) == 0)))

@@ -94,7 +94,7 @@ TYPED_TEST(BatchedFit, OneLaneGivesWhatEightGive) {
     FitInput<degree, bodies>* const patch[1] = {&single[i]};
     FitStatus* const to[1] = {&single_status[i]};
     bool unsolved[1];
-    std::vector<double> scratch(Kernel::scratch_size(single[i].num_rows, Kernel::Solver::either));
+    std::vector<double> scratch(Kernel::scratch_size(single[i].num_rows));
     Kernel::run(patch, to, 1, tolerance, Kernel::Solver::either, scratch.data(), unsolved);
     EXPECT_FALSE(unsolved[0]);
     EXPECT_EQ(status[i].truncated, single_status[i].truncated);

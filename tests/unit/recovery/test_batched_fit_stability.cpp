@@ -120,8 +120,8 @@ void check_all() {
   std::printf("degree %d, %d bodies: %d flagged, %d truncated, %d conflicting; unmet %.1e, report %.1e\n", degree,
               bodies, tally.flagged, tally.truncated, tally.conflicting, tally.worst_unmet, tally.worst_report);
   // Ten digits may be lost in a mass matrix, two in the rows.
-  EXPECT_LT(tally.worst_unmet, 1e-6);
-  EXPECT_LT(tally.worst_report, 1e-6);
+  EXPECT_LT(tally.worst_unmet, 1e-13);
+  EXPECT_LT(tally.worst_report, 1e-7);
   EXPECT_LT(tally.flagged, 1250);
   EXPECT_GT(tally.truncated, 250);
   EXPECT_GT(tally.conflicting, 50);
