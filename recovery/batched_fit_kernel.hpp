@@ -306,26 +306,38 @@ class FitKernel {
     for (int r = 0; r < n_; ++r) mu_[r] = defect_[r];
   }
 
-  /// Upper bound of the largest eigenvalue: the largest row sum, or from trace and Frobenius norm (with mean eigenvalue
-  /// 1 of m rows: 1 + sqrt((m - 1) (|G|^2 / m - 1)), Wolkowicz and Styan 1980).
+  /// Upper bound of the largest eigenvalue: from trace and Frobenius norm (m rows of mean eigenvalue 1:
+  /// 1 + sqrt((m - 1) (|G|^2 / m - 1)), Wolkowicz and Styan 1980), and the largest entry of (|G| x)_r / x_r for a
+  /// positive x, here the row sums (Collatz and Wielandt).
   KOKKOS_INLINE_FUNCTION void bound_norm() {
     Real squares = Real{}, trace = Real{}, largest = Real{};
-    Real* sum = work_;
+    Real *sum = work_, *product = work_ + n_;
     for (int r = 0; r < n_; ++r) {
       const Real* row = gram_ + packed_row(r);
       trace += live_[r];
-      Real own = live_[r], own_squares = Real{};
+      Real own = live_[r];
       for (int s = 0; s < r; ++s) {
         own += magnitude(row[s]);
-        own_squares += row[s] * row[s];
+        squares += row[s] * row[s];
         sum[s] += magnitude(row[s]);
       }
       sum[r] = own;
-      squares += own_squares;
     }
-    for (int r = 0; r < n_; ++r) largest = larger(largest, sum[r]);
-    const Real spread = square_root((trace - 1.0) * (2.0 * squares / trace));
-    norm_ = select<Real>(1.0 + spread < largest, 1.0 + spread, largest);
+    for (int r = 0; r < n_; ++r) {
+      const Real* row = gram_ + packed_row(r);
+      Real own = sum[r];
+      for (int s = 0; s < r; ++s) {
+        own += magnitude(row[s]) * sum[s];
+        product[s] += magnitude(row[s]) * sum[r];
+      }
+      product[r] = own;
+    }
+    for (int r = 0; r < n_; ++r) {
+      const MaskOf<Real> counts = live_[r] > 0;
+      largest = larger<Real>(largest, product[r] / select<Real>(counts, sum[r], Real{} + 1));
+    }
+    const Real styan = 1.0 + square_root((trace - 1.0) * (2.0 * squares / trace));
+    norm_ = select<Real>(styan < largest, styan, largest);
   }
 
   /// Full rank is certain if G - tolerance^2 norm I is positive definite (Sylvester's law of inertia).

@@ -9,7 +9,7 @@
 /// 3 and 18 independent rows. `Real`: see lane_math.hpp.
 #pragma once
 
-#include <Kokkos_Core.hpp>
+#include "recovery/lane_math.hpp"  // its vectors pass through the templates here
 
 namespace cgcontact {
 
