@@ -8,9 +8,10 @@
 #include <cmath>
 #include <memory>
 
+#include "kernels/hex.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
-#include "recovery/constrained_fit.hpp"
+#include "recovery/batched_fit.hpp"
 #include "recovery/constraints.hpp"
 #include "recovery/recover_stress.hpp"
 
@@ -59,9 +60,9 @@ double constant_stress_error(const SprProblem& p, const Mat3& gradient) {
   return largest;
 }
 
-/// Sums and differences of the corners 72 flop; for each of the four integrals 9 gradients of 8, factors 12, stress 15,
-/// scaling 6. Bytes: displacements once, node numbers and number of the moments, 17 moments of cut cells, 24 integrals
-/// written.
+/// Sums and differences of the corners 72 flop; for each of the four integrals 9 gradients of 8, factors 12, stress
+/// 15, scaling 6. Bytes: displacements once, node numbers and number of the moments, 17 moments of cut cells, 24
+/// integrals written.
 Kernel cell_stress(int size) {
   auto p = std::make_shared<SprProblem>(size);
   Mat3 gradient;
@@ -83,11 +84,11 @@ Kernel cell_stress(int size) {
 
 /// Plain twin of one fit: normal equations summed cell by cell, solved by Eigen.
 Eigen::Matrix<double, num_terms, 6> plain_fit(const SprProblem& p, int n) {
-  MassMatrix m = MassMatrix::Zero();
+  Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, num_terms, 6> rhs = rhs.Zero();
   for (int i = p.patches.begin[n]; i < p.patches.begin[n + 1]; ++i) {
     const int c = p.patches.cells[i];
-    MassMatrix own, shift = MassMatrix::Identity();  // {1, x, y, z} about the cell's centre -> about the node
+    Eigen::Matrix4d own, shift = Eigen::Matrix4d::Identity();  // {1, x, y, z} about the cell's centre -> about the node
     const MonomialMoments& m1 = p.moments(c);
     own << m1[0], m1[1], m1[2], m1[3], m1[1], m1[4], m1[7], m1[9], m1[2], m1[7], m1[5], m1[8], m1[3], m1[9], m1[8],
         m1[6];
@@ -132,29 +133,50 @@ Kernel fit(int size) {
   return k;
 }
 
-/// Input of one constrained fit.
+/// Conditions on one patch's stresses, for one body or two, of any degree.
 struct Patch {
-  std::vector<MassMatrix> mass;
-  Eigen::MatrixXd C;
-  Eigen::VectorXd lambda, a;  ///< a: unconstrained
+  std::vector<std::pair<int, int>> node;  ///< body and node of each polynomial
+  std::vector<FitRow<2>> rows;
 };
 
-/// Mass matrix of a node's patch.
-MassMatrix patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n) {
+/// Mass matrix of a node's patch, packed. Degree 2: as if all cells were whole (cut cells have no moments of degree
+/// 4; the work is the same).
+template <int degree>
+void patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n, double* packed) {
+  constexpr int T = Polynomial<degree>::num_terms;
   const double centre[3] = {double(mesh.nodes[n][0]), double(mesh.nodes[n][1]), double(mesh.nodes[n][2])};
-  double m[num_terms][num_terms];
-  gather_mass(mesh, patches, &patches.cells[patches.begin[n]], patches.begin[n + 1] - patches.begin[n], centre, m);
-  return MassMatrix(&m[0][0]);  // symmetric
+  const int* cells = &patches.cells[patches.begin[n]];
+  const int num_cells = patches.begin[n + 1] - patches.begin[n];
+  double m[T][T] = {};
+  if constexpr (degree == 1) {
+    gather_mass(mesh, patches, cells, num_cells, centre, m);
+  } else {
+    for (int q = 0; q < 27 * num_cells; ++q) {
+      const int point[3] = {q % 3, q / 3 % 3, q / 9 % 3};
+      double d[3], terms[T], weight = 1;
+      for (int i = 0; i < 3; ++i) {
+        d[i] = mesh.cut_cells->cells[cells[q / 27]][i] + 0.5 * (1 + Gauss3::point[point[i]]) - centre[i];
+        weight *= (point[i] == 1 ? 8.0 : 5.0) / 18;
+      }
+      Polynomial<degree>::terms(d, terms);
+      for (int i = 0; i < T; ++i)
+        for (int j = 0; j <= i; ++j) m[i][j] += weight * terms[i] * terms[j];
+    }
+  }
+  for (int i = 0; i < T; ++i)
+    for (int j = 0; j <= i; ++j) packed[i * (i + 1) / 2 + j] = m[i][j];
 }
 
-/// Rows as in recovery/recover_stress.cpp: equilibrium, known tractions on free and loaded faces, zero shear on
-/// supports; on contact faces zero shear of both bodies and equal normal tractions.
+/// Rows as in recovery/recover_stress.cpp: known tractions on free and loaded faces, zero shear on supports; on
+/// contact faces zero shear of both bodies and equal normal tractions. Three points per face; degree 2: and those
+/// between them.
 class PatchBuilder {
  public:
-  PatchBuilder(const SceneProblem& problem, int body)
+  PatchBuilder(const SceneProblem& problem, int body, int degree)
       : p_(problem.simulation),
         body_(body),
         other_(1 - body),
+        degree_(degree),
         pieces_(p_.bodies[body].cut_cells, p_.bodies[body].boundary) {}
 
   /// False if the node's patch is not of the kind asked for.
@@ -163,28 +185,15 @@ class PatchBuilder {
     const auto groups = pieces_.groups(&set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n]);
     const bool touches = std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.pair >= 0; });
     if (groups.empty() || touches != contact) return false;
-    rows_.clear();
     const Index3& node = p_.system.meshes[body_].nodes[n];
     centre_ = Vec3(node[0], node[1], node[2]);
-    patch.mass = {patch_mass(p_.system.meshes[body_], set, n)};
-    for (int i = 0; i < 3; ++i) add(divergence_rows().row(i), Row24::Zero());
+    patch.node = {{body_, n}};
     if (contact) add_other_body(groups, patch);
-    for (const ConstraintGroup& g : groups) add_group(g);
-    patch.C.resize(rows_.size(), contact ? 2 * num_unknowns : num_unknowns);
-    for (std::size_t r = 0; r < rows_.size(); ++r) patch.C.row(r) = rows_[r].head(patch.C.cols());
-    patch.lambda = Eigen::VectorXd::Random(patch.C.rows());
-    patch.a = Eigen::VectorXd::Random(patch.C.cols());
+    for (const ConstraintGroup& g : groups) add_group(g, patch.rows);
     return true;
   }
 
  private:
-  using Row48 = Eigen::Matrix<double, 1, 2 * num_unknowns>;
-
-  void add(const Row24& own, const Row24& other) {
-    rows_.emplace_back();
-    rows_.back() << own, other;
-  }
-
   /// The patch of the other body's node nearest to the contact face stands in for the auxiliary patch.
   void add_other_body(const std::vector<ConstraintGroup>& groups, Patch& patch) {
     const auto on_face = std::find_if(groups.begin(), groups.end(), [](const auto& g) { return g.pair >= 0; });
@@ -199,122 +208,280 @@ class PatchBuilder {
       nearest = n;
       other_centre_ = position;
     }
-    patch.mass.push_back(patch_mass(mesh, p_.patches[other_], nearest));
-    for (int i = 0; i < 3; ++i) add(Row24::Zero(), divergence_rows().row(i));
+    patch.node.emplace_back(other_, nearest);
   }
 
   Vec3 to_other(const Vec3& x) const {
     return p_.bodies[other_].cut_cells.grid.to_grid(p_.bodies[body_].cut_cells.grid.to_global(x));
   }
 
-  void add_group(const ConstraintGroup& g) {
-    const bool support = g.pair < 0 && p_.bodies[body_].boundary.conditions[g.condition].is_support();
-    const Mat3 turn = p_.bodies[other_].cut_cells.grid.rotation.transpose() * p_.bodies[body_].cut_cells.grid.rotation;
+  static void set_part(FitRow<2>& row, int b, const Vec3& place, const Vec3& n, const Vec3& e) {
+    traction_weight(n.data(), e.data(), row.weight[b]);
+    for (int i = 0; i < 3; ++i) row.place[b][i] = place[i];
+  }
+  static FitRow<2> row_of(int b, const Vec3& place, const Vec3& n, const Vec3& e) {
+    FitRow<2> row{};
+    set_part(row, b, place, n, e);
+    row.value = Eigen::Vector2d::Random()[0];
+    return row;
+  }
+
+  void add_group(const ConstraintGroup& g, std::vector<FitRow<2>>& rows) const {
     for (int i = 0; i < g.num_points; ++i) {
-      const Vec3 d = g.position[i] - centre_, n = g.normal[i];
-      const auto [t1, t2] = tangents(n);
-      add(traction_row(d, n, t1), Row24::Zero());
-      add(traction_row(d, n, t2), Row24::Zero());
-      if (g.pair < 0) {
-        if (!support) add(traction_row(d, n, n), Row24::Zero());
-        continue;
-      }
-      const Vec3 e = to_other(g.position[i]) - other_centre_, m = turn * n;
-      add(Row24::Zero(), traction_row(e, m, turn * t1));
-      add(Row24::Zero(), traction_row(e, m, turn * t2));
-      add(traction_row(d, n, n), -traction_row(e, m, m));
+      add_point(g, g.position[i], g.normal[i], rows);
+      const int j = (i + 1) % g.num_points;
+      if (degree_ == 2 && j != i && (j > i || g.num_points > 2))
+        add_point(g, 0.5 * (g.position[i] + g.position[j]), (g.normal[i] + g.normal[j]).normalized(), rows);
     }
+  }
+
+  void add_point(const ConstraintGroup& g, const Vec3& x, const Vec3& n, std::vector<FitRow<2>>& rows) const {
+    const bool support = g.pair < 0 && p_.bodies[body_].boundary.conditions[g.condition].is_support();
+    const auto [t1, t2] = tangents(n);
+    rows.push_back(row_of(0, x - centre_, n, t1));
+    rows.push_back(row_of(0, x - centre_, n, t2));
+    if (support) return;
+    FitRow<2> normal = row_of(0, x - centre_, n, n);
+    if (g.pair >= 0) {
+      const Mat3 turn =
+          p_.bodies[other_].cut_cells.grid.rotation.transpose() * p_.bodies[body_].cut_cells.grid.rotation;
+      const Vec3 e = to_other(x) - other_centre_, m = turn * n;
+      rows.push_back(row_of(1, e, m, turn * t1));
+      rows.push_back(row_of(1, e, m, turn * t2));
+      set_part(normal, 1, e, m, -m);
+    }
+    rows.push_back(normal);
   }
 
   const Simulation& p_;
-  int body_, other_;
+  int body_, other_, degree_;
   BoundaryPieces pieces_;
   Vec3 centre_, other_centre_;
-  std::vector<Row48> rows_;
 };
 
-/// The straightforward solution for independent rows: dense KKT matrix, LU with partial pivoting.
-void kkt_lu(const Patch& p, Eigen::VectorXd& a) {
+/// Patches of one kind, as the batched fits take them.
+template <int degree, int bodies>
+struct PatchBatch {
+  using Input = FitInput<degree, bodies>;
+  static constexpr int T = Polynomial<degree>::num_terms, num_interior = bodies * Polynomial<degree>::num_interior;
+  static constexpr int num_columns = bodies * 6 * T;
+  std::vector<std::vector<FitRow<bodies>>> rows;
+  std::vector<Input> inputs;  ///< unconstrained
+
+  void add(const SceneProblem& problem, const Patch& patch) {
+    Input in;
+    for (int b = 0; b < bodies; ++b) {
+      const auto [body, node] = patch.node[b];
+      patch_mass<degree>(problem.system.meshes[body], problem.simulation.patches[body], node, in.mass[b]);
+      Eigen::Map<Eigen::VectorXd>(in.a[b][0], 6 * T).setRandom();
+      Eigen::Map<Eigen::VectorXd>(in.interior[b], Polynomial<degree>::num_interior).setRandom();
+      in.poisson_ratio[b] = 0.3;
+    }
+    rows.emplace_back();
+    for (const FitRow<2>& from : patch.rows) {
+      FitRow<bodies>& row = rows.back().emplace_back();
+      for (int b = 0; b < bodies; ++b) {
+        std::copy_n(from.weight[b], 6, row.weight[b]);
+        std::copy_n(from.place[b], 3, row.place[b]);
+      }
+      row.value = from.value;
+    }
+    in.rows = rows.back().data();
+    in.num_rows = static_cast<int>(rows.back().size());
+    inputs.push_back(in);
+  }
+
+  /// Chunks as the recovery hands them out.
+  void fit(std::vector<Input>& fitted, std::vector<FitStatus>& status) const {
+    constexpr int chunk = 128;
+    fitted = inputs;
+    status.resize(inputs.size());
+    const int n = static_cast<int>(inputs.size());
+    for (int i = 0; i < n; i += chunk)
+      fit_patches(&fitted[i], std::min(chunk, n - i), RecoveryOptions{}.rank_tolerance, &status[i]);
+  }
+};
+
+/// One patch with dense matrices, for the straightforward solutions.
+struct DensePatch {
+  Eigen::MatrixXd mass[2], C;
+  Eigen::VectorXd lambda, a;
+
+  template <int degree, int bodies>
+  explicit DensePatch(const FitInput<degree, bodies>& in) {
+    using P = Polynomial<degree>;
+    constexpr int T = P::num_terms, interior = P::num_interior;
+    C = Eigen::MatrixXd::Zero(bodies * interior + in.num_rows, bodies * 6 * T);
+    lambda.resize(C.rows());
+    a = Eigen::Map<const Eigen::VectorXd>(in.a[0][0], C.cols());
+    for (int b = 0; b < bodies; ++b) {
+      mass[b].resize(T, T);
+      for (int i = 0; i < T; ++i)
+        for (int j = 0; j <= i; ++j) mass[b](i, j) = mass[b](j, i) = in.mass[b][i * (i + 1) / 2 + j];
+      for (int r = 0; r < interior; ++r) {
+        lambda[b * interior + r] = in.interior[b][r];
+        P::visit_row(r, 1 / (1 + in.poisson_ratio[b]),
+                     [&](int c, int t, double entry) { C(b * interior + r, (b * 6 + c) * T + t) += entry; });
+      }
+      for (int r = 0; r < in.num_rows; ++r) {
+        double terms[T];
+        P::terms(in.rows[r].place[b], terms);
+        for (int c = 0; c < 6; ++c)
+          for (int t = 0; t < T; ++t)
+            C(bodies * interior + r, (b * 6 + c) * T + t) = in.rows[r].weight[b][c] * terms[t];
+      }
+    }
+    for (int r = 0; r < in.num_rows; ++r) lambda[bodies * interior + r] = in.rows[r].value;
+  }
+
+  template <class Matrix>
+  void for_each_mass(const Matrix& use) const {
+    const Eigen::Index T = mass[0].rows();
+    for (Eigen::Index k = 0; k < C.cols() / T; ++k) use(k * T, T, mass[k / 6]);
+  }
+};
+
+enum class Method { lu, orthogonal };
+
+/// Dense KKT matrix: LU with partial pivoting, for independent rows; complete orthogonal decomposition, for any.
+void solve(const DensePatch& p, Method method, Eigen::VectorXd& a) {
   const Eigen::Index n = p.C.cols(), rows = p.C.rows();
   Eigen::MatrixXd kkt = Eigen::MatrixXd::Zero(n + rows, n + rows);
-  for (Eigen::Index b = 0; b < n / num_terms; ++b)
-    kkt.block<num_terms, num_terms>(b * num_terms, b * num_terms) = p.mass[b / 6];
+  p.for_each_mass([&](Eigen::Index i, Eigen::Index T, const auto& m) { kkt.block(i, i, T, T) = m; });
   kkt.topRightCorner(n, rows) = p.C.transpose();
   kkt.bottomLeftCorner(rows, n) = p.C;
   Eigen::VectorXd rhs(n + rows);
-  rhs.head(n) = kkt.topLeftCorner(n, n) * a;
+  rhs.head(n) = kkt.topLeftCorner(n, n) * p.a;
   rhs.tail(rows) = p.lambda;
-  a = kkt.partialPivLu().solve(rhs).head(n);
+  if (method == Method::lu)
+    a = kkt.partialPivLu().solve(rhs).head(n);
+  else
+    a = kkt.completeOrthogonalDecomposition().solve(rhs).head(n);
 }
 
-/// Patches of one kind whose rows are independent: all ways to solve them give the same answer.
-std::vector<Patch> collect_patches(int n, bool contact) {
+/// The truncated solution from a singular value decomposition of the whitened, normalised rows.
+Eigen::VectorXd solve_truncated(const DensePatch& p) {
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(p.C.cols(), p.C.cols());
+  p.for_each_mass([&](Eigen::Index i, Eigen::Index T, const auto& m) { M.block(i, i, T, T) = m; });
+  const Eigen::LLT<Eigen::MatrixXd> factor(M);
+  Eigen::MatrixXd rows = factor.matrixL().solve(p.C.transpose()).transpose();
+  const Eigen::VectorXd norm = rows.rowwise().norm();
+  rows = norm.cwiseInverse().asDiagonal() * rows;
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(RecoveryOptions{}.rank_tolerance);
+  return p.a + factor.matrixU().solve(svd.solve((p.lambda - p.C * p.a).cwiseQuotient(norm)));
+}
+
+/// Patches whose rows are independent (all ways to solve them give the same answer), or those with truncated ones.
+template <int degree, int bodies>
+PatchBatch<degree, bodies> collect_patches(int n, bool truncated) {
   const SceneProblem problem("scenes/two_solids_3d.toml", {"n=" + std::to_string(n)});
-  std::vector<Patch> patches;
+  PatchBatch<degree, bodies> batch;
   const std::size_t enough = is_toy() ? 20 : 2000;
   for (int body : {0, 1}) {
-    PatchBuilder builder(problem, body);
-    for (int node = 0; node < problem.system.meshes[body].num_nodes && patches.size() < enough; ++node) {
+    PatchBuilder builder(problem, body, degree);
+    for (int node = 0; node < problem.system.meshes[body].num_nodes && batch.inputs.size() < enough; ++node) {
       Patch patch;
-      if (!builder.build(node, contact, patch)) continue;
-      Eigen::VectorXd a = patch.a;
-      if (constrain_fit(patch.mass, patch.C, patch.lambda, RecoveryOptions{}.rank_tolerance, a).truncated == 0)
-        patches.push_back(std::move(patch));
+      if (!builder.build(node, bodies == 2, patch)) continue;
+      batch.add(problem, patch);
+      FitInput<degree, bodies> trial = batch.inputs.back();
+      FitStatus status;
+      fit_patches(&trial, 1, RecoveryOptions{}.rank_tolerance, &status);
+      if (status.finite && (status.truncated > 0) == truncated) continue;
+      batch.inputs.pop_back();
+      batch.rows.pop_back();
     }
   }
-  if (patches.empty()) throw std::logic_error("no such patch");
-  return patches;
+  if (batch.inputs.empty()) throw std::logic_error("no such patch");
+  return batch;
 }
 
-enum class Method { fit, lu, orthogonal };
-
-void solve(const Patch& p, Method method, Eigen::VectorXd& a) {
-  a = p.a;
-  if (method == Method::fit)
-    constrain_fit(p.mass, p.C, p.lambda, RecoveryOptions{}.rank_tolerance, a);
-  else if (method == Method::lu)
-    kkt_lu(p, a);
-  else
-    constrain_fit_kkt(p.mass, p.C, p.lambda, a);
+template <int degree, int bodies>
+std::function<void()> solve_all(std::shared_ptr<PatchBatch<degree, bodies>> batch, Method method) {
+  auto dense = std::make_shared<std::vector<DensePatch>>(batch->inputs.begin(), batch->inputs.end());
+  return [dense, method] {
+    Eigen::VectorXd a;
+    for (const DensePatch& p : *dense) solve(p, method, a);
+    benchmark::DoNotOptimize(a.data());
+  };
 }
 
-/// r rows, c columns. Ours: whitening and normalising 7 r c, rows' products 2 r^2 c, eigenvalues and vectors 9 r^3,
-/// correction 4 r c + 4 r^2. KKT by LU: 2/3 (r + c)^3 + 2 (r + c)^2; by orthogonal decomposition twice the first term.
-/// Bytes: rows, right-hand sides, masses read once, coefficients read and written.
-Cost patch_cost(Eigen::Index rows, Eigen::Index columns, Method method) {
-  const double r = static_cast<double>(rows), c = static_cast<double>(columns), n = r + c;
-  const double bytes = 8 * (r * c + r + 2 * c) + 128.0 * c / num_unknowns;
-  if (method == Method::fit) return {11 * r * c + 2 * r * r * c + 9 * r * r * r + 4 * r * r, bytes};
-  return {(method == Method::lu ? 1 : 2) * 2 * n * n * n / 3 + 2 * n * n, bytes};
-}
-
-Kernel constrained(int n, bool contact, Method method) {
-  auto patches = std::make_shared<std::vector<Patch>>(collect_patches(n, contact));
-  Kernel k;
+template <int degree, int bodies>
+void set_figures(const PatchBatch<degree, bodies>& batch, Kernel& k) {
   double rows = 0;
-  for (const Patch& p : *patches) {
-    Eigen::VectorXd a, plain;
-    solve(p, method, a);
-    solve(p, method == Method::orthogonal ? Method::lu : Method::orthogonal, plain);
+  for (const auto& in : batch.inputs) rows += in.num_rows + batch.num_interior;
+  k.unit = "patches";
+  k.items = static_cast<double>(batch.inputs.size());
+  k.figures = {{"rows", rows / k.items}};
+}
+
+/// The copy of the unconstrained coefficients is part of the run. Flop: fit_flop; bytes: input once, coefficients
+/// back.
+template <int degree, int bodies>
+Kernel batched(int n, bool truncated) {
+  auto batch = std::make_shared<PatchBatch<degree, bodies>>(collect_patches<degree, bodies>(n, truncated));
+  auto fitted = std::make_shared<std::vector<FitInput<degree, bodies>>>();
+  auto status = std::make_shared<std::vector<FitStatus>>();
+  Kernel k;
+  set_figures(*batch, k);
+  batch->fit(*fitted, *status);
+  for (std::size_t i = 0; i < fitted->size(); ++i) {
+    const auto& in = batch->inputs[i];
+    const DensePatch dense(in);
+    Eigen::VectorXd plain;
+    if (truncated)
+      plain = solve_truncated(dense);
+    else
+      solve(dense, Method::orthogonal, plain);
+    const Eigen::Map<const Eigen::VectorXd> a((*fitted)[i].a[0][0], batch->num_columns);
     k.error = std::max(k.error, (a - plain).norm() / plain.norm());
-    const Cost cost = patch_cost(p.C.rows(), p.C.cols(), method);
-    k.cost.flop += cost.flop, k.cost.bytes += cost.bytes;
-    rows += static_cast<double>(p.C.rows());
+    k.cost.flop += fit_flop(degree, bodies, in.num_rows, truncated);
+    k.cost.bytes += sizeof in + sizeof in.a + in.num_rows * sizeof(FitRow<bodies>);
+  }
+  k.tolerance = 1e-9;
+  k.against = truncated ? "truncated singular values" : "the KKT system by orthogonal decomposition";
+  k.run = [batch, fitted, status] { batch->fit(*fitted, *status); };
+  k.baseline = solve_all(batch, truncated ? Method::orthogonal : Method::lu);
+  return k;
+}
+
+/// N unknowns and multipliers. LU: 2/3 N^3 + 2 N^2; orthogonal decomposition: twice the first term. Bytes: matrix and
+/// vectors once.
+template <int degree, int bodies>
+Kernel straightforward(int n, bool truncated, Method method) {
+  auto batch = std::make_shared<PatchBatch<degree, bodies>>(collect_patches<degree, bodies>(n, truncated));
+  Kernel k;
+  set_figures(*batch, k);
+  for (const auto& in : batch->inputs) {
+    const DensePatch dense(in);
+    if (!truncated) {  // else each has an answer of its own
+      Eigen::VectorXd a, plain;
+      solve(dense, method, a);
+      solve(dense, method == Method::orthogonal ? Method::lu : Method::orthogonal, plain);
+      k.error = std::max(k.error, (a - plain).norm() / plain.norm());
+    }
+    const double r = static_cast<double>(dense.C.rows()), c = static_cast<double>(dense.C.cols()), N = r + c;
+    k.cost.flop += (method == Method::lu ? 1 : 2) * 2 * N * N * N / 3 + 2 * N * N;
+    k.cost.bytes += 8 * (r * c + r + 2 * c) + sizeof in.mass;
   }
   k.tolerance = 1e-9, k.against = "the KKT system by another decomposition";
-  k.unit = "patches";
-  k.items = static_cast<double>(patches->size());
-  const auto solve_all = [patches](Method with) {
-    return [patches, with] {
-      Eigen::VectorXd a;
-      for (const Patch& p : *patches) solve(p, with, a);
-      benchmark::DoNotOptimize(a.data());
-    };
-  };
-  k.run = solve_all(method);
-  if (method == Method::fit) k.baseline = solve_all(Method::lu);
-  k.figures = {{"rows", rows / k.items}};
+  k.run = solve_all(batch, method);
   return k;
+}
+
+template <int degree, int bodies>
+void add_constrained_fits() {
+  const std::string kind = std::string(bodies == 2 ? "contact" : "boundary") + "_p" + std::to_string(degree);
+  const Sizes sizes{{8}, {16}};
+  perf::add(
+      "spr_c/" + kind, [](int n) { return batched<degree, bodies>(n, false); }, sizes);
+  perf::add(
+      "spr_c_truncated/" + kind, [](int n) { return batched<degree, bodies>(n, true); }, sizes);
+  perf::add(
+      "kkt_lu/" + kind, [](int n) { return straightforward<degree, bodies>(n, false, Method::lu); }, sizes);
+  for (const bool truncated : {false, true})
+    perf::add((truncated ? "kkt_orthogonal_truncated/" : "kkt_orthogonal/") + kind,
+              [=](int n) { return straightforward<degree, bodies>(n, truncated, Method::orthogonal); }, sizes);
 }
 
 /// The whole recovery of the contact patch test, whose exact stress (uniform pressure) every patch must meet.
@@ -372,7 +539,7 @@ Cost whole_cost(const SceneProblem& problem) {
     const BoundaryPieces pieces(model.cut_cells, model.boundary);
     for (int n = 0; n < problem.system.meshes[b].num_nodes; ++n) {
       const int cells = set.begin[n + 1] - set.begin[n];
-      Eigen::Index rows = 3, columns = num_unknowns;
+      int rows = 3, columns = num_unknowns;
       for (const ConstraintGroup& g : pieces.groups(&set.cells[set.begin[n]], cells)) {
         const bool support = g.pair < 0 && model.boundary.conditions[g.condition].is_support();
         rows += g.num_points * (g.pair >= 0 ? 5 : support ? 2 : 3);
@@ -381,9 +548,8 @@ Cost whole_cost(const SceneProblem& problem) {
           rows += 3;
         }
       }
-      const Cost fit = patch_cost(rows, columns, Method::fit);
-      sum.flop += fit.flop + 133 * cells + 222;
-      sum.bytes += fit.bytes + 296 * cells;
+      sum.flop += fit_flop(1, columns / num_unknowns, rows - 3 * columns / num_unknowns, false) + 133 * cells + 222;
+      sum.bytes += 80.0 * rows + 16.0 * columns + 296 * cells;
     }
   }
   return sum;
@@ -408,13 +574,10 @@ int main(int argc, char** argv) {
   return run_benchmarks(argc, argv, [] {
     add("spr/cell_stress", cell_stress, {{6}, {50}});
     add("spr/fit", fit, {{6}, {50}});
-    for (const bool contact : {false, true}) {
-      const std::string kind = contact ? "contact" : "boundary";
-      const auto with = [contact](Method method) { return [=](int n) { return constrained(n, contact, method); }; };
-      add("spr_c/" + kind, with(Method::fit), {{8}, {16}});
-      add("kkt_lu/" + kind, with(Method::lu), {{8}, {16}});
-      add("kkt_orthogonal/" + kind, with(Method::orthogonal), {{8}, {16}});
-    }
+    add_constrained_fits<1, 1>();
+    add_constrained_fits<1, 2>();
+    add_constrained_fits<2, 1>();
+    add_constrained_fits<2, 2>();
     add("spr_c/whole", whole, {{5}, {16}});
   });
 }
