@@ -102,7 +102,7 @@ Candidate make_candidate(const PatchAssembly& assembly, int node, int pair, cons
                          double rank_tolerance) {
   Candidate candidate{&assembly, -1, {}, nullptr};
   PatchWorkspace workspace;
-  std::vector<FitRow> rows;
+  std::vector<PatchRow> rows;
   const PatchProblem problem = assembly.assemble_at_edge(node, pair, workspace, rows);
   if (!problem.coupled) return candidate;
   const RecoveryBody& other = assembly.body_of(problem.other_body);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/parallel.hpp"
 #include "recovery/edge_moments.hpp"
 
 namespace cgcontact {
@@ -48,7 +49,7 @@ Eigen::Matrix<double, num_terms, num_terms> to_matrix(const double m[num_terms][
 }
 
 /// The component along e of the traction on the normal n, in one of the bodies of a row.
-void set_traction(FitRow& row, int body, const Vec3& place, const Vec3& n, const Vec3& e, double sign = 1) {
+void set_traction(PatchRow& row, int body, const Vec3& place, const Vec3& n, const Vec3& e, double sign = 1) {
   constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
   for (int k = 0; k < 6; ++k) {
     const int i = first[k], j = second[k];
@@ -57,8 +58,8 @@ void set_traction(FitRow& row, int body, const Vec3& place, const Vec3& n, const
   for (int i = 0; i < 3; ++i) row.place[body][i] = place[i];
 }
 
-FitRow traction_row_at(int body, const Vec3& place, const Vec3& n, const Vec3& e, double value) {
-  FitRow row;
+PatchRow traction_row_at(int body, const Vec3& place, const Vec3& n, const Vec3& e, double value) {
+  PatchRow row;
   set_traction(row, body, place, n, e);
   row.value = value;
   return row;
@@ -77,10 +78,45 @@ void subtract_term(const RecoveryBody& body, const int* cells, int num_cells, co
 }
 
 /// The row holds for the whole stress: what the term of the edge contributes goes to the right-hand side.
-void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit& own, FitRow& row) {
+void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit& own, PatchRow& row) {
   double s[6];
   edge.stress(own.centre + Vec3(row.place[0]), s);
   for (int k = 0; k < 6; ++k) row.value -= factor * row.weight[0][k] * s[k];
+}
+
+/// Integral of sigma_h : sigma_h (sum of the squares of six components) over the body's part of a cell.
+double stress_square(const BodyMesh& mesh, int cell, const RealView& u) {
+  const CutCells& cc = *mesh.cut_cells;
+  const int cut = cc.cut_of_active[cell];
+  double weights[27], corner[8][3], sum = 0;
+  fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 3, weights);
+  for (int a = 0; a < 8; ++a)
+    for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[cell][a] + k);
+  for (int q = 0; q < 27; ++q) {
+    const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
+    double s[6];
+    hex_stress(mesh.law, corner, xi, s);
+    for (double v : s) sum += weights[q] / 8 * v * v;
+  }
+  return mesh.stress_factor() * mesh.stress_factor() * sum;
+}
+
+/// Mean square of what a fit leaves of sigma_h; not less than the part of it that rounding may leave of a good fit.
+double fit_variance(const BodyMesh& mesh, const AuxiliaryCells& near, const int* cells, int num_cells,
+                    const PatchFit& fit) {
+  constexpr double least = 1e-8;
+  double square = 0, volume = 0, fitted = 0;
+  for (int i = 0; i < num_cells; ++i) {
+    const int row = near.cells.row(cells[i]);
+    if (row < 0) return 0;
+    square += near.square[row];
+    volume += mesh.cut_cells->volume_fraction(cells[i]);
+  }
+  for (int k = 0; k < 6; ++k) {
+    const auto a = fit.a.segment<num_terms>(num_terms * k);
+    fitted += a.dot(fit.mass * a);
+  }
+  return std::max(square - fitted, least * square) / volume;
 }
 
 }  // namespace
@@ -102,17 +138,22 @@ AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const RealView& u, doub
           cc.find({c[0] + n % width - reach, c[1] + n / width % width - reach, c[2] + n / width / width - reach});
       if (near >= 0) marked[near] = 1;
     }
-  AuxiliaryCells auxiliary{Subset(marked), {}};
+  AuxiliaryCells auxiliary{Subset(marked), {}, {}};
   auxiliary.stress = CellStressView("cgcontact::recovery::auxiliary", auxiliary.cells.size());
   integrate_cell_stress(*body.mesh, *body.patches, auxiliary.cells, u, auxiliary.stress);
+  auxiliary.square.resize(auxiliary.cells.size());
+  parallel_for(auxiliary.square.size(), 64, [&](std::size_t row) {
+    auxiliary.square[row] = stress_square(*body.mesh, auxiliary.cells.number(static_cast<int>(row)), u);
+  });
   return auxiliary;
 }
 
 PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary,
-                             int index, const Scales& scales, const RecoveryOptions& options, const RealView& u)
-    : u_(u), bodies_(bodies),
+                             int index, const Scales& scales, const RecoveryOptions& options)
+    : bodies_(bodies),
       auxiliary_(auxiliary),
       body_(bodies[index]),
+      index_(index),
       grid_(body_.mesh->cut_cells->grid),
       scales_(scales),
       options_(options),
@@ -204,7 +245,7 @@ PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, std::vec
 
 /// Equation 5 in the directions that no support holds.
 void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Vec3& centre,
-                                       std::vector<FitRow>& rows) const {
+                                       std::vector<PatchRow>& rows) const {
   const TractionCondition& condition = body_.boundary->conditions[group.condition];
   for (int p = 0; p < group.num_points; ++p) {
     const Vec3 d = group.position[p] - centre, n = group.normal[p];
@@ -217,7 +258,7 @@ void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Vec3&
   }
 }
 
-void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<FitRow>& rows) const {
+void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const {
   for (int p = 0; p < group.num_points; ++p) {
     const auto [t1, t2] = tangents(group.normal[p]);
     for (const Vec3& t : {t1, t2})
@@ -228,7 +269,7 @@ void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& cen
 /// Equation 12: zero shear on both bodies, equal normal traction. Open patches are free surfaces, and so are the
 /// polynomials beside the edge's term; a closed group without an auxiliary patch keeps the zero shear only.
 void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
-                                const PairState& state, ContactMode mode, std::vector<FitRow>& rows) const {
+                                const PairState& state, ContactMode mode, std::vector<PatchRow>& rows) const {
   const bool free = mode == ContactMode::open || mode == ContactMode::edge;
   const PatchSet& patches = *body_.patches;
   for (int p = 0; p < group.num_points; ++p) {
@@ -259,7 +300,7 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
     if (free) {
       rows.push_back(traction_row_at(1, e, m, m, 0));
     } else {
-      FitRow row = traction_row_at(0, d, n, n, 0);
+      PatchRow row = traction_row_at(0, d, n, n, 0);
       set_traction(row, 1, e, m, m, -1);
       rows.push_back(row);
     }
@@ -326,17 +367,17 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
 }
 
 PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace,
-                                     std::vector<FitRow>& rows) const {
+                                     std::vector<PatchRow>& rows) const {
   return assemble(node, edges, -1, workspace, rows);
 }
 
 PatchProblem PatchAssembly::assemble_at_edge(int node, int pair, PatchWorkspace& workspace,
-                                             std::vector<FitRow>& rows) const {
+                                             std::vector<PatchRow>& rows) const {
   return assemble(node, nullptr, pair, workspace, rows);
 }
 
 PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pair, PatchWorkspace& workspace,
-                                     std::vector<FitRow>& rows) const {
+                                     std::vector<PatchRow>& rows) const {
   const PatchSet& patches = *body_.patches;
   const int* cells = patches.cells.data() + patches.begin[node];
   const int num_cells = patches.begin[node + 1] - patches.begin[node];
@@ -383,6 +424,14 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
     else
       problem.status = PatchStatus::uncoupled;
   }
+  if (problem.coupled) {
+    const auto variance = [&](int body, const int* list, int count, const PatchFit& fit) {
+      return fit_variance(*bodies_[body].mesh, auxiliary_[body], list, count, fit);
+    };
+    own.variance = variance(index_, cells, num_cells, own);
+    problem.fit[1].variance = variance(problem.other_body, workspace.auxiliary.data(),
+                                       static_cast<int>(workspace.auxiliary.size()), problem.fit[1]);
+  }
   if (problem.has_edge) {
     subtract_term(body_, cells, num_cells, problem.edge[0], problem.factor, own);
     if (problem.coupled)
@@ -390,38 +439,6 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
                     static_cast<int>(workspace.auxiliary.size()), problem.edge[1], problem.factor, problem.fit[1]);
   }
 
-  if (problem.coupled && edge_pair < 0 && std::getenv("WEIGHT")) {
-    static const double power = std::atof(std::getenv("WEIGHT"));
-    const auto residual = [&](const RecoveryBody& body, const int* list, int count, const PatchFit& fit) {
-      const BodyMesh& mesh = *body.mesh;
-      const CutCells& cc = *mesh.cut_cells;
-      double sum = 0, volume = 0, all = 0;
-      for (int i = 0; i < count; ++i) {
-        const int c = list[i], cut = cc.cut_of_active[c];
-        double weights[27], corner[8][3];
-        fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 3, weights);
-        for (int a = 0; a < 8; ++a) for (int k = 0; k < 3; ++k) corner[a][k] = u_(3 * mesh.cell_nodes[c][a] + k);
-        for (int q = 0; q < 27; ++q) {
-          const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
-          const Index3& cell = cc.cells[c];
-          const Vec3 x(cell[0] + 0.5 * (xi[0] + 1), cell[1] + 0.5 * (xi[1] + 1), cell[2] + 0.5 * (xi[2] + 1));
-          double s[6]; hex_stress(mesh.law, corner, xi, s);
-          const Vec3 d = x - fit.centre;
-          for (int k = 0; k < 6; ++k) {
-            const double v = mesh.stress_factor() * s[k];
-            const double p = fit.a[4*k] + fit.a[4*k+1]*d[0] + fit.a[4*k+2]*d[1] + fit.a[4*k+3]*d[2];
-            sum += weights[q] / 8 * (v-p)*(v-p); all += weights[q]/8*v*v;
-          }
-          volume += weights[q] / 8;
-        }
-      }
-      return (sum + 1e-8 * all) / volume;
-    };
-    const double r0 = residual(body_, cells, num_cells, own);
-    const double r1 = residual(bodies_[problem.other_body], workspace.auxiliary.data(), (int)workspace.auxiliary.size(), problem.fit[1]);
-    const double f = std::pow(r0 / r1, power);
-    problem.fit[1].mass *= f;
-  }
   const auto closed_on_surface = [&](int surface) {
     double area = 0;
     for (const ConstraintGroup& group : groups) {

@@ -29,6 +29,7 @@ struct RecoveryBody {
 struct AuxiliaryCells {
   Subset cells;
   CellStressView stress;
+  std::vector<double> square;  ///< integral of sigma_h : sigma_h over each, cell units
 };
 
 /// Cells near the contact points, as far as the auxiliary depth and two cells more.
@@ -83,14 +84,14 @@ struct PatchProblem {
   bool has_edge = false;         ///< the term of the contact edge is part of the stress
   ContactEdge edge[2];           ///< own, auxiliary
   double factor = 0;
+  bool loose = false;            ///< after the solution: not all rows are met
 };
 
 /// Assembles the patches of one body.
 class PatchAssembly {
  public:
   PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary, int index,
-                const Scales& scales, const RecoveryOptions& options, const RealView& u);
-  RealView u_;
+                const Scales& scales, const RecoveryOptions& options);
 
   /// Eight full cells without contact: only equilibrium is known there.
   bool is_interior(int node) const;
@@ -98,9 +99,9 @@ class PatchAssembly {
   Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
 
   /// The patch of a node, its rows appended to `rows`. `edges` may be null: edges are then not looked for.
-  PatchProblem assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<FitRow>& rows) const;
+  PatchProblem assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows) const;
   /// The same as if the edge of a pair ran through the patch: the polynomials of both bodies carry no pressure.
-  PatchProblem assemble_at_edge(int node, int pair, PatchWorkspace& workspace, std::vector<FitRow>& rows) const;
+  PatchProblem assemble_at_edge(int node, int pair, PatchWorkspace& workspace, std::vector<PatchRow>& rows) const;
 
   /// Contact points by pair in the patch of a node.
   void pair_states(int node, std::vector<PairState>& states) const;
@@ -114,19 +115,20 @@ class PatchAssembly {
  private:
   enum class ContactMode { open, closed, edge, unclear };
   PatchProblem assemble(int node, const EdgeMap* edges, int edge_pair, PatchWorkspace& workspace,
-                        std::vector<FitRow>& rows) const;
+                        std::vector<PatchRow>& rows) const;
   ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
                            PatchProblem& problem) const;
   PatchFit own_fit(int node) const;
   PatchFit auxiliary_fit(int node, const PairState& state, std::vector<int>& cells) const;
-  void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<FitRow>& rows) const;
-  void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<FitRow>& rows) const;
+  void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
+  void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
-                   const PairState& state, ContactMode mode, std::vector<FitRow>& rows) const;
+                   const PairState& state, ContactMode mode, std::vector<PatchRow>& rows) const;
 
   const std::vector<RecoveryBody>& bodies_;
   const std::vector<AuxiliaryCells>& auxiliary_;  ///< by body
   const RecoveryBody& body_;
+  int index_;
   const Grid& grid_;
   const Scales& scales_;
   const RecoveryOptions& options_;

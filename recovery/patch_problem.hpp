@@ -27,7 +27,7 @@ constexpr const char* patch_status_names[num_patch_statuses] = {"exact",     "tr
                                                                 "uncoupled", "edge_unclear", "singular"};
 
 /// One constraint at a point: sum over the bodies of weight : sigma(centre + place) = value.
-struct FitRow {
+struct PatchRow {
   double weight[2][6] = {};  ///< of xx, yy, zz, xy, yz, zx; own body, auxiliary body (zero: no part)
   double place[2][3] = {};   ///< relative to the polynomial's centre, cell units of the body
   double value = 0;          ///< Scales::stress
@@ -35,7 +35,7 @@ struct FitRow {
 };
 
 /// The part of a row that acts on the coefficients of one body.
-inline Eigen::Matrix<double, 1, 6 * num_terms> full_row(const FitRow& row, int body) {
+inline Eigen::Matrix<double, 1, 6 * num_terms> full_row(const PatchRow& row, int body) {
   const double p[num_terms] = {1, row.place[body][0], row.place[body][1], row.place[body][2]};
   Eigen::Matrix<double, 1, 6 * num_terms> full;
   for (int k = 0; k < 6; ++k)
@@ -47,7 +47,8 @@ inline Eigen::Matrix<double, 1, 6 * num_terms> full_row(const FitRow& row, int b
 struct PatchFit {
   Eigen::Matrix<double, num_terms, num_terms> mass;
   Eigen::Matrix<double, 6 * num_terms, 1> a;
-  Vec3 centre;  ///< grid coordinates
+  Vec3 centre;          ///< grid coordinates
+  double variance = 0;  ///< mean square of what the polynomials leave of sigma_h; 0: not known
   bool regular = false;
 };
 

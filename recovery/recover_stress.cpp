@@ -1,9 +1,10 @@
 #include "recovery/recover_stress.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "core/parallel.hpp"
-#include "recovery/constrained_fit.hpp"
+#include "recovery/batched_fit.hpp"
 #include "recovery/edge_search.hpp"
 
 namespace cgcontact {
@@ -11,8 +12,8 @@ namespace {
 
 constexpr int num_unknowns = 6 * num_terms;
 
-/// Patches per chunk of the parallel loop.
-constexpr std::size_t grain = 128;
+/// Patches per chunk of the parallel loops.
+constexpr std::size_t grain = 128, interior_grain = 4096;
 
 /// The mass matrix of a full patch is diagonal and the same for all slopes: each row of the equilibrium is corrected on
 /// its own, its three terms alike.
@@ -29,42 +30,134 @@ void recover_interior(const PatchAssembly& assembly, int n) {
   }
 }
 
-/// Solves one patch; returns the number of truncated rows.
-int solve_patch(PatchProblem& problem, const std::vector<FitRow>& rows, double rank_tolerance) {
-  const int num_bodies = problem.coupled ? 2 : 1;
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(3 * num_bodies + problem.num_rows, num_bodies * num_unknowns);
-  Eigen::VectorXd value(C.rows()), a(C.cols());
-  std::vector<MassMatrix> mass;
-  int firm = 0;
-  for (int b = 0; b < num_bodies; ++b) {
-    C.block<3, num_unknowns>(3 * b, num_unknowns * b) = divergence_rows();
-    value.segment<3>(3 * b) = problem.divergence[b];
-    a.segment<num_unknowns>(num_unknowns * b) = problem.fit[b].a;
-    mass.push_back(problem.fit[b].mass);
-    for (int r = 0; r < problem.num_rows; ++r)
-      C.block<1, num_unknowns>(3 * num_bodies + r, num_unknowns * b) = full_row(rows[problem.first_row + r], b);
-  }
-  for (int r = 0; r < problem.num_rows; ++r) {
-    value[3 * num_bodies + r] = rows[problem.first_row + r].value;
-    firm += rows[problem.first_row + r].firm;
-  }
-  const ConstrainedFitStatus status = constrain_fit(mass, C, value, rank_tolerance, a);
-  problem.fit[0].a = a.head<num_unknowns>();
-  if (status.truncated > 0) problem.status = std::max(problem.status, PatchStatus::truncated);
-  if (status.inconsistent) problem.status = std::max(problem.status, PatchStatus::conflicting);
-  if (firm > 0) {
-    // Where contact is open the pressure is exactly zero: conflicting data elsewhere in the patch (a load on a face that
-    // meets the contact face at an edge) must not leak into it through the least-squares solution.
-    Eigen::MatrixXd F(firm, num_unknowns);
-    int i = 0;
-    for (int r = 0; r < problem.num_rows; ++r)
-      if (rows[problem.first_row + r].firm) F.row(i++) = full_row(rows[problem.first_row + r], 0);
-    Eigen::VectorXd own = problem.fit[0].a;
-    constrain_fit({mass[0]}, F, Eigen::VectorXd::Zero(firm), rank_tolerance, own);
-    problem.fit[0].a = own;
-  }
-  return status.truncated;
+/// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
+constexpr double conflict = 0.01;
+/// The same below which all rows are met.
+constexpr double met = 1e-12;
+
+/// How much more one body's misfit may count than the other's in a coupled patch.
+constexpr double most_weight = 1e4;
+
+/// What the misfit of the auxiliary body weighs: inverse variances, as in any least squares of data of unequal quality.
+/// A body whose stress the polynomials follow well is not spoilt by one whose stress they do not (docs/recovery.md).
+double auxiliary_weight(const PatchFit& own, const PatchFit& other) {
+  if (!(own.variance > 0 && other.variance > 0)) return 1;
+  return std::clamp(own.variance / other.variance, 1 / most_weight, most_weight);
 }
+
+/// The non-interior patches of one chunk: assembled one by one, solved in batches by the number of bodies.
+class PatchBatch {
+ public:
+  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance)
+      : assembly_(assembly), edges_(edges), rank_tolerance_(rank_tolerance) {}
+
+  void add(int node) {
+    problems_.push_back(assembly_.assemble(node, edges_, workspace_, rows_));
+  }
+  void solve() {
+    solve_all<1>();
+    solve_all<2>();
+    hold_firm_rows();
+  }
+  const std::vector<PatchProblem>& problems() const { return problems_; }
+  long long truncated_rows() const { return truncated_rows_; }
+
+ private:
+  template <int bodies>
+  void fill(const PatchProblem& problem, FitInput<1, bodies>& input) const {
+    for (int b = 0; b < bodies; ++b) {
+      const PatchFit& fit = problem.fit[b];
+      const double weight = b == 1 ? auxiliary_weight(problem.fit[0], problem.fit[1]) : 1.0;
+      for (int i = 0, entry = 0; i < num_terms; ++i)
+        for (int j = 0; j <= i; ++j) input.mass[b][entry++] = weight * fit.mass(i, j);
+      for (int k = 0; k < 6; ++k)
+        for (int t = 0; t < num_terms; ++t) input.a[b][k][t] = fit.a[num_terms * k + t];
+      for (int i = 0; i < 3; ++i) input.interior[b][i] = problem.divergence[b][i];
+      input.poisson_ratio[b] = 0;
+    }
+  }
+
+  template <int bodies>
+  static void copy_row(const PatchRow& from, FitRow<bodies>& to) {
+    for (int b = 0; b < bodies; ++b) {
+      std::copy_n(from.weight[b], 6, to.weight[b]);
+      std::copy_n(from.place[b], 3, to.place[b]);
+    }
+    to.value = from.value;
+  }
+
+  /// Solves the patches numbered in `list` with those of their rows that `use` selects.
+  template <int bodies, class Use>
+  void solve_list(const std::vector<int>& list, const Use& use, std::vector<FitStatus>& status) {
+    std::vector<FitInput<1, bodies>>& inputs = std::get<std::vector<FitInput<1, bodies>>>(inputs_);
+    std::vector<FitRow<bodies>>& rows = std::get<std::vector<FitRow<bodies>>>(fit_rows_);
+    rows.clear();
+    inputs.resize(list.size());
+    status.resize(list.size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const PatchProblem& problem = problems_[list[i]];
+      fill(problem, inputs[i]);
+      inputs[i].num_rows = 0;
+      for (int r = 0; r < problem.num_rows; ++r) {
+        const PatchRow& row = rows_[problem.first_row + r];
+        if (!use(row)) continue;
+        rows.emplace_back();
+        copy_row(row, rows.back());
+        ++inputs[i].num_rows;
+      }
+    }
+    const FitRow<bodies>* next = rows.data();
+    for (auto& input : inputs) input.rows = next, next += input.num_rows;
+    fit_patches(inputs.data(), static_cast<int>(inputs.size()), rank_tolerance_, status.data());
+    for (std::size_t i = 0; i < list.size(); ++i)
+      for (int k = 0; k < 6; ++k)
+        for (int t = 0; t < num_terms; ++t) problems_[list[i]].fit[0].a[num_terms * k + t] = inputs[i].a[0][k][t];
+  }
+
+  template <int bodies>
+  void solve_all() {
+    list_.clear();
+    for (std::size_t i = 0; i < problems_.size(); ++i)
+      if (problems_[i].status != PatchStatus::singular && problems_[i].coupled == (bodies == 2))
+        list_.push_back(static_cast<int>(i));
+    solve_list<bodies>(list_, [](const PatchRow&) { return true; }, status_);
+    for (std::size_t i = 0; i < list_.size(); ++i) {
+      PatchProblem& problem = problems_[list_[i]];
+      const auto at_least = [&](PatchStatus status) { problem.status = std::max(problem.status, status); };
+      if (status_[i].truncated > 0) at_least(PatchStatus::truncated);
+      if (status_[i].residual > conflict) at_least(PatchStatus::conflicting);
+      if (!status_[i].finite) at_least(PatchStatus::singular);
+      problem.loose = status_[i].residual > met;
+      truncated_rows_ += status_[i].truncated;
+    }
+  }
+
+  /// Where contact is open the pressure is exactly zero: conflicting data elsewhere in the patch (a load on a face that
+  /// meets the contact face at an edge) must not leak into it through the least-squares solution.
+  void hold_firm_rows() {
+    list_.clear();
+    for (std::size_t i = 0; i < problems_.size(); ++i) {
+      const PatchProblem& problem = problems_[i];
+      if (!problem.loose) continue;
+      const auto first = rows_.begin() + static_cast<std::ptrdiff_t>(problem.first_row);
+      if (std::any_of(first, first + problem.num_rows, [](const PatchRow& row) { return row.firm; }))
+        list_.push_back(static_cast<int>(i));
+    }
+    solve_list<1>(list_, [](const PatchRow& row) { return row.firm; }, status_);
+  }
+
+  const PatchAssembly& assembly_;
+  const EdgeMap* edges_;
+  double rank_tolerance_;
+  PatchWorkspace workspace_;
+  std::vector<PatchProblem> problems_;
+  std::vector<PatchRow> rows_;
+  std::tuple<std::vector<FitInput<1, 1>>, std::vector<FitInput<1, 2>>> inputs_;
+  std::tuple<std::vector<FitRow<1>>, std::vector<FitRow<2>>> fit_rows_;
+  std::vector<FitStatus> status_;
+  std::vector<int> list_;
+  long long truncated_rows_ = 0;
+};
 
 /// What one chunk of patches leaves behind.
 struct ChunkResult {
@@ -72,26 +165,19 @@ struct ChunkResult {
   std::vector<std::pair<int, EdgeTerms::Term>> terms;  ///< node, term
 };
 
-void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance, std::size_t begin,
-                   std::size_t end, PatchStates& states, ChunkResult& result) {
+void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance, const int* nodes,
+                   std::size_t count, PatchStates& states, ChunkResult& result) {
   const RecoveryBody& body = assembly.body();
-  PatchWorkspace workspace;
-  std::vector<FitRow> rows;
-  for (std::size_t node = begin; node < end; ++node) {
-    const int n = static_cast<int>(node);
-    PatchProblem problem;
-    if (assembly.is_interior(n)) {
-      recover_interior(assembly, n);
-    } else {
-      rows.clear();
-      problem = assembly.assemble(n, edges, workspace, rows);
-      result.counts.grown += body.patches->grown[n];
-      if (problem.status != PatchStatus::singular) {
-        result.counts.truncated_rows += solve_patch(problem, rows, rank_tolerance);
-        for (int i = 0; i < num_unknowns; ++i) body.field.values(n, i / num_terms, i % num_terms) = problem.fit[0].a[i];
-        if (problem.has_edge) result.terms.push_back({n, {problem.edge[0], problem.factor}});
-      }
-    }
+  PatchBatch batch(assembly, edges, rank_tolerance);
+  for (std::size_t i = 0; i < count; ++i) batch.add(nodes[i]);
+  batch.solve();
+  result.counts.truncated_rows += batch.truncated_rows();
+  for (const PatchProblem& problem : batch.problems()) {
+    const int n = problem.node;
+    if (problem.status != PatchStatus::singular)
+      for (int i = 0; i < num_unknowns; ++i) body.field.values(n, i / num_terms, i % num_terms) = problem.fit[0].a[i];
+    if (problem.has_edge) result.terms.push_back({n, {problem.edge[0], problem.factor}});
+    result.counts.grown += body.patches->grown[n];
     states.kind[n] = problem.kind;
     states.status[n] = problem.status;
     ++result.counts.kinds[static_cast<int>(problem.kind)];
@@ -116,15 +202,27 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   std::vector<PatchAssembly> assemblies;
   assemblies.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    assemblies.emplace_back(bodies, auxiliary, static_cast<int>(b), scales, options, u);
+    assemblies.emplace_back(bodies, auxiliary, static_cast<int>(b), scales, options);
   const FoundEdges edges = find_contact_edges(assemblies, u, options);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
     PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes)};
-    std::vector<ChunkResult> chunks(num_chunks(num_nodes, grain));
-    parallel_chunks(num_nodes, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      recover_chunk(assemblies[b], options.contact_edge ? &edges : nullptr, options.rank_tolerance, begin, end, states,
-                    chunks[chunk]);
+    std::vector<char> interior(num_nodes);
+    parallel_for(num_nodes, interior_grain, [&](std::size_t n) {
+      interior[n] = assembly.is_interior(static_cast<int>(n));
+      if (interior[n]) recover_interior(assembly, static_cast<int>(n));
+    });
+    std::vector<int> others;
+    for (std::size_t n = 0; n < num_nodes; ++n)
+      if (!interior[n]) others.push_back(static_cast<int>(n));
+    const auto num_interior = static_cast<long long>(num_nodes - others.size());
+    recovery.counts.kinds[static_cast<int>(PatchKind::interior)] += num_interior;
+    recovery.counts.statuses[static_cast<int>(PatchStatus::exact)] += num_interior;
+    std::vector<ChunkResult> chunks(num_chunks(others.size(), grain));
+    parallel_chunks(others.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      recover_chunk(assembly, options.contact_edge ? &edges : nullptr, options.rank_tolerance, &others[begin],
+                    end - begin, states, chunks[chunk]);
     });
     EdgeTerms terms;
     for (const ChunkResult& chunk : chunks) {
