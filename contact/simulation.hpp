@@ -46,7 +46,7 @@ struct Simulation {
   std::vector<RecoveredField> sprc;  ///< per body: everywhere (SPR where the scene does not want SPR-C)
   RecoveryCounts recovery_counts;
   std::vector<PatchStates> patch_states;  ///< by body
-  ReferenceSpec reference;  ///< what the results are compared with
+  ReferenceSpec reference;                ///< what the results are compared with
   Results results;
 
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results.

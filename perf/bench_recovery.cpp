@@ -515,7 +515,7 @@ struct RecoveryProblem {
   }
   RecoveryCounts run() {
     for (std::size_t b = 0; b < bodies.size(); ++b) Kokkos::deep_copy(bodies[b].field.values, unconstrained[b]);
-    return recover_constrained(bodies, u, problem.simulation.scales, {});
+    return recover_constrained(bodies, u, problem.simulation.scales, {}).counts;
   }
   double error() const {
     double largest = 0;
@@ -564,7 +564,8 @@ Kernel whole(int cells) {
   k.cost = whole_cost(p->problem);
   k.error = p->error(), k.tolerance = 1e-8, k.against = "the exact uniform stress";
   k.run = [p] { p->run(); };
-  for (const auto& [kind, count] : counts.patches_by_kind) k.figures.emplace_back(kind, static_cast<double>(count));
+  for (int kind = 0; kind < num_patch_kinds; ++kind)
+    if (counts.kinds[kind] > 0) k.figures.emplace_back(patch_kind_names[kind], static_cast<double>(counts.kinds[kind]));
   return k;
 }
 

@@ -1,7 +1,7 @@
 /// Stress at the edge of a contact zone. Where a frictionless contact opens the pressure ends like the square root of
-/// the distance, which no polynomial follows: the first term of Williams's expansion (half of a mode I crack: no shear on
-/// the ligament, no traction on the open side) stands beside the polynomials, with the same factor in both bodies. The
-/// paper leaves the edge open; splitting sigma* into a singular and a smooth part follows what Rodenas et al. do at
+/// the distance, which no polynomial follows: the first term of Williams's expansion (half of a mode I crack: no shear
+/// on the ligament, no traction on the open side) stands beside the polynomials, with the same factor in both bodies.
+/// The paper leaves the edge open; splitting sigma* into a singular and a smooth part follows what Rodenas et al. do at
 /// crack tips. Evidence: docs/recovery.md.
 #pragma once
 
@@ -31,8 +31,9 @@ struct ContactEdge {
     return scale * (closed.dot(d) + 0.5 * curvature * t * t);
   }
 
-  /// Stress (xx, yy, zz, xy, yz, zx; grid axes) of the unit term: normal traction sqrt(inside) in the zone, none outside,
-  /// no shear. In equilibrium where face and edge are plane and straight; else up to the distance over the radius.
+  /// Stress (xx, yy, zz, xy, yz, zx; grid axes) of the unit term: normal traction sqrt(inside) in the zone, none
+  /// outside, no shear. In equilibrium where face and edge are plane and straight; else up to the distance over the
+  /// radius.
   void stress(const Vec3& x, double s[6]) const;
 };
 

@@ -28,7 +28,8 @@ struct CellTerm {
   void set_plane(const ContactEdge& edge) {
     const Vec3 inward = -edge.orientation * edge.surface.direction;
     const Vec3 e = (edge.closed - edge.closed.dot(inward) * inward).normalized(), t = inward.cross(e);
-    const double closed[3] = {edge.closed[0], edge.closed[1], edge.closed[2]}, in[3] = {inward[0], inward[1], inward[2]};
+    const double closed[3] = {edge.closed[0], edge.closed[1], edge.closed[2]},
+                 in[3] = {inward[0], inward[1], inward[2]};
     const double start = edge.closed.dot(edge.origin), face = inward.dot(edge.surface.point);
     double across[num_points], normal[num_points], shear[num_points];
     for (int q = 0; q < num_points; ++q) {

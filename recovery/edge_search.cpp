@@ -1,10 +1,10 @@
 #include "recovery/edge_search.hpp"
 
-#include "core/parallel.hpp"
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
+#include "core/parallel.hpp"
 #include "recovery/edge_misfit.hpp"
 
 namespace cgcontact {
@@ -98,8 +98,7 @@ struct Candidate {
   std::unique_ptr<EdgeMisfit> misfit;
 };
 
-Candidate make_candidate(const PatchAssembly& assembly, int node, int pair, const RealView& u,
-                         double rank_tolerance) {
+Candidate make_candidate(const PatchAssembly& assembly, int node, int pair, const RealView& u, double rank_tolerance) {
   Candidate candidate{&assembly, -1, {}, nullptr};
   PatchWorkspace workspace;
   std::vector<PatchRow> rows;
@@ -111,9 +110,9 @@ Candidate make_candidate(const PatchAssembly& assembly, int node, int pair, cons
   const RecoveryBody& body = assembly.body();
   const int* cells = body.patches->cells.data() + body.patches->begin[node];
   const int num_cells = body.patches->begin[node + 1] - body.patches->begin[node];
-  candidate.misfit = std::make_unique<EdgeMisfit>(
-      EdgeMisfit::Side{&body, {cells, cells + num_cells}}, EdgeMisfit::Side{&other, workspace.auxiliary}, problem, rows, u,
-      rank_tolerance);
+  candidate.misfit =
+      std::make_unique<EdgeMisfit>(EdgeMisfit::Side{&body, {cells, cells + num_cells}},
+                                   EdgeMisfit::Side{&other, workspace.auxiliary}, problem, rows, u, rank_tolerance);
   candidate.pair = pair;
   return candidate;
 }
@@ -147,8 +146,12 @@ bool place_edge(const Candidate& candidate, double step, int trials, EdgeSample&
   misfit_at(shift);
   if (!(fit.factor < 0)) return false;  // pulls instead of pressing
   const EdgePiece& piece = candidate.guess.piece;
-  sample = {candidate.pair, piece.origin + shift * h * piece.closed, piece.closed, candidate.guess.normal,
-            fit.factor / std::sqrt(h), fit.weight};
+  sample = {candidate.pair,
+            piece.origin + shift * h * piece.closed,
+            piece.closed,
+            candidate.guess.normal,
+            fit.factor / std::sqrt(h),
+            fit.weight};
   return true;
 }
 

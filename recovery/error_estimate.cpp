@@ -45,6 +45,7 @@ struct CellStresses {
                const RecoveredField& field) {
     set_raw(tables, mesh, u);
     set_recovered(tables, mesh, cell, field);
+    if (field.edge) add_edge(tables, mesh, cell, field);
   }
 
  private:
@@ -63,6 +64,19 @@ struct CellStresses {
         raw[i][q] = trace + 2 * mu * g[i][i][q];
         raw[3 + i][q] = mu * (g[i][j][q] + g[j][i][q]);
       }
+    }
+  }
+
+  void add_edge(const Tables& tables, const BodyMesh& mesh, int cell, const RecoveredField& field) {
+    const auto at_corner = [&](int a) { return field.edge->of_node(mesh.cell_nodes[cell][a] - mesh.first_node); };
+    bool any = false;
+    for (int a = 0; a < 8; ++a) any = any || at_corner(a);
+    if (!any) return;
+    for (int q = 0; q < Tables::num_points; ++q) {
+      double N[8], s[6] = {};
+      hex_shape(tables.xi[q].data(), N);
+      add_edge_terms(mesh, field, cell, tables.xi[q].data(), N, s);
+      for (int k = 0; k < 6; ++k) recovered[k][q] += s[k];
     }
   }
 
@@ -104,7 +118,7 @@ class Estimator {
 
   /// Adds one cell to the sums; returns its own error.
   double add_cell(int cell, EnergySums& sums) const {
-    const bool interior = mesh_.cut_cells->cut_of_active[cell] < 0;
+    const bool interior = mesh_.cut_cells->cut_of_active[cell] < 0;  // an edge's term lies in cells with contact
     return interior && !exact_ ? integrate<3>(cell, sums) : integrate<5>(cell, sums);
   }
 

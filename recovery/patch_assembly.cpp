@@ -258,7 +258,8 @@ void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Vec3&
   }
 }
 
-void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const {
+void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& centre,
+                                   std::vector<PatchRow>& rows) const {
   for (int p = 0; p < group.num_points; ++p) {
     const auto [t1, t2] = tangents(group.normal[p]);
     for (const Vec3& t : {t1, t2})
@@ -410,8 +411,8 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
       mode = mode_at_edge(state, *edges, cells, num_cells, problem);
     }
     workspace.modes[&state - states.data()] = static_cast<char>(mode);
-    const bool wants = mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed()) ||
-                       state.pair == edge_pair;
+    const bool wants =
+        mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed()) || state.pair == edge_pair;
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }
   if (coupled) {
@@ -476,7 +477,8 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
                                         : PatchKind::boundary);
     }
     if (problem.has_edge)
-      for (std::size_t r = first; r < rows.size(); ++r) subtract_term_of_row(problem.edge[0], problem.factor, own, rows[r]);
+      for (std::size_t r = first; r < rows.size(); ++r)
+        subtract_term_of_row(problem.edge[0], problem.factor, own, rows[r]);
   }
   problem.num_rows = static_cast<int>(rows.size() - problem.first_row);
   return problem;

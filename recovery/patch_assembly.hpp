@@ -75,16 +75,16 @@ struct PatchProblem {
   int node = -1;
   PatchKind kind = PatchKind::interior;
   PatchStatus status = PatchStatus::exact;
-  bool coupled = false;          ///< with an auxiliary patch
-  PatchFit fit[2];               ///< own, auxiliary
-  Vec3 divergence[2];            ///< what div sigma must be, per cell unit; own, auxiliary
-  std::size_t first_row = 0;     ///< in the list
+  bool coupled = false;       ///< with an auxiliary patch
+  PatchFit fit[2];            ///< own, auxiliary
+  Vec3 divergence[2];         ///< what div sigma must be, per cell unit; own, auxiliary
+  std::size_t first_row = 0;  ///< in the list
   int num_rows = 0;
   int pair = -1, other_body = -1;  ///< of the auxiliary patch
-  bool has_edge = false;         ///< the term of the contact edge is part of the stress
-  ContactEdge edge[2];           ///< own, auxiliary
+  bool has_edge = false;           ///< the term of the contact edge is part of the stress
+  ContactEdge edge[2];             ///< own, auxiliary
   double factor = 0;
-  bool loose = false;            ///< after the solution: not all rows are met
+  bool loose = false;  ///< after the solution: not all rows are met
 };
 
 /// Assembles the patches of one body.

@@ -51,9 +51,7 @@ class PatchBatch {
   PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance)
       : assembly_(assembly), edges_(edges), rank_tolerance_(rank_tolerance) {}
 
-  void add(int node) {
-    problems_.push_back(assembly_.assemble(node, edges_, workspace_, rows_));
-  }
+  void add(int node) { problems_.push_back(assembly_.assemble(node, edges_, workspace_, rows_)); }
   void solve() {
     solve_all<1>();
     solve_all<2>();
@@ -120,7 +118,8 @@ class PatchBatch {
     for (std::size_t i = 0; i < problems_.size(); ++i)
       if (problems_[i].status != PatchStatus::singular && problems_[i].coupled == (bodies == 2))
         list_.push_back(static_cast<int>(i));
-    solve_list<bodies>(list_, [](const PatchRow&) { return true; }, status_);
+    solve_list<bodies>(
+        list_, [](const PatchRow&) { return true; }, status_);
     for (std::size_t i = 0; i < list_.size(); ++i) {
       PatchProblem& problem = problems_[list_[i]];
       const auto at_least = [&](PatchStatus status) { problem.status = std::max(problem.status, status); };
@@ -143,7 +142,8 @@ class PatchBatch {
       if (std::any_of(first, first + problem.num_rows, [](const PatchRow& row) { return row.firm; }))
         list_.push_back(static_cast<int>(i));
     }
-    solve_list<1>(list_, [](const PatchRow& row) { return row.firm; }, status_);
+    solve_list<1>(
+        list_, [](const PatchRow& row) { return row.firm; }, status_);
   }
 
   const PatchAssembly& assembly_;

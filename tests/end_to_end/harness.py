@@ -77,7 +77,7 @@ NOT_COMPARED = ("times_s", "peak_memory_bytes", "backend", "threads", "warnings"
 def largest_difference(first, second):
     """The largest difference between the results in two directories, and where it is. Columns of contact.csv: relative to
     the column's largest value; figures of the reports: to the value itself, components of forces and the zones of the pressure
-    error to the largest of all. Texts, counts and the state of every point must be equal. Residuals are not compared: the
+    error to the largest of all, moments at least to the largest force times its distance. Texts, counts and the state of every point must be equal. Residuals are not compared: the
     last ones are rounding."""
     differences = [(0, "")]
     rows, others = contact_rows(first), contact_rows(second)
@@ -100,6 +100,9 @@ def largest_difference(first, second):
     for name, value in reports[0].items():
         if kind[name] and not isinstance(value, str):
             largest[kind[name]] = max(largest.get(kind[name], 1e-300), abs(value))
+    if rows and "moment" in largest:  # forces through the origin have none: rounding of force times distance is left
+        distance = max(abs(row[column]) for row in rows for column in "xyz")
+        largest["moment"] = max(largest["moment"], distance * largest["force"])
     for name, a in reports[0].items():
         b = reports[1][name]
         if not isinstance(a, float) and not isinstance(b, float):
