@@ -114,9 +114,9 @@ void Simulation::recover() {
     input.push_back({&mesh, &patches[b], &bodies[b].boundary, field});
   }
   if (scene.recovery.spr_c) {
-    ConstrainedRecovery recovery =
-        recover_constrained(input, outer.u, scales,
-                            {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth, !std::getenv("NO_EDGE")});
+    ConstrainedRecovery recovery = recover_constrained(
+        input, outer.u, scales,
+        {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth, scene.recovery.contact_edge});
     recovery_counts = recovery.counts;
     patch_states = std::move(recovery.states);
     for (std::size_t b = 0; b < bodies.size(); ++b)

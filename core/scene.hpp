@@ -98,6 +98,7 @@ struct RecoverySpec {
   bool spr_c = true;             ///< run the constrained recovery at the end
   double rank_tolerance = 0.05;  ///< truncated pseudo-inverse
   double auxiliary_depth = 0.5;  ///< in cells of the other body
+  bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.

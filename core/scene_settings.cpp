@@ -38,13 +38,14 @@ SolverSpec read_solver(const TomlCursor& node) {
 }
 
 RecoverySpec read_recovery(const TomlCursor& node) {
-  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth"});
+  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth", "contact_edge"});
   RecoverySpec recovery;
   Range depth = Range::positive();
   depth.max = 4;
   depth.text = "> 0 and <= 4 cells of the other body";
   if (const auto value = node.find("spr_c")) recovery.spr_c = value->boolean();
   if (const auto value = node.find("rank_tolerance")) recovery.rank_tolerance = value->number(fraction());
+  if (const auto value = node.find("contact_edge")) recovery.contact_edge = value->boolean();
   if (const auto value = node.find("auxiliary_depth")) recovery.auxiliary_depth = value->number(depth);
   return recovery;
 }

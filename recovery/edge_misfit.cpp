@@ -2,14 +2,15 @@
 
 namespace cgcontact {
 
-EdgeMisfit::EdgeMisfit(Side own, Side other, const PatchProblem& problem, const std::vector<PatchRow>& rows,
-                       const RealView& u, double rank_tolerance)
-    : side_{std::move(own), std::move(other)}, u_(u) {
+EdgeMisfit::EdgeMisfit(const Side& own, const Side& other, const PatchProblem& problem,
+                       const std::vector<PatchRow>& rows, const RealView& u, double rank_tolerance)
+    : other_(other.body),
+      quadrature_{{*own.body->mesh, own.cells, own.num_cells, problem.fit[0].centre, u},
+                  {*other.body->mesh, other.cells, other.num_cells, problem.fit[1].centre, u}} {
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(6 + problem.num_rows, 2 * num_unknowns);
   C.block<3, num_unknowns>(0, 0) = divergence_rows();
   C.block<3, num_unknowns>(3, num_unknowns) = divergence_rows();
   for (int b = 0; b < 2; ++b) {
-    centre_[b] = problem.fit[b].centre;
     factor_[b].compute(problem.fit[b].mass);
     for (int r = 0; r < problem.num_rows; ++r)
       C.block<1, num_unknowns>(6 + r, num_unknowns * b) = full_row(rows[problem.first_row + r], b);
@@ -39,9 +40,7 @@ EdgeFit EdgeMisfit::at(const ContactEdge& own, const ContactEdge& other) const {
   Unknowns h;
   double square = 0, product = 0;
   for (int b = 0; b < 2; ++b) {
-    const std::vector<int>& cells = side_[b].cells;
-    const EdgeMoments moments =
-        edge_moments(*side_[b].body->mesh, cells.data(), static_cast<int>(cells.size()), *edge[b], centre_[b], u_);
+    const EdgeMoments moments = quadrature_[b].moments(*edge[b]);
     square += moments.square;
     product += moments.with_stress;
     for (int k = 0; k < 6; ++k)

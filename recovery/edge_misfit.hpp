@@ -17,23 +17,23 @@ class EdgeMisfit {
  public:
   struct Side {
     const RecoveryBody* body;
-    std::vector<int> cells;
+    const int* cells;
+    int num_cells;
   };
   /// `problem`: from PatchAssembly::assemble_at_edge, with an auxiliary patch.
-  EdgeMisfit(Side own, Side other, const PatchProblem& problem, const std::vector<PatchRow>& rows, const RealView& u,
-             double rank_tolerance);
+  EdgeMisfit(const Side& own, const Side& other, const PatchProblem& problem, const std::vector<PatchRow>& rows,
+             const RealView& u, double rank_tolerance);
 
   /// The edge seen from both bodies, in one unit of length.
   EdgeFit at(const ContactEdge& own, const ContactEdge& other) const;
-  const RecoveryBody& other() const { return *side_[1].body; }
+  const RecoveryBody& other() const { return *other_; }
 
  private:
   static constexpr int num_unknowns = 6 * num_terms;
   using Unknowns = Eigen::Matrix<double, 2 * num_unknowns, 1>;
 
-  Side side_[2];
-  RealView u_;
-  Vec3 centre_[2];
+  const RecoveryBody* other_;
+  EdgeQuadrature quadrature_[2];
   Eigen::LLT<Eigen::Matrix<double, num_terms, num_terms>> factor_[2];
   Eigen::Matrix<double, 2 * num_unknowns, Eigen::Dynamic> basis_;  ///< orthonormal, of the whitened rows that count
   Unknowns free_;                                                  ///< whitened polynomials of sigma_h, without them

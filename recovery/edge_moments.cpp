@@ -1,86 +1,81 @@
 #include "recovery/edge_moments.hpp"
 
 namespace cgcontact {
-namespace {
 
-constexpr int n = 3, num_points = n * n * n;
-
-/// The term at the Gauss points of one cell; the points run along the rows, so that the loops over them are vectorised.
-struct CellTerm {
-  double position[3][num_points], stress[6][num_points];
-
-  CellTerm(const Index3& cell, const ContactEdge& edge) {
-    for (int q = 0; q < num_points; ++q)
-      for (int i = 0, stride = n * n; i < 3; ++i, stride /= n)
-        position[i][q] = cell[i] + 0.5 * (Gauss3::point[q / stride % n] + 1);
-    if (edge.surface.kind == Surface::Kind::plane && edge.curvature == 0)
-      set_plane(edge);
-    else
-      for (int q = 0; q < num_points; ++q) {
-        double s[6];
-        edge.stress(Vec3(position[0][q], position[1][q], position[2][q]), s);
-        for (int k = 0; k < 6; ++k) stress[k][q] = s[k];
-      }
-  }
-
- private:
-  /// One frame for all points.
-  void set_plane(const ContactEdge& edge) {
-    const Vec3 inward = -edge.orientation * edge.surface.direction;
-    const Vec3 e = (edge.closed - edge.closed.dot(inward) * inward).normalized(), t = inward.cross(e);
-    const double closed[3] = {edge.closed[0], edge.closed[1], edge.closed[2]},
-                 in[3] = {inward[0], inward[1], inward[2]};
-    const double start = edge.closed.dot(edge.origin), face = inward.dot(edge.surface.point);
-    double across[num_points], normal[num_points], shear[num_points];
-    for (int q = 0; q < num_points; ++q) {
-      const double x = closed[0] * position[0][q] + closed[1] * position[1][q] + closed[2] * position[2][q] - start;
-      const double y = in[0] * position[0][q] + in[1] * position[1][q] + in[2] * position[2][q] - face;
-      edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), across[q], normal[q], shear[q]);
-    }
-    constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
-    for (int k = 0; k < 6; ++k) {
-      const int i = first[k], j = second[k];
-      const double third = edge.poisson_ratio * t[i] * t[j], c_across = e[i] * e[j] + third,
-                   c_normal = in[i] * in[j] + third, c_shear = e[i] * in[j] + in[i] * e[j];
-      for (int q = 0; q < num_points; ++q)
-        stress[k][q] = c_across * across[q] + c_normal * normal[q] + c_shear * shear[q];
-    }
-  }
-};
-
-}  // namespace
-
-EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge,
-                         const Vec3& centre, const RealView& u) {
+EdgeQuadrature::EdgeQuadrature(const BodyMesh& mesh, const int* cells, int num_cells, const Vec3& centre,
+                               const RealView& u)
+    : cells_(num_cells), centre_(centre), with_stress_(u.extent(0) > 0) {
   const CutCells& cc = *mesh.cut_cells;
+  for (int i = 0; i < num_cells; ++i) {
+    Cell& cell = cells_[i];
+    const int c = cells[i], cut = cc.cut_of_active[c];
+    fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, cell.weight.data());
+    double corner[8][3];
+    for (int a = 0; a < 8 && with_stress_; ++a)
+      for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[c][a] + k);
+    for (int q = 0; q < num_points; ++q) {
+      cell.weight[q] /= 8;
+      double xi[3], s[6];
+      for (int d = 0, stride = n * n; d < 3; ++d, stride /= n) {
+        xi[d] = Gauss3::point[q / stride % n];
+        cell.position[d][q] = cc.cells[c][d] + 0.5 * (xi[d] + 1);
+      }
+      if (!with_stress_) continue;
+      hex_stress(mesh.law, corner, xi, s);
+      for (int k = 0; k < 6; ++k) cell.stress[k][q] = mesh.stress_factor() * s[k];
+    }
+  }
+}
+
+/// On a plane face along a straight edge all points have the same frame.
+void EdgeQuadrature::set_plane_term(const Cell& cell, const ContactEdge& edge, std::array<Row, 6>& term) {
+  const Vec3 in = -edge.orientation * edge.surface.direction;
+  const Vec3 e = (edge.closed - edge.closed.dot(in) * in).normalized(), t = in.cross(e);
+  const double start = edge.closed.dot(edge.origin), face = in.dot(edge.surface.point);
+  Row across, normal, shear;
+  for (int q = 0; q < num_points; ++q) {
+    const double p[3] = {cell.position[0][q], cell.position[1][q], cell.position[2][q]};
+    const double x = edge.closed[0] * p[0] + edge.closed[1] * p[1] + edge.closed[2] * p[2] - start;
+    const double y = in[0] * p[0] + in[1] * p[1] + in[2] * p[2] - face;
+    edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), across[q], normal[q], shear[q]);
+  }
+  constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
+  for (int k = 0; k < 6; ++k) {
+    const int i = first[k], j = second[k];
+    const double third = edge.poisson_ratio * t[i] * t[j], c_across = e[i] * e[j] + third,
+                 c_normal = in[i] * in[j] + third, c_shear = e[i] * in[j] + in[i] * e[j];
+    for (int q = 0; q < num_points; ++q) term[k][q] = c_across * across[q] + c_normal * normal[q] + c_shear * shear[q];
+  }
+}
+
+EdgeMoments EdgeQuadrature::moments(const ContactEdge& edge) const {
   EdgeMoments moments;
   moments.with_polynomials.setZero();
-  for (int i = 0; i < num_cells; ++i) {
-    const int c = cells[i], cut = cc.cut_of_active[c];
-    double weights[num_points];
-    fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weights);
-    const CellTerm term(cc.cells[c], edge);
-    for (int k = 0; k < 6; ++k) {
-      double sum[num_terms] = {}, square = 0;
+  const bool plane = edge.surface.kind == Surface::Kind::plane && edge.curvature == 0;
+  std::array<Row, 6> term;
+  for (const Cell& cell : cells_) {
+    if (plane) {
+      set_plane_term(cell, edge, term);
+    } else {
       for (int q = 0; q < num_points; ++q) {
-        const double value = weights[q] / 8 * term.stress[k][q];
+        double s[6];
+        edge.stress(Vec3(cell.position[0][q], cell.position[1][q], cell.position[2][q]), s);
+        for (int k = 0; k < 6; ++k) term[k][q] = s[k];
+      }
+    }
+    for (int k = 0; k < 6; ++k) {
+      double sum[num_terms] = {}, square = 0, with_stress = 0;
+      for (int q = 0; q < num_points; ++q) {
+        const double value = cell.weight[q] * term[k][q];
         sum[0] += value;
-        for (int d = 0; d < 3; ++d) sum[1 + d] += value * (term.position[d][q] - centre[d]);
-        square += value * term.stress[k][q];
+        for (int d = 0; d < 3; ++d) sum[1 + d] += value * (cell.position[d][q] - centre_[d]);
+        square += value * term[k][q];
       }
       for (int t = 0; t < num_terms; ++t) moments.with_polynomials[num_terms * k + t] += sum[t];
       moments.square += square;
-    }
-    if (u.extent(0) == 0) continue;
-    double corner[8][3];
-    for (int a = 0; a < 8; ++a)
-      for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[c][a] + k);
-    for (int q = 0; q < num_points; ++q) {
-      const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
-      double s[6];
-      hex_stress(mesh.law, corner, xi, s);
-      for (int k = 0; k < 6; ++k)
-        moments.with_stress += weights[q] / 8 * mesh.stress_factor() * s[k] * term.stress[k][q];
+      if (!with_stress_) continue;
+      for (int q = 0; q < num_points; ++q) with_stress += cell.weight[q] * term[k][q] * cell.stress[k][q];
+      moments.with_stress += with_stress;
     }
   }
   return moments;
@@ -88,7 +83,7 @@ EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, 
 
 Eigen::Matrix<double, 6 * num_terms, 1> edge_polynomial(const BodyMesh& mesh, const int* cells, int num_cells,
                                                         const ContactEdge& edge, const PatchFit& fit) {
-  EdgeMoments moments = edge_moments(mesh, cells, num_cells, edge, fit.centre, {});
+  EdgeMoments moments = EdgeQuadrature(mesh, cells, num_cells, fit.centre, {}).moments(edge);
   const Eigen::LLT<Eigen::Matrix<double, num_terms, num_terms>> factor(fit.mass);
   for (int k = 0; k < 6; ++k) {
     auto part = moments.with_polynomials.segment<num_terms>(num_terms * k);

@@ -10,13 +10,33 @@ namespace cgcontact {
 /// Over the body's part of the cells, cell units: W is the term, P the polynomials about a centre, sigma_h the stress.
 struct EdgeMoments {
   Eigen::Matrix<double, 6 * num_terms, 1> with_polynomials;  ///< P^T W
-  double square = 0, with_stress = 0;                        ///< W : W, W : sigma_h
+  double square = 0, with_stress = 0;                        ///< W : W, W : sigma_h (0 if it is not known)
 };
 
-/// u: displacements of all bodies; empty: with_stress is not computed. 27 points per cell; for the square root at an
-/// edge inside the cell that is good to 1 %, and the fit uses the same points throughout.
-EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge,
-                         const Vec3& centre, const RealView& u);
+/// The cells of a patch, ready for the integrals of any number of edges. 27 points per cell; for the square root at an
+/// edge inside the cell that is good to 1 %, and a fit uses the same points throughout (125 points: docs/recovery.md).
+class EdgeQuadrature {
+ public:
+  /// u: displacements of all bodies; empty: sigma_h is not known.
+  EdgeQuadrature(const BodyMesh& mesh, const int* cells, int num_cells, const Vec3& centre, const RealView& u);
+
+  EdgeMoments moments(const ContactEdge& edge) const;
+
+ private:
+  static constexpr int n = 3, num_points = n * n * n;
+  /// The points run along the rows, so that the loops over them are vectorised.
+  using Row = std::array<double, num_points>;
+  struct Cell {
+    Row weight;
+    std::array<Row, 3> position;  ///< grid coordinates
+    std::array<Row, 6> stress;
+  };
+  static void set_plane_term(const Cell& cell, const ContactEdge& edge, std::array<Row, 6>& term);
+
+  std::vector<Cell> cells_;
+  Vec3 centre_;
+  bool with_stress_;
+};
 
 /// Coefficients of the polynomials nearest to the term on a patch.
 Eigen::Matrix<double, 6 * num_terms, 1> edge_polynomial(const BodyMesh& mesh, const int* cells, int num_cells,

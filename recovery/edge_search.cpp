@@ -110,9 +110,10 @@ Candidate make_candidate(const PatchAssembly& assembly, int node, int pair, cons
   const RecoveryBody& body = assembly.body();
   const int* cells = body.patches->cells.data() + body.patches->begin[node];
   const int num_cells = body.patches->begin[node + 1] - body.patches->begin[node];
-  candidate.misfit =
-      std::make_unique<EdgeMisfit>(EdgeMisfit::Side{&body, {cells, cells + num_cells}},
-                                   EdgeMisfit::Side{&other, workspace.auxiliary}, problem, rows, u, rank_tolerance);
+  const std::vector<int>& auxiliary = workspace.auxiliary;
+  candidate.misfit = std::make_unique<EdgeMisfit>(
+      EdgeMisfit::Side{&body, cells, num_cells},
+      EdgeMisfit::Side{&other, auxiliary.data(), static_cast<int>(auxiliary.size())}, problem, rows, u, rank_tolerance);
   candidate.pair = pair;
   return candidate;
 }

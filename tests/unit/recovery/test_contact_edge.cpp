@@ -1,0 +1,149 @@
+/// The square-root term at the edge of a contact zone: equilibrium, boundary conditions, integrals; the edge through
+/// samples on a circle.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "recovery/edge_moments.hpp"
+#include "recovery/edge_search.hpp"
+#include "tests/support/bodies.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// An edge on the plane through `point` with outward normal n.
+ContactEdge plane_edge(const Vec3& point, const Vec3& n, double scale = 1) {
+  ContactEdge edge;
+  edge.surface.kind = Surface::Kind::plane;
+  edge.surface.point = point;
+  edge.surface.direction = n;
+  edge.origin = point;
+  edge.closed = n.unitOrthogonal();
+  edge.along = n.cross(edge.closed);
+  edge.scale = scale;
+  edge.poisson_ratio = 0.3;
+  return edge;
+}
+
+Mat3 stress_at(const ContactEdge& edge, const Vec3& x) {
+  Sym3 s;
+  edge.stress(x, s.data());
+  return tensor(s);
+}
+
+const Vec3 normal = Vec3(1, -2, 3).normalized(), point(0.3, 0.2, -0.4);
+
+/// div sigma by central differences, step 1e-5: rounding 1e-11, truncation 1e-10 times the third derivatives (< 100 at
+/// distances above 0.3).
+TEST(ContactEdge, IsInEquilibrium) {
+  const ContactEdge edge = plane_edge(point, normal, 1.7);
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 x = point - (0.3 + std::abs(uniform(generator))) * normal + uniform(generator) * edge.closed +
+                   uniform(generator) * edge.along;
+    Vec3 divergence = Vec3::Zero();
+    constexpr double step = 1e-5;
+    for (int j = 0; j < 3; ++j) {
+      const Vec3 d = step * Vec3::Unit(j);
+      divergence += (stress_at(edge, x + d) - stress_at(edge, x - d)).col(j) / (2 * step);
+    }
+    EXPECT_LT(divergence.norm(), 1e-8);
+  }
+}
+
+/// On the face: no shear, the square root of the distance inside, nothing at all outside; so for a body on either side.
+TEST(ContactEdge, CarriesTheSquareRootInsideAndNothingOutside) {
+  for (const double orientation : {1.0, -1.0}) {
+    ContactEdge edge = plane_edge(point, orientation * normal, 2);
+    edge.orientation = orientation;
+    for (double s : {-1.5, -0.3, -1e-9, 0.0, 1e-9, 0.2, 1.1}) {
+      const Vec3 traction = stress_at(edge, point + s * edge.closed + 0.7 * edge.along) * normal;
+      const double expected = s > 0 ? std::sqrt(2 * s) : 0;
+      EXPECT_NEAR(normal.dot(traction), expected, 1e-7) << s;  // rounding of the depth, 1e-16, has the root 1e-8
+      EXPECT_LT((traction - normal.dot(traction) * normal).norm(), 1e-7) << s;
+    }
+  }
+}
+
+/// Grid axes and exact zero: what the flat scenes rely on for a pressure of exactly zero outside.
+TEST(ContactEdge, IsExactlyZeroOutsideOnAPlaneOfTheGrid) {
+  const ContactEdge edge = plane_edge(Vec3(0.2, 0.3, 0.25), Vec3::UnitZ());
+  for (double s : {-2.0, -0.1, -1e-12}) {
+    double stress[6];
+    edge.stress(edge.origin + s * edge.closed, stress);
+    EXPECT_EQ(stress[2], 0);
+    EXPECT_EQ(stress[4], 0);
+    EXPECT_EQ(stress[5], 0);
+  }
+}
+
+/// A sphere of radius 20: traction on its surface off by no more than the distance over the radius.
+TEST(ContactEdge, FollowsACurvedFace) {
+  ContactEdge edge = plane_edge(Vec3::Zero(), Vec3::UnitZ());
+  edge.surface.kind = Surface::Kind::sphere;
+  edge.surface.point = Vec3(0, 0, -20);
+  edge.surface.radius = 20;
+  edge.closed = Vec3::UnitX();
+  edge.along = Vec3::UnitY();
+  for (double s : {-1.0, -0.4, 0.5, 1.0}) {
+    const Vec3 n = (Vec3(s, 0.3, 0) - edge.surface.point).normalized();
+    const Vec3 x = edge.surface.point + 20 * n, traction = stress_at(edge, x) * n;
+    EXPECT_NEAR(n.dot(traction), s > 0 ? std::sqrt(s) : 0, 0.05);
+    EXPECT_LT((traction - n.dot(traction) * n).norm(), 0.05);
+  }
+}
+
+/// The vectorised integrals over plane faces are those of the general loop.
+TEST(EdgeMoments, OfAPlaneFaceEqualTheGeneralOnes) {
+  const CutCells cc = test::cut(Solid::box(Vec3(0.1, 0.15, 0.2), Vec3(0.9, 0.8, 0.75), "box"), test::odd_grid(6, 0.3));
+  const ElasticSystem system = make_elastic_system({&cc}, {Material{1, 0.3}}, Scales{1, 1}, 0.01);
+  const BodyMesh& mesh = system.meshes[0];
+  const RealView u = test::random_vector(system.num_dofs(), 2);
+  const Vec3 n = (cc.grid.rotation.transpose() * Vec3::UnitZ());
+  const Vec3 top = cc.grid.to_grid(Vec3(0.5, 0.5, 0.75));
+  const ContactEdge plane = plane_edge(top, n);
+  ContactEdge general = plane;
+  general.curvature = 1e-300;
+  std::vector<int> cells;
+  for (int c = 0; c < static_cast<int>(cc.cells.size()); ++c)
+    if ((Vec3(cc.cells[c][0], cc.cells[c][1], cc.cells[c][2]) - top).norm() < 2.5) cells.push_back(c);
+  ASSERT_GT(cells.size(), 5u);
+  const int count = static_cast<int>(cells.size());
+  const EdgeQuadrature quadrature(mesh, cells.data(), count, top, u);
+  const EdgeMoments fast = quadrature.moments(plane), plain = quadrature.moments(general);
+  EXPECT_NEAR(fast.square, plain.square, 1e-12 * plain.square);
+  EXPECT_NEAR(fast.with_stress, plain.with_stress, 1e-12 * plain.square);
+  EXPECT_LT((fast.with_polynomials - plain.with_polynomials).norm(), 1e-12 * plain.with_polynomials.norm());
+}
+
+/// Samples on a circle of ten cells, two per cell: place to 1 % of a cell, direction to one degree; the ridge takes
+/// part of the curvature. Other pairs and far places: no edge.
+TEST(FoundEdges, DrawTheCircleThatTheSamplesLieOn) {
+  std::vector<EdgeSample> samples;
+  constexpr double radius = 10, width = 1;
+  for (int i = 0; i < 126; ++i) {
+    const double angle = 0.05 * i;
+    const Vec3 out(std::cos(angle), std::sin(angle), 0);
+    const Vec3 skew(std::cos(angle + 0.1 * (i % 3 - 1)), std::sin(angle + 0.1 * (i % 3 - 1)), 0);
+    samples.push_back({2, radius * out, -skew, i % 2 ? Vec3(0, 0, -1) : Vec3(0, 0, 1), -0.5, 1});
+  }
+  const FoundEdges edges(samples, width);
+  for (double angle : {0.3, 1.0, 2.2, 4.0})
+    for (double r : {9.0, 10.0, 11.5}) {
+      const Vec3 out(std::cos(angle), std::sin(angle), 0);
+      EdgePiece piece;
+      ASSERT_TRUE(edges.near(2, r * out, piece));
+      EXPECT_NEAR(piece.inside(r * out), radius - r, 0.02);
+      EXPECT_GT(piece.closed.dot(-out), std::cos(M_PI / 180));
+      EXPECT_LT(piece.curvature, -0.5 / radius);
+      EXPECT_GT(piece.curvature, -1.1 / radius);
+      EXPECT_DOUBLE_EQ(piece.factor, -0.5);
+      EXPECT_FALSE(edges.near(1, r * out, piece));
+    }
+  EdgePiece piece;
+  EXPECT_FALSE(edges.near(2, Vec3(0, 0, 0), piece));
+}
+
+}  // namespace
+}  // namespace cgcontact
