@@ -14,6 +14,8 @@ namespace {
 constexpr int contact_order = 2;
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
+/// Cells, from a surface into the body: less than the thinnest cells that are kept, more than rounding of positions.
+constexpr double inward_step = 1e-12;
 
 /// Planes of the other grid that cross a cell, in the cell's grid coordinates.
 std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
@@ -197,7 +199,7 @@ std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpe
       if (normal.dot(direction) > -0.1) continue;  // does not face this point
       if (!face.contains(solid.surfaces()[s].names, grid.to_global(y), grid.rotation * normal)) continue;
       // The cell on the inner side of the surface, also where the surface lies on a grid plane.
-      const int cell = other.cut_cells.locate(y - 1e-9 * normal);
+      const int cell = other.cut_cells.locate(y - inward_step * normal);
       if (cell >= 0) best = OppositePoint{t[r], cell, y};
     }
   }

@@ -96,7 +96,7 @@ struct SolverSpec {
 
 struct RecoverySpec {
   bool spr_c = true;             ///< run the constrained recovery at the end
-  double rank_tolerance = 0.05;  ///< truncated pseudo-inverse
+  double rank_tolerance = 0.1;   ///< truncated pseudo-inverse
   double auxiliary_depth = 0.5;  ///< in cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
 };

@@ -12,7 +12,7 @@
 namespace cgcontact {
 
 struct RecoveryOptions {
-  double rank_tolerance = 0.05;
+  double rank_tolerance = 0.1;
   double auxiliary_depth = 0.5;  ///< cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
 };

@@ -35,6 +35,9 @@ constexpr double conflict = 0.01;
 /// The same below which all rows are met.
 constexpr double met = 1e-12;
 
+/// Rank tolerance of the firm rows alone: they agree with each other.
+constexpr double firm_tolerance = 1e-3;
+
 /// How much more one body's misfit may count than the other's in a coupled patch.
 constexpr double most_weight = 1e4;
 
@@ -86,7 +89,7 @@ class PatchBatch {
 
   /// Solves the patches numbered in `list` with those of their rows that `use` selects.
   template <int bodies, class Use>
-  void solve_list(const std::vector<int>& list, const Use& use, std::vector<FitStatus>& status) {
+  void solve_list(const std::vector<int>& list, const Use& use, double rank_tolerance, std::vector<FitStatus>& status) {
     std::vector<FitInput<1, bodies>>& inputs = std::get<std::vector<FitInput<1, bodies>>>(inputs_);
     std::vector<FitRow<bodies>>& rows = std::get<std::vector<FitRow<bodies>>>(fit_rows_);
     rows.clear();
@@ -106,7 +109,7 @@ class PatchBatch {
     }
     const FitRow<bodies>* next = rows.data();
     for (auto& input : inputs) input.rows = next, next += input.num_rows;
-    fit_patches(inputs.data(), static_cast<int>(inputs.size()), rank_tolerance_, status.data());
+    fit_patches(inputs.data(), static_cast<int>(inputs.size()), rank_tolerance, status.data());
     for (std::size_t i = 0; i < list.size(); ++i)
       for (int k = 0; k < 6; ++k)
         for (int t = 0; t < num_terms; ++t) problems_[list[i]].fit[0].a[num_terms * k + t] = inputs[i].a[0][k][t];
@@ -119,7 +122,7 @@ class PatchBatch {
       if (problems_[i].status != PatchStatus::singular && problems_[i].coupled == (bodies == 2))
         list_.push_back(static_cast<int>(i));
     solve_list<bodies>(
-        list_, [](const PatchRow&) { return true; }, status_);
+        list_, [](const PatchRow&) { return true; }, rank_tolerance_, status_);
     for (std::size_t i = 0; i < list_.size(); ++i) {
       PatchProblem& problem = problems_[list_[i]];
       const auto at_least = [&](PatchStatus status) { problem.status = std::max(problem.status, status); };
@@ -143,7 +146,7 @@ class PatchBatch {
         list_.push_back(static_cast<int>(i));
     }
     solve_list<1>(
-        list_, [](const PatchRow& row) { return row.firm; }, status_);
+        list_, [](const PatchRow& row) { return row.firm; }, firm_tolerance, status_);
   }
 
   const PatchAssembly& assembly_;

@@ -40,32 +40,49 @@ void PrintTo(const TwoSolidsCase& c, std::ostream* out) { *out << c.scene << " "
 
 class TwoSolids : public testing::TestWithParam<TwoSolidsCase> {};
 
-/// Errors against the independent 2D solution (scenes/data), force, open part, outer iterations.
+/// Errors against the independent 2D solution (scenes/data), force, open part, outer iterations. Bounds: error of SPR-C
+/// a third above what is measured (.060 / .038 / .014 in plane strain); times better than SPR over the whole face and
+/// in the interior: 2, 2, 2.4 and 3, 4, 5 (measured 4.0, 3.5, 5.2 and 4.2, 7.3, 7.9), 1.5 at the edge (2.5, 2.2, 4.0).
 TEST_P(TwoSolids, MeetsItsBounds) {
   const TwoSolidsCase& c = GetParam();
   const auto solved = test::run_scene(c.scene, {c.n});
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
   EXPECT_LE(r.outer_iterations, 10);
-  const ZoneError &whole = test::zone(r, "whole"), &interior = test::zone(r, "interior");
+  const ZoneError &whole = test::zone(r, "whole"), &interior = test::zone(r, "interior"), &edge = test::zone(r, "edge");
   EXPECT_LE(whole.sprc, c.whole);
   EXPECT_GE(whole.spr / whole.sprc, c.ratio);
   EXPECT_GE(interior.spr / interior.sprc, c.interior_ratio);
+  EXPECT_GE(edge.spr / edge.sprc, 1.5);
+  EXPECT_LE(test::zone(r, "outside").sprc, 1e-10);
   EXPECT_NEAR(std::abs(r.pairs[0].force_on_first[2]) / (0.5 * 39179.7 * c.thickness), 1, 0.01);
   const double open = open_pressure(*solved->simulation);
   EXPECT_GE(open, 0) << "no open part: the case proves nothing";
-  EXPECT_LE(open, 1e-8);
+  EXPECT_LE(open, 1e-10);
   EXPECT_LE((r.pairs[0].force_on_first + r.pairs[0].force_on_second).norm(), 1e-10 * r.pairs[0].force_on_first.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Scenes, TwoSolids,
-    testing::Values(TwoSolidsCase{"scenes/two_solids.toml", "n=8", 0.01 / (1.3 * 8), 0.18, 1.4, 2.0},
-                    TwoSolidsCase{"scenes/two_solids.toml", "n=16", 0.01 / (1.3 * 16), 0.09, 1.5, 2.5},
-                    TwoSolidsCase{"scenes/two_solids.toml", "n=32", 0.01 / (1.3 * 32), 0.05, 1.6, 3.0},
-                    TwoSolidsCase{"scenes/two_solids_3d.toml", "n=8", 0.01, 0.18, 1.4, 2.0},
-                    TwoSolidsCase{"scenes/two_solids_3d.toml", "n=16", 0.01, 0.09, 1.5, 2.5}));
+INSTANTIATE_TEST_SUITE_P(Scenes, TwoSolids,
+                         testing::Values(TwoSolidsCase{"scenes/two_solids.toml", "n=8", 0.01 / (1.3 * 8), 0.08, 2, 3},
+                                         TwoSolidsCase{"scenes/two_solids.toml", "n=16", 0.01 / (1.3 * 16), 0.05, 2, 4},
+                                         TwoSolidsCase{"scenes/two_solids.toml", "n=32", 0.01 / (1.3 * 32), 0.019, 2.4,
+                                                       5},
+                                         TwoSolidsCase{"scenes/two_solids_3d.toml", "n=8", 0.01, 0.08, 2, 3},
+                                         TwoSolidsCase{"scenes/two_solids_3d.toml", "n=16", 0.01, 0.05, 2, 4}));
 
+/// Without the term of the edge the pressure there is what polynomials can do; with it at least 1.5 times better.
+TEST(ContactEdge, IsWorthItsTerm) {
+  double error[2];
+  for (const bool with : {false, true}) {
+    const auto solved = test::run_scene("scenes/two_solids.toml",
+                                        {"n=32", with ? "recovery.contact_edge=true" : "recovery.contact_edge=false"});
+    error[with] = test::zone(solved->results(), "edge").sprc;
+    EXPECT_LE(test::zone(solved->results(), "outside").sprc, 1e-10);
+  }
+  EXPECT_GT(error[0] / error[1], 1.5);
+}
+
+/// Measured: error .028 / .0062 / .0016, 4.1 / 10.7 / 19.3 times less than SPR, effectivity 1.033 / 1.008 at 16 and 32.
 TEST(Rings, PressureConvergesAndTheEstimateIsHonest) {
   std::vector<double> error;
   for (const char* n : {"n=8", "n=16", "n=32"}) {
@@ -74,18 +91,16 @@ TEST(Rings, PressureConvergesAndTheEstimateIsHonest) {
     ASSERT_TRUE(r.converged) << n << " " << r.diagnosis;
     const ZoneError& whole = test::zone(r, "whole");
     error.push_back(whole.sprc);
-    if (std::string(n) == "n=16") {
-      EXPECT_LE(whole.sprc, 0.025);
-      EXPECT_GE(whole.spr / whole.sprc, 3.0);
-      EXPECT_GE(r.effectivity, 0.9);
-      EXPECT_LE(r.effectivity, 1.15);
-    }
+    if (std::string(n) == "n=8") continue;
+    EXPECT_GE(whole.spr / whole.sprc, std::string(n) == "n=16" ? 5 : 8);
+    EXPECT_GE(r.effectivity, 0.95);
+    EXPECT_LE(r.effectivity, 1.05);
   }
-  EXPECT_GE(std::log2(error[0] / error[2]) / 2, 1.5);
+  EXPECT_GE(std::log2(error[0] / error[2]) / 2, 1.7);
 }
 
-/// The same in three dimensions, with a rotated grid. Measured: error 0.060 / 0.012, ratio to SPR 1.7 / 4.0,
-/// effectivity 1.19 / 1.02; the bounds leave a factor of about 1.5 for other grid positions.
+/// The same in three dimensions, with a rotated grid. Measured: error .021 / .0055, 4.8 / 8.5 times less than SPR (16.3
+/// at n = 32), effectivity 1.15 / 1.022.
 TEST(SphereInShell, PressureConvergesAndTheEstimateIsHonest) {
   std::vector<double> error;
   for (const char* n : {"n=8", "n=16"}) {
@@ -95,14 +110,12 @@ TEST(SphereInShell, PressureConvergesAndTheEstimateIsHonest) {
     const ZoneError& whole = test::zone(r, "whole");
     error.push_back(whole.sprc);
     EXPECT_NEAR(r.pairs[0].force_on_first.norm() / *solved->scene.reference.force, 1, 0.01);
-    if (std::string(n) == "n=16") {
-      EXPECT_LE(whole.sprc, 0.02);
-      EXPECT_GE(whole.spr / whole.sprc, 2.5);
-      EXPECT_GE(r.effectivity, 0.9);
-      EXPECT_LE(r.effectivity, 1.15);
-    }
+    if (std::string(n) == "n=8") continue;
+    EXPECT_GE(whole.spr / whole.sprc, 4);
+    EXPECT_GE(r.effectivity, 0.95);
+    EXPECT_LE(r.effectivity, 1.05);
   }
-  EXPECT_GE(std::log2(error[0] / error[1]), 1.5);
+  EXPECT_GE(std::log2(error[0] / error[1]), 1.7);
 }
 
 /// A reference that depends on the contact force is left out, with a warning, if there is no force.
@@ -140,19 +153,19 @@ TEST(Hertz, CentrePressureAndForceBalance) {
   EXPECT_LE(open_pressure(*solved->simulation), 1e-3);
 }
 
-/// Ten cells over the contact radius, bodies of three radii (five change the pressure at the centre by 0.5 %). Against
-/// Hertz's pressure at the computed force, over five positions of the grids: SPR-C 5.1 to 5.3 % on the whole face (the
-/// end of the contact, as for SPR), 0.8 to 1.3 % inside 0.8 radii (SPR 3.9 to 5.4 %), less than 1e-4 outside 1.2 radii.
+/// Ten cells over the contact radius, bodies of three radii (five change the pressure at the centre by 0.5 %), against
+/// Hertz's pressure at the computed force. Measured: 1.8 % over the whole face, 0.6 to 0.8 % inside 0.8 radii (SPR 6.6
+/// and 4.5 %), centre within 0.5 %.
 TEST(Hertz, PressureAtTheComputedForce) {
   const auto solved = test::run_scene("scenes/hertz.toml", {"n=50", "L=0.3"});
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
-  EXPECT_LE(test::zone(r, "whole").sprc, 0.065);
+  EXPECT_LE(test::zone(r, "whole").sprc, 0.02);
   const ZoneError& interior = test::zone(r, "interior");
-  EXPECT_LE(interior.sprc, 0.017);
-  EXPECT_GE(interior.spr / interior.sprc, 2.5);
+  EXPECT_LE(interior.sprc, 0.01);
+  EXPECT_GE(interior.spr / interior.sprc, 4);
   EXPECT_LE(test::zone(r, "outside").sprc, 1e-3);
-  expect_centre_pressure(r, (*solved->simulation->reference.pressure)(Vec3(0, 0, 0)), 0.015);
+  expect_centre_pressure(r, (*solved->simulation->reference.pressure)(Vec3(0, 0, 0)), 0.01);
 }
 
 }  // namespace
