@@ -6,7 +6,7 @@ void ContactEdge::stress(const Vec3& x, double s[6]) const {
   const Vec3 inward = -orientation * surface.gradient(x);
   const double depth = std::max(-orientation * surface.signed_distance(x) * scale, 0.0);
   double across, normal, shear;
-  edge_term(inside(x), depth, across, normal, shear);
+  edge_term(inside(x), depth, inverse_width / scale, across, normal, shear);
   const double third = poisson_ratio * (across + normal);
   const Vec3 gradient = closed + curvature * along.dot(x - origin) * along;
   const Vec3 e = (gradient - gradient.dot(inward) * inward).normalized(), t = inward.cross(e);

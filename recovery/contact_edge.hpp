@@ -21,6 +21,7 @@ struct ContactEdge {
   double curvature = 0;         ///< of the edge, 1 / cell; negative around a convex zone
   Surface surface;              ///< contact face
   double orientation = 1;       ///< outward normal = orientation * gradient of the signed distance
+  double inverse_width = 0;     ///< 1 / width of the zone across, cell; 0: not known or wide
   double scale = 1;             ///< unit of length of the term, per cell of this body
   double poisson_ratio = 0;     ///< plane strain along the edge
 
@@ -38,15 +39,18 @@ struct ContactEdge {
 };
 
 /// The term at depth y >= 0 below the face and x inside the edge, in the frame (across into the zone, inward normal,
-/// along the edge): components across, normal, shear. Westergaard's Z = sqrt(x + i y): Re Z - y Im Z', Re Z + y Im Z',
-/// -y Re Z'. Along the edge acts nu (across + normal).
-inline void edge_term(double x, double y, double& across, double& normal, double& shear) {
-  const double radius = std::sqrt(x * x + y * y);
-  const double real = std::sqrt(std::max(radius + x, 0.0) / 2), imaginary = std::sqrt(std::max(radius - x, 0.0) / 2);
-  const double ratio = y / (2 * radius + 1e-300);
-  across = real + ratio * imaginary;
-  normal = real - ratio * imaginary;
-  shear = -ratio * real;
+/// along the edge): components across, normal, shear. Westergaard's form Re Z - y Im Z', Re Z + y Im Z', -y Re Z' with
+/// Z = sqrt(z - c z^2), z = x + i y, c = 1 / width: Hertz's plane contact up to a linear polynomial, and sqrt(z) for c
+/// = 0. Along the edge acts nu (across + normal).
+inline void edge_term(double x, double y, double c, double& across, double& normal, double& shear) {
+  const double wr = x - c * (x * x - y * y), wi = y * (1 - 2 * c * x), size = std::sqrt(wr * wr + wi * wi);
+  const double real = std::sqrt(std::max(size + wr, 0.0) / 2);
+  const double imaginary = std::copysign(std::sqrt(std::max(size - wr, 0.0) / 2), wi);
+  const double a = 1 - 2 * c * x, b = -2 * c * y, factor = y / (2 * size + 1e-300);
+  const double slope_imaginary = factor * (b * real - a * imaginary);
+  across = real - slope_imaginary;
+  normal = real + slope_imaginary;
+  shear = -factor * (a * real + b * imaginary);
 }
 
 /// The terms beside the polynomials of some nodes of a body.

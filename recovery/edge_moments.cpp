@@ -37,7 +37,8 @@ void EdgeQuadrature::set_plane_term(const Cell& cell, const ContactEdge& edge, s
     const double p[3] = {cell.position[0][q], cell.position[1][q], cell.position[2][q]};
     const double x = edge.closed[0] * p[0] + edge.closed[1] * p[1] + edge.closed[2] * p[2] - start;
     const double y = in[0] * p[0] + in[1] * p[1] + in[2] * p[2] - face;
-    edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), across[q], normal[q], shear[q]);
+    edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), edge.inverse_width / edge.scale, across[q], normal[q],
+              shear[q]);
   }
   constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
   for (int k = 0; k < 6; ++k) {

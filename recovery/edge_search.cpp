@@ -152,6 +152,7 @@ bool place_edge(const Candidate& candidate, double step, int trials, EdgeSample&
             piece.closed,
             candidate.guess.normal,
             fit.factor / std::sqrt(h),
+            piece.inverse_width,
             fit.weight};
   return true;
 }
@@ -229,7 +230,7 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   // A parabola across over along.
   Mat3 A = Mat3::Zero();
   Vec3 b = Vec3::Zero();
-  double sum = 0, height = 0, factor = 0, factor_weight = 0;
+  double sum = 0, height = 0, factor = 0, factor_weight = 0, inverse_width = 0;
   each_weighted([&](const EdgeSample& s, double w) {
     const Vec3 d = (s.origin - foot) / width_;
     const double t = along.dot(d);
@@ -238,6 +239,7 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     b += w * closed.dot(d) * p;
     sum += w;
     height += w * normal.dot(d);
+    inverse_width += w * s.inverse_width;
     factor += w * s.weight * s.factor;
     factor_weight += w * s.weight;
   });
@@ -249,8 +251,41 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   piece.closed = (closed - c[1] * along).normalized();
   piece.along = normal.cross(piece.closed);
   piece.curvature = -c[2] / width_;
+  piece.inverse_width = inverse_width / sum;
   piece.factor = factor / factor_weight;
   return true;
+}
+
+/// Across the zone from some samples to its other side, over the contact points within a band: to the opposite edge
+/// where open points follow, else to a plane of symmetry (or an edge of the body) that the zone is taken to go on
+/// behind. The other samples take the value of the nearest of these.
+void FoundEdges::measure_widths(const std::vector<PatchAssembly>& assemblies) {
+  constexpr std::size_t measured = 64;
+  const std::size_t stride = samples_.size() / measured + 1;
+  parallel_for((samples_.size() + stride - 1) / stride, 1, [&](std::size_t i) {
+    EdgeSample& sample = samples_[i * stride];
+    double closed = 0, open = 0;
+    for (const PatchAssembly& assembly : assemblies)
+      for (const ContactLink& link : assembly.body().boundary->links) {
+        if (link.pair != sample.pair) continue;
+        const Vec3 d = assembly.grid().to_global(link.position) - sample.origin;
+        const double across = sample.closed.dot(d);
+        if ((d - across * sample.closed).squaredNorm() > width_ * width_) continue;
+        double& farthest = link.active ? closed : open;
+        farthest = std::max(farthest, across);
+      }
+    sample.inverse_width = closed > width_ ? 1 / (open > closed ? closed : 2 * closed) : 0;
+  });
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    if (i % stride == 0) continue;
+    double nearest = 1e300;
+    for (std::size_t k = 0; k < samples_.size(); k += stride) {
+      const double distance = (samples_[k].origin - samples_[i].origin).squaredNorm();
+      if (samples_[k].pair != samples_[i].pair || distance >= nearest) continue;
+      nearest = distance;
+      samples_[i].inverse_width = samples_[k].inverse_width;
+    }
+  }
 }
 
 FoundEdges find_contact_edges(const std::vector<PatchAssembly>& assemblies, const RealView& u,
@@ -273,7 +308,8 @@ FoundEdges find_contact_edges(const std::vector<PatchAssembly>& assemblies, cons
       candidates[first + i] = make_candidate(assembly, mixed[i].first, mixed[i].second, u, options.rank_tolerance);
     });
   }
-  const FoundEdges rough(place_edges(candidates, wide_step, wide_trials), width);
+  FoundEdges rough(place_edges(candidates, wide_step, wide_trials), width);
+  rough.measure_widths(assemblies);
   for (Candidate& candidate : candidates) {
     if (candidate.pair < 0) continue;
     Guess& guess = candidate.guess;

@@ -14,6 +14,7 @@ struct EdgeSample {
   int pair;
   Vec3 origin, closed, normal;  ///< m; unit vectors: into the zone, outward from the patch's own or other body
   double factor;                ///< Scales::stress per square root of a metre
+  double inverse_width;         ///< of the zone across, 1/m; 0: not known
   double weight;                ///< of the factor: square of the part of the term that no polynomial carries
 };
 
@@ -23,6 +24,8 @@ class FoundEdges : public EdgeMap {
   FoundEdges(std::vector<EdgeSample> samples, double width);
   bool near(int pair, const Vec3& x, EdgePiece& piece) const override;
   const std::vector<EdgeSample>& samples() const { return samples_; }
+  /// Measures how wide the zones are across the edge.
+  void measure_widths(const std::vector<PatchAssembly>& assemblies);
 
  private:
   using Bucket = std::array<long long, 3>;

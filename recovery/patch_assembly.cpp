@@ -317,6 +317,7 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
   edge.closed = grid.rotation.transpose() * piece.closed;
   edge.along = grid.rotation.transpose() * piece.along;
   edge.curvature = piece.curvature * grid.cell_size;
+  edge.inverse_width = piece.inverse_width * grid.cell_size;
   const Vec3 x = grid.to_grid(face_point), n = grid.rotation.transpose() * normal;
   double least = 1e300;
   for (const Surface& surface : mesh.cut_cells->solid.surfaces()) {

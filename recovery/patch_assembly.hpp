@@ -47,6 +47,7 @@ struct PairState {
 struct EdgePiece {
   Vec3 origin, closed, along;  ///< m; unit vectors across the edge into the zone and along it
   double curvature = 0;        ///< 1/m, negative around a convex zone
+  double inverse_width = 0;    ///< of the zone across the edge, 1/m; 0: not known
   double factor = 0;           ///< of the term, Scales::stress per square root of a metre
   double inside(const Vec3& x) const {
     const double t = along.dot(x - origin);
