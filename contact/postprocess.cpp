@@ -152,6 +152,20 @@ std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& 
   return make_row(sim, body, nearest->pair, cell, position, grid.rotation * n);
 }
 
+/// Kinds and statuses of the patches around each cell.
+void fill_patch_states(const BodyMesh& mesh, const PatchStates& states, BodyFields& fields) {
+  for (const auto& nodes : mesh.cell_nodes) {
+    PatchKind kind = PatchKind::interior;
+    PatchStatus status = PatchStatus::exact;
+    for (int node : nodes) {
+      kind = std::max(kind, states.kind[node - mesh.first_node]);
+      status = std::max(status, states.status[node - mesh.first_node]);
+    }
+    fields.patch_kind.push_back(static_cast<unsigned char>(kind));
+    fields.patch_status.push_back(static_cast<unsigned char>(status));
+  }
+}
+
 double frobenius(const Sym3& s) { return tensor(s).norm(); }
 
 }  // namespace
@@ -191,11 +205,13 @@ void fill_counts(const Simulation& sim, Results& results) {
   for (const ContactPair& pair : sim.pairs)
     for (const ContactPoint& q : pair.points) results.active_points += q.active;
   const RecoveryCounts& counts = sim.recovery_counts;
+  results.patch_kinds.assign(patch_kind_names, patch_kind_names + num_patch_kinds);
+  results.patch_statuses.assign(patch_status_names, patch_status_names + num_patch_statuses);
   for (int k = 0; k < num_patch_kinds; ++k)
-    if (counts.kinds[k] > 0) results.patches_by_kind[patch_kind_names[k]] = counts.kinds[k];
+    if (counts.kinds[k] > 0) results.patches_by_kind.emplace_back(patch_kind_names[k], counts.kinds[k]);
   for (int k = 0; k < num_patch_statuses; ++k)
-    if (counts.statuses[k] > 0) results.patches_by_status[patch_status_names[k]] = counts.statuses[k];
-  if (counts.grown > 0) results.patches_by_kind["grown"] = counts.grown;
+    if (counts.statuses[k] > 0) results.patches_by_status.emplace_back(patch_status_names[k], counts.statuses[k]);
+  results.grown_patches = counts.grown;
   results.truncated_rows = counts.truncated_rows;
   results.inconsistent_patches = counts.statuses[static_cast<int>(PatchStatus::conflicting)];
 }
@@ -227,6 +243,7 @@ void fill_body_fields(const Simulation& sim, Results& results) {
     };
     fields.error_of_cell = std::move(sums.error_of_cell);
     for (double& e : fields.error_of_cell) e = std::sqrt(e * energy);
+    if (!sim.patch_states.empty()) fill_patch_states(sim.system.meshes[b], sim.patch_states[b], fields);
     results.bodies.push_back(std::move(fields));
   }
   results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);

@@ -39,9 +39,12 @@ void add_errors(const Results& results, Json& json) {
     json["exact_error"] = results.exact_error;
     json["effectivity"] = results.effectivity;
   }
-  Json patches = object();
+  Json patches = object(), status = object();
   for (const auto& [kind, count] : results.patches_by_kind) patches[kind] = count;
+  for (const auto& [name, count] : results.patches_by_status) status[name] = count;
   json["recovery"] = {{"patches", patches},
+                      {"status", status},
+                      {"grown_patches", results.grown_patches},
                       {"truncated_rows", results.truncated_rows},
                       {"inconsistent_patches", results.inconsistent_patches}};
   json["pressure_error"] = Json::array();
@@ -70,15 +73,19 @@ std::string force_line(const PairFigures& pair) {
                      short_number(f[2]), short_number(pair.area), scaled(pair.max_pressure, "Pa", 5));
 }
 
+/// "3 interior, 2 contact".
+std::string counts_text(const std::vector<std::pair<std::string, long long>>& counts) {
+  std::string text;
+  for (const auto& [name, count] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
+  return text;
+}
+
 std::string recovery_line(const Results& results) {
-  std::string kinds;
   long long total = 0;
-  for (const auto& [kind, count] : results.patches_by_kind) {
-    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
-    total += count;
-  }
-  return fmt::format("  recovery: {} patches ({}), {} rows truncated, {} patches inconsistent\n", total, kinds,
-                     results.truncated_rows, results.inconsistent_patches);
+  for (const auto& [kind, count] : results.patches_by_kind) total += count;
+  return fmt::format("  recovery: {} patches ({}); {}; {} rows truncated\n", total,
+                     counts_text(results.patches_by_kind), counts_text(results.patches_by_status),
+                     results.truncated_rows);
 }
 
 std::string times_line(const Results& results) {

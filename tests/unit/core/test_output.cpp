@@ -59,6 +59,8 @@ void add_body(const std::string& name, const CutCells& cells, Results& results) 
   };
   fields.stress_raw = fields.stress_recovered;
   fields.error_of_cell.assign(cells.cells.size(), 0.5);
+  fields.patch_kind.assign(cells.cells.size(), 1);
+  fields.patch_status.assign(cells.cells.size(), 0);
   const int body = static_cast<int>(results.bodies.size());
   const double height = 2e-3;
   for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
@@ -101,7 +103,11 @@ std::unique_ptr<Blocks> make_blocks() {
   pair.force_on_second = Vec3(0, 0, 12);
   results.pairs.push_back(pair);
   results.pressure_errors.push_back({"all", 0.3, 0.2, 0.1});
+  results.patch_kinds = {"interior", "contact"};
+  results.patch_statuses = {"exact", "truncated"};
   results.patches_by_kind = {{"interior", 3}, {"contact", 2}};
+  results.patches_by_status = {{"exact", 4}, {"truncated", 1}};
+  results.grown_patches = 1;
   results.times_s = {{"solve", 1.5}};
   return blocks;
 }
@@ -181,7 +187,9 @@ TEST_F(output, report_holds_the_figures) {
   EXPECT_EQ(json["contact"][0]["force"]["lower"], nlohmann::json({0, 0, -12}));
   EXPECT_EQ(json["contact"][0]["bodies"][1], "upper, \"second\"");
   EXPECT_TRUE(json["estimated_error"]["absolute"].is_null());
-  EXPECT_EQ(json["recovery"]["patches"]["contact"], 2);
+  EXPECT_EQ(json["recovery"]["patches"], nlohmann::json({{"interior", 3}, {"contact", 2}}));
+  EXPECT_EQ(json["recovery"]["status"], nlohmann::json({{"exact", 4}, {"truncated", 1}}));
+  EXPECT_EQ(json["recovery"]["grown_patches"], 1);
   EXPECT_EQ(json["pressure_error"][0]["sprc"], 0.1);
   EXPECT_EQ(json["times_s"]["solve"], 1.5);
   EXPECT_EQ(json["cells"]["active"], 0);
@@ -277,8 +285,12 @@ TEST_F(output, vtk_opens_the_bodies_and_the_contact_faces) {
   const int status = check_vtk(fmt::format(
       "{} --points {} --cells {} --volume 48e-9 --tolerance 1e-12 --bounds 0 4e-3 0 3e-3 0 4e-3 "
       "--point-array displacement:3 --point-array stress_recovered:6 --point-array von_mises:1 --cell-array body:1 "
-      "--cell-array stress_raw:6 --cell-array estimated_error:1 --cell-array estimated_error_density:1",
+      "--cell-array stress_raw:6 --cell-array estimated_error:1 --cell-array estimated_error_density:1 "
+      "--cell-array patch_kind:1 --cell-array patch_status:1",
       file("result.vtkhdf"), points, cells));
+  const std::string bytes = read_text(file("result.vtkhdf"));  // attributes are not compressed
+  EXPECT_NE(bytes.find("0 interior, 1 contact"), std::string::npos);
+  EXPECT_NE(bytes.find("0 exact, 1 truncated"), std::string::npos);
   if (status == 77) GTEST_SKIP() << "python3-vtk9 is not installed";
   EXPECT_EQ(status, 0);
   EXPECT_EQ(
