@@ -65,8 +65,8 @@ int pair_of_face(const Simulation& sim, int body, const std::vector<std::string>
 
 int other_body(const ContactPair& pair, int body) { return pair.primary == body ? pair.secondary : pair.primary; }
 
-/// State of the contact point nearest to a grid position in the same cell (open if the cell has none).
-bool is_active(const BodyModel& body, int cell, const Vec3& position, int pair) {
+/// The contact point nearest to a grid position in the same cell, or nullptr.
+const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, int pair) {
   const ContactLink* nearest = nullptr;
   for (int l : body.boundary.links_of_cell[cell]) {
     const ContactLink& link = body.boundary.links[l];
@@ -74,18 +74,21 @@ bool is_active(const BodyModel& body, int cell, const Vec3& position, int pair) 
     if (!nearest || (link.position - position).squaredNorm() < (nearest->position - position).squaredNorm())
       nearest = &link;
   }
-  return nearest && nearest->active;
+  return nearest;
 }
 
-/// Gap after deformation from x along n, m; infinite if there is nothing opposite.
-double deformed_gap(const Simulation& sim, const ContactPair& pair, int body, int cell, const Vec3& xi, const Vec3& x,
-                    const Vec3& n) {
-  const int other = other_body(pair, body);
-  const auto opposite = find_opposite(sim.bodies[other], pair.face(other), x, n, pair.search);
-  if (!opposite) return std::numeric_limits<double>::infinity();
+/// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
+void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& row) {
+  const ContactPair& pair = sim.pairs[row.pair];
+  const int other = other_body(pair, row.body);
+  const auto opposite = find_opposite(sim.bodies[other], pair.face(other), row.x, row.normal, pair.search);
+  row.gap = std::numeric_limits<double>::infinity();
+  row.pressure_opposite = std::numeric_limits<double>::quiet_NaN();
+  if (!opposite) return;
   const Vec3 other_xi = cell_coordinates(sim.bodies[other].cut_cells, opposite->cell, opposite->position);
-  const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, body, cell, xi);
-  return opposite->distance - pair.spec->interference + relative.dot(n);
+  const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, row.body, cell, xi);
+  row.gap = opposite->distance - pair.spec->interference + relative.dot(row.normal);
+  row.pressure_opposite = pressure(recovered_stress(sim, sim.sprc[other], other, opposite->cell, other_xi), row.normal);
 }
 
 ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
@@ -103,8 +106,10 @@ ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const V
   row.pressure_raw = pressure(row.stress_raw, n);
   row.pressure_spr = pressure(row.stress_spr, n);
   row.pressure_sprc = pressure(row.stress_sprc, n);
-  row.active = is_active(model, cell, position, pair);
-  row.gap = deformed_gap(sim, sim.pairs[pair], body, cell, xi, row.x, n);
+  const ContactLink* link = nearest_link(model, cell, position, pair);
+  row.active = link && link->active;
+  row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : link->active ? link->pressure : 0.0;
+  look_across(sim, cell, xi, row);
   return row;
 }
 

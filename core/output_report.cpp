@@ -30,6 +30,8 @@ Json json_of(const PairFigures& pair) {
   json["max_pressure"] = pair.max_pressure;
   json["points"] = pair.points;
   json["active_points"] = pair.active_points;
+  json["pressure_error_estimate"] = pair.pressure_error_estimate;
+  json["force_error_estimate"] = pair.force_error_estimate;
   return json;
 }
 
@@ -68,9 +70,12 @@ void add_solution(const Results& results, Json& json) {
 
 std::string force_line(const PairFigures& pair) {
   const Vec3& f = pair.force_on_first;
-  return fmt::format("  contact {}: force on {} {} ({}, {}, {}), area {} m^2, max pressure {}\n", pair.name,
-                     pair.body_first, scaled(f.norm(), "N", 6), short_number(f[0]), short_number(f[1]),
-                     short_number(f[2]), short_number(pair.area), scaled(pair.max_pressure, "Pa", 5));
+  return fmt::format(
+      "  contact {}: force on {} {} ({}, {}, {}), area {} m^2, max pressure {}; estimated errors: pressure {:.2g} %, "
+      "force {:.2g} %\n",
+      pair.name, pair.body_first, scaled(f.norm(), "N", 6), short_number(f[0]), short_number(f[1]), short_number(f[2]),
+      short_number(pair.area), scaled(pair.max_pressure, "Pa", 5), 100 * pair.pressure_error_estimate,
+      100 * pair.force_error_estimate);
 }
 
 /// "3 interior, 2 contact".

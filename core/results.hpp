@@ -34,6 +34,9 @@ struct ContactRow {
   double weight = 0;                                             ///< m^2
   double gap = 0;                                                ///< m, after deformation, positive when open
   double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;  ///< Pa, positive in compression
+  double pressure_opposite = 0;                                  ///< Pa, SPR-C of the other body; NaN: nothing opposite
+  double pressure_transmitted = 0;  ///< Pa, what the solution transmits at the nearest contact point; NaN: none
+  double pressure_error = 0;        ///< Pa, estimated error of pressure_sprc
   Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
   bool active = false;
 };
@@ -63,6 +66,8 @@ struct PairFigures {
   double area = 0;                                                       ///< m^2, where the pair is closed
   double max_pressure = 0;  ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
   int points = 0, active_points = 0;
+  double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
+  double force_error_estimate = 0;     ///< relative
 };
 
 /// Reaction of one support.
