@@ -34,8 +34,8 @@ TEST_P(PressureEstimate, IsNearTheTrueError) {
     ASSERT_TRUE(std::isfinite(row.pressure_error) && row.pressure_error >= 0) << row.x.transpose();
 }
 
-// Without an edge 29 runs on five sets of offsets gave 0.99 to 1.15: 1.25 is what is promised. With an edge 31 runs
-// gave 0.49 to 2.34, because nothing in the solution tells how far the edge found is from the true one: 2.5.
+// Without an edge 43 runs at several offsets gave 0.95 to 1.15: 1.25 is what is promised. With an edge 50 runs gave
+// 0.49 to 2.34, because no figure of one solution was found that tells how far the edge is from the true one: 2.5.
 INSTANTIATE_TEST_SUITE_P(
     Scenes, PressureEstimate,
     testing::Values(
@@ -48,8 +48,8 @@ INSTANTIATE_TEST_SUITE_P(
         EstimateCase{"scenes/two_solids.toml", {"n=32"}, 2.5}));
 
 // Under interference alone the force is twice the energy over the interference, so that its relative error is the
-// square of that of the energy norm (Galerkin), and the estimate as good as the square of the effectivity: 1.19^2
-// = 1.42 at n = 8, 1.03^2 at n = 16; the supports' and the contact's stabilisation add up to 0.1 here.
+// square of that of the energy norm (Galerkin), and the estimate as good as the square of the effectivity: 1.15^2
+// = 1.32 at n = 8, 1.02^2 at n = 16. Measured: 1.43 and 1.15; what is left is as large as at n = 32 (1.12).
 TEST(ForceEstimate, IsTheErrorOfTheForceOfAShrinkFit) {
   for (const char* n : {"n=8", "n=16"}) {
     const auto solved = test::run_scene("scenes/sphere_in_shell.toml", {n});
