@@ -13,7 +13,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t num_columns = 13;
+constexpr std::size_t num_columns = 14;
 constexpr std::size_t fewest_points = 3;  ///< for a fit
 
 std::vector<std::string> fields_of(const std::string& line) {

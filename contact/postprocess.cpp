@@ -65,8 +65,8 @@ int pair_of_face(const Simulation& sim, int body, const std::vector<std::string>
 
 int other_body(const ContactPair& pair, int body) { return pair.primary == body ? pair.secondary : pair.primary; }
 
-/// State of the contact point nearest to a grid position in the same cell (open if the cell has none).
-bool is_active(const BodyModel& body, int cell, const Vec3& position, int pair) {
+/// The contact point nearest to a grid position in the same cell, or nullptr.
+const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, int pair) {
   const ContactLink* nearest = nullptr;
   for (int l : body.boundary.links_of_cell[cell]) {
     const ContactLink& link = body.boundary.links[l];
@@ -74,18 +74,21 @@ bool is_active(const BodyModel& body, int cell, const Vec3& position, int pair) 
     if (!nearest || (link.position - position).squaredNorm() < (nearest->position - position).squaredNorm())
       nearest = &link;
   }
-  return nearest && nearest->active;
+  return nearest;
 }
 
-/// Gap after deformation from x along n, m; infinite if there is nothing opposite.
-double deformed_gap(const Simulation& sim, const ContactPair& pair, int body, int cell, const Vec3& xi, const Vec3& x,
-                    const Vec3& n) {
-  const int other = other_body(pair, body);
-  const auto opposite = find_opposite(sim.bodies[other], pair.face(other), x, n, pair.search);
-  if (!opposite) return std::numeric_limits<double>::infinity();
+/// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
+void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& row) {
+  const ContactPair& pair = sim.pairs[row.pair];
+  const int other = other_body(pair, row.body);
+  const auto opposite = find_opposite(sim.bodies[other], pair.face(other), row.x, row.normal, pair.search);
+  row.gap = std::numeric_limits<double>::infinity();
+  row.pressure_opposite = std::numeric_limits<double>::quiet_NaN();
+  if (!opposite) return;
   const Vec3 other_xi = cell_coordinates(sim.bodies[other].cut_cells, opposite->cell, opposite->position);
-  const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, body, cell, xi);
-  return opposite->distance - pair.spec->interference + relative.dot(n);
+  const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, row.body, cell, xi);
+  row.gap = opposite->distance - pair.spec->interference + relative.dot(row.normal);
+  row.pressure_opposite = pressure(recovered_stress(sim, sim.sprc[other], other, opposite->cell, other_xi), row.normal);
 }
 
 ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
@@ -103,8 +106,10 @@ ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const V
   row.pressure_raw = pressure(row.stress_raw, n);
   row.pressure_spr = pressure(row.stress_spr, n);
   row.pressure_sprc = pressure(row.stress_sprc, n);
-  row.active = is_active(model, cell, position, pair);
-  row.gap = deformed_gap(sim, sim.pairs[pair], body, cell, xi, row.x, n);
+  const ContactLink* link = nearest_link(model, cell, position, pair);
+  row.active = link && link->active;
+  row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : link->active ? link->pressure : 0.0;
+  look_across(sim, cell, xi, row);
   return row;
 }
 
@@ -152,6 +157,20 @@ std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& 
   return make_row(sim, body, nearest->pair, cell, position, grid.rotation * n);
 }
 
+/// Kinds and statuses of the patches around each cell.
+void fill_patch_states(const BodyMesh& mesh, const PatchStates& states, BodyFields& fields) {
+  for (const auto& nodes : mesh.cell_nodes) {
+    PatchKind kind = PatchKind::interior;
+    PatchStatus status = PatchStatus::exact;
+    for (int node : nodes) {
+      kind = std::max(kind, states.kind[node - mesh.first_node]);
+      status = std::max(status, states.status[node - mesh.first_node]);
+    }
+    fields.patch_kind.push_back(static_cast<unsigned char>(kind));
+    fields.patch_status.push_back(static_cast<unsigned char>(status));
+  }
+}
+
 double frobenius(const Sym3& s) { return tensor(s).norm(); }
 
 }  // namespace
@@ -191,11 +210,13 @@ void fill_counts(const Simulation& sim, Results& results) {
   for (const ContactPair& pair : sim.pairs)
     for (const ContactPoint& q : pair.points) results.active_points += q.active;
   const RecoveryCounts& counts = sim.recovery_counts;
+  results.patch_kinds.assign(patch_kind_names, patch_kind_names + num_patch_kinds);
+  results.patch_statuses.assign(patch_status_names, patch_status_names + num_patch_statuses);
   for (int k = 0; k < num_patch_kinds; ++k)
-    if (counts.kinds[k] > 0) results.patches_by_kind[patch_kind_names[k]] = counts.kinds[k];
+    if (counts.kinds[k] > 0) results.patches_by_kind.emplace_back(patch_kind_names[k], counts.kinds[k]);
   for (int k = 0; k < num_patch_statuses; ++k)
-    if (counts.statuses[k] > 0) results.patches_by_status[patch_status_names[k]] = counts.statuses[k];
-  if (counts.grown > 0) results.patches_by_kind["grown"] = counts.grown;
+    if (counts.statuses[k] > 0) results.patches_by_status.emplace_back(patch_status_names[k], counts.statuses[k]);
+  results.grown_patches = counts.grown;
   results.truncated_rows = counts.truncated_rows;
   results.inconsistent_patches = counts.statuses[static_cast<int>(PatchStatus::conflicting)];
 }
@@ -227,6 +248,7 @@ void fill_body_fields(const Simulation& sim, Results& results) {
     };
     fields.error_of_cell = std::move(sums.error_of_cell);
     for (double& e : fields.error_of_cell) e = std::sqrt(e * energy);
+    if (!sim.patch_states.empty()) fill_patch_states(sim.system.meshes[b], sim.patch_states[b], fields);
     results.bodies.push_back(std::move(fields));
   }
   results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);

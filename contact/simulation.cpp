@@ -6,6 +6,7 @@
 #include <chrono>
 
 #include "contact/postprocess.hpp"
+#include "contact/pressure_estimate.hpp"
 #include "contact/reference.hpp"
 #include "core/resources.hpp"
 
@@ -143,6 +144,7 @@ void Simulation::fill_results() {
   fill_pair_figures(*this, results);
   choose_reference();
   fill_body_fields(*this, results);
+  estimate_contact_errors(*this, results);
   fill_path(*this, results);
   fill_pressure_errors(*this, results);
 }

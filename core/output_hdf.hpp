@@ -15,6 +15,7 @@ class HdfFile {
   HdfFile& operator=(const HdfFile&) = delete;
 
   void make_group(const std::string& path);
+  /// Of a group or an array.
   void set_attribute(const std::string& group, const std::string& name, const std::string& value);
   void set_attribute(const std::string& group, const std::string& name, const std::vector<long long>& values);
   /// A compressed array of values.size() / columns rows; columns = 0: one-dimensional. T: unsigned char, int,

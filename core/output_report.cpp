@@ -30,6 +30,8 @@ Json json_of(const PairFigures& pair) {
   json["max_pressure"] = pair.max_pressure;
   json["points"] = pair.points;
   json["active_points"] = pair.active_points;
+  json["pressure_error_estimate"] = pair.pressure_error_estimate;
+  json["force_error_estimate"] = pair.force_error_estimate;
   return json;
 }
 
@@ -39,9 +41,12 @@ void add_errors(const Results& results, Json& json) {
     json["exact_error"] = results.exact_error;
     json["effectivity"] = results.effectivity;
   }
-  Json patches = object();
+  Json patches = object(), status = object();
   for (const auto& [kind, count] : results.patches_by_kind) patches[kind] = count;
+  for (const auto& [name, count] : results.patches_by_status) status[name] = count;
   json["recovery"] = {{"patches", patches},
+                      {"status", status},
+                      {"grown_patches", results.grown_patches},
                       {"truncated_rows", results.truncated_rows},
                       {"inconsistent_patches", results.inconsistent_patches}};
   json["pressure_error"] = Json::array();
@@ -65,20 +70,27 @@ void add_solution(const Results& results, Json& json) {
 
 std::string force_line(const PairFigures& pair) {
   const Vec3& f = pair.force_on_first;
-  return fmt::format("  contact {}: force on {} {} ({}, {}, {}), area {} m^2, max pressure {}\n", pair.name,
-                     pair.body_first, scaled(f.norm(), "N", 6), short_number(f[0]), short_number(f[1]),
-                     short_number(f[2]), short_number(pair.area), scaled(pair.max_pressure, "Pa", 5));
+  return fmt::format(
+      "  contact {}: force on {} {} ({}, {}, {}), area {} m^2, max pressure {}; estimated errors: pressure {:.2g} %, "
+      "force {:.2g} %\n",
+      pair.name, pair.body_first, scaled(f.norm(), "N", 6), short_number(f[0]), short_number(f[1]), short_number(f[2]),
+      short_number(pair.area), scaled(pair.max_pressure, "Pa", 5), 100 * pair.pressure_error_estimate,
+      100 * pair.force_error_estimate);
+}
+
+/// "3 interior, 2 contact".
+std::string counts_text(const std::vector<std::pair<std::string, long long>>& counts) {
+  std::string text;
+  for (const auto& [name, count] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
+  return text;
 }
 
 std::string recovery_line(const Results& results) {
-  std::string kinds;
   long long total = 0;
-  for (const auto& [kind, count] : results.patches_by_kind) {
-    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
-    total += count;
-  }
-  return fmt::format("  recovery: {} patches ({}), {} rows truncated, {} patches inconsistent\n", total, kinds,
-                     results.truncated_rows, results.inconsistent_patches);
+  for (const auto& [kind, count] : results.patches_by_kind) total += count;
+  return fmt::format("  recovery: {} patches ({}); {}; {} rows truncated\n", total,
+                     counts_text(results.patches_by_kind), counts_text(results.patches_by_status),
+                     results.truncated_rows);
 }
 
 std::string times_line(const Results& results) {

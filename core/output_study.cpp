@@ -89,6 +89,10 @@ void add_error_columns(const Study& study, std::vector<Column>& columns) {
   columns.push_back(figure("effectivity", [](const RunFigures& run) { return optional(run.effectivity); }));
   columns.push_back(figure("contact_force_N", [](const RunFigures& run) { return optional(run.force); }));
   columns.push_back({"force_error", [](const StudyRow& row) { return optional(force_error(row)); }});
+  columns.push_back(
+      figure("pressure_error_estimate", [](const RunFigures& run) { return optional(run.pressure_error_estimate); }));
+  columns.push_back(
+      figure("force_error_estimate", [](const RunFigures& run) { return optional(run.force_error_estimate); }));
   columns.push_back({"message", [](const StudyRow& row) { return Json(row.message); }});
 }
 
@@ -178,7 +182,8 @@ std::string digits(const std::optional<double>& value, int places) {
 
 std::string cost_table(const Study& study) {
   std::vector<std::vector<std::string>> lines{{"variant", study.key, "unknowns", "cells", "points", "outer", "linear",
-                                               "time [s]", "memory", "estimate [%]", "effectivity", "force [%]"}};
+                                               "time [s]", "memory", "estimate [%]", "effectivity", "force [%]",
+                                               "estimate [%]", "pressure est. [%]"}};
   for (const StudyRow& row : study.rows) {
     const RunFigures& run = row.figures;
     std::vector<std::string> line{row.variant, row.size};
@@ -188,7 +193,8 @@ std::string cost_table(const Study& study) {
           {fmt::to_string(run.unknowns), fmt::to_string(run.active_cells), fmt::to_string(run.contact_points),
            fmt::to_string(run.outer_iterations), fmt::to_string(run.linear_iterations),
            fmt::format("{:.3g}", run.total_time_s()), scaled(static_cast<double>(run.peak_memory_bytes), "B", 3),
-           percent(run.estimated_error_relative), digits(run.effectivity, 3), percent(force_error(row))});
+           percent(run.estimated_error_relative), digits(run.effectivity, 3), percent(force_error(row)),
+           percent(run.force_error_estimate), percent(run.pressure_error_estimate)});
     if (row.status != StudyRow::Status::solved) line.resize(lines[0].size(), "-");
     lines.push_back(line);
     if (row.status != StudyRow::Status::solved) lines.back().push_back(status_name(row.status));

@@ -48,14 +48,24 @@ struct LogRange {
   LogRange widened() const { return {low / 1.4, high * 1.4}; }
 };
 
+/// The estimate is of the whole face only; elsewhere its curve has no points.
+const PressureKind estimated{"SPR-C, estimated", "estimated", "#7f7f7f", nullptr};
+
+std::optional<double> drawn_error(const StudyRow& row, const std::string& zone, const PressureKind& kind) {
+  if (kind.error) return pressure_error(row, zone, kind);
+  return zone == "whole" ? row.figures.pressure_error_estimate : std::nullopt;
+}
+
 std::vector<Curve> curves_of_zone(const Study& study, const std::string& zone, const Abscissa& abscissa) {
   std::vector<Curve> curves;
-  for (const PressureKind& kind : pressure_kinds())
+  std::vector<PressureKind> kinds = pressure_kinds();
+  kinds.push_back(estimated);
+  for (const PressureKind& kind : kinds)
     for (std::size_t v = 0; v < study.variants.size(); ++v) {
       Curve curve{v, kind, {}};
       for (const StudyRow& row : study.rows) {
         if (row.variant != study.variants[v] || row.status != StudyRow::Status::solved) continue;
-        const auto error = pressure_error(row, zone, kind);
+        const auto error = drawn_error(row, zone, kind);
         const double x = abscissa.value(row.figures);
         if (error && *error > smallest_error && std::isfinite(*error) && x > 0)
           curve.points.push_back({x, 100 * *error});

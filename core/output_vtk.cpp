@@ -1,5 +1,7 @@
 #include "core/output_vtk.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -129,6 +131,24 @@ class BodyWriter {
   HdfFile& file_;
 };
 
+/// What the patches around the cells are: small integers, their names in the attribute "names" of the array.
+void write_patches(const Results& results, const std::vector<DrawnBody>& bodies, const BodyWriter& write,
+                   HdfFile& file) {
+  const auto array = [&](const std::string& name, std::vector<unsigned char> BodyFields::*values,
+                         const std::vector<std::string>& names) {
+    for (const BodyFields& fields : results.bodies)
+      if ((fields.*values).size() != fields.cut_cells->cells.size()) return;
+    write.cells<unsigned char>("CellData/" + name, 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
+      *row = (results.bodies[b].*values)[drawn_cell(bodies[b].mesh, i).cell];
+    });
+    std::string text;
+    for (std::size_t k = 0; k < names.size(); ++k) text += fmt::format("{}{} {}", k ? ", " : "", k, names[k]);
+    if (!text.empty()) file.set_attribute("/VTKHDF/CellData/" + name, "names", text);
+  };
+  array("patch_kind", &BodyFields::patch_kind, results.patch_kinds);
+  array("patch_status", &BodyFields::patch_status, results.patch_statuses);
+}
+
 }  // namespace
 
 void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& file_name) {
@@ -173,6 +193,7 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
     const double volume = cut_cells.volume_fraction(cell) * std::pow(cut_cells.grid.cell_size, 3);
     *row = static_cast<float>(volume > 0 ? error_of_cell(b, cell) / std::sqrt(volume) : 0);
   });
+  write_patches(results, bodies, write, file);
   file.save(file_name);
 }
 

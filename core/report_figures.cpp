@@ -24,6 +24,8 @@ RunFigures figures_of(const Json& json) {
     if (figures.force) continue;
     const Json& force = pair.at("force").at(pair.at("bodies").at(0).get<std::string>());
     figures.force = Vec3(force.at(0), force.at(1), force.at(2)).norm();
+    figures.pressure_error_estimate = pair.at("pressure_error_estimate").get<double>();
+    figures.force_error_estimate = pair.at("force_error_estimate").get<double>();
   }
   figures.active_points = json.at("active_points");
   figures.outer_iterations = json.at("outer_iterations");

@@ -24,7 +24,8 @@ struct RunFigures {
   std::vector<std::string> warnings;
   double estimated_error = 0, estimated_error_relative = 0;
   std::optional<double> effectivity;
-  std::optional<double> force;  ///< N, of the first contact pair
+  std::optional<double> force;                                          ///< N, of the first contact pair
+  std::optional<double> pressure_error_estimate, force_error_estimate;  ///< relative, of the first contact pair
   std::vector<ZoneError> pressure_errors;
 
   double total_time_s() const;

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <functional>
-#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/cut_cells.hpp"
@@ -20,6 +20,9 @@ struct BodyFields {
   std::function<Sym3(int cell, const Vec3& xi)> stress_raw;        ///< Pa, sigma_h
   std::function<Sym3(int cell, const Vec3& xi)> stress_recovered;  ///< Pa, sigma*
   std::vector<double> error_of_cell;  ///< estimated error, energy norm per active cell, sqrt(J)
+  /// Per active cell: the largest numbers of the patches of its eight nodes (Results::patch_kinds, patch_statuses).
+  /// Empty without constrained recovery.
+  std::vector<unsigned char> patch_kind, patch_status;
 };
 
 /// One boundary point of a contact face.
@@ -31,6 +34,9 @@ struct ContactRow {
   double weight = 0;                                             ///< m^2
   double gap = 0;                                                ///< m, after deformation, positive when open
   double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;  ///< Pa, positive in compression
+  double pressure_opposite = 0;                                  ///< Pa, SPR-C of the other body; NaN: nothing opposite
+  double pressure_transmitted = 0;  ///< Pa, what the solution transmits at the nearest contact point; NaN: none
+  double pressure_error = 0;        ///< Pa, estimated error of pressure_sprc
   Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
   bool active = false;
 };
@@ -60,6 +66,8 @@ struct PairFigures {
   double area = 0;                                                       ///< m^2, where the pair is closed
   double max_pressure = 0;  ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
   int points = 0, active_points = 0;
+  double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
+  double force_error_estimate = 0;     ///< relative
 };
 
 /// Reaction of one support.
@@ -93,8 +101,9 @@ struct Results {
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;
-  std::map<std::string, long long> patches_by_kind, patches_by_status;
-  long long truncated_rows = 0, inconsistent_patches = 0;
+  std::vector<std::string> patch_kinds, patch_statuses;  ///< names of the numbers in BodyFields
+  std::vector<std::pair<std::string, long long>> patches_by_kind, patches_by_status;  ///< those that occur, in order
+  long long grown_patches = 0, truncated_rows = 0, inconsistent_patches = 0;
   std::vector<std::pair<std::string, double>> times_s;  ///< phases in order
   long long peak_memory_bytes = 0;
   std::vector<BodyFields> bodies;

@@ -17,7 +17,7 @@ SLOW_BUILD = "CGCONTACT_SANITIZED" in os.environ  # with sanitizers: times and m
 PROGRAM = ""
 SOURCE = pathlib.Path()
 
-CSV_HEADER = "body,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,active"
+CSV_HEADER = "body,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active"
 
 
 @dataclasses.dataclass

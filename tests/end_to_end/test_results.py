@@ -18,12 +18,15 @@ REPORT_KEYS = {
     "outer_iterations": int, "linear_iterations": list, "active_points": int, "converged": bool, "contact": list,
     "supports": list, "estimated_error": dict, "recovery": dict, "times_s": dict, "peak_memory_bytes": int,
     "warnings": list, "files": list}
+PATCH_KINDS = ("interior", "boundary", "loaded", "symmetry", "support", "contact", "contact_edge")
+PATCH_STATUSES = ("exact", "truncated", "conflicting", "uncoupled", "edge_unclear", "singular")
 PRESSURES = ("pressure_raw", "pressure_spr", "pressure_sprc")
 BALANCE_OF_BODIES = 1e-10  # relative, force of one body on the other and back
 EQUILIBRIUM = 1e-8         # relative, loads + supports + contact of one body
 
 PAPER_VTK = ["--point-array", "displacement:3", "--point-array", "stress_recovered:6", "--point-array", "von_mises:1",
-             "--cell-array", "stress_raw:6", "--cell-array", "estimated_error:1", "--cell-array", "body:1"]
+             "--cell-array", "stress_raw:6", "--cell-array", "estimated_error:1", "--cell-array", "body:1",
+             "--cell-array", "patch_kind:1", "--cell-array", "patch_status:1"]
 CONTACT_VTK = [word for name in ("gap", "status", *PRESSURES) for word in ("--cell-array", f"{name}:1")]
 
 
@@ -60,7 +63,15 @@ class Results(unittest.TestCase):
             self.assertIsInstance(r.get(key), kind, key)
         self.assertEqual(r["cells"]["active"], r["cells"]["cut"] + r["cells"]["interior"])
         self.assertEqual(set(r["estimated_error"]), {"absolute", "relative"})
-        self.assertEqual(set(r["recovery"]), {"patches", "truncated_rows", "inconsistent_patches"})
+        self.assertEqual(set(r["recovery"]), {"patches", "status", "grown_patches", "truncated_rows", "inconsistent_patches"})
+        patches, status = r["recovery"]["patches"], r["recovery"]["status"]
+        self.assertLessEqual(set(patches), set(PATCH_KINDS))
+        self.assertLessEqual(set(status), set(PATCH_STATUSES))
+        self.assertEqual(sum(patches.values()), sum(status.values()), "every patch has a kind and a status")
+        self.assertEqual(status.get("conflicting", 0), r["recovery"]["inconsistent_patches"])
+        line = next(line for line in self.outcome.out.splitlines() if line.startswith("  recovery:"))
+        for name, count in [*patches.items(), *status.items()]:
+            self.assertIn(f"{count} {name}", line)
         self.assertEqual(len(r["linear_iterations"]), r["outer_iterations"] + 1, "and the last solve")
         self.assertEqual(set(r["times_s"]), {"cut cells", "operator", "solve", "recovery", "error estimate", "output"})
         self.assertLess(sum(r["times_s"].values()), self.outcome.seconds)

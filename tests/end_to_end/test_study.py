@@ -82,6 +82,8 @@ class Table(unittest.TestCase):
                         "time_total_s": sum(times.values()), "peak_memory_bytes": run["peak_memory_bytes"],
                         "estimated_error": run["estimated_error"]["absolute"], "cell_size_m": 0.01 / n,
                         "contact_force_N": math.hypot(*force),
+                        "pressure_error_estimate": run["contact"][0]["pressure_error_estimate"],
+                        "force_error_estimate": run["contact"][0]["force_error_estimate"],
                         "force_error": abs(math.hypot(*force) / (39179.7 / 2 * 0.01 / (1.3 * n)) - 1)}
             for phase, seconds in times.items():
                 expected[f"time_{phase.replace(' ', '_')}_s"] = seconds
@@ -122,7 +124,7 @@ class Table(unittest.TestCase):
         """Both plots name their curves, zones and axes with units."""
         for plot, axis in zip(PLOTS, ("time of the run [s]", "unknowns [-]")):
             found = texts(f"kept/{plot}")
-            for text in (axis, "error of the contact pressure [%]", "raw stress", "SPR", "SPR-C", "interior"):
+            for text in (axis, "error of the contact pressure [%]", "raw stress", "SPR", "SPR-C", "SPR-C, estimated", "interior"):
                 self.assertIn(text, found, plot)
             self.assertTrue(any("Two solids, plane strain" in text for text in found))
 

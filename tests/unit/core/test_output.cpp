@@ -59,6 +59,8 @@ void add_body(const std::string& name, const CutCells& cells, Results& results) 
   };
   fields.stress_raw = fields.stress_recovered;
   fields.error_of_cell.assign(cells.cells.size(), 0.5);
+  fields.patch_kind.assign(cells.cells.size(), 1);
+  fields.patch_status.assign(cells.cells.size(), 0);
   const int body = static_cast<int>(results.bodies.size());
   const double height = 2e-3;
   for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
@@ -73,6 +75,7 @@ void add_body(const std::string& name, const CutCells& cells, Results& results) 
     row.pressure_raw = 1e6 / 3;
     row.pressure_spr = 1e6 * row.x[0];
     row.pressure_sprc = 2e6 / 7;
+    row.pressure_error = 1e4 / 7;
     row.active = true;
     results.contact_rows.push_back(row);
     results.stress_errors.push_back({body, row.x, 3, 2, 1});
@@ -99,9 +102,15 @@ std::unique_ptr<Blocks> make_blocks() {
   pair.body_second = results.bodies[1].name;
   pair.force_on_first = Vec3(0, 0, -12);
   pair.force_on_second = Vec3(0, 0, 12);
+  pair.pressure_error_estimate = 0.05;
+  pair.force_error_estimate = 0.004;
   results.pairs.push_back(pair);
   results.pressure_errors.push_back({"all", 0.3, 0.2, 0.1});
+  results.patch_kinds = {"interior", "contact"};
+  results.patch_statuses = {"exact", "truncated"};
   results.patches_by_kind = {{"interior", 3}, {"contact", 2}};
+  results.patches_by_status = {{"exact", 4}, {"truncated", 1}};
+  results.grown_patches = 1;
   results.times_s = {{"solve", 1.5}};
   return blocks;
 }
@@ -148,15 +157,15 @@ TEST_F(output, contact_csv_reads_back_exactly) {
   write_results(blocks->results, blocks->scene, out_);
   const std::vector<std::string> lines = lines_of(read_text(file("contact.csv")));
   ASSERT_EQ(lines.size(), blocks->results.contact_rows.size() + 1);
-  EXPECT_EQ(lines[0], "body,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,active");
+  EXPECT_EQ(lines[0], "body,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active");
   for (std::size_t i = 1; i < lines.size(); ++i) {
     const ContactRow& row = blocks->results.contact_rows[i - 1];
     const std::string name = row.body == 0 ? "lower," : "\"upper, \"\"second\"\"\",";
     ASSERT_EQ(lines[i].substr(0, name.size()), name);
     std::istringstream numbers(lines[i].substr(name.size()));
-    const double expected[] = {row.x[0],         row.x[1],         row.x[2],          row.normal[0],
-                               row.normal[1],    row.normal[2],    row.weight,        row.gap,
-                               row.pressure_raw, row.pressure_spr, row.pressure_sprc, 1};
+    const double expected[] = {row.x[0],          row.x[1],           row.x[2], row.normal[0],    row.normal[1],
+                               row.normal[2],     row.weight,         row.gap,  row.pressure_raw, row.pressure_spr,
+                               row.pressure_sprc, row.pressure_error, 1};
     for (double value : expected) {
       std::string text;
       std::getline(numbers, text, ',');
@@ -179,9 +188,13 @@ TEST_F(output, report_holds_the_figures) {
   EXPECT_EQ(json["scene"], "scenes/blocks.toml");
   EXPECT_EQ(json["linear_iterations"], nlohmann::json({9, 4}));
   EXPECT_EQ(json["contact"][0]["force"]["lower"], nlohmann::json({0, 0, -12}));
+  EXPECT_EQ(json["contact"][0]["pressure_error_estimate"], 0.05);
+  EXPECT_EQ(json["contact"][0]["force_error_estimate"], 0.004);
   EXPECT_EQ(json["contact"][0]["bodies"][1], "upper, \"second\"");
   EXPECT_TRUE(json["estimated_error"]["absolute"].is_null());
-  EXPECT_EQ(json["recovery"]["patches"]["contact"], 2);
+  EXPECT_EQ(json["recovery"]["patches"], nlohmann::json({{"interior", 3}, {"contact", 2}}));
+  EXPECT_EQ(json["recovery"]["status"], nlohmann::json({{"exact", 4}, {"truncated", 1}}));
+  EXPECT_EQ(json["recovery"]["grown_patches"], 1);
   EXPECT_EQ(json["pressure_error"][0]["sprc"], 0.1);
   EXPECT_EQ(json["times_s"]["solve"], 1.5);
   EXPECT_EQ(json["cells"]["active"], 0);
@@ -277,8 +290,12 @@ TEST_F(output, vtk_opens_the_bodies_and_the_contact_faces) {
   const int status = check_vtk(fmt::format(
       "{} --points {} --cells {} --volume 48e-9 --tolerance 1e-12 --bounds 0 4e-3 0 3e-3 0 4e-3 "
       "--point-array displacement:3 --point-array stress_recovered:6 --point-array von_mises:1 --cell-array body:1 "
-      "--cell-array stress_raw:6 --cell-array estimated_error:1 --cell-array estimated_error_density:1",
+      "--cell-array stress_raw:6 --cell-array estimated_error:1 --cell-array estimated_error_density:1 "
+      "--cell-array patch_kind:1 --cell-array patch_status:1",
       file("result.vtkhdf"), points, cells));
+  const std::string bytes = read_text(file("result.vtkhdf"));  // attributes are not compressed
+  EXPECT_NE(bytes.find("0 interior, 1 contact"), std::string::npos);
+  EXPECT_NE(bytes.find("0 exact, 1 truncated"), std::string::npos);
   if (status == 77) GTEST_SKIP() << "python3-vtk9 is not installed";
   EXPECT_EQ(status, 0);
   EXPECT_EQ(

@@ -1,0 +1,21 @@
+/// How far the recovered contact pressure and the contact force may be off, from the solution alone. Evidence:
+/// docs/recovery.md, "Error figures".
+#pragma once
+
+#include "contact/simulation.hpp"
+
+namespace cgcontact {
+
+/// Sets ContactRow::pressure_error of all contact rows, and the estimates of every pair. Per row the root of the sum of
+/// the squares of
+/// - half of the jump between the two bodies' pressures: what is wrong with their difference;
+/// - the local mean of the transmitted less the recovered pressure (the multipliers are in equilibrium with the
+///   solution, their scatter averages out): what is wrong with the mean of both bodies;
+/// - the change of the edge's square-root term when the edge moves by `edge_shift`: the other two hardly see it.
+/// The pair's pressure estimate is the L2 norm of that relative to that of the pressure. Its force estimate is the
+/// square of the relative error of the energy norm: the force is a functional of the solution, and its error the
+/// product of that of the solution and that of a dual problem; under prescribed displacements alone the two are the
+/// same. Needs the contact rows with pressure_opposite and pressure_transmitted, and estimated_error_relative.
+void estimate_contact_errors(const Simulation& simulation, Results& results);
+
+}  // namespace cgcontact

@@ -1,0 +1,73 @@
+#!/usr/bin/env python3
+"""Estimated against true error of the contact pressure, over sizes and random offsets of the grids.
+
+  perf/error_figures.py [--program build/serial/cgcontact] [--seed 11] [--offsets 4] [--sizes 8,16] [SCENE ...]
+
+Default scenes: all with a reference but Hertz, whose sizes are others: scenes/hertz.toml --sizes 25 --set L=0.3. The first
+offset is the scene's own.
+"""
+import argparse
+import json
+import math
+import pathlib
+import random
+import subprocess
+import tempfile
+import tomllib
+
+SCENES = ("rings", "sphere_in_shell", "two_solids", "two_solids_3d")
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scenes", nargs="*", default=[f"scenes/{name}.toml" for name in SCENES])
+    parser.add_argument("--program", default="build/serial/cgcontact")
+    parser.add_argument("--seed", type=int, default=11)
+    parser.add_argument("--offsets", type=int, default=4)
+    parser.add_argument("--sizes", default="8,16")
+    parser.add_argument("--set", action="append", default=[])
+    return parser.parse_args()
+
+
+def offsets(scene, generator):
+    """New offsets in all directions but those across bodies one cell thick (plane strain), where they have no effect."""
+    bodies = tomllib.loads(pathlib.Path(scene).read_text())["body"]
+    flat = {"two_solids": 0, "rings": 2}.get(pathlib.Path(scene).stem)
+    settings = []
+    for number, body in enumerate(bodies):
+        offset = [round(generator.random(), 3) for _ in range(3)]
+        if flat is not None:
+            offset[flat] = body["grid"]["offset"][flat]
+        settings.append(f"body.{number}.grid.offset={offset}")
+    return settings
+
+
+def run(program, scene, settings):
+    with tempfile.TemporaryDirectory() as directory:
+        options = [word for setting in (*settings, "output.vtk=false", "output.plots=false", "output.csv=false")
+                   for word in ("--set", setting)]
+        subprocess.run([program, "run", scene, "--out", f"{directory}/out", *options], check=True, capture_output=True)
+        return json.loads(pathlib.Path(f"{directory}/out/report.json").read_text())
+
+
+def main():
+    options = arguments()
+    for scene in options.scenes:
+        generator, ratios = random.Random(options.seed), []
+        print(f"{scene}\n{'n':>5} {'offset':>6} {'true %':>8} {'estimate %':>10} {'ratio':>6} {'effectivity':>11}")
+        chosen = [[], *(offsets(scene, generator) for _ in range(options.offsets))]
+        for n in options.sizes.split(","):
+            for number, offset in enumerate(chosen):
+                report = run(options.program, scene, [f"n={n}", *options.set, *offset])
+                true = report["pressure_error"][0]["sprc"]
+                estimate = report["contact"][0]["pressure_error_estimate"]
+                ratios.append(estimate / true)
+                effectivity = report.get("effectivity")
+                print(f"{n:>5} {number:>6} {100 * true:8.3f} {100 * estimate:10.3f} {ratios[-1]:6.2f}"
+                      f" {effectivity or math.nan:11.3f}", flush=True)
+        mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
+        print(f"ratio: {min(ratios):.2f} to {max(ratios):.2f}, geometric mean {mean:.2f}\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,74 @@
+/// The estimated errors of contact pressure and force against the true ones (docs/recovery.md, "Error figures").
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+struct EstimateCase {
+  const char* scene;
+  std::vector<std::string> overrides;
+  double factor;  ///< estimated over true error of the pressure: between 1 / factor and factor
+};
+
+void PrintTo(const EstimateCase& c, std::ostream* out) {
+  *out << c.scene;
+  for (const std::string& override : c.overrides) *out << " " << override;
+}
+
+class PressureEstimate : public testing::TestWithParam<EstimateCase> {};
+
+TEST_P(PressureEstimate, IsNearTheTrueError) {
+  const EstimateCase& c = GetParam();
+  const auto solved = test::run_scene(c.scene, c.overrides);
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const double ratio = r.pairs[0].pressure_error_estimate / test::zone(r, "whole").sprc;
+  std::printf("estimated / true error of the pressure: %.3f\n", ratio);
+  EXPECT_LE(ratio, c.factor);
+  EXPECT_GE(ratio, 1 / c.factor);
+  for (const ContactRow& row : r.contact_rows)
+    ASSERT_TRUE(std::isfinite(row.pressure_error) && row.pressure_error >= 0) << row.x.transpose();
+}
+
+// Without an edge 43 runs at several offsets gave 0.95 to 1.15: 1.25 is what is promised. With an edge 50 runs gave
+// 0.49 to 2.34, because no figure of one solution was found that tells how far the edge is from the true one: 2.5.
+INSTANTIATE_TEST_SUITE_P(
+    Scenes, PressureEstimate,
+    testing::Values(
+        EstimateCase{"scenes/rings.toml", {"n=8"}, 1.25}, EstimateCase{"scenes/rings.toml", {"n=16"}, 1.25},
+        EstimateCase{"scenes/rings.toml", {"n=32"}, 1.25},
+        EstimateCase{"scenes/rings.toml", {"n=16", "body.0.grid.offset=[0.1, 0.77, 0.11]"}, 1.25},
+        EstimateCase{"scenes/sphere_in_shell.toml", {"n=8"}, 1.25},
+        EstimateCase{"scenes/sphere_in_shell.toml", {"n=8", "body.0.grid.offset=[0.9, 0.05, 0.6]", "angle=50"}, 1.25},
+        EstimateCase{"scenes/two_solids.toml", {"n=8"}, 2.5}, EstimateCase{"scenes/two_solids.toml", {"n=16"}, 2.5},
+        EstimateCase{"scenes/two_solids.toml", {"n=32"}, 2.5}));
+
+// Under interference alone the force is twice the energy over the interference, so that its relative error is the
+// square of that of the energy norm (Galerkin), and the estimate as good as the square of the effectivity: 1.15^2
+// = 1.32 at n = 8, 1.02^2 at n = 16. Measured: 1.43 and 1.15; what is left is as large as at n = 32 (1.12).
+TEST(ForceEstimate, IsTheErrorOfTheForceOfAShrinkFit) {
+  for (const char* n : {"n=8", "n=16"}) {
+    const auto solved = test::run_scene("scenes/sphere_in_shell.toml", {n});
+    const PairFigures& pair = solved->results().pairs[0];
+    const double exact = *solved->scene.reference.force;
+    const double ratio = pair.force_error_estimate / std::abs(pair.force_on_first.norm() / exact - 1);
+    EXPECT_GE(ratio, 1.0) << n;
+    EXPECT_LE(ratio, 1.6) << n;
+  }
+}
+
+// The paper's scene is loaded as well: there the estimate is a bound, 1.0 to 32 times the error in 11 runs.
+TEST(ForceEstimate, BoundsTheErrorOfTheForceUnderLoads) {
+  for (const char* n : {"n=8", "n=16", "n=32"}) {
+    const auto solved = test::run_scene("scenes/two_solids.toml", {n});
+    const PairFigures& pair = solved->results().pairs[0];
+    EXPECT_LE(std::abs(pair.force_on_first.norm() / *solved->scene.reference.force - 1), pair.force_error_estimate);
+  }
+}
+
+}  // namespace
+}  // namespace cgcontact
