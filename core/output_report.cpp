@@ -44,6 +44,9 @@ void add_errors(const Results& results, Json& json) {
   json["recovery"] = {{"patches", patches},
                       {"truncated_rows", results.truncated_rows},
                       {"inconsistent_patches", results.inconsistent_patches}};
+  if (results.quadratic_patches > 0 || results.lowered_patches > 0)
+    json["recovery"]["degree_2"] = {{"patches", results.quadratic_patches},
+                                    {"degree_lowered", results.lowered_patches}};
   json["pressure_error"] = Json::array();
   for (const ZoneError& zone : results.pressure_errors)
     json["pressure_error"].push_back({{"zone", zone.zone}, {"raw", zone.raw}, {"spr", zone.spr}, {"sprc", zone.sprc}});
@@ -77,7 +80,10 @@ std::string recovery_line(const Results& results) {
     kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", count, kind);
     total += count;
   }
-  return fmt::format("  recovery: {} patches ({}), {} rows truncated, {} patches inconsistent\n", total, kinds,
+  std::string degree;
+  if (results.quadratic_patches > 0 || results.lowered_patches > 0)
+    degree = fmt::format(", {} of degree 2, {} lowered to 1", results.quadratic_patches, results.lowered_patches);
+  return fmt::format("  recovery: {} patches ({}){}, {} rows truncated, {} patches inconsistent\n", total, kinds, degree,
                      results.truncated_rows, results.inconsistent_patches);
 }
 

@@ -94,6 +94,7 @@ struct Results {
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;
   std::map<std::string, long long> patches_by_kind, patches_by_status;
+  long long quadratic_patches = 0, lowered_patches = 0;  ///< of degree 2; of degree 1 where 2 was asked for
   long long truncated_rows = 0, inconsistent_patches = 0;
   std::vector<std::pair<std::string, double>> times_s;  ///< phases in order
   long long peak_memory_bytes = 0;

@@ -94,10 +94,18 @@ struct SolverSpec {
   double ghost_penalty = 0.01;  ///< gamma
 };
 
+/// Degree (1 or 2) of the recovered polynomials by class of patch.
+struct RecoveryDegree {
+  int interior = 1;  ///< full cells only, no contact face
+  int boundary = 1;  ///< neither interior nor contact
+  int contact = 1;   ///< patches that hold points of a contact face, closed or open
+};
+
 struct RecoverySpec {
   bool spr_c = true;             ///< run the constrained recovery at the end
   double rank_tolerance = 0.05;  ///< truncated pseudo-inverse
   double auxiliary_depth = 0.5;  ///< in cells of the other body
+  RecoveryDegree degree;
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.

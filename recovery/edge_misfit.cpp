@@ -40,8 +40,8 @@ EdgeFit EdgeMisfit::at(const ContactEdge& own, const ContactEdge& other) const {
   double square = 0, product = 0;
   for (int b = 0; b < 2; ++b) {
     const std::vector<int>& cells = side_[b].cells;
-    const EdgeMoments moments =
-        edge_moments(*side_[b].body->mesh, cells.data(), static_cast<int>(cells.size()), *edge[b], centre_[b], u_);
+    const EdgeMoments<1> moments =
+        edge_moments<1>(*side_[b].body->mesh, cells.data(), static_cast<int>(cells.size()), *edge[b], centre_[b], u_);
     square += moments.square;
     product += moments.with_stress;
     for (int k = 0; k < 6; ++k)

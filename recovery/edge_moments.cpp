@@ -3,16 +3,21 @@
 namespace cgcontact {
 namespace {
 
-constexpr int n = 3, num_points = n * n * n;
+template <int n>
+constexpr double gauss_point(int i) {
+  return n == 3 ? Gauss3::point[i % 3] : Gauss5::point[i];
+}
 
-/// The term at the Gauss points of one cell; the points run along the rows, so that the loops over them are vectorised.
+/// The term at n^3 Gauss points of one cell; the points run along the rows, so that the loops over them are vectorised.
+template <int n>
 struct CellTerm {
+  static constexpr int num_points = n * n * n;
   double position[3][num_points], stress[6][num_points];
 
   CellTerm(const Index3& cell, const ContactEdge& edge) {
     for (int q = 0; q < num_points; ++q)
       for (int i = 0, stride = n * n; i < 3; ++i, stride /= n)
-        position[i][q] = cell[i] + 0.5 * (Gauss3::point[q / stride % n] + 1);
+        position[i][q] = cell[i] + 0.5 * (gauss_point<n>(q / stride % n) + 1);
     if (edge.surface.kind == Surface::Kind::plane && edge.curvature == 0)
       set_plane(edge);
     else
@@ -50,25 +55,33 @@ struct CellTerm {
 
 }  // namespace
 
-EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge,
-                         const Vec3& centre, const RealView& u) {
+template <int degree>
+EdgeMoments<degree> edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge,
+                                 const Vec3& centre, const RealView& u) {
+  constexpr int n = degree == 1 ? 3 : 5, num_points = n * n * n, T = Polynomial<degree>::num_terms;
   const CutCells& cc = *mesh.cut_cells;
-  EdgeMoments moments;
+  EdgeMoments<degree> moments;
   moments.with_polynomials.setZero();
   for (int i = 0; i < num_cells; ++i) {
     const int c = cells[i], cut = cc.cut_of_active[c];
-    double weights[num_points];
+    double weights[num_points], terms[T][num_points];
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weights);
-    const CellTerm term(cc.cells[c], edge);
+    const CellTerm<n> term(cc.cells[c], edge);
+    for (int q = 0; q < num_points; ++q) {
+      const double d[3] = {term.position[0][q] - centre[0], term.position[1][q] - centre[1],
+                           term.position[2][q] - centre[2]};
+      double p[T];
+      Polynomial<degree>::terms(d, p);
+      for (int t = 0; t < T; ++t) terms[t][q] = p[t];
+    }
     for (int k = 0; k < 6; ++k) {
-      double sum[num_terms] = {}, square = 0;
+      double sum[T] = {}, square = 0;
       for (int q = 0; q < num_points; ++q) {
         const double value = weights[q] / 8 * term.stress[k][q];
-        sum[0] += value;
-        for (int d = 0; d < 3; ++d) sum[1 + d] += value * (term.position[d][q] - centre[d]);
+        for (int t = 0; t < T; ++t) sum[t] += value * terms[t][q];
         square += value * term.stress[k][q];
       }
-      for (int t = 0; t < num_terms; ++t) moments.with_polynomials[num_terms * k + t] += sum[t];
+      for (int t = 0; t < T; ++t) moments.with_polynomials[T * k + t] += sum[t];
       moments.square += square;
     }
     if (u.extent(0) == 0) continue;
@@ -76,7 +89,7 @@ EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, 
     for (int a = 0; a < 8; ++a)
       for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[c][a] + k);
     for (int q = 0; q < num_points; ++q) {
-      const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
+      const double xi[3] = {gauss_point<n>(q / (n * n)), gauss_point<n>(q / n % n), gauss_point<n>(q % n)};
       double s[6];
       hex_stress(mesh.law, corner, xi, s);
       for (int k = 0; k < 6; ++k)
@@ -86,15 +99,31 @@ EdgeMoments edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, 
   return moments;
 }
 
-Eigen::Matrix<double, 6 * num_terms, 1> edge_polynomial(const BodyMesh& mesh, const int* cells, int num_cells,
-                                                        const ContactEdge& edge, const PatchFit& fit) {
-  EdgeMoments moments = edge_moments(mesh, cells, num_cells, edge, fit.centre, {});
-  const Eigen::LLT<Eigen::Matrix<double, num_terms, num_terms>> factor(fit.mass);
-  for (int k = 0; k < 6; ++k) {
-    auto part = moments.with_polynomials.segment<num_terms>(num_terms * k);
-    part = factor.solve(part).eval();
-  }
-  return moments.with_polynomials;
+template EdgeMoments<1> edge_moments<1>(const BodyMesh&, const int*, int, const ContactEdge&, const Vec3&,
+                                        const RealView&);
+template EdgeMoments<2> edge_moments<2>(const BodyMesh&, const int*, int, const ContactEdge&, const Vec3&,
+                                        const RealView&);
+
+namespace {
+
+template <int degree>
+void subtract(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
+              PatchFit& fit) {
+  constexpr int T = Polynomial<degree>::num_terms;
+  const EdgeMoments<degree> moments = edge_moments<degree>(mesh, cells, num_cells, edge, fit.centre, {});
+  const Eigen::LLT<Eigen::Matrix<double, T, T>> cholesky(fit.mass);
+  for (int k = 0; k < 6; ++k)
+    fit.a.segment<T>(T * k) -= factor * cholesky.solve(moments.with_polynomials.template segment<T>(T * k));
+}
+
+}  // namespace
+
+void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
+                        PatchFit& fit) {
+  if (fit.degree == 1)
+    subtract<1>(mesh, cells, num_cells, edge, factor, fit);
+  else
+    subtract<2>(mesh, cells, num_cells, edge, factor, fit);
 }
 
 }  // namespace cgcontact
