@@ -114,9 +114,8 @@ void Simulation::recover() {
     input.push_back({&mesh, &patches[b], &bodies[b].boundary, field});
   }
   if (scene.recovery.spr_c) {
-    RecoveryOptions options{scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth, !std::getenv("NO_EDGE"),
-                            scene.recovery.degree};
-    if (const char* rings = std::getenv("RINGS")) options.quadratic_rings = std::atoi(rings);
+    const RecoveryOptions options{scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth,
+                                  !std::getenv("NO_EDGE"), scene.recovery.degree, scene.recovery.rings};
     ConstrainedRecovery recovery = recover_constrained(input, outer.u, scales, options);
     recovery_counts = recovery.counts;
     patch_states = std::move(recovery.states);

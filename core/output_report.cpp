@@ -83,8 +83,8 @@ std::string recovery_line(const Results& results) {
   std::string degree;
   if (results.quadratic_patches > 0 || results.lowered_patches > 0)
     degree = fmt::format(", {} of degree 2, {} lowered to 1", results.quadratic_patches, results.lowered_patches);
-  return fmt::format("  recovery: {} patches ({}){}, {} rows truncated, {} patches inconsistent\n", total, kinds, degree,
-                     results.truncated_rows, results.inconsistent_patches);
+  return fmt::format("  recovery: {} patches ({}){}, {} rows truncated, {} patches inconsistent\n", total, kinds,
+                     degree, results.truncated_rows, results.inconsistent_patches);
 }
 
 std::string times_line(const Results& results) {

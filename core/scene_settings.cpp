@@ -54,7 +54,7 @@ SolverSpec read_solver(const TomlCursor& node) {
 }
 
 RecoverySpec read_recovery(const TomlCursor& node) {
-  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth", "degree"});
+  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth", "degree", "rings"});
   RecoverySpec recovery;
   Range depth = Range::positive();
   depth.max = 4;
@@ -62,6 +62,7 @@ RecoverySpec read_recovery(const TomlCursor& node) {
   if (const auto value = node.find("spr_c")) recovery.spr_c = value->boolean();
   if (const auto value = node.find("rank_tolerance")) recovery.rank_tolerance = value->number(fraction());
   if (const auto value = node.find("auxiliary_depth")) recovery.auxiliary_depth = value->number(depth);
+  if (const auto value = node.find("rings")) recovery.rings = value->integer(1, 2);
   if (const auto value = node.find("degree")) recovery.degree = read_degree(*value);
   return recovery;
 }

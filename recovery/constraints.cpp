@@ -90,10 +90,11 @@ void BoundaryPieces::join(Piece& whole, const Piece& part) {
   whole.area = area;
 }
 
-/// Points on the surface with the same area moments up to degree 2 as the group, for a linear traction three on a circle,
-/// c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre and five
-/// on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame, which depends
-/// continuously on the group (principal axes would not, for square pieces). Strips: two or three points on a line.
+/// Points on the surface with the same area moments up to degree 2 as the group, for a linear traction three on a
+/// circle, c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre
+/// and five on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame,
+/// which depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points
+/// on a line.
 void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int degree, ConstraintGroup& group) {
   const auto [t1, t2] = tangents(g.normal.normalized());
   Eigen::Matrix2d covariance;
@@ -133,8 +134,7 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int de
   group.num_points = count;
 }
 
-void BoundaryPieces::groups(const int* cells, int num_cells, int degree,
-                            std::vector<ConstraintGroup>& groups) const {
+void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const {
   static thread_local std::vector<Piece> wholes;
   wholes.clear();
   for (int c = 0; c < num_cells; ++c) {

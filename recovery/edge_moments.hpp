@@ -11,7 +11,7 @@ namespace cgcontact {
 template <int degree>
 struct EdgeMoments {
   Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> with_polynomials;  ///< P^T W; component, term
-  double square = 0, with_stress = 0;                        ///< W : W, W : sigma_h
+  double square = 0, with_stress = 0;                                            ///< W : W, W : sigma_h
 };
 
 /// u: displacements of all bodies; empty: with_stress is not computed. 27 points per cell for degree 1; for the square
@@ -19,7 +19,7 @@ struct EdgeMoments {
 /// degree 2, whose fitted weights carry the products of quadratic terms.
 template <int degree>
 EdgeMoments<degree> edge_moments(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge,
-                         const Vec3& centre, const RealView& u);
+                                 const Vec3& centre, const RealView& u);
 
 /// Takes `factor` times the term out of a fit on these cells: subtracts the polynomials of its degree nearest to that.
 void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,

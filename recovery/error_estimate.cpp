@@ -80,8 +80,7 @@ struct CellStresses {
       if (!values) continue;
       for (int k = 0; k < 6; ++k)
         for (int t = 0; t < QuadraticTerms::count; ++t)
-          for (int q = 0; q < Tables::num_points; ++q)
-            recovered[k][q] += (*values)[k][t] * tables.quadratic[a][t][q];
+          for (int q = 0; q < Tables::num_points; ++q) recovered[k][q] += (*values)[k][t] * tables.quadratic[a][t][q];
     }
   }
 

@@ -88,7 +88,7 @@ class EdgeMap {
 struct PatchWorkspace {
   std::vector<ConstraintGroup> groups;
   std::vector<PairState> states;
-  std::vector<char> modes;     ///< of states
+  std::vector<char> modes;          ///< of states
   std::vector<int> own, auxiliary;  ///< cells that the polynomials are fitted to
 };
 
@@ -97,11 +97,11 @@ struct PatchProblem {
   int node = -1;
   PatchKind kind = PatchKind::interior;
   PatchStatus status = PatchStatus::exact;
-  bool coupled = false;       ///< with an auxiliary patch
-  bool lowered = false;       ///< degree 2 was asked for
-  PatchFit fit[2];            ///< own, auxiliary
+  bool coupled = false;                                         ///< with an auxiliary patch
+  bool lowered = false;                                         ///< degree 2 was asked for
+  PatchFit fit[2];                                              ///< own, auxiliary
   std::array<double, Polynomial<2>::num_interior> interior[2];  ///< Polynomial::interior_values; own, auxiliary
-  std::size_t first_row = 0;  ///< in the list
+  std::size_t first_row = 0;                                    ///< in the list
   int num_rows = 0;
   int pair = -1, other_body = -1;  ///< of the auxiliary patch
   bool has_edge = false;           ///< the term of the contact edge is part of the stress

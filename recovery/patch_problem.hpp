@@ -16,13 +16,13 @@ constexpr const char* patch_kind_names[num_patch_kinds] = {"interior", "boundary
 
 /// What became of a patch; a patch that is several of these counts as the last one.
 enum class PatchStatus : char {
-  exact,         ///< all rows are met
-  truncated,     ///< redundant rows were dropped, the others are met
+  exact,           ///< all rows are met
+  truncated,       ///< redundant rows were dropped, the others are met
   degree_lowered,  ///< not enough material for the quadratic polynomial that was asked for: a linear one
-  conflicting,   ///< data that contradict each other, met in least squares
-  uncoupled,     ///< closed contact without an auxiliary patch: zero shear only
-  edge_unclear,  ///< the edge of the contact zone runs through the patch and could not be placed
-  singular,      ///< not enough material for the polynomial: mean stress, no constraints
+  conflicting,     ///< data that contradict each other, met in least squares
+  uncoupled,       ///< closed contact without an auxiliary patch: zero shear only
+  edge_unclear,    ///< the edge of the contact zone runs through the patch and could not be placed
+  singular,        ///< not enough material for the polynomial: mean stress, no constraints
 };
 constexpr int num_patch_statuses = 7;
 constexpr const char* patch_status_names[num_patch_statuses] = {
@@ -51,7 +51,7 @@ struct PatchFit {
   int degree = 1;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_terms, most_terms> mass;  ///< terms x terms
   Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6 * most_terms, 1> a;                       ///< component, term
-  Vec3 centre;          ///< grid coordinates
+  Vec3 centre;                                                                            ///< grid coordinates
   double variance = 0;  ///< mean square of what the polynomials leave of sigma_h; 0: not known
   bool regular = false;
 

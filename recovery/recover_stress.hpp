@@ -22,8 +22,8 @@ struct PatchStates {
 
 struct ConstrainedRecovery {
   RecoveryCounts counts;
-  std::vector<PatchStates> states;  ///< by body
-  std::vector<EdgeTerms> edges;     ///< by body
+  std::vector<PatchStates> states;        ///< by body
+  std::vector<EdgeTerms> edges;           ///< by body
   std::vector<QuadraticTerms> quadratic;  ///< by body
 };
 

@@ -13,7 +13,7 @@ namespace cgcontact {
 
 /// The quadratic terms of those nodes of a body whose polynomials have degree 2.
 struct QuadraticTerms {
-  static constexpr int count = 6;  ///< xx, yy, zz, xy, yz, zx, cell units about the node
+  static constexpr int count = 6;                           ///< xx, yy, zz, xy, yz, zx, cell units about the node
   using Values = std::array<std::array<double, count>, 6>;  ///< component, term
   std::vector<int> row_of_node;                             ///< node -> row of values, or -1; empty: no node has any
   std::vector<Values> values;
@@ -27,8 +27,8 @@ struct QuadraticTerms {
 /// Polynomials of some or all nodes of one body.
 struct RecoveredField {
   Subset nodes;
-  CoefficientView values;                      ///< row of the subset, component, term
-  std::shared_ptr<const EdgeTerms> edge = {};  ///< beside the polynomials; may be empty
+  CoefficientView values;                                ///< row of the subset, component, term
+  std::shared_ptr<const EdgeTerms> edge = {};            ///< beside the polynomials; may be empty
   std::shared_ptr<const QuadraticTerms> quadratic = {};  ///< of nodes with degree 2; may be empty
   /// The 6 x 4 coefficients of a node (number within the body).
   const double* at(int node) const {

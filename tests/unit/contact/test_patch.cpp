@@ -67,7 +67,12 @@ INSTANTIATE_TEST_SUITE_P(Grids, ContactPatch,
                                          PatchCase{"both_on_grid_planes",
                                                    {"angle=0", "body.lower.grid.offset=[0, 0, 0]",
                                                     "body.upper.grid.offset=[0, 0, 0]", "body.upper.cell_size=0.05"}},
-                                         PatchCase{"upper_coarser", {"body.upper.cell_size=0.23"}}),
+                                         PatchCase{"upper_coarser", {"body.upper.cell_size=0.23"}},
+                                         PatchCase{"degree_2", {"recovery.degree=2"}},
+                                         PatchCase{"degree_2_of_contact", {"recovery.degree.contact=2"}},
+                                         PatchCase{
+                                             "degree_2_upper_coarser",
+                                             {"recovery.degree=2", "recovery.rings=2", "body.upper.cell_size=0.23"}}),
                          [](const auto& test) { return test.param.name; });
 
 /// Two automatic pairs, three materials: the same exactness on every interface.
