@@ -106,7 +106,7 @@ struct RecoverySpec {
   double rank_tolerance = 0.05;  ///< truncated pseudo-inverse
   double auxiliary_depth = 0.5;  ///< in cells of the other body
   RecoveryDegree degree;
-  int rings = 1;  ///< rings of cells around a node that polynomials of degree 2 are fitted to
+  int rings = 2;  ///< rings of cells around a node that polynomials of degree 2 are fitted to
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.

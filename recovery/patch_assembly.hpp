@@ -17,7 +17,7 @@ struct RecoveryOptions {
   double auxiliary_depth = 0.5;  ///< cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
   RecoveryDegree degree = {};    ///< of the polynomials
-  int quadratic_rings = 1;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
+  int quadratic_rings = 2;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
 };
 
 /// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.

@@ -23,6 +23,11 @@ Eigen::Matrix<double, num_terms, num_terms> to_matrix(const double m[num_terms][
   return matrix;
 }
 
+void sort_unique(std::vector<int>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
 /// Solves for the coefficients; fit.regular says whether the patch carries them.
 void fit_quadratic(const BodyMesh& mesh, const QuadraticCells& near, const std::vector<int>& cells, PatchFit& fit) {
   constexpr int terms = Polynomial<2>::num_terms;
@@ -95,8 +100,7 @@ void fit_cells(const RecoveryBody& body, int n, int degree, int rings, std::vect
         const int c = cc.find({node[0] + i, node[1] + j, node[2] + k});
         if (c >= 0) cells.push_back(c);
       }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  sort_unique(cells);
 }
 
 QuadraticCells quadratic_cells(const RecoveryBody& body, const CellStress& stress, const AuxiliaryCells& auxiliary,
@@ -171,8 +175,17 @@ PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, int degr
         if (c >= 0 && auxiliary.cells.row(c) >= 0) cells.push_back(c);
       }
     }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  sort_unique(cells);
+  if (degree == 2 && options_.quadratic_rings == 2) {
+    const std::size_t under = cells.size();
+    for (std::size_t i = 0; i < under; ++i)
+      for (int n = 0; n < 27; ++n) {
+        const Index3& at = cc.cells[cells[i]];
+        const int c = cc.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
+        if (c >= 0 && auxiliary.cells.row(c) >= 0) cells.push_back(c);
+      }
+    sort_unique(cells);
+  }
   double volume = 0;
   for (int c : cells) volume += cc.volume_fraction(c);
   if (volume < least_auxiliary_volume) return fit;

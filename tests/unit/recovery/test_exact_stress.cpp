@@ -145,7 +145,8 @@ struct Recovered {
     return true;
   }
 
-  void expect_exact(int degree) const {
+  /// most_lowered: part of the boundary points next to patches that had to be lowered, which are left out.
+  void expect_exact(int degree, double most_lowered = 0.1) const {
     double largest = 0, worst = 0, worst_node = 0;
     int skipped = 0;
     for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
@@ -168,10 +169,12 @@ struct Recovered {
     }
     EXPECT_LT(worst, 1e-10 * largest);
     EXPECT_LT(worst_node, 1e-10 * largest);
-    EXPECT_LT(skipped, 0.1 * cc.boundary.size());
+    EXPECT_LE(skipped, most_lowered * cc.boundary.size());
     EXPECT_EQ(counts.statuses[static_cast<int>(PatchStatus::conflicting)], 0);
     EXPECT_EQ(counts.statuses[static_cast<int>(PatchStatus::singular)], 0);
-    if (degree == 2) EXPECT_EQ(counts.quadratic + counts.lowered, mesh.num_nodes);
+    if (degree == 2) {
+      EXPECT_EQ(counts.quadratic + counts.lowered, mesh.num_nodes);
+    }
   }
 };
 
@@ -182,15 +185,16 @@ TEST_P(ExactStress, LinearWithConstantForce) {
 }
 
 TEST_P(ExactStress, QuadraticWithLinearForce) {
-  Recovered(GetParam(), Displacement::random(3), 2, 1, true).expect_exact(2);
-}
-
-TEST_P(ExactStress, QuadraticOverTwoRings) {
   Recovered(GetParam(), Displacement::random(3), 2, 2, true).expect_exact(2);
 }
 
+/// Many patches at edges and corners hold too little for degree 2 then.
+TEST_P(ExactStress, QuadraticOverOneRing) {
+  Recovered(GetParam(), Displacement::random(3), 2, 1, true).expect_exact(2, 0.4);
+}
+
 TEST_P(ExactStress, QuadraticWithoutForce) {
-  Recovered(GetParam(), Displacement::harmonic(), 2, 1, false).expect_exact(2);
+  Recovered(GetParam(), Displacement::harmonic(), 2, 2, false).expect_exact(2);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -202,7 +206,17 @@ INSTANTIATE_TEST_SUITE_P(
                          0.2}),
     [](const auto& test) { return test.param.name; });
 
-/// The square term of a cell's own integrals: closed form against points.
+/// A plate a fifth of a cell thick carries no quadratic polynomials: linear ones, counted.
+TEST(DegreeOfThinPlate, IsLoweredEverywhere) {
+  const Case plate{"plate", Solid::box(Vec3(0.1, 0.15, 0.5), Vec3(0.9, 0.8, 0.522), "plate"), 0.0};
+  const Recovered quadratic(plate, Displacement::random(2), 2, 2, true);
+  EXPECT_EQ(quadratic.counts.quadratic, 0);
+  EXPECT_EQ(quadratic.counts.lowered, quadratic.mesh.num_nodes);
+  EXPECT_GT(quadratic.counts.statuses[static_cast<int>(PatchStatus::degree_lowered)], 0);
+  quadratic.expect_exact(1);
+}
+
+/// Closed form against points.
 TEST(CellStress, IntegralsOfDisplacements) {
   const CutCells cc = test::cut(Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.41, "sphere"), test::odd_grid(5, 0.3));
   const ElasticSystem system = make_elastic_system({&cc}, {Material{E, nu}}, scales, 0.01);
