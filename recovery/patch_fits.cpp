@@ -152,7 +152,7 @@ PatchFit PatchAssembly::own_fit(int n, int degree, const std::vector<int>& cells
 }
 
 /// Fit over whole active cells of the other body under the patch's contact points, down to the auxiliary depth
-/// (equation 13).
+/// (equation 13); with degree 2 over two rings the cells around those as well.
 PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, int degree, std::vector<int>& cells) const {
   const RecoveryBody& other = bodies_[state.other_body];
   const AuxiliaryCells& auxiliary = auxiliary_[state.other_body];
