@@ -217,6 +217,8 @@ void fill_counts(const Simulation& sim, Results& results) {
   for (int k = 0; k < num_patch_statuses; ++k)
     if (counts.statuses[k] > 0) results.patches_by_status.emplace_back(patch_status_names[k], counts.statuses[k]);
   results.grown_patches = counts.grown;
+  results.quadratic_patches = counts.quadratic;
+  results.lowered_patches = counts.lowered;
   results.truncated_rows = counts.truncated_rows;
   results.inconsistent_patches = counts.statuses[static_cast<int>(PatchStatus::conflicting)];
 }

@@ -115,13 +115,16 @@ void Simulation::recover() {
     input.push_back({&mesh, &patches[b], &bodies[b].boundary, field});
   }
   if (scene.recovery.spr_c) {
-    ConstrainedRecovery recovery = recover_constrained(
-        input, outer.u, scales,
-        {scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth, scene.recovery.contact_edge});
+    const RecoveryOptions options{scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth,
+                                  scene.recovery.contact_edge, scene.recovery.degree, scene.recovery.rings};
+    ConstrainedRecovery recovery = recover_constrained(input, outer.u, scales, options);
     recovery_counts = recovery.counts;
     patch_states = std::move(recovery.states);
-    for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (!recovery.quadratic[b].values.empty())
+        sprc[b].quadratic = std::make_shared<QuadraticTerms>(std::move(recovery.quadratic[b]));
       if (!recovery.edges[b].terms.empty()) sprc[b].edge = std::make_shared<EdgeTerms>(std::move(recovery.edges[b]));
+    }
   }
   patches.clear();
 }

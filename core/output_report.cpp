@@ -49,6 +49,9 @@ void add_errors(const Results& results, Json& json) {
                       {"grown_patches", results.grown_patches},
                       {"truncated_rows", results.truncated_rows},
                       {"inconsistent_patches", results.inconsistent_patches}};
+  if (results.quadratic_patches > 0 || results.lowered_patches > 0)
+    json["recovery"]["degree_2"] = {{"patches", results.quadratic_patches},
+                                    {"degree_lowered", results.lowered_patches}};
   json["pressure_error"] = Json::array();
   for (const ZoneError& zone : results.pressure_errors)
     json["pressure_error"].push_back({{"zone", zone.zone}, {"raw", zone.raw}, {"spr", zone.spr}, {"sprc", zone.sprc}});
@@ -88,8 +91,11 @@ std::string counts_text(const std::vector<std::pair<std::string, long long>>& co
 std::string recovery_line(const Results& results) {
   long long total = 0;
   for (const auto& [kind, count] : results.patches_by_kind) total += count;
-  return fmt::format("  recovery: {} patches ({}); {}; {} rows truncated\n", total,
-                     counts_text(results.patches_by_kind), counts_text(results.patches_by_status),
+  std::string degree;
+  if (results.quadratic_patches > 0 || results.lowered_patches > 0)
+    degree = fmt::format("; {} of degree 2, {} lowered to 1", results.quadratic_patches, results.lowered_patches);
+  return fmt::format("  recovery: {} patches ({}); {}{}; {} rows truncated\n", total,
+                     counts_text(results.patches_by_kind), counts_text(results.patches_by_status), degree,
                      results.truncated_rows);
 }
 

@@ -104,7 +104,8 @@ struct Results {
   std::vector<std::string> patch_kinds, patch_statuses;  ///< names of the numbers in BodyFields
   std::vector<std::pair<std::string, long long>> patches_by_kind, patches_by_status;  ///< those that occur, in order
   long long grown_patches = 0, truncated_rows = 0, inconsistent_patches = 0;
-  std::vector<std::pair<std::string, double>> times_s;  ///< phases in order
+  long long quadratic_patches = 0, lowered_patches = 0;  ///< of degree 2; of degree 1 where 2 was asked for
+  std::vector<std::pair<std::string, double>> times_s;   ///< phases in order
   long long peak_memory_bytes = 0;
   std::vector<BodyFields> bodies;
   std::vector<ContactRow> contact_rows;

@@ -94,11 +94,20 @@ struct SolverSpec {
   double ghost_penalty = 0.01;  ///< gamma
 };
 
+/// Degree (1 or 2) of the recovered polynomials by class of patch.
+struct RecoveryDegree {
+  int interior = 1;  ///< full cells only, no contact face
+  int boundary = 1;  ///< neither interior nor contact
+  int contact = 1;   ///< patches that hold points of a contact face, closed or open
+};
+
 struct RecoverySpec {
   bool spr_c = true;             ///< run the constrained recovery at the end
   double rank_tolerance = 0.1;   ///< truncated pseudo-inverse
   double auxiliary_depth = 0.5;  ///< in cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
+  RecoveryDegree degree;
+  int rings = 2;  ///< rings of cells around a node that polynomials of degree 2 are fitted to
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.

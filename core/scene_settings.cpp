@@ -14,6 +14,22 @@ Range fraction() {
   return range;
 }
 
+/// One degree for all patches, or a table by class of patch.
+RecoveryDegree read_degree(const TomlCursor& node) {
+  RecoveryDegree degree;
+  if (!node.is_table()) {
+    if (node.is_array() || node.node().is_boolean())
+      node.fail("is neither a number nor a table", "1, 2 or {interior = 1, boundary = 2, contact = 2}");
+    degree.interior = degree.boundary = degree.contact = node.integer(1, 2);
+    return degree;
+  }
+  node.expect_keys({"interior", "boundary", "contact"});
+  if (const auto value = node.find("interior")) degree.interior = value->integer(1, 2);
+  if (const auto value = node.find("boundary")) degree.boundary = value->integer(1, 2);
+  if (const auto value = node.find("contact")) degree.contact = value->integer(1, 2);
+  return degree;
+}
+
 std::pair<Vec3, Vec3> read_path(const TomlCursor& node) {
   node.expect_keys({"from", "to"});
   const Vec3 from = node.at("from", "[x, y, z], m").vector("m"), to = node.at("to", "[x, y, z], m").vector("m");
@@ -38,7 +54,7 @@ SolverSpec read_solver(const TomlCursor& node) {
 }
 
 RecoverySpec read_recovery(const TomlCursor& node) {
-  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth", "contact_edge"});
+  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth", "contact_edge", "degree", "rings"});
   RecoverySpec recovery;
   Range depth = Range::positive();
   depth.max = 4;
@@ -47,6 +63,8 @@ RecoverySpec read_recovery(const TomlCursor& node) {
   if (const auto value = node.find("rank_tolerance")) recovery.rank_tolerance = value->number(fraction());
   if (const auto value = node.find("contact_edge")) recovery.contact_edge = value->boolean();
   if (const auto value = node.find("auxiliary_depth")) recovery.auxiliary_depth = value->number(depth);
+  if (const auto value = node.find("rings")) recovery.rings = value->integer(1, 2);
+  if (const auto value = node.find("degree")) recovery.degree = read_degree(*value);
   return recovery;
 }
 

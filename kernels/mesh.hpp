@@ -30,6 +30,7 @@ struct BodyMesh {
 
   /// Factor from gradients per cell unit to stresses in units of Scales::stress.
   double stress_factor() const { return modulus / cell_size; }
+  double poisson_ratio() const { return law.lambda / (2 * (law.lambda + law.mu)); }
 };
 
 /// Whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a quarter,

@@ -90,10 +90,12 @@ void BoundaryPieces::join(Piece& whole, const Piece& part) {
   whole.area = area;
 }
 
-/// At most three points on the surface with the same area moments up to degree 2 as the group: c + sqrt(2) F (cos t,
-/// sin t) with F F^T the covariance in the tangent plane. F is its Cholesky factor in a fixed frame, which depends
-/// continuously on the group (principal axes would not, for square pieces).
-void BoundaryPieces::place_points(const Piece& g, const Surface& surface, ConstraintGroup& group) {
+/// Points on the surface with the same area moments up to degree 2 as the group, for a linear traction three on a
+/// circle, c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre
+/// and five on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame,
+/// which depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points
+/// on a line.
+void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int degree, ConstraintGroup& group) {
   const auto [t1, t2] = tangents(g.normal.normalized());
   Eigen::Matrix2d covariance;
   covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
@@ -102,22 +104,25 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, Constr
     covariance += min_contact_spread * min_contact_spread * Eigen::Matrix2d::Identity();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
   const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
-  Eigen::Vector2d offsets[3];
-  int count = 3;
+  Eigen::Vector2d offsets[6];
+  int count = 0;
   if (spread[1] < min_spread) {
-    count = 1;
-    offsets[0].setZero();
+    offsets[count++].setZero();
   } else if (spread[0] < min_spread) {
     const Eigen::Vector2d along = spread[1] * eigen.eigenvectors().col(1);
-    count = 2;
-    offsets[0] = -along;
-    offsets[1] = along;
+    const double reach = degree == 1 ? 1 : std::sqrt(1.5);
+    offsets[count++] = -reach * along;
+    offsets[count++] = reach * along;
+    if (degree == 2) offsets[count++].setZero();
   } else {
     const Eigen::Matrix2d factor = covariance.llt().matrixL();
-    for (int i = 0; i < 3; ++i) {
-      const double t = M_PI / 2 + i * 2 * M_PI / 3;
-      offsets[i] = std::sqrt(2.0) * factor * Eigen::Vector2d(std::cos(t), std::sin(t));
+    const int on_circle = degree == 1 ? 3 : 5;
+    const double radius = std::sqrt(degree == 1 ? 2.0 : 2.4);
+    for (int i = 0; i < on_circle; ++i) {
+      const double t = M_PI / 2 + i * 2 * M_PI / on_circle;
+      offsets[count++] = radius * factor * Eigen::Vector2d(std::cos(t), std::sin(t));
     }
+    if (degree == 2) offsets[count++].setZero();
   }
   for (int i = 0; i < count; ++i) {
     const Vec3 x = project(surface, g.centroid + offsets[i][0] * t1 + offsets[i][1] * t2);
@@ -129,7 +134,7 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, Constr
   group.num_points = count;
 }
 
-void BoundaryPieces::groups(const int* cells, int num_cells, std::vector<ConstraintGroup>& groups) const {
+void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const {
   static thread_local std::vector<Piece> wholes;
   wholes.clear();
   for (int c = 0; c < num_cells; ++c) {
@@ -150,7 +155,7 @@ void BoundaryPieces::groups(const int* cells, int num_cells, std::vector<Constra
   for (std::size_t i = 0; i < wholes.size(); ++i) {
     std::tie(groups[i].surface, groups[i].condition, groups[i].pair) = wholes[i].kind();
     groups[i].area = wholes[i].area;
-    place_points(wholes[i], cut_cells_.solid.surfaces()[wholes[i].surface], groups[i]);
+    place_points(wholes[i], cut_cells_.solid.surfaces()[wholes[i].surface], degree, groups[i]);
   }
 }
 

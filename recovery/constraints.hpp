@@ -22,16 +22,17 @@ Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e);
 /// Divergence rows (equation 4): row i is (div sigma)_i per cell unit; constant for linear polynomials.
 Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows();
 
-/// Boundary points of one surface and one kind in a patch, condensed to at most three constraint points
-/// that carry the same first and second moments as the group's area (exact for linear tractions).
+/// Boundary points of one surface and one kind in a patch, condensed to a few constraint points that carry the same
+/// first and second moments as the group's area: at most three, which determine linear tractions on a plane, for degree
+/// 1; at most six, which determine quadratic ones, for degree 2.
 struct ConstraintGroup {
   int surface = -1;
   int condition = -1;
   int pair = -1;    ///< contact pair, -1 for a group with known traction
   double area = 0;  ///< cell units squared
   int num_points = 0;
-  std::array<Vec3, 3> position;  ///< constraint points on the surface, grid coordinates
-  std::array<Vec3, 3> normal;    ///< outward
+  std::array<Vec3, 6> position;  ///< constraint points on the surface, grid coordinates
+  std::array<Vec3, 6> normal;    ///< outward
 };
 
 /// The boundary points of one body by cell, surface and kind, condensed to their moments once for all patches.
@@ -39,11 +40,12 @@ class BoundaryPieces {
  public:
   BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
 
-  /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair.
-  void groups(const int* cells, int num_cells, std::vector<ConstraintGroup>& groups) const;
-  std::vector<ConstraintGroup> groups(const int* cells, int num_cells) const {
+  /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair; points for polynomials
+  /// of the given degree.
+  void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const;
+  std::vector<ConstraintGroup> groups(const int* cells, int num_cells, int degree = 1) const {
     std::vector<ConstraintGroup> found;
-    groups(cells, num_cells, found);
+    groups(cells, num_cells, degree, found);
     return found;
   }
 
@@ -57,7 +59,7 @@ class BoundaryPieces {
   };
   void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end);
   static void join(Piece& whole, const Piece& part);
-  static void place_points(const Piece& whole, const Surface& surface, ConstraintGroup& group);
+  static void place_points(const Piece& whole, const Surface& surface, int degree, ConstraintGroup& group);
 
   const CutCells& cut_cells_;
   std::vector<int> begin_;  ///< cut cell -> first piece, and the end

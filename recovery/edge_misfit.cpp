@@ -40,7 +40,7 @@ EdgeFit EdgeMisfit::at(const ContactEdge& own, const ContactEdge& other) const {
   Unknowns h;
   double square = 0, product = 0;
   for (int b = 0; b < 2; ++b) {
-    const EdgeMoments moments = quadrature_[b].moments(*edge[b]);
+    const EdgeMoments<1> moments = quadrature_[b].moments(*edge[b]);
     square += moments.square;
     product += moments.with_stress;
     for (int k = 0; k < 6; ++k)

@@ -33,7 +33,7 @@ class EdgeMisfit {
   using Unknowns = Eigen::Matrix<double, 2 * num_unknowns, 1>;
 
   const RecoveryBody* other_;
-  EdgeQuadrature quadrature_[2];
+  EdgeQuadrature<1> quadrature_[2];
   Eigen::LLT<Eigen::Matrix<double, num_terms, num_terms>> factor_[2];
   Eigen::Matrix<double, 2 * num_unknowns, Eigen::Dynamic> basis_;  ///< orthonormal, of the whitened rows that count
   Unknowns free_;                                                  ///< whitened polynomials of sigma_h, without them

@@ -2,8 +2,9 @@
 
 namespace cgcontact {
 
-EdgeQuadrature::EdgeQuadrature(const BodyMesh& mesh, const int* cells, int num_cells, const Vec3& centre,
-                               const RealView& u)
+template <int degree>
+EdgeQuadrature<degree>::EdgeQuadrature(const BodyMesh& mesh, const int* cells, int num_cells, const Vec3& centre,
+                                       const RealView& u)
     : cells_(num_cells), centre_(centre), with_stress_(u.extent(0) > 0) {
   const CutCells& cc = *mesh.cut_cells;
   for (int i = 0; i < num_cells; ++i) {
@@ -17,7 +18,7 @@ EdgeQuadrature::EdgeQuadrature(const BodyMesh& mesh, const int* cells, int num_c
       cell.weight[q] /= 8;
       double xi[3], s[6];
       for (int d = 0, stride = n * n; d < 3; ++d, stride /= n) {
-        xi[d] = Gauss3::point[q / stride % n];
+        xi[d] = n == 3 ? Gauss3::point[q / stride % n % 3] : Gauss5::point[q / stride % n];
         cell.position[d][q] = cc.cells[c][d] + 0.5 * (xi[d] + 1);
       }
       if (!with_stress_) continue;
@@ -28,7 +29,8 @@ EdgeQuadrature::EdgeQuadrature(const BodyMesh& mesh, const int* cells, int num_c
 }
 
 /// On a plane face along a straight edge all points have the same frame.
-void EdgeQuadrature::set_plane_term(const Cell& cell, const ContactEdge& edge, std::array<Row, 6>& term) {
+template <int degree>
+void EdgeQuadrature<degree>::set_plane_term(const Cell& cell, const ContactEdge& edge, std::array<Row, 6>& term) {
   const Vec3 in = -edge.orientation * edge.surface.direction;
   const Vec3 e = (edge.closed - edge.closed.dot(in) * in).normalized(), t = in.cross(e);
   const double start = edge.closed.dot(edge.origin), face = in.dot(edge.surface.point);
@@ -49,8 +51,10 @@ void EdgeQuadrature::set_plane_term(const Cell& cell, const ContactEdge& edge, s
   }
 }
 
-EdgeMoments EdgeQuadrature::moments(const ContactEdge& edge) const {
-  EdgeMoments moments;
+template <int degree>
+EdgeMoments<degree> EdgeQuadrature<degree>::moments(const ContactEdge& edge) const {
+  constexpr int T = Polynomial<degree>::num_terms;
+  EdgeMoments<degree> moments;
   moments.with_polynomials.setZero();
   const bool plane = edge.surface.kind == Surface::Kind::plane && edge.curvature == 0;
   std::array<Row, 6> term;
@@ -64,15 +68,22 @@ EdgeMoments EdgeQuadrature::moments(const ContactEdge& edge) const {
         for (int k = 0; k < 6; ++k) term[k][q] = s[k];
       }
     }
+    double terms[T][num_points];
+    for (int q = 0; q < num_points; ++q) {
+      const double d[3] = {cell.position[0][q] - centre_[0], cell.position[1][q] - centre_[1],
+                           cell.position[2][q] - centre_[2]};
+      double p[T];
+      Polynomial<degree>::terms(d, p);
+      for (int t = 0; t < T; ++t) terms[t][q] = p[t];
+    }
     for (int k = 0; k < 6; ++k) {
-      double sum[num_terms] = {}, square = 0, with_stress = 0;
+      double sum[T] = {}, square = 0, with_stress = 0;
       for (int q = 0; q < num_points; ++q) {
         const double value = cell.weight[q] * term[k][q];
-        sum[0] += value;
-        for (int d = 0; d < 3; ++d) sum[1 + d] += value * (cell.position[d][q] - centre_[d]);
+        for (int t = 0; t < T; ++t) sum[t] += value * terms[t][q];
         square += value * term[k][q];
       }
-      for (int t = 0; t < num_terms; ++t) moments.with_polynomials[num_terms * k + t] += sum[t];
+      for (int t = 0; t < T; ++t) moments.with_polynomials[T * k + t] += sum[t];
       moments.square += square;
       if (!with_stress_) continue;
       for (int q = 0; q < num_points; ++q) with_stress += cell.weight[q] * term[k][q] * cell.stress[k][q];
@@ -82,15 +93,29 @@ EdgeMoments EdgeQuadrature::moments(const ContactEdge& edge) const {
   return moments;
 }
 
-Eigen::Matrix<double, 6 * num_terms, 1> edge_polynomial(const BodyMesh& mesh, const int* cells, int num_cells,
-                                                        const ContactEdge& edge, const PatchFit& fit) {
-  EdgeMoments moments = EdgeQuadrature(mesh, cells, num_cells, fit.centre, {}).moments(edge);
-  const Eigen::LLT<Eigen::Matrix<double, num_terms, num_terms>> factor(fit.mass);
-  for (int k = 0; k < 6; ++k) {
-    auto part = moments.with_polynomials.segment<num_terms>(num_terms * k);
-    part = factor.solve(part).eval();
-  }
-  return moments.with_polynomials;
+template class EdgeQuadrature<1>;
+template class EdgeQuadrature<2>;
+
+namespace {
+
+template <int degree>
+void subtract(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
+              PatchFit& fit) {
+  constexpr int T = Polynomial<degree>::num_terms;
+  const EdgeMoments<degree> moments = EdgeQuadrature<degree>(mesh, cells, num_cells, fit.centre, {}).moments(edge);
+  const Eigen::LLT<Eigen::Matrix<double, T, T>> cholesky(fit.mass);
+  for (int k = 0; k < 6; ++k)
+    fit.a.segment<T>(T * k) -= factor * cholesky.solve(moments.with_polynomials.template segment<T>(T * k));
+}
+
+}  // namespace
+
+void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
+                        PatchFit& fit) {
+  if (fit.degree == 1)
+    subtract<1>(mesh, cells, num_cells, edge, factor, fit);
+  else
+    subtract<2>(mesh, cells, num_cells, edge, factor, fit);
 }
 
 }  // namespace cgcontact

@@ -1,6 +1,7 @@
 #include "recovery/error_estimate.hpp"
 
 #include "core/parallel.hpp"
+#include "recovery/polynomials.hpp"
 
 namespace cgcontact {
 namespace {
@@ -15,7 +16,8 @@ struct GaussTables {
   using Row = std::array<double, num_points>;
   std::array<std::array<double, 3>, num_points> xi;
   std::array<std::array<Row, num_terms>, 8> recovered;  ///< shape function of a corner times {1, x, y, z} about it
-  std::array<std::array<Row, 3>, 8> gradient;           ///< of the shape function of a corner
+  std::array<std::array<Row, QuadraticTerms::count>, 8> quadratic;  ///< the same times xx, yy, zz, xy, yz, zx
+  std::array<std::array<Row, 3>, 8> gradient;                       ///< of the shape function of a corner
 
   GaussTables() {
     for (int q = 0; q < num_points; ++q) {
@@ -26,8 +28,12 @@ struct GaussTables {
       hex_gradient(xi[q].data(), dN);
       for (int a = 0; a < 8; ++a) {
         recovered[a][0][q] = N[a];
+        double d[3], p[Polynomial<2>::num_terms];
+        for (int i = 0; i < 3; ++i) d[i] = 0.5 * (xi[q][i] + 1) - (a >> i & 1);
+        Polynomial<2>::terms(d, p);
+        for (int t = 0; t < QuadraticTerms::count; ++t) quadratic[a][t][q] = N[a] * p[num_terms + t];
         for (int i = 0; i < 3; ++i) {
-          recovered[a][1 + i][q] = N[a] * (0.5 * (xi[q][i] + 1) - (a >> i & 1));
+          recovered[a][1 + i][q] = N[a] * d[i];
           gradient[a][i][q] = dN[a][i];
         }
       }
@@ -45,6 +51,7 @@ struct CellStresses {
                const RecoveredField& field) {
     set_raw(tables, mesh, u);
     set_recovered(tables, mesh, cell, field);
+    if (field.quadratic) add_quadratic(tables, mesh, cell, *field.quadratic);
     if (field.edge) add_edge(tables, mesh, cell, field);
   }
 
@@ -64,6 +71,16 @@ struct CellStresses {
         raw[i][q] = trace + 2 * mu * g[i][i][q];
         raw[3 + i][q] = mu * (g[i][j][q] + g[j][i][q]);
       }
+    }
+  }
+
+  void add_quadratic(const Tables& tables, const BodyMesh& mesh, int cell, const QuadraticTerms& terms) {
+    for (int a = 0; a < 8; ++a) {
+      const QuadraticTerms::Values* values = terms.of_node(mesh.cell_nodes[cell][a] - mesh.first_node);
+      if (!values) continue;
+      for (int k = 0; k < 6; ++k)
+        for (int t = 0; t < QuadraticTerms::count; ++t)
+          for (int q = 0; q < Tables::num_points; ++q) recovered[k][q] += (*values)[k][t] * tables.quadratic[a][t][q];
     }
   }
 
@@ -118,16 +135,24 @@ class Estimator {
 
   /// Adds one cell to the sums; returns its own error.
   double add_cell(int cell, EnergySums& sums) const {
-    const bool interior = mesh_.cut_cells->cut_of_active[cell] < 0;  // an edge's term lies in cells with contact
-    return interior && !exact_ ? integrate<3>(cell, sums) : integrate<5>(cell, sums);
+    // An edge's term lies in cells with contact.
+    const bool three = mesh_.cut_cells->cut_of_active[cell] < 0 && !exact_ && !is_quadratic(cell);
+    return three ? integrate<3>(cell, sums) : integrate<5>(cell, sums);
   }
 
  private:
+  bool is_quadratic(int cell) const {
+    if (!recovered_.quadratic) return false;
+    for (int node : mesh_.cell_nodes[cell])
+      if (recovered_.quadratic->of_node(node - mesh_.first_node)) return true;
+    return false;
+  }
+
   template <int n>
   double integrate(int cell, EnergySums& sums) const {
     static const GaussTables<n> tables;
     const CutCells& cc = *mesh_.cut_cells;
-    const double nu = mesh_.law.lambda / (2 * (mesh_.law.lambda + mesh_.law.mu));
+    const double nu = mesh_.poisson_ratio();
     const double volume_factor = std::pow(mesh_.cell_size, 3) / 8 / mesh_.modulus;
     const int cut = cc.cut_of_active[cell];
     double weights[n * n * n], u[8][3];

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/parallel.hpp"
 #include "recovery/edge_moments.hpp"
 
 namespace cgcontact {
@@ -18,9 +17,6 @@ constexpr double edge_reach = 2;
 
 /// Of contact points equally far from a place (cell units squared) the first counts, whatever the rounding.
 constexpr double same_distance = 1e-9;
-
-/// Least volume of an auxiliary patch, cells: less carries no linear polynomial of six components.
-constexpr double least_auxiliary_volume = 0.25;
 
 /// Unit directions orthogonal to all held ones: those in which the traction at a point with normal n is known.
 /// Returns their number.
@@ -39,13 +35,6 @@ int known_directions(const TractionCondition& condition, const Vec3& n, const Ma
   for (const Vec3& v : {n, t1, t2}) extend(v);
   for (int i = num_held; i < count; ++i) directions[i - num_held] = basis[i];
   return count - num_held;
-}
-
-Eigen::Matrix<double, num_terms, num_terms> to_matrix(const double m[num_terms][num_terms]) {
-  Eigen::Matrix<double, num_terms, num_terms> matrix;
-  for (int i = 0; i < num_terms; ++i)
-    for (int j = 0; j < num_terms; ++j) matrix(i, j) = m[i][j];
-  return matrix;
 }
 
 /// The component along e of the traction on the normal n, in one of the bodies of a row.
@@ -71,12 +60,6 @@ const PairState* find_state(const std::vector<PairState>& states, int pair) {
   return nullptr;
 }
 
-/// The polynomial that is left when the term of the edge is taken out of sigma_h.
-void subtract_term(const RecoveryBody& body, const int* cells, int num_cells, const ContactEdge& edge, double factor,
-                   PatchFit& fit) {
-  fit.a -= factor * edge_polynomial(*body.mesh, cells, num_cells, edge, fit);
-}
-
 /// The row holds for the whole stress: what the term of the edge contributes goes to the right-hand side.
 void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit& own, PatchRow& row) {
   double s[6];
@@ -84,74 +67,16 @@ void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit
   for (int k = 0; k < 6; ++k) row.value -= factor * row.weight[0][k] * s[k];
 }
 
-/// Integral of sigma_h : sigma_h (sum of the squares of six components) over the body's part of a cell.
-double stress_square(const BodyMesh& mesh, int cell, const RealView& u) {
-  const CutCells& cc = *mesh.cut_cells;
-  const int cut = cc.cut_of_active[cell];
-  double weights[27], corner[8][3], sum = 0;
-  fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 3, weights);
-  for (int a = 0; a < 8; ++a)
-    for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[cell][a] + k);
-  for (int q = 0; q < 27; ++q) {
-    const double xi[3] = {Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]};
-    double s[6];
-    hex_stress(mesh.law, corner, xi, s);
-    for (double v : s) sum += weights[q] / 8 * v * v;
-  }
-  return mesh.stress_factor() * mesh.stress_factor() * sum;
-}
-
-/// Mean square of what a fit leaves of sigma_h; not less than the part of it that rounding may leave of a good fit.
-double fit_variance(const BodyMesh& mesh, const AuxiliaryCells& near, const int* cells, int num_cells,
-                    const PatchFit& fit) {
-  constexpr double least = 1e-8;
-  double square = 0, volume = 0, fitted = 0;
-  for (int i = 0; i < num_cells; ++i) {
-    const int row = near.cells.row(cells[i]);
-    if (row < 0) return 0;
-    square += near.square[row];
-    volume += mesh.cut_cells->volume_fraction(cells[i]);
-  }
-  for (int k = 0; k < 6; ++k) {
-    const auto a = fit.a.segment<num_terms>(num_terms * k);
-    fitted += a.dot(fit.mass * a);
-  }
-  return std::max(square - fitted, least * square) / volume;
-}
-
 }  // namespace
 
 bool PairState::is_closed() const { return closed_area > closed_fraction * area; }
 
-AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const RealView& u, double depth) {
-  const CutCells& cc = *body.mesh->cut_cells;
-  std::vector<int> touched;
-  for (const ContactLink& link : body.boundary->links) touched.push_back(link.cell);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  const int reach = static_cast<int>(std::ceil(depth)) + 2, width = 2 * reach + 1;
-  std::vector<char> marked(cc.cells.size(), 0);
-  for (int t : touched)
-    for (int n = 0; n < width * width * width; ++n) {
-      const Index3& c = cc.cells[t];
-      const int near =
-          cc.find({c[0] + n % width - reach, c[1] + n / width % width - reach, c[2] + n / width / width - reach});
-      if (near >= 0) marked[near] = 1;
-    }
-  AuxiliaryCells auxiliary{Subset(marked), {}, {}};
-  auxiliary.stress = CellStressView("cgcontact::recovery::auxiliary", auxiliary.cells.size());
-  integrate_cell_stress(*body.mesh, *body.patches, auxiliary.cells, u, auxiliary.stress);
-  auxiliary.square.resize(auxiliary.cells.size());
-  parallel_for(auxiliary.square.size(), 64, [&](std::size_t row) {
-    auxiliary.square[row] = stress_square(*body.mesh, auxiliary.cells.number(static_cast<int>(row)), u);
-  });
-  return auxiliary;
-}
-
 PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary,
-                             int index, const Scales& scales, const RecoveryOptions& options)
+                             const std::vector<QuadraticCells>& quadratic, int index, const Scales& scales,
+                             const RecoveryOptions& options)
     : bodies_(bodies),
       auxiliary_(auxiliary),
+      quadratic_(quadratic),
       body_(bodies[index]),
       index_(index),
       grid_(body_.mesh->cut_cells->grid),
@@ -159,19 +84,30 @@ PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std:
       options_(options),
       pieces_(*body_.mesh->cut_cells, *body_.boundary) {}
 
-bool PatchAssembly::is_interior(int n) const {
-  const PatchSet& patches = *body_.patches;
-  if (!patches.full[n]) return false;
-  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
-    if (!body_.boundary->links_of_cell[patches.cells[p]].empty()) return false;
-  return true;
-}
+bool PatchAssembly::is_interior(int n) const { return body_.patches->full[n] && !touches_contact(body_, n); }
 
 Vec3 PatchAssembly::divergence(const RecoveryBody& body, const Vec3& centre) const {
   if (!body.boundary->body_force_at) return Vec3::Zero();
   const Grid& grid = body.mesh->cut_cells->grid;
   return -grid.cell_size / scales_.stress *
          (grid.rotation.transpose() * body.boundary->body_force_at(grid.to_global(centre)));
+}
+
+/// Centred differences over one cell: exact for forces up to degree 2.
+void PatchAssembly::interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const {
+  double f[3], df[3][3] = {};
+  const Vec3 force = -divergence(body, fit.centre);
+  for (int i = 0; i < 3; ++i) f[i] = force[i];
+  if (fit.degree == 1) {
+    Polynomial<1>::interior_values(f, df, 0, values);
+    return;
+  }
+  for (int k = 0; k < 3 && body.boundary->body_force_at; ++k) {
+    const Vec3 half = 0.5 * Vec3::Unit(k);
+    const Vec3 change = divergence(body, fit.centre - half) - divergence(body, fit.centre + half);
+    for (int i = 0; i < 3; ++i) df[i][k] = change[i];
+  }
+  Polynomial<2>::interior_values(f, df, body.mesh->poisson_ratio(), values);
 }
 
 void PatchAssembly::pair_states(int node, std::vector<PairState>& states) const {
@@ -187,60 +123,6 @@ void PatchAssembly::pair_states(int node, std::vector<PairState>& states) const 
       state->area += link.weight;
       if (link.active) state->closed_area += link.weight;
     }
-}
-
-PatchFit PatchAssembly::own_fit(int n) const {
-  const PatchSet& patches = *body_.patches;
-  const Index3& node = body_.mesh->nodes[n];
-  PatchFit fit;
-  fit.centre = Vec3(node[0], node[1], node[2]);
-  double m[num_terms][num_terms];
-  gather_mass(*body_.mesh, patches, patches.cells.data() + patches.begin[n], patches.begin[n + 1] - patches.begin[n],
-              fit.centre.data(), m);
-  fit.mass = to_matrix(m);
-  fit.a = Eigen::Map<const Eigen::Matrix<double, 6 * num_terms, 1>>(body_.field.at(n));
-  fit.regular = cholesky(m);
-  return fit;
-}
-
-/// Fit over whole active cells of the other body under the patch's contact points, down to the auxiliary depth
-/// (equation 13).
-PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, std::vector<int>& cells) const {
-  const RecoveryBody& other = bodies_[state.other_body];
-  const AuxiliaryCells& auxiliary = auxiliary_[state.other_body];
-  const CutCells& cc = *other.mesh->cut_cells;
-  const Mat3 to_other = cc.grid.rotation.transpose() * grid_.rotation;
-  const PatchSet& patches = *body_.patches;
-  PatchFit fit;
-  fit.centre = Vec3::Zero();
-  cells.clear();
-  for (int p = patches.begin[node]; p < patches.begin[node + 1]; ++p)
-    for (int l : body_.boundary->links_of_cell[patches.cells[p]]) {
-      const ContactLink& link = body_.boundary->links[l];
-      if (link.pair != state.pair) continue;
-      fit.centre += link.weight / state.area * link.other_position;
-      const Vec3 inward = to_other * link.normal;
-      for (double depth : {0.05, 0.35, 0.65, 0.95}) {
-        const Vec3 x = link.other_position + depth * options_.auxiliary_depth * inward;
-        const int c = cc.find({static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
-                               static_cast<int>(std::floor(x[2]))});
-        if (c >= 0 && auxiliary.cells.row(c) >= 0) cells.push_back(c);
-      }
-    }
-  std::sort(cells.begin(), cells.end());
-  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  double volume = 0;
-  for (int c : cells) volume += cc.volume_fraction(c);
-  if (volume < least_auxiliary_volume) return fit;
-  PatchSums sums = gather_patch(*other.mesh, *other.patches, cells.data(), static_cast<int>(cells.size()),
-                                fit.centre.data(), auxiliary.stress, auxiliary.cells);
-  fit.mass = to_matrix(sums.m);
-  fit.regular = cholesky(sums.m);
-  for (int k = 0; k < 6 && fit.regular; ++k) {
-    cholesky_solve(sums.m, sums.H[k]);
-    for (int t = 0; t < num_terms; ++t) fit.a[num_terms * k + t] = sums.H[k][t];
-  }
-  return fit;
 }
 
 /// Equation 5 in the directions that no support holds.
@@ -328,7 +210,7 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
     edge.orientation = surface.gradient(x).dot(n) < 0 ? -1 : 1;
   }
   edge.scale = grid.cell_size / unit;
-  edge.poisson_ratio = mesh.law.lambda / (2 * (mesh.law.lambda + mesh.law.mu));
+  edge.poisson_ratio = mesh.poisson_ratio();
   return edge;
 }
 
@@ -370,31 +252,39 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
 
 PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace,
                                      std::vector<PatchRow>& rows) const {
-  return assemble(node, edges, -1, workspace, rows);
+  return assemble(node, edges, -1, degree_of(body_, node, options_.degree), workspace, rows);
 }
 
 PatchProblem PatchAssembly::assemble_at_edge(int node, int pair, PatchWorkspace& workspace,
                                              std::vector<PatchRow>& rows) const {
-  return assemble(node, nullptr, pair, workspace, rows);
+  return assemble(node, nullptr, pair, 1, workspace, rows);
 }
 
-PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pair, PatchWorkspace& workspace,
-                                     std::vector<PatchRow>& rows) const {
+PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pair, int degree,
+                                     PatchWorkspace& workspace, std::vector<PatchRow>& rows) const {
   const PatchSet& patches = *body_.patches;
   const int* cells = patches.cells.data() + patches.begin[node];
   const int num_cells = patches.begin[node + 1] - patches.begin[node];
   PatchProblem problem;
   problem.node = node;
   problem.first_row = rows.size();
-  problem.fit[0] = own_fit(node);
+  fit_cells(body_, node, degree, options_.quadratic_rings, workspace.own);
+  problem.fit[0] = own_fit(node, degree, workspace.own);
   PatchFit& own = problem.fit[0];
+  const auto lowered = [&] {
+    PatchProblem linear = assemble(node, edges, edge_pair, 1, workspace, rows);
+    linear.status = std::max(linear.status, PatchStatus::degree_lowered);
+    linear.lowered = true;
+    return linear;
+  };
   if (!own.regular) {
+    if (degree == 2) return lowered();
     problem.status = PatchStatus::singular;
     return problem;
   }
-  problem.divergence[0] = divergence(body_, own.centre);
+  interior_values(body_, own, problem.interior[0].data());
   std::vector<ConstraintGroup>& groups = workspace.groups;
-  pieces_.groups(cells, num_cells, groups);
+  pieces_.groups(cells, num_cells, degree, groups);
   pair_states(node, workspace.states);
 
   // How each pair stands, and where its edge is.
@@ -417,28 +307,27 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }
   if (coupled) {
-    problem.fit[1] = auxiliary_fit(node, *coupled, workspace.auxiliary);
+    problem.fit[1] = auxiliary_fit(node, *coupled, degree, workspace.auxiliary);
+    if (degree == 2 && !problem.fit[1].regular) return lowered();
     problem.coupled = problem.fit[1].regular;
     problem.pair = coupled->pair;
     problem.other_body = coupled->other_body;
     if (problem.coupled)
-      problem.divergence[1] = divergence(bodies_[coupled->other_body], problem.fit[1].centre);
+      interior_values(bodies_[coupled->other_body], problem.fit[1], problem.interior[1].data());
     else
       problem.status = PatchStatus::uncoupled;
   }
   if (problem.coupled) {
-    const auto variance = [&](int body, const int* list, int count, const PatchFit& fit) {
-      return fit_variance(*bodies_[body].mesh, auxiliary_[body], list, count, fit);
-    };
-    own.variance = variance(index_, cells, num_cells, own);
-    problem.fit[1].variance = variance(problem.other_body, workspace.auxiliary.data(),
-                                       static_cast<int>(workspace.auxiliary.size()), problem.fit[1]);
+    own.variance = fit_variance(*body_.mesh, auxiliary_[index_], workspace.own, own);
+    problem.fit[1].variance = fit_variance(*bodies_[problem.other_body].mesh, auxiliary_[problem.other_body],
+                                           workspace.auxiliary, problem.fit[1]);
   }
   if (problem.has_edge) {
-    subtract_term(body_, cells, num_cells, problem.edge[0], problem.factor, own);
+    const std::vector<int>*list = &workspace.own, *other = &workspace.auxiliary;
+    subtract_edge_term(*body_.mesh, list->data(), static_cast<int>(list->size()), problem.edge[0], problem.factor, own);
     if (problem.coupled)
-      subtract_term(bodies_[problem.other_body], workspace.auxiliary.data(),
-                    static_cast<int>(workspace.auxiliary.size()), problem.edge[1], problem.factor, problem.fit[1]);
+      subtract_edge_term(*bodies_[problem.other_body].mesh, other->data(), static_cast<int>(other->size()),
+                         problem.edge[1], problem.factor, problem.fit[1]);
   }
 
   const auto closed_on_surface = [&](int surface) {

@@ -4,6 +4,7 @@
 
 #include "kernels/system.hpp"
 #include "recovery/boundary_data.hpp"
+#include "recovery/cell_stress.hpp"
 #include "recovery/constraints.hpp"
 #include "recovery/contact_edge.hpp"
 #include "recovery/patch_problem.hpp"
@@ -15,6 +16,8 @@ struct RecoveryOptions {
   double rank_tolerance = 0.1;
   double auxiliary_depth = 0.5;  ///< cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
+  RecoveryDegree degree = {};    ///< of the polynomials
+  int quadratic_rings = 2;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
 };
 
 /// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.
@@ -23,6 +26,7 @@ struct RecoveryBody {
   const PatchSet* patches;
   const BoundaryData* boundary;
   RecoveredField field;
+  CellStress stress = {};  ///< what is fitted beside `field`; empty: sigma_h of the displacements
 };
 
 /// Integrals of sigma_h over the cells of one body that auxiliary patches may consist of.
@@ -33,7 +37,25 @@ struct AuxiliaryCells {
 };
 
 /// Cells near the contact points, as far as the auxiliary depth and two cells more.
-AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const RealView& u, double depth);
+AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const CellStress& stress, double depth);
+
+/// Degree that is asked for at a node.
+int degree_of(const RecoveryBody& body, int node, const RecoveryDegree& degree);
+
+/// Cells that the polynomial of a node is fitted to, ascending: its patch, for degree 2 with so many rings of cells.
+void fit_cells(const RecoveryBody& body, int node, int degree, int rings, std::vector<int>& cells);
+
+/// Integrals over all cells that polynomials of degree 2 are fitted to; empty if there are none.
+QuadraticCells quadratic_cells(const RecoveryBody& body, const CellStress& stress, const AuxiliaryCells& auxiliary,
+                               const RecoveryOptions& options);
+
+/// Whether a patch holds points of a contact face, closed or open.
+bool touches_contact(const RecoveryBody& body, int node);
+
+/// Mean square of what a fit leaves of sigma_h; not less than the part of it that rounding may leave of a good fit.
+/// 0 if some of the cells are not among those near the contact.
+double fit_variance(const BodyMesh& mesh, const AuxiliaryCells& near, const std::vector<int>& cells,
+                    const PatchFit& fit);
 
 /// Contact points of one pair inside a patch.
 struct PairState {
@@ -67,8 +89,8 @@ class EdgeMap {
 struct PatchWorkspace {
   std::vector<ConstraintGroup> groups;
   std::vector<PairState> states;
-  std::vector<char> modes;     ///< of states
-  std::vector<int> auxiliary;  ///< cells
+  std::vector<char> modes;          ///< of states
+  std::vector<int> own, auxiliary;  ///< cells that the polynomials are fitted to
 };
 
 /// What assembling one patch gives; its rows are appended to a list of many patches.
@@ -76,23 +98,27 @@ struct PatchProblem {
   int node = -1;
   PatchKind kind = PatchKind::interior;
   PatchStatus status = PatchStatus::exact;
-  bool coupled = false;       ///< with an auxiliary patch
-  PatchFit fit[2];            ///< own, auxiliary
-  Vec3 divergence[2];         ///< what div sigma must be, per cell unit; own, auxiliary
-  std::size_t first_row = 0;  ///< in the list
+  bool coupled = false;                                         ///< with an auxiliary patch
+  bool lowered = false;                                         ///< degree 2 was asked for
+  PatchFit fit[2];                                              ///< own, auxiliary
+  std::array<double, Polynomial<2>::num_interior> interior[2];  ///< Polynomial::interior_values; own, auxiliary
+  std::size_t first_row = 0;                                    ///< in the list
   int num_rows = 0;
   int pair = -1, other_body = -1;  ///< of the auxiliary patch
   bool has_edge = false;           ///< the term of the contact edge is part of the stress
   ContactEdge edge[2];             ///< own, auxiliary
   double factor = 0;
   bool loose = false;  ///< after the solution: not all rows are met
+
+  int degree() const { return fit[0].degree; }
 };
 
 /// Assembles the patches of one body.
 class PatchAssembly {
  public:
-  PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary, int index,
-                const Scales& scales, const RecoveryOptions& options);
+  PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary,
+                const std::vector<QuadraticCells>& quadratic, int index, const Scales& scales,
+                const RecoveryOptions& options);
 
   /// Eight full cells without contact: only equilibrium is known there.
   bool is_interior(int node) const;
@@ -110,17 +136,19 @@ class PatchAssembly {
   ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
                         double unit) const;
   const RecoveryBody& body() const { return body_; }
+  int index() const { return index_; }  ///< of the body
   const RecoveryBody& body_of(int index) const { return bodies_[index]; }
   const Grid& grid() const { return grid_; }
 
  private:
   enum class ContactMode { open, closed, edge, unclear };
-  PatchProblem assemble(int node, const EdgeMap* edges, int edge_pair, PatchWorkspace& workspace,
+  PatchProblem assemble(int node, const EdgeMap* edges, int edge_pair, int degree, PatchWorkspace& workspace,
                         std::vector<PatchRow>& rows) const;
+  void interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const;
   ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
                            PatchProblem& problem) const;
-  PatchFit own_fit(int node) const;
-  PatchFit auxiliary_fit(int node, const PairState& state, std::vector<int>& cells) const;
+  PatchFit own_fit(int node, int degree, const std::vector<int>& cells) const;
+  PatchFit auxiliary_fit(int node, const PairState& state, int degree, std::vector<int>& cells) const;
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
@@ -128,6 +156,7 @@ class PatchAssembly {
 
   const std::vector<RecoveryBody>& bodies_;
   const std::vector<AuxiliaryCells>& auxiliary_;  ///< by body
+  const std::vector<QuadraticCells>& quadratic_;  ///< by body
   const RecoveryBody& body_;
   int index_;
   const Grid& grid_;

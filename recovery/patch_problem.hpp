@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "recovery/patches.hpp"
+#include "recovery/polynomials.hpp"
 
 namespace cgcontact {
 
@@ -15,16 +16,17 @@ constexpr const char* patch_kind_names[num_patch_kinds] = {"interior", "boundary
 
 /// What became of a patch; a patch that is several of these counts as the last one.
 enum class PatchStatus : char {
-  exact,         ///< all rows are met
-  truncated,     ///< redundant rows were dropped, the others are met
-  conflicting,   ///< data that contradict each other, met in least squares
-  uncoupled,     ///< closed contact without an auxiliary patch: zero shear only
-  edge_unclear,  ///< the edge of the contact zone runs through the patch and could not be placed
-  singular,      ///< not enough material for the polynomial: mean stress, no constraints
+  exact,           ///< all rows are met
+  truncated,       ///< redundant rows were dropped, the others are met
+  degree_lowered,  ///< not enough material for the quadratic polynomial that was asked for: a linear one
+  conflicting,     ///< data that contradict each other, met in least squares
+  uncoupled,       ///< closed contact without an auxiliary patch: zero shear only
+  edge_unclear,    ///< the edge of the contact zone runs through the patch and could not be placed
+  singular,        ///< not enough material for the polynomial: mean stress, no constraints
 };
-constexpr int num_patch_statuses = 6;
-constexpr const char* patch_status_names[num_patch_statuses] = {"exact",     "truncated",    "conflicting",
-                                                                "uncoupled", "edge_unclear", "singular"};
+constexpr int num_patch_statuses = 7;
+constexpr const char* patch_status_names[num_patch_statuses] = {
+    "exact", "truncated", "degree_lowered", "conflicting", "uncoupled", "edge_unclear", "singular"};
 
 /// One constraint at a point: sum over the bodies of weight : sigma(centre + place) = value.
 struct PatchRow {
@@ -34,7 +36,7 @@ struct PatchRow {
   bool firm = false;         ///< holds to rounding, whatever the other rows ask for: no pressure on an open face
 };
 
-/// The part of a row that acts on the coefficients of one body.
+/// The part of a row that acts on the coefficients of one body's linear polynomials.
 inline Eigen::Matrix<double, 1, 6 * num_terms> full_row(const PatchRow& row, int body) {
   const double p[num_terms] = {1, row.place[body][0], row.place[body][1], row.place[body][2]};
   Eigen::Matrix<double, 1, 6 * num_terms> full;
@@ -45,11 +47,15 @@ inline Eigen::Matrix<double, 1, 6 * num_terms> full_row(const PatchRow& row, int
 
 /// A polynomial fit before constraints: mass matrix and coefficients about a centre.
 struct PatchFit {
-  Eigen::Matrix<double, num_terms, num_terms> mass;
-  Eigen::Matrix<double, 6 * num_terms, 1> a;
-  Vec3 centre;          ///< grid coordinates
+  static constexpr int most_terms = Polynomial<2>::num_terms;
+  int degree = 1;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_terms, most_terms> mass;  ///< terms x terms
+  Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6 * most_terms, 1> a;                       ///< component, term
+  Vec3 centre;                                                                            ///< grid coordinates
   double variance = 0;  ///< mean square of what the polynomials leave of sigma_h; 0: not known
   bool regular = false;
+
+  int terms() const { return degree == 1 ? num_terms : most_terms; }
 };
 
 }  // namespace cgcontact

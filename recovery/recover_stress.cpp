@@ -10,8 +10,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr int num_unknowns = 6 * num_terms;
-
 /// Patches per chunk of the parallel loops.
 constexpr std::size_t grain = 128, interior_grain = 4096;
 
@@ -35,6 +33,10 @@ constexpr double conflict = 0.01;
 /// The same below which all rows are met.
 constexpr double met = 1e-12;
 
+/// Rank tolerance of degree 2 over that of degree 1: the rows of the curvature of a traction are weak ones, although
+/// they say something. Measured (docs/recovery.md, "Degree").
+constexpr double quadratic_tolerance = 0.1;
+
 /// Rank tolerance of the firm rows alone: they agree with each other.
 constexpr double firm_tolerance = 1e-3;
 
@@ -48,7 +50,7 @@ double auxiliary_weight(const PatchFit& own, const PatchFit& other) {
   return std::clamp(own.variance / other.variance, 1 / most_weight, most_weight);
 }
 
-/// The non-interior patches of one chunk: assembled one by one, solved in batches by the number of bodies.
+/// Patches of one chunk: assembled one by one, solved in batches by degree and number of bodies.
 class PatchBatch {
  public:
   PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance)
@@ -56,25 +58,29 @@ class PatchBatch {
 
   void add(int node) { problems_.push_back(assembly_.assemble(node, edges_, workspace_, rows_)); }
   void solve() {
-    solve_all<1>();
-    solve_all<2>();
-    hold_firm_rows();
+    solve_all<1, 1>();
+    solve_all<1, 2>();
+    solve_all<2, 1>();
+    solve_all<2, 2>();
+    hold_firm_rows<1>();
+    hold_firm_rows<2>();
   }
   const std::vector<PatchProblem>& problems() const { return problems_; }
   long long truncated_rows() const { return truncated_rows_; }
 
  private:
-  template <int bodies>
-  void fill(const PatchProblem& problem, FitInput<1, bodies>& input) const {
+  template <int degree, int bodies>
+  void fill(const PatchProblem& problem, FitInput<degree, bodies>& input) const {
+    using P = Polynomial<degree>;
+    const int body[2] = {assembly_.index(), problem.other_body};
     for (int b = 0; b < bodies; ++b) {
       const PatchFit& fit = problem.fit[b];
       const double weight = b == 1 ? auxiliary_weight(problem.fit[0], problem.fit[1]) : 1.0;
-      for (int i = 0, entry = 0; i < num_terms; ++i)
+      for (int i = 0, entry = 0; i < P::num_terms; ++i)
         for (int j = 0; j <= i; ++j) input.mass[b][entry++] = weight * fit.mass(i, j);
-      for (int k = 0; k < 6; ++k)
-        for (int t = 0; t < num_terms; ++t) input.a[b][k][t] = fit.a[num_terms * k + t];
-      for (int i = 0; i < 3; ++i) input.interior[b][i] = problem.divergence[b][i];
-      input.poisson_ratio[b] = 0;
+      std::copy_n(fit.a.data(), 6 * P::num_terms, input.a[b][0]);
+      std::copy_n(problem.interior[b].data(), P::num_interior, input.interior[b]);
+      input.poisson_ratio[b] = assembly_.body_of(body[b]).mesh->poisson_ratio();
     }
   }
 
@@ -88,9 +94,9 @@ class PatchBatch {
   }
 
   /// Solves the patches numbered in `list` with those of their rows that `use` selects.
-  template <int bodies, class Use>
+  template <int degree, int bodies, class Use>
   void solve_list(const std::vector<int>& list, const Use& use, double rank_tolerance, std::vector<FitStatus>& status) {
-    std::vector<FitInput<1, bodies>>& inputs = std::get<std::vector<FitInput<1, bodies>>>(inputs_);
+    std::vector<FitInput<degree, bodies>>& inputs = std::get<std::vector<FitInput<degree, bodies>>>(inputs_);
     std::vector<FitRow<bodies>>& rows = std::get<std::vector<FitRow<bodies>>>(fit_rows_);
     rows.clear();
     inputs.resize(list.size());
@@ -111,18 +117,19 @@ class PatchBatch {
     for (auto& input : inputs) input.rows = next, next += input.num_rows;
     fit_patches(inputs.data(), static_cast<int>(inputs.size()), rank_tolerance, status.data());
     for (std::size_t i = 0; i < list.size(); ++i)
-      for (int k = 0; k < 6; ++k)
-        for (int t = 0; t < num_terms; ++t) problems_[list[i]].fit[0].a[num_terms * k + t] = inputs[i].a[0][k][t];
+      std::copy_n(inputs[i].a[0][0], 6 * Polynomial<degree>::num_terms, problems_[list[i]].fit[0].a.data());
   }
 
-  template <int bodies>
+  template <int degree, int bodies>
   void solve_all() {
     list_.clear();
     for (std::size_t i = 0; i < problems_.size(); ++i)
-      if (problems_[i].status != PatchStatus::singular && problems_[i].coupled == (bodies == 2))
+      if (problems_[i].status != PatchStatus::singular && problems_[i].coupled == (bodies == 2) &&
+          problems_[i].degree() == degree)
         list_.push_back(static_cast<int>(i));
-    solve_list<bodies>(
-        list_, [](const PatchRow&) { return true; }, rank_tolerance_, status_);
+    solve_list<degree, bodies>(
+        list_, [](const PatchRow&) { return true; }, (degree == 1 ? 1 : quadratic_tolerance) * rank_tolerance_,
+        status_);
     for (std::size_t i = 0; i < list_.size(); ++i) {
       PatchProblem& problem = problems_[list_[i]];
       const auto at_least = [&](PatchStatus status) { problem.status = std::max(problem.status, status); };
@@ -136,16 +143,17 @@ class PatchBatch {
 
   /// Where contact is open the pressure is exactly zero: conflicting data elsewhere in the patch (a load on a face that
   /// meets the contact face at an edge) must not leak into it through the least-squares solution.
+  template <int degree>
   void hold_firm_rows() {
     list_.clear();
     for (std::size_t i = 0; i < problems_.size(); ++i) {
       const PatchProblem& problem = problems_[i];
-      if (!problem.loose) continue;
+      if (!problem.loose || problem.degree() != degree) continue;
       const auto first = rows_.begin() + static_cast<std::ptrdiff_t>(problem.first_row);
       if (std::any_of(first, first + problem.num_rows, [](const PatchRow& row) { return row.firm; }))
         list_.push_back(static_cast<int>(i));
     }
-    solve_list<1>(
+    solve_list<degree, 1>(
         list_, [](const PatchRow& row) { return row.firm; }, firm_tolerance, status_);
   }
 
@@ -155,7 +163,9 @@ class PatchBatch {
   PatchWorkspace workspace_;
   std::vector<PatchProblem> problems_;
   std::vector<PatchRow> rows_;
-  std::tuple<std::vector<FitInput<1, 1>>, std::vector<FitInput<1, 2>>> inputs_;
+  std::tuple<std::vector<FitInput<1, 1>>, std::vector<FitInput<1, 2>>, std::vector<FitInput<2, 1>>,
+             std::vector<FitInput<2, 2>>>
+      inputs_;
   std::tuple<std::vector<FitRow<1>>, std::vector<FitRow<2>>> fit_rows_;
   std::vector<FitStatus> status_;
   std::vector<int> list_;
@@ -165,8 +175,22 @@ class PatchBatch {
 /// What one chunk of patches leaves behind.
 struct ChunkResult {
   RecoveryCounts counts;
-  std::vector<std::pair<int, EdgeTerms::Term>> terms;  ///< node, term
+  std::vector<std::pair<int, EdgeTerms::Term>> terms;             ///< node, term
+  std::vector<std::pair<int, QuadraticTerms::Values>> quadratic;  ///< node, coefficients
 };
+
+void store(const PatchProblem& problem, const CoefficientView& values, ChunkResult& result) {
+  const PatchFit& fit = problem.fit[0];
+  const int n = problem.node, terms = fit.terms();
+  for (int k = 0; k < 6; ++k)
+    for (int t = 0; t < num_terms; ++t) values(n, k, t) = fit.a[terms * k + t];
+  if (fit.degree == 1) return;
+  QuadraticTerms::Values quadratic;
+  for (int k = 0; k < 6; ++k)
+    for (int t = 0; t < QuadraticTerms::count; ++t) quadratic[k][t] = fit.a[terms * k + num_terms + t];
+  result.quadratic.emplace_back(n, quadratic);
+  ++result.counts.quadratic;
+}
 
 void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance, const int* nodes,
                    std::size_t count, PatchStates& states, ChunkResult& result) {
@@ -177,10 +201,10 @@ void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, double r
   result.counts.truncated_rows += batch.truncated_rows();
   for (const PatchProblem& problem : batch.problems()) {
     const int n = problem.node;
-    if (problem.status != PatchStatus::singular)
-      for (int i = 0; i < num_unknowns; ++i) body.field.values(n, i / num_terms, i % num_terms) = problem.fit[0].a[i];
+    if (problem.status != PatchStatus::singular) store(problem, body.field.values, result);
     if (problem.has_edge) result.terms.push_back({n, {problem.edge[0], problem.factor}});
     result.counts.grown += body.patches->grown[n];
+    result.counts.lowered += problem.lowered;
     states.kind[n] = problem.kind;
     states.status[n] = problem.status;
     ++result.counts.kinds[static_cast<int>(problem.kind)];
@@ -193,6 +217,8 @@ void add(const RecoveryCounts& from, RecoveryCounts& to) {
   for (int k = 0; k < num_patch_statuses; ++k) to.statuses[k] += from.statuses[k];
   to.grown += from.grown;
   to.truncated_rows += from.truncated_rows;
+  to.quadratic += from.quadratic;
+  to.lowered += from.lowered;
 }
 
 }  // namespace
@@ -201,11 +227,16 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
                                         const Scales& scales, const RecoveryOptions& options) {
   ConstrainedRecovery recovery;
   std::vector<AuxiliaryCells> auxiliary;
-  for (const RecoveryBody& body : bodies) auxiliary.push_back(auxiliary_cells(body, u, options.auxiliary_depth));
+  std::vector<QuadraticCells> quadratic;
+  for (const RecoveryBody& body : bodies) {
+    const CellStress stress = body.stress ? body.stress : stress_of_displacements(*body.mesh, u);
+    auxiliary.push_back(auxiliary_cells(body, stress, options.auxiliary_depth));
+    quadratic.push_back(quadratic_cells(body, stress, auxiliary.back(), options));
+  }
   std::vector<PatchAssembly> assemblies;
   assemblies.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    assemblies.emplace_back(bodies, auxiliary, static_cast<int>(b), scales, options);
+    assemblies.emplace_back(bodies, auxiliary, quadratic, static_cast<int>(b), scales, options);
   const FoundEdges edges = find_contact_edges(assemblies, u, options);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const PatchAssembly& assembly = assemblies[b];
@@ -213,7 +244,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
     PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes)};
     std::vector<char> interior(num_nodes);
     parallel_for(num_nodes, interior_grain, [&](std::size_t n) {
-      interior[n] = assembly.is_interior(static_cast<int>(n));
+      interior[n] = options.degree.interior == 1 && assembly.is_interior(static_cast<int>(n));
       if (interior[n]) recover_interior(assembly, static_cast<int>(n));
     });
     std::vector<int> others;
@@ -228,6 +259,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
                     end - begin, states, chunks[chunk]);
     });
     EdgeTerms terms;
+    QuadraticTerms quadratic_terms;
     for (const ChunkResult& chunk : chunks) {
       add(chunk.counts, recovery.counts);
       for (const auto& [node, term] : chunk.terms) {
@@ -235,9 +267,15 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
         terms.row_of_node[node] = static_cast<int>(terms.terms.size());
         terms.terms.push_back(term);
       }
+      for (const auto& [node, values] : chunk.quadratic) {
+        if (quadratic_terms.row_of_node.empty()) quadratic_terms.row_of_node.assign(num_nodes, -1);
+        quadratic_terms.row_of_node[node] = static_cast<int>(quadratic_terms.values.size());
+        quadratic_terms.values.push_back(values);
+      }
     }
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));
+    recovery.quadratic.push_back(std::move(quadratic_terms));
   }
   return recovery;
 }

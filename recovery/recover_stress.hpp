@@ -11,6 +11,7 @@ struct RecoveryCounts {
   std::array<long long, num_patch_kinds> kinds{};
   std::array<long long, num_patch_statuses> statuses{};
   long long grown = 0, truncated_rows = 0;
+  long long quadratic = 0, lowered = 0;  ///< patches of degree 2; where that was asked for but not possible
 };
 
 /// Kind and status of every node's patch of one body.
@@ -21,12 +22,13 @@ struct PatchStates {
 
 struct ConstrainedRecovery {
   RecoveryCounts counts;
-  std::vector<PatchStates> states;  ///< by body
-  std::vector<EdgeTerms> edges;     ///< by body
+  std::vector<PatchStates> states;        ///< by body
+  std::vector<EdgeTerms> edges;           ///< by body
+  std::vector<QuadraticTerms> quadratic;  ///< by body
 };
 
 /// u: displacements of all bodies, for the auxiliary patches. The polynomials of bodies[].field are replaced; the terms
-/// of the contact edges come beside them.
+/// of the contact edges and the quadratic terms come beside them.
 ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u,
                                         const Scales& scales, const RecoveryOptions& options);
 

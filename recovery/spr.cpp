@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.hpp"
+#include "recovery/polynomials.hpp"
 
 namespace cgcontact {
 namespace {
@@ -61,6 +62,19 @@ void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell,
     double w[6];
     term->edge.stress(x, w);
     for (int k = 0; k < 6; ++k) s[k] += N[a] * term->factor * w[k];
+  }
+}
+
+void add_quadratic_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
+                         const double N[8], double s[6]) {
+  for (int a = 0; a < 8; ++a) {
+    const QuadraticTerms::Values* values = field.quadratic->of_node(mesh.cell_nodes[cell][a] - mesh.first_node);
+    if (!values) continue;
+    const double d[3] = {0.5 * (xi[0] + 1) - (a & 1), 0.5 * (xi[1] + 1) - (a >> 1 & 1), 0.5 * (xi[2] + 1) - (a >> 2)};
+    double p[Polynomial<2>::num_terms];
+    Polynomial<2>::terms(d, p);
+    for (int k = 0; k < 6; ++k)
+      for (int t = 0; t < QuadraticTerms::count; ++t) s[k] += N[a] * p[num_terms + t] * (*values)[k][t];
   }
 }
 

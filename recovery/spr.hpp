@@ -2,6 +2,7 @@
 /// Stresses are in units of Scales::stress, components in the grid axes of the body.
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "recovery/contact_edge.hpp"
@@ -10,11 +11,25 @@
 
 namespace cgcontact {
 
+/// The quadratic terms of those nodes of a body whose polynomials have degree 2.
+struct QuadraticTerms {
+  static constexpr int count = 6;                           ///< xx, yy, zz, xy, yz, zx, cell units about the node
+  using Values = std::array<std::array<double, count>, 6>;  ///< component, term
+  std::vector<int> row_of_node;                             ///< node -> row of values, or -1; empty: no node has any
+  std::vector<Values> values;
+
+  const Values* of_node(int node) const {
+    if (row_of_node.empty() || row_of_node[node] < 0) return nullptr;
+    return &values[row_of_node[node]];
+  }
+};
+
 /// Polynomials of some or all nodes of one body.
 struct RecoveredField {
   Subset nodes;
-  CoefficientView values;                      ///< row of the subset, component, term
-  std::shared_ptr<const EdgeTerms> edge = {};  ///< beside the polynomials; may be empty
+  CoefficientView values;                                ///< row of the subset, component, term
+  std::shared_ptr<const EdgeTerms> edge = {};            ///< beside the polynomials; may be empty
+  std::shared_ptr<const QuadraticTerms> quadratic = {};  ///< of nodes with degree 2; may be empty
   /// The 6 x 4 coefficients of a node (number within the body).
   const double* at(int node) const {
     return values.data() + 6 * num_terms * static_cast<std::ptrdiff_t>(nodes.row(node));
@@ -69,6 +84,10 @@ int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u
 void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],
                     double s[6]);
 
+/// Adds the quadratic terms of the nodes of a cell.
+void add_quadratic_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
+                         const double N[8], double s[6]);
+
 /// sigma*(x) = sum_v N_v(x) P_v(x) A_v at cell coordinates xi of a cell (conjoint polynomials).
 inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
                                double s[6]) {
@@ -81,6 +100,7 @@ inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field
     for (int k = 0; k < 6; ++k)
       s[k] += N[a] * (A[4 * k] + A[4 * k + 1] * d[0] + A[4 * k + 2] * d[1] + A[4 * k + 3] * d[2]);
   }
+  if (field.quadratic) add_quadratic_terms(mesh, field, cell, xi, N, s);
   if (field.edge) add_edge_terms(mesh, field, cell, xi, N, s);
 }
 

@@ -62,24 +62,27 @@ TEST_P(ContactPatch, IsExact) {
   EXPECT_LT((r.pairs[0].force_on_first + r.pairs[0].force_on_second).norm(), tolerance * 0.8 * p);
 }
 
-INSTANTIATE_TEST_SUITE_P(Grids, ContactPatch,
-                         testing::Values(PatchCase{"rotated", {}}, PatchCase{"shifted", {"angle=0"}},
-                                         PatchCase{"on_a_grid_plane", {"body.lower.grid.offset=[0.3, 0.6, 0]"}},
-                                         PatchCase{"both_on_grid_planes",
-                                                   {"angle=0", "body.lower.grid.offset=[0, 0, 0]",
-                                                    "body.upper.grid.offset=[0, 0, 0]", "body.upper.cell_size=0.05"}},
-                                         PatchCase{"upper_coarser", {"body.upper.cell_size=0.23"}},
-                                         PatchCase{"slivers_on_both_sides",
-                                                   {"angle=0", "body.lower.grid.offset=[0.3, 0.6, 1e-9]",
-                                                    "body.upper.grid.offset=[0.1, 0.2, 0.999999999]"}},
-                                         PatchCase{"cells_1_to_8", {"h=0.4", "body.upper.cell_size=h/8"}},
-                                         PatchCase{"cells_8_to_1", {"h=0.05", "body.upper.cell_size=8*h"}},
-                                         PatchCase{"softer_by_1e6", {"body.upper.material.E=200e3"}},
-                                         PatchCase{"all_at_once",
-                                                   {"h=0.4", "body.upper.cell_size=h/8",
-                                                    "body.lower.grid.offset=[0.3, 0.6, 0.500000001]",
-                                                    "body.upper.material.E=200e3"}}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Grids, ContactPatch,
+    testing::Values(
+        PatchCase{"rotated", {}}, PatchCase{"shifted", {"angle=0"}},
+        PatchCase{"on_a_grid_plane", {"body.lower.grid.offset=[0.3, 0.6, 0]"}},
+        PatchCase{"both_on_grid_planes",
+                  {"angle=0", "body.lower.grid.offset=[0, 0, 0]", "body.upper.grid.offset=[0, 0, 0]",
+                   "body.upper.cell_size=0.05"}},
+        PatchCase{"upper_coarser", {"body.upper.cell_size=0.23"}}, PatchCase{"degree_2", {"recovery.degree=2"}},
+        PatchCase{"degree_2_of_contact", {"recovery.degree.contact=2"}},
+        PatchCase{"degree_2_upper_coarser", {"recovery.degree=2", "recovery.rings=2", "body.upper.cell_size=0.23"}},
+        PatchCase{
+            "slivers_on_both_sides",
+            {"angle=0", "body.lower.grid.offset=[0.3, 0.6, 1e-9]", "body.upper.grid.offset=[0.1, 0.2, 0.999999999]"}},
+        PatchCase{"cells_1_to_8", {"h=0.4", "body.upper.cell_size=h/8"}},
+        PatchCase{"cells_8_to_1", {"h=0.05", "body.upper.cell_size=8*h"}},
+        PatchCase{"softer_by_1e6", {"body.upper.material.E=200e3"}},
+        PatchCase{"all_at_once",
+                  {"h=0.4", "body.upper.cell_size=h/8", "body.lower.grid.offset=[0.3, 0.6, 0.500000001]",
+                   "body.upper.material.E=200e3"}}),
+    [](const auto& test) { return test.param.name; });
 
 /// Two automatic pairs, three materials: the same exactness on every interface.
 TEST(ContactPatchChain, AutomaticPairsAreExact) {

@@ -111,8 +111,8 @@ TEST(EdgeMoments, OfAPlaneFaceEqualTheGeneralOnes) {
     if ((Vec3(cc.cells[c][0], cc.cells[c][1], cc.cells[c][2]) - top).norm() < 2.5) cells.push_back(c);
   ASSERT_GT(cells.size(), 5u);
   const int count = static_cast<int>(cells.size());
-  const EdgeQuadrature quadrature(mesh, cells.data(), count, top, u);
-  const EdgeMoments fast = quadrature.moments(plane), plain = quadrature.moments(general);
+  const EdgeQuadrature<1> quadrature(mesh, cells.data(), count, top, u);
+  const EdgeMoments<1> fast = quadrature.moments(plane), plain = quadrature.moments(general);
   EXPECT_NEAR(fast.square, plain.square, 1e-12 * plain.square);
   EXPECT_NEAR(fast.with_stress, plain.with_stress, 1e-12 * plain.square);
   EXPECT_LT((fast.with_polynomials - plain.with_polynomials).norm(), 1e-12 * plain.with_polynomials.norm());

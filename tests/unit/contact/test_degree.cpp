@@ -1,0 +1,27 @@
+/// What polynomials of degree 2 bring on whole scenes (docs/recovery.md, "Degree").
+#include <gtest/gtest.h>
+
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+TEST(Degree, TwoIsBetterForTheSphereInAShell) {
+  const auto linear = test::run_scene("scenes/sphere_in_shell.toml", {"n=8"});
+  const auto quadratic = test::run_scene("scenes/sphere_in_shell.toml", {"n=8", "recovery.degree=2"});
+  EXPECT_LT(test::zone(quadratic->results(), "whole").sprc, 0.005);
+  EXPECT_LT(test::zone(quadratic->results(), "whole").sprc, 0.3 * test::zone(linear->results(), "whole").sprc);
+  EXPECT_LT(std::abs(quadratic->results().effectivity - 1), 0.07);
+  EXPECT_GT(quadratic->results().quadratic_patches, 1300);
+  EXPECT_GT(quadratic->results().lowered_patches, 0);
+  EXPECT_EQ(linear->results().quadratic_patches + linear->results().lowered_patches, 0);
+}
+
+TEST(Degree, TwoAtTheContactIsBetterInsideOfTwoSolids) {
+  const auto solved = test::run_scene("scenes/two_solids_3d.toml", {"n=16", "recovery.degree.contact=2"});
+  EXPECT_LT(test::zone(solved->results(), "interior").sprc, 0.006);  // degree 1: 0.009
+  EXPECT_LT(test::zone(solved->results(), "outside").sprc, 1e-4);
+}
+
+}  // namespace
+}  // namespace cgcontact
