@@ -94,7 +94,7 @@ void Simulation::make_system() {
   for (const ContactPair& pair : pairs)
     for (const ContactGroup& g : pair.groups)
       system.full_group_stiffness.push_back(pair.stiffness * g.area / (scales.stress * scales.length));
-  for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh));
+  for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh, scene.recovery.patch_volume));
 }
 
 void Simulation::recover() {
@@ -115,8 +115,10 @@ void Simulation::recover() {
     input.push_back({&mesh, &patches[b], &bodies[b].boundary, field});
   }
   if (scene.recovery.spr_c) {
-    const RecoveryOptions options{scene.recovery.rank_tolerance, scene.recovery.auxiliary_depth,
-                                  scene.recovery.contact_edge, scene.recovery.degree, scene.recovery.rings};
+    const RecoveryOptions options{scene.recovery.rank_tolerance,  scene.recovery.auxiliary_depth,
+                                  scene.recovery.contact_edge,    scene.recovery.degree,
+                                  scene.recovery.rings,           scene.recovery.points_per_face,
+                                  scene.recovery.inverse_variance};
     ConstrainedRecovery recovery = recover_constrained(input, outer.u, scales, options);
     recovery_counts = recovery.counts;
     patch_states = std::move(recovery.states);

@@ -107,7 +107,10 @@ struct RecoverySpec {
   double auxiliary_depth = 0.5;  ///< in cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
   RecoveryDegree degree;
-  int rings = 2;  ///< rings of cells around a node that polynomials of degree 2 are fitted to
+  int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
+  double patch_volume = 1;       ///< cells: smaller patches grow
+  bool inverse_variance = true;  ///< weights of the two bodies in a coupled patch
+  int rings = 2;                 ///< rings of cells around a node that polynomials of degree 2 are fitted to
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.

@@ -53,16 +53,31 @@ SolverSpec read_solver(const TomlCursor& node) {
   return solver;
 }
 
+/// 0, 1, 3 or 6.
+int read_points_per_face(const TomlCursor& node) {
+  const int points = static_cast<int>(node.integer(0, 6));
+  if (points != 0 && points != 1 && points != 3 && points != 6)
+    node.fail(std::to_string(points), "0 (by the degree), 1, 3 or 6");
+  return points;
+}
+
 RecoverySpec read_recovery(const TomlCursor& node) {
-  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth", "contact_edge", "degree", "rings"});
+  node.expect_keys({"spr_c", "rank_tolerance", "auxiliary_depth", "contact_edge", "degree", "rings", "points_per_face",
+                    "patch_volume", "inverse_variance"});
   RecoverySpec recovery;
   Range depth = Range::positive();
   depth.max = 4;
   depth.text = "> 0 and <= 4 cells of the other body";
+  Range volume = Range::positive();
+  volume.max = 8;
+  volume.text = "> 0 and <= 8 cells";
   if (const auto value = node.find("spr_c")) recovery.spr_c = value->boolean();
   if (const auto value = node.find("rank_tolerance")) recovery.rank_tolerance = value->number(fraction());
   if (const auto value = node.find("contact_edge")) recovery.contact_edge = value->boolean();
   if (const auto value = node.find("auxiliary_depth")) recovery.auxiliary_depth = value->number(depth);
+  if (const auto value = node.find("inverse_variance")) recovery.inverse_variance = value->boolean();
+  if (const auto value = node.find("points_per_face")) recovery.points_per_face = read_points_per_face(*value);
+  if (const auto value = node.find("patch_volume")) recovery.patch_volume = value->number(volume);
   if (const auto value = node.find("rings")) recovery.rings = value->integer(1, 2);
   if (const auto value = node.find("degree")) recovery.degree = read_degree(*value);
   return recovery;

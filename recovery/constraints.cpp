@@ -106,7 +106,7 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int de
   const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
   Eigen::Vector2d offsets[6];
   int count = 0;
-  if (spread[1] < min_spread) {
+  if (degree == 0 || spread[1] < min_spread) {
     offsets[count++].setZero();
   } else if (spread[0] < min_spread) {
     const Eigen::Vector2d along = spread[1] * eigen.eigenvectors().col(1);

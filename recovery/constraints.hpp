@@ -41,7 +41,7 @@ class BoundaryPieces {
   BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
 
   /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair; points for polynomials
-  /// of the given degree.
+  /// of the given degree (0: one point each).
   void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const;
   std::vector<ConstraintGroup> groups(const int* cells, int num_cells, int degree = 1) const {
     std::vector<ConstraintGroup> found;

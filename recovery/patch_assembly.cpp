@@ -284,7 +284,8 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
   }
   interior_values(body_, own, problem.interior[0].data());
   std::vector<ConstraintGroup>& groups = workspace.groups;
-  pieces_.groups(cells, num_cells, degree, groups);
+  const int points = options_.points_per_face;
+  pieces_.groups(cells, num_cells, points == 0 ? degree : points == 1 ? 0 : points == 3 ? 1 : 2, groups);
   pair_states(node, workspace.states);
 
   // How each pair stands, and where its edge is.
@@ -317,7 +318,7 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
     else
       problem.status = PatchStatus::uncoupled;
   }
-  if (problem.coupled) {
+  if (problem.coupled && options_.inverse_variance) {
     own.variance = fit_variance(*body_.mesh, auxiliary_[index_], workspace.own, own);
     problem.fit[1].variance = fit_variance(*bodies_[problem.other_body].mesh, auxiliary_[problem.other_body],
                                            workspace.auxiliary, problem.fit[1]);

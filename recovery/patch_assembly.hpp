@@ -18,6 +18,8 @@ struct RecoveryOptions {
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
   RecoveryDegree degree = {};    ///< of the polynomials
   int quadratic_rings = 2;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
+  int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
+  bool inverse_variance = true;  ///< the bodies of a coupled patch count with the inverse variance of their misfits
 };
 
 /// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.

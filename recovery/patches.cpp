@@ -51,12 +51,12 @@ double volume_around(const CutCells& cc, const Index3& node) {
   return volume;
 }
 
-/// Joins a patch of less than one cell of volume with the patch of the fullest neighbouring node (prototype, section 5:
-/// the condition of the patch mass stays below 370). True if anything was added.
-bool grow_patch(const BodyMesh& mesh, int n, double have, std::vector<int>& patch) {
+/// Joins a patch of too little volume with the patch of the fullest neighbouring node (prototype, section 5:
+/// the condition of the patch mass stays below 370 with one cell). True if anything was added.
+bool grow_patch(const BodyMesh& mesh, int n, double least_volume, double have, std::vector<int>& patch) {
   const CutCells& cc = *mesh.cut_cells;
   bool grown = false;
-  for (int step = 0; step < 3 && have < 1; ++step) {
+  for (int step = 0; step < 3 && have < least_volume; ++step) {
     double best = -1;
     int anchor = -1;
     for (int c : patch)
@@ -87,7 +87,8 @@ struct PatchRange {
   std::vector<int> size, cells;
 };
 
-PatchRange patches_of_nodes(const BodyMesh& mesh, std::size_t begin, std::size_t end, PatchSet& set) {
+PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size_t begin, std::size_t end,
+                            PatchSet& set) {
   const CutCells& cc = *mesh.cut_cells;
   PatchRange range;
   std::vector<int> patch;
@@ -102,7 +103,7 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, std::size_t begin, std::size_t
       full = full && cc.cut_of_active[c] < 0;
     }
     set.full[n] = full;
-    if (volume < 1) set.grown[n] = grow_patch(mesh, static_cast<int>(n), volume, patch);
+    if (volume < least_volume) set.grown[n] = grow_patch(mesh, static_cast<int>(n), least_volume, volume, patch);
     range.size.push_back(static_cast<int>(patch.size()));
     range.cells.insert(range.cells.end(), patch.begin(), patch.end());
   }
@@ -111,14 +112,14 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, std::size_t begin, std::size_t
 
 }  // namespace
 
-PatchSet make_patches(const BodyMesh& mesh) {
+PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
   const CutCells& cc = *mesh.cut_cells;
   PatchSet set;
   set.grown.assign(mesh.num_nodes, 0);
   set.full.assign(mesh.num_nodes, 0);
   std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain));
   parallel_chunks(mesh.num_nodes, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    ranges[chunk] = patches_of_nodes(mesh, begin, end, set);
+    ranges[chunk] = patches_of_nodes(mesh, least_volume, begin, end, set);
   });
   std::size_t total = 0;
   for (const PatchRange& range : ranges) total += range.cells.size();

@@ -21,7 +21,7 @@ using MonomialMoments = std::array<double, 17>;
 /// Cells of every node's patch, compressed.
 struct PatchSet {
   std::vector<int> begin, cells;         ///< active cells of patch n: cells[begin[n] .. begin[n+1])
-  std::vector<char> grown;               ///< joined with a neighbour's patch: it held less than one cell of volume
+  std::vector<char> grown;               ///< joined with a neighbour's patch: it held too little volume
   std::vector<char> full;                ///< eight cells, all of them interior
   std::vector<MonomialMoments> moments;  ///< 0: interior cells, 1 + c: cut cell c
 
@@ -30,6 +30,7 @@ struct PatchSet {
   }
 };
 
-PatchSet make_patches(const BodyMesh& mesh);
+/// least_volume: cells; smaller patches are joined with a neighbour's.
+PatchSet make_patches(const BodyMesh& mesh, double least_volume = 1);
 
 }  // namespace cgcontact
