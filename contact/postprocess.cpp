@@ -171,6 +171,16 @@ void fill_patch_states(const BodyMesh& mesh, const PatchStates& states, BodyFiel
   }
 }
 
+/// Area over which a pair's SPR-C pressure exceeds a hundredth of its maximum, mean of both bodies. Closed points make
+/// up whole pieces of cells; the recovered pressure ends where the edge was found (sphere on block, ten cells over the
+/// contact radius: radius from closed points 2 to 3 % too small, from this within 0.2 %).
+double pressed_area(const Results& results, int pair, double max_pressure) {
+  double area = 0;
+  for (const ContactRow& r : results.contact_rows)
+    if (r.pair == pair && r.pressure_sprc > 0.01 * max_pressure) area += 0.5 * r.weight;
+  return area;
+}
+
 double frobenius(const Sym3& s) { return tensor(s).norm(); }
 
 }  // namespace
@@ -319,6 +329,7 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
     }
     for (const ContactRow& r : results.contact_rows)
       if (r.pair == static_cast<int>(k)) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
+    if (sim.scene.recovery.spr_c) figures.area = pressed_area(results, static_cast<int>(k), figures.max_pressure);
     results.pairs.push_back(figures);
   }
   for (const SupportSpec& support : sim.scene.supports)

@@ -298,7 +298,7 @@ struct PatchBatch {
     status.resize(inputs.size());
     const int n = static_cast<int>(inputs.size());
     for (int i = 0; i < n; i += chunk)
-      fit_patches(&fitted[i], std::min(chunk, n - i), RecoveryOptions{}.rank_tolerance, &status[i]);
+      fit_patches(&fitted[i], std::min(chunk, n - i), RecoveryOptions{}.rank_tolerance_of(degree), &status[i]);
   }
 };
 
@@ -368,7 +368,7 @@ Eigen::VectorXd solve_truncated(const DensePatch& p) {
   const Eigen::VectorXd norm = rows.rowwise().norm();
   rows = norm.cwiseInverse().asDiagonal() * rows;
   Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(RecoveryOptions{}.rank_tolerance);
+  svd.setThreshold(RecoveryOptions{}.rank_tolerance_of(p.C.cols() % 60 == 0 ? 2 : 1));  // 60 or 24 columns per body
   return p.a + factor.matrixU().solve(svd.solve((p.lambda - p.C * p.a).cwiseQuotient(norm)));
 }
 
@@ -386,7 +386,7 @@ PatchBatch<degree, bodies> collect_patches(int n, bool truncated) {
       batch.add(problem, patch);
       FitInput<degree, bodies> trial = batch.inputs.back();
       FitStatus status;
-      fit_patches(&trial, 1, RecoveryOptions{}.rank_tolerance, &status);
+      fit_patches(&trial, 1, RecoveryOptions{}.rank_tolerance_of(degree), &status);
       if (status.finite && (status.truncated > 0) == truncated) continue;
       batch.inputs.pop_back();
       batch.rows.pop_back();

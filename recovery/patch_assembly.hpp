@@ -20,6 +20,10 @@ struct RecoveryOptions {
   int quadratic_rings = 2;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
   int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
   bool inverse_variance = true;  ///< the bodies of a coupled patch count with the inverse variance of their misfits
+
+  /// Degree 2: a tenth, the rows of the curvature of a traction are weak ones although not redundant
+  /// (docs/recovery.md).
+  double rank_tolerance_of(int of_degree) const { return of_degree == 1 ? rank_tolerance : 0.1 * rank_tolerance; }
 };
 
 /// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.

@@ -33,10 +33,6 @@ constexpr double conflict = 0.01;
 /// The same below which all rows are met.
 constexpr double met = 1e-12;
 
-/// Rank tolerance of degree 2 over that of degree 1: the rows of the curvature of a traction are weak ones, although
-/// they say something. Measured (docs/recovery.md, "Degree").
-constexpr double quadratic_tolerance = 0.1;
-
 /// Rank tolerance of the firm rows alone: they agree with each other.
 constexpr double firm_tolerance = 1e-3;
 
@@ -53,8 +49,8 @@ double auxiliary_weight(const PatchFit& own, const PatchFit& other) {
 /// Patches of one chunk: assembled one by one, solved in batches by degree and number of bodies.
 class PatchBatch {
  public:
-  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance)
-      : assembly_(assembly), edges_(edges), rank_tolerance_(rank_tolerance) {}
+  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options)
+      : assembly_(assembly), edges_(edges), options_(options) {}
 
   void add(int node) { problems_.push_back(assembly_.assemble(node, edges_, workspace_, rows_)); }
   void solve() {
@@ -128,8 +124,7 @@ class PatchBatch {
           problems_[i].degree() == degree)
         list_.push_back(static_cast<int>(i));
     solve_list<degree, bodies>(
-        list_, [](const PatchRow&) { return true; }, (degree == 1 ? 1 : quadratic_tolerance) * rank_tolerance_,
-        status_);
+        list_, [](const PatchRow&) { return true; }, options_.rank_tolerance_of(degree), status_);
     for (std::size_t i = 0; i < list_.size(); ++i) {
       PatchProblem& problem = problems_[list_[i]];
       const auto at_least = [&](PatchStatus status) { problem.status = std::max(problem.status, status); };
@@ -159,7 +154,7 @@ class PatchBatch {
 
   const PatchAssembly& assembly_;
   const EdgeMap* edges_;
-  double rank_tolerance_;
+  const RecoveryOptions& options_;
   PatchWorkspace workspace_;
   std::vector<PatchProblem> problems_;
   std::vector<PatchRow> rows_;
@@ -192,10 +187,10 @@ void store(const PatchProblem& problem, const CoefficientView& values, ChunkResu
   ++result.counts.quadratic;
 }
 
-void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, double rank_tolerance, const int* nodes,
-                   std::size_t count, PatchStates& states, ChunkResult& result) {
+void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options,
+                   const int* nodes, std::size_t count, PatchStates& states, ChunkResult& result) {
   const RecoveryBody& body = assembly.body();
-  PatchBatch batch(assembly, edges, rank_tolerance);
+  PatchBatch batch(assembly, edges, options);
   for (std::size_t i = 0; i < count; ++i) batch.add(nodes[i]);
   batch.solve();
   result.counts.truncated_rows += batch.truncated_rows();
@@ -255,8 +250,8 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
     recovery.counts.statuses[static_cast<int>(PatchStatus::exact)] += num_interior;
     std::vector<ChunkResult> chunks(num_chunks(others.size(), grain));
     parallel_chunks(others.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      recover_chunk(assembly, options.contact_edge ? &edges : nullptr, options.rank_tolerance, &others[begin],
-                    end - begin, states, chunks[chunk]);
+      recover_chunk(assembly, options.contact_edge ? &edges : nullptr, options, &others[begin], end - begin, states,
+                    chunks[chunk]);
     });
     EdgeTerms terms;
     QuadraticTerms quadratic_terms;
