@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 
+#include "core/parallel.hpp"
 #include "kernels/hex.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
@@ -291,14 +292,15 @@ struct PatchBatch {
     inputs.push_back(in);
   }
 
-  /// Chunks as the recovery hands them out.
+  /// Chunks as the recovery hands them out, to all threads.
   void fit(std::vector<Input>& fitted, std::vector<FitStatus>& status) const {
     constexpr int chunk = 128;
     fitted = inputs;
     status.resize(inputs.size());
-    const int n = static_cast<int>(inputs.size());
-    for (int i = 0; i < n; i += chunk)
-      fit_patches(&fitted[i], std::min(chunk, n - i), RecoveryOptions{}.rank_tolerance_of(degree), &status[i]);
+    parallel_chunks(inputs.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
+      fit_patches(&fitted[begin], static_cast<int>(end - begin), RecoveryOptions{}.rank_tolerance_of(degree),
+                  &status[begin]);
+    });
   }
 };
 
