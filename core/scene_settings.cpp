@@ -57,7 +57,7 @@ SolverSpec read_solver(const TomlCursor& node) {
 int read_points_per_face(const TomlCursor& node) {
   const int points = static_cast<int>(node.integer(0, 6));
   if (points != 0 && points != 1 && points != 3 && points != 6)
-    node.fail(std::to_string(points), "0 (by the degree), 1, 3 or 6");
+    node.fail("out of range", "0 (by the degree), 1, 3 or 6");
   return points;
 }
 
