@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(
     Scenes, TwoSolids,
     testing::Values(TwoSolidsCase{"scenes/two_solids.toml", "n=8", 0.01 / (1.3 * 8), 0.07, 2, 3},
                     TwoSolidsCase{"scenes/two_solids.toml", "n=16", 0.01 / (1.3 * 16), 0.044, 2, 4},
-                    TwoSolidsCase{"scenes/two_solids.toml", "n=32", 0.01 / (1.3 * 32), 0.019, 2.4, 5},
+                    TwoSolidsCase{"scenes/two_solids.toml", "n=32", 0.01 / (1.3 * 32), 0.027, 2.4, 5},
                     TwoSolidsCase{"scenes/two_solids_3d.toml", "n=8", 0.01, 0.05, 2, 3},
                     TwoSolidsCase{"scenes/two_solids_3d.toml", "n=16", 0.01, 0.025, 2, 4}));
 
