@@ -63,7 +63,7 @@ struct PairFigures {
   std::string name, body_first, body_second;
   Vec3 force_on_first = Vec3::Zero(), force_on_second = Vec3::Zero();    ///< N
   Vec3 moment_on_first = Vec3::Zero(), moment_on_second = Vec3::Zero();  ///< N m about the origin
-  double area = 0;                                                       ///< m^2, where the pair is closed
+  double area = 0;          ///< m^2, where the pressure exceeds 1 % of its maximum (closed points without SPR-C)
   double max_pressure = 0;  ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
   int points = 0, active_points = 0;
   double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces

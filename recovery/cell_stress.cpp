@@ -1,6 +1,7 @@
 #include "recovery/cell_stress.hpp"
 
 #include "core/parallel.hpp"
+#include "recovery/corner_differences.hpp"
 
 namespace cgcontact {
 namespace {
@@ -11,25 +12,15 @@ constexpr std::size_t grain = 256;
 
 CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u) {
   return [&mesh, u](int cell) {
-    // As in cell_stress_integrals (recovery/spr.cpp): sums and differences over each direction (bit set: difference).
     double h[8][3];
     for (int a = 0; a < 8; ++a)
       for (int i = 0; i < 3; ++i) h[a][i] = u(3 * mesh.cell_nodes[cell][a] + i);
-    for (int bit = 1; bit < 8; bit *= 2)
-      for (int a = 0; a < 8; ++a)
-        if (!(a & bit))
-          for (int i = 0; i < 3; ++i) {
-            const double low = h[a][i], high = h[a | bit][i];
-            h[a][i] = high + low;
-            h[a | bit][i] = high - low;
-          }
+    corner_differences(h);
     constexpr int term[3][4] = {{0, 2, 3, 8}, {0, 1, 3, 9}, {0, 1, 2, 7}};
-    constexpr int difference[3][4] = {{1, 3, 5, 7}, {2, 3, 6, 7}, {4, 5, 6, 7}};
-    constexpr double scale[4] = {0.25, 0.5, 0.5, 1};
     double g[Polynomial<2>::num_terms][3][3] = {};
     for (int j = 0; j < 3; ++j)
       for (int t = 0; t < 4; ++t)
-        for (int i = 0; i < 3; ++i) g[term[j][t]][i][j] = scale[t] * h[difference[j][t]][i];
+        for (int i = 0; i < 3; ++i) g[term[j][t]][i][j] = corner_scale[t] * h[corner_difference[j][t]][i];
     CellPolynomial polynomial = CellPolynomial::Zero();
     const double factor = mesh.stress_factor();
     for (int t : {0, 1, 2, 3, 7, 8, 9}) {

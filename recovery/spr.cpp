@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.hpp"
+#include "recovery/corner_differences.hpp"
 #include "recovery/polynomials.hpp"
 
 namespace cgcontact {
@@ -80,32 +81,21 @@ void add_quadratic_terms(const BodyMesh& mesh, const RecoveredField& field, int 
 
 void cell_stress_integrals(const UnitElasticity& law, double factor, const double u[8][3],
                            const MonomialMoments& moments, double out[6][num_terms]) {
-  // u = sum over the corners = products of (1/2 -+ x): with the sums and differences h over each direction (bit set:
-  // difference) du/dx = h1/4 + h3/2 y + h5/2 z + h7 yz, and cyclic.
   double h[8][3];
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) h[a][i] = u[a][i];
-  for (int bit = 1; bit < 8; bit *= 2)
-    for (int a = 0; a < 8; ++a)
-      if (!(a & bit))
-        for (int i = 0; i < 3; ++i) {
-          const double low = h[a][i], high = h[a | bit][i];
-          h[a][i] = high + low;
-          h[a | bit][i] = high - low;
-        }
+  corner_differences(h);
   // Moments of the four terms of each derivative times {1, x, y, z}.
   constexpr int place[3][num_terms][4] = {{{0, 2, 3, 8}, {1, 7, 9, 10}, {2, 5, 8, 14}, {3, 8, 6, 16}},
                                           {{0, 1, 3, 9}, {1, 4, 9, 12}, {2, 7, 8, 10}, {3, 9, 6, 15}},
                                           {{0, 1, 2, 7}, {1, 4, 7, 11}, {2, 7, 5, 13}, {3, 9, 8, 10}}};
-  constexpr int difference[3][4] = {{1, 3, 5, 7}, {2, 3, 6, 7}, {4, 5, 6, 7}};
-  constexpr double scale[4] = {0.25, 0.5, 0.5, 1};
   for (int t = 0; t < num_terms; ++t) {
     double g[3][3], s[6];
     for (int j = 0; j < 3; ++j)
       for (int i = 0; i < 3; ++i) {
         g[i][j] = 0;
         for (int term = 0; term < 4; ++term)
-          g[i][j] += scale[term] * moments[place[j][t][term]] * h[difference[j][term]][i];
+          g[i][j] += corner_scale[term] * moments[place[j][t][term]] * h[corner_difference[j][term]][i];
       }
     law.stress(g, s);
     for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
