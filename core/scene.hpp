@@ -94,11 +94,12 @@ struct SolverSpec {
   double ghost_penalty = 0.01;  ///< gamma
 };
 
-/// Degree (1 or 2) of the recovered polynomials by class of patch.
+/// Degree (1 or 2) of the recovered polynomials by class of patch; 0 at the contact: 2 where closed and both bodies
+/// thick.
 struct RecoveryDegree {
   int interior = 1;  ///< full cells only, no contact face
   int boundary = 1;  ///< neither interior nor contact
-  int contact = 1;   ///< patches that hold points of a contact face, closed or open
+  int contact = 0;   ///< patches that hold points of a contact face, closed or open
 };
 
 struct RecoverySpec {
@@ -110,7 +111,7 @@ struct RecoverySpec {
   int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
   double patch_volume = 1;       ///< cells: smaller patches grow
   bool inverse_variance = true;  ///< weights of the two bodies in a coupled patch
-  int rings = 2;                 ///< rings of cells around a node that polynomials of degree 2 are fitted to
+  int rings = 1;                 ///< rings of cells around a node that polynomials of degree 2 are fitted to
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.

@@ -26,7 +26,7 @@ RecoveryDegree read_degree(const TomlCursor& node) {
   node.expect_keys({"interior", "boundary", "contact"});
   if (const auto value = node.find("interior")) degree.interior = value->integer(1, 2);
   if (const auto value = node.find("boundary")) degree.boundary = value->integer(1, 2);
-  if (const auto value = node.find("contact")) degree.contact = value->integer(1, 2);
+  if (const auto value = node.find("contact")) degree.contact = value->integer(0, 2);
   return degree;
 }
 

@@ -32,6 +32,9 @@ struct ContactEdge {
     return scale * (closed.dot(d) + 0.5 * curvature * t * t);
   }
 
+  /// Normal traction of the unit term on the face at a distance inside, unit of length of the term.
+  double root(double inside) const { return std::sqrt(std::max(inside * (1 - inverse_width / scale * inside), 0.0)); }
+
   /// Stress (xx, yy, zz, xy, yz, zx; grid axes) of the unit term: normal traction sqrt(inside) in the zone, none
   /// outside, no shear. In equilibrium where face and edge are plane and straight; else up to the distance over the
   /// radius.

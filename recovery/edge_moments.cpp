@@ -1,42 +1,39 @@
 #include "recovery/edge_moments.hpp"
 
 namespace cgcontact {
+namespace {
 
+/// Points per direction of a cell, all points; they run along the rows, so that loops over them are vectorised.
 template <int degree>
-EdgeQuadrature<degree>::EdgeQuadrature(const BodyMesh& mesh, const int* cells, int num_cells, const Vec3& centre,
-                                       const RealView& u)
-    : cells_(num_cells), centre_(centre), with_stress_(u.extent(0) > 0) {
-  const CutCells& cc = *mesh.cut_cells;
-  for (int i = 0; i < num_cells; ++i) {
-    Cell& cell = cells_[i];
-    const int c = cells[i], cut = cc.cut_of_active[c];
-    fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, cell.weight.data());
-    double corner[8][3];
-    for (int a = 0; a < 8 && with_stress_; ++a)
-      for (int k = 0; k < 3; ++k) corner[a][k] = u(3 * mesh.cell_nodes[c][a] + k);
-    for (int q = 0; q < num_points; ++q) {
-      cell.weight[q] /= 8;
-      double xi[3], s[6];
+struct EdgePoints {
+  static constexpr int n = degree == 1 ? 3 : 5, size = n * n * n;
+  using Row = std::array<double, size>;
+  Row weight;
+  std::array<Row, 3> position;  ///< grid coordinates
+
+  EdgePoints(const CutCells& cc, int c) {
+    const int cut = cc.cut_of_active[c];
+    fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weight.data());
+    for (int q = 0; q < size; ++q) {
+      weight[q] /= 8;
       for (int d = 0, stride = n * n; d < 3; ++d, stride /= n) {
-        xi[d] = n == 3 ? Gauss3::point[q / stride % n % 3] : Gauss5::point[q / stride % n];
-        cell.position[d][q] = cc.cells[c][d] + 0.5 * (xi[d] + 1);
+        const int i = q / stride % n;
+        position[d][q] = cc.cells[c][d] + 0.5 * ((n == 3 ? Gauss3::point[i % 3] : Gauss5::point[i]) + 1);
       }
-      if (!with_stress_) continue;
-      hex_stress(mesh.law, corner, xi, s);
-      for (int k = 0; k < 6; ++k) cell.stress[k][q] = mesh.stress_factor() * s[k];
     }
   }
-}
+};
 
-/// On a plane face along a straight edge all points have the same frame.
+/// Components of the term at all points. On a plane face along a straight edge they have the same frame.
 template <int degree>
-void EdgeQuadrature<degree>::set_plane_term(const Cell& cell, const ContactEdge& edge, std::array<Row, 6>& term) {
+void set_plane_term(const EdgePoints<degree>& points, const ContactEdge& edge,
+                    std::array<typename EdgePoints<degree>::Row, 6>& term) {
   const Vec3 in = -edge.orientation * edge.surface.direction;
   const Vec3 e = (edge.closed - edge.closed.dot(in) * in).normalized(), t = in.cross(e);
   const double start = edge.closed.dot(edge.origin), face = in.dot(edge.surface.point);
-  Row across, normal, shear;
-  for (int q = 0; q < num_points; ++q) {
-    const double p[3] = {cell.position[0][q], cell.position[1][q], cell.position[2][q]};
+  typename EdgePoints<degree>::Row across, normal, shear;
+  for (int q = 0; q < points.size; ++q) {
+    const double p[3] = {points.position[0][q], points.position[1][q], points.position[2][q]};
     const double x = edge.closed[0] * p[0] + edge.closed[1] * p[1] + edge.closed[2] * p[2] - start;
     const double y = in[0] * p[0] + in[1] * p[1] + in[2] * p[2] - face;
     edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), edge.inverse_width / edge.scale, across[q], normal[q],
@@ -47,68 +44,66 @@ void EdgeQuadrature<degree>::set_plane_term(const Cell& cell, const ContactEdge&
     const int i = first[k], j = second[k];
     const double third = edge.poisson_ratio * t[i] * t[j], c_across = e[i] * e[j] + third,
                  c_normal = in[i] * in[j] + third, c_shear = e[i] * in[j] + in[i] * e[j];
-    for (int q = 0; q < num_points; ++q) term[k][q] = c_across * across[q] + c_normal * normal[q] + c_shear * shear[q];
+    for (int q = 0; q < points.size; ++q) term[k][q] = c_across * across[q] + c_normal * normal[q] + c_shear * shear[q];
   }
 }
 
 template <int degree>
-EdgeMoments<degree> EdgeQuadrature<degree>::moments(const ContactEdge& edge) const {
-  constexpr int T = Polynomial<degree>::num_terms;
-  EdgeMoments<degree> moments;
-  moments.with_polynomials.setZero();
-  const bool plane = edge.surface.kind == Surface::Kind::plane && edge.curvature == 0;
-  std::array<Row, 6> term;
-  for (const Cell& cell : cells_) {
-    if (plane) {
-      set_plane_term(cell, edge, term);
-    } else {
-      for (int q = 0; q < num_points; ++q) {
-        double s[6];
-        edge.stress(Vec3(cell.position[0][q], cell.position[1][q], cell.position[2][q]), s);
-        for (int k = 0; k < 6; ++k) term[k][q] = s[k];
-      }
-    }
-    double terms[T][num_points];
-    for (int q = 0; q < num_points; ++q) {
-      const double d[3] = {cell.position[0][q] - centre_[0], cell.position[1][q] - centre_[1],
-                           cell.position[2][q] - centre_[2]};
-      double p[T];
-      Polynomial<degree>::terms(d, p);
-      for (int t = 0; t < T; ++t) terms[t][q] = p[t];
-    }
-    for (int k = 0; k < 6; ++k) {
-      double sum[T] = {}, square = 0, with_stress = 0;
-      for (int q = 0; q < num_points; ++q) {
-        const double value = cell.weight[q] * term[k][q];
-        for (int t = 0; t < T; ++t) sum[t] += value * terms[t][q];
-        square += value * term[k][q];
-      }
-      for (int t = 0; t < T; ++t) moments.with_polynomials[T * k + t] += sum[t];
-      moments.square += square;
-      if (!with_stress_) continue;
-      for (int q = 0; q < num_points; ++q) with_stress += cell.weight[q] * term[k][q] * cell.stress[k][q];
-      moments.with_stress += with_stress;
-    }
+void set_term(const EdgePoints<degree>& points, const ContactEdge& edge,
+              std::array<typename EdgePoints<degree>::Row, 6>& term) {
+  for (int q = 0; q < points.size; ++q) {
+    double s[6];
+    edge.stress(Vec3(points.position[0][q], points.position[1][q], points.position[2][q]), s);
+    for (int k = 0; k < 6; ++k) term[k][q] = s[k];
   }
-  return moments;
 }
-
-template class EdgeQuadrature<1>;
-template class EdgeQuadrature<2>;
-
-namespace {
 
 template <int degree>
 void subtract(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
               PatchFit& fit) {
   constexpr int T = Polynomial<degree>::num_terms;
-  const EdgeMoments<degree> moments = EdgeQuadrature<degree>(mesh, cells, num_cells, fit.centre, {}).moments(edge);
+  const auto moments = edge_moments<degree>(mesh, cells, num_cells, fit.centre, edge);
   const Eigen::LLT<Eigen::Matrix<double, T, T>> cholesky(fit.mass);
-  for (int k = 0; k < 6; ++k)
-    fit.a.segment<T>(T * k) -= factor * cholesky.solve(moments.with_polynomials.template segment<T>(T * k));
+  for (int k = 0; k < 6; ++k) fit.a.segment<T>(T * k) -= factor * cholesky.solve(moments.template segment<T>(T * k));
 }
 
 }  // namespace
+
+template <int degree>
+Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const BodyMesh& mesh, const int* cells,
+                                                                         int num_cells, const Vec3& centre,
+                                                                         const ContactEdge& edge) {
+  constexpr int T = Polynomial<degree>::num_terms, N = EdgePoints<degree>::size;
+  Eigen::Matrix<double, 6 * T, 1> moments = Eigen::Matrix<double, 6 * T, 1>::Zero();
+  const bool plane = edge.surface.kind == Surface::Kind::plane && edge.curvature == 0;
+  std::array<typename EdgePoints<degree>::Row, 6> term;
+  double terms[T][N];
+  for (int i = 0; i < num_cells; ++i) {
+    const EdgePoints<degree> points(*mesh.cut_cells, cells[i]);
+    if (plane)
+      set_plane_term(points, edge, term);
+    else
+      set_term(points, edge, term);
+    for (int q = 0; q < N; ++q) {
+      double d[3], p[T];
+      for (int k = 0; k < 3; ++k) d[k] = points.position[k][q] - centre[k];
+      Polynomial<degree>::terms(d, p);
+      for (int t = 0; t < T; ++t) terms[t][q] = points.weight[q] * p[t];
+    }
+    for (int k = 0; k < 6; ++k)
+      for (int t = 0; t < T; ++t) {
+        double sum = 0;
+        for (int q = 0; q < N; ++q) sum += term[k][q] * terms[t][q];
+        moments[T * k + t] += sum;
+      }
+  }
+  return moments;
+}
+
+template Eigen::Matrix<double, 6 * Polynomial<1>::num_terms, 1> edge_moments<1>(const BodyMesh&, const int*, int,
+                                                                                const Vec3&, const ContactEdge&);
+template Eigen::Matrix<double, 6 * Polynomial<2>::num_terms, 1> edge_moments<2>(const BodyMesh&, const int*, int,
+                                                                                const Vec3&, const ContactEdge&);
 
 void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
                         PatchFit& fit) {

@@ -1,46 +1,36 @@
-/// Where the edges of the contact zones run. In every patch that holds closed and open contact points the square-root
-/// term of recovery/contact_edge.hpp is moved across until polynomials and term together fit sigma_h best; a parabola
-/// through the places found by the patches of both bodies around is the edge there. Evidence: docs/recovery.md.
+/// Where the edges of the contact zones run: from the border between closed and open contact points to the place that
+/// the transmitted forces give (recovery/edge_fit.hpp), with a parabola through the places found around. Evidence:
+/// docs/recovery.md.
 #pragma once
 
-#include <map>
-
-#include "recovery/patch_assembly.hpp"
+#include "core/point_buckets.hpp"
+#include "recovery/edge_fit.hpp"
 
 namespace cgcontact {
 
-/// What one patch finds; global axes.
+/// The edge at one place; global axes.
 struct EdgeSample {
   int pair;
-  Vec3 origin, closed, normal;  ///< m; unit vectors: into the zone, outward from the patch's own or other body
-  double factor;                ///< Scales::stress per square root of a metre
-  double inverse_width;         ///< of the zone across, 1/m; 0: not known
-  double weight;                ///< of the factor: square of the part of the term that no polynomial carries
+  Vec3 origin, closed, normal;  ///< m; unit vectors: into the zone, outward from one of the bodies
+  double inverse_width = 0;     ///< of the zone across, 1/m; 0: not known
+  double factor = 0;            ///< of the term, Scales::stress per root of a metre
 };
 
 class FoundEdges : public EdgeMap {
  public:
-  /// width: m, the coarser cells of the pairs.
-  FoundEdges(std::vector<EdgeSample> samples, double width);
+  /// width: m, the largest coarser cells of the pairs; scatter of the samples across the edge: widths.
+  FoundEdges(std::vector<EdgeSample> samples, double width, double scatter);
   bool near(int pair, const Vec3& x, EdgePiece& piece) const override;
   const std::vector<EdgeSample>& samples() const { return samples_; }
-  /// Measures how wide the zones are across the edge.
-  void measure_widths(const std::vector<PatchAssembly>& assemblies);
 
  private:
-  using Bucket = std::array<long long, 3>;
-  Bucket bucket(const Vec3& x) const;
-  /// use(sample) for all samples of a pair that may lie within the reach of x.
-  template <class Use>
-  void each_near(int pair, const Vec3& x, const Use& use) const;
-
   std::vector<EdgeSample> samples_;
-  double width_;
-  std::map<Bucket, std::vector<int>> buckets_;
+  double width_, ridge_;
+  PointBuckets buckets_;
 };
 
-/// Edges of all pairs. `assemblies`: of all bodies; u: displacements of all bodies.
-FoundEdges find_contact_edges(const std::vector<PatchAssembly>& assemblies, const RealView& u,
+/// Edges of all pairs, from the contact links of the bodies.
+FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Scales& scales,
                               const RecoveryOptions& options);
 
 }  // namespace cgcontact

@@ -72,12 +72,14 @@ void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit
 bool PairState::is_closed() const { return closed_area > closed_fraction * area; }
 
 PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary,
-                             const std::vector<QuadraticCells>& quadratic, int index, const Scales& scales,
+                             const std::vector<QuadraticCells>& quadratic,
+                             const std::vector<std::vector<char>>& degrees, int index, const Scales& scales,
                              const RecoveryOptions& options)
     : bodies_(bodies),
       auxiliary_(auxiliary),
       quadratic_(quadratic),
       body_(bodies[index]),
+      degrees_(degrees[index]),
       index_(index),
       grid_(body_.mesh->cut_cells->grid),
       scales_(scales),
@@ -252,16 +254,11 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
 
 PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace,
                                      std::vector<PatchRow>& rows) const {
-  return assemble(node, edges, -1, degree_of(body_, node, options_.degree), workspace, rows);
+  return assemble(node, edges, degrees_[node], workspace, rows);
 }
 
-PatchProblem PatchAssembly::assemble_at_edge(int node, int pair, PatchWorkspace& workspace,
-                                             std::vector<PatchRow>& rows) const {
-  return assemble(node, nullptr, pair, 1, workspace, rows);
-}
-
-PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pair, int degree,
-                                     PatchWorkspace& workspace, std::vector<PatchRow>& rows) const {
+PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int degree, PatchWorkspace& workspace,
+                                     std::vector<PatchRow>& rows) const {
   const PatchSet& patches = *body_.patches;
   const int* cells = patches.cells.data() + patches.begin[node];
   const int num_cells = patches.begin[node + 1] - patches.begin[node];
@@ -272,7 +269,7 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
   problem.fit[0] = own_fit(node, degree, workspace.own);
   PatchFit& own = problem.fit[0];
   const auto lowered = [&] {
-    PatchProblem linear = assemble(node, edges, edge_pair, 1, workspace, rows);
+    PatchProblem linear = assemble(node, edges, 1, workspace, rows);
     linear.status = std::max(linear.status, PatchStatus::degree_lowered);
     linear.lowered = true;
     return linear;
@@ -297,14 +294,9 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int edge_pa
   const PairState* coupled = nullptr;  // the pair with the largest closed area gets the auxiliary patch
   for (const PairState& state : states) {
     ContactMode mode = state.is_closed() ? ContactMode::closed : ContactMode::open;
-    if (state.pair == edge_pair) {
-      mode = ContactMode::edge;
-    } else if (edges) {
-      mode = mode_at_edge(state, *edges, cells, num_cells, problem);
-    }
+    if (edges) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
     workspace.modes[&state - states.data()] = static_cast<char>(mode);
-    const bool wants =
-        mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed()) || state.pair == edge_pair;
+    const bool wants = mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed());
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }
   if (coupled) {

@@ -17,7 +17,7 @@ struct RecoveryOptions {
   double auxiliary_depth = 0.5;  ///< cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
   RecoveryDegree degree = {};    ///< of the polynomials
-  int quadratic_rings = 2;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
+  int quadratic_rings = 1;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
   int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
   bool inverse_variance = true;  ///< the bodies of a coupled patch count with the inverse variance of their misfits
 
@@ -42,18 +42,20 @@ struct AuxiliaryCells {
   std::vector<double> square;  ///< integral of sigma_h : sigma_h over each, cell units
 };
 
-/// Cells near the contact points, as far as the auxiliary depth and two cells more.
+/// Cells near the closed contact points, as far as the auxiliary depth and two cells more.
 AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const CellStress& stress, double depth);
 
-/// Degree that is asked for at a node.
-int degree_of(const RecoveryBody& body, int node, const RecoveryDegree& degree);
+/// Degree that is asked for at every node of a body. Automatic at the contact: 2 in patches with closed points where
+/// both bodies are at least four cells thick in all directions of their grids (docs/recovery.md).
+std::vector<char> node_degrees(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                               const RecoveryDegree& degree);
 
 /// Cells that the polynomial of a node is fitted to, ascending: its patch, for degree 2 with so many rings of cells.
 void fit_cells(const RecoveryBody& body, int node, int degree, int rings, std::vector<int>& cells);
 
 /// Integrals over all cells that polynomials of degree 2 are fitted to; empty if there are none.
-QuadraticCells quadratic_cells(const RecoveryBody& body, const CellStress& stress, const AuxiliaryCells& auxiliary,
-                               const RecoveryOptions& options);
+QuadraticCells quadratic_cells(const RecoveryBody& body, const std::vector<char>& degrees, const CellStress& stress,
+                               const AuxiliaryCells& auxiliary, const RecoveryOptions& options);
 
 /// Whether a patch holds points of a contact face, closed or open.
 bool touches_contact(const RecoveryBody& body, int node);
@@ -73,7 +75,8 @@ struct PairState {
 
 /// The edge of a contact zone near some place, found by recovery/edge_search.hpp; global axes.
 struct EdgePiece {
-  Vec3 origin, closed, along;  ///< m; unit vectors across the edge into the zone and along it
+  Vec3 origin = Vec3::Zero(), closed = Vec3::UnitX(),
+       along = Vec3::UnitY();  ///< m; across the edge into the zone, along it
   double curvature = 0;        ///< 1/m, negative around a convex zone
   double inverse_width = 0;    ///< of the zone across the edge, 1/m; 0: not known
   double factor = 0;           ///< of the term, Scales::stress per square root of a metre
@@ -123,8 +126,8 @@ struct PatchProblem {
 class PatchAssembly {
  public:
   PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary,
-                const std::vector<QuadraticCells>& quadratic, int index, const Scales& scales,
-                const RecoveryOptions& options);
+                const std::vector<QuadraticCells>& quadratic, const std::vector<std::vector<char>>& degrees, int index,
+                const Scales& scales, const RecoveryOptions& options);
 
   /// Eight full cells without contact: only equilibrium is known there.
   bool is_interior(int node) const;
@@ -133,24 +136,22 @@ class PatchAssembly {
 
   /// The patch of a node, its rows appended to `rows`. `edges` may be null: edges are then not looked for.
   PatchProblem assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows) const;
-  /// The same as if the edge of a pair ran through the patch: the polynomials of both bodies carry no pressure.
-  PatchProblem assemble_at_edge(int node, int pair, PatchWorkspace& workspace, std::vector<PatchRow>& rows) const;
-
   /// Contact points by pair in the patch of a node.
   void pair_states(int node, std::vector<PairState>& states) const;
-  /// An edge (global axes, m) seen from a body; `unit`: m.
-  ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
-                        double unit) const;
   const RecoveryBody& body() const { return body_; }
   int index() const { return index_; }  ///< of the body
   const RecoveryBody& body_of(int index) const { return bodies_[index]; }
   const Grid& grid() const { return grid_; }
+  int degree(int node) const { return degrees_[node]; }
 
  private:
   enum class ContactMode { open, closed, edge, unclear };
-  PatchProblem assemble(int node, const EdgeMap* edges, int edge_pair, int degree, PatchWorkspace& workspace,
+  PatchProblem assemble(int node, const EdgeMap* edges, int degree, PatchWorkspace& workspace,
                         std::vector<PatchRow>& rows) const;
   void interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const;
+  /// An edge (global axes, m) seen from a body; `unit`: m.
+  ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
+                        double unit) const;
   ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
                            PatchProblem& problem) const;
   PatchFit own_fit(int node, int degree, const std::vector<int>& cells) const;
@@ -164,6 +165,7 @@ class PatchAssembly {
   const std::vector<AuxiliaryCells>& auxiliary_;  ///< by body
   const std::vector<QuadraticCells>& quadratic_;  ///< by body
   const RecoveryBody& body_;
+  const std::vector<char>& degrees_;  ///< by node
   int index_;
   const Grid& grid_;
   const Scales& scales_;

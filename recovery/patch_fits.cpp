@@ -45,12 +45,47 @@ void fit_quadratic(const BodyMesh& mesh, const QuadraticCells& near, const std::
   for (int k = 0; k < 6; ++k) fit.a.segment<terms>(terms * k) = cholesky.solve(sums.right.row(k).transpose());
 }
 
+/// Of a patch's contact points the first closed one, or the first one, or null.
+const ContactLink* first_link(const RecoveryBody& body, int n) {
+  const PatchSet& patches = *body.patches;
+  const ContactLink* first = nullptr;
+  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
+    for (int l : body.boundary->links_of_cell[patches.cells[p]]) {
+      const ContactLink& link = body.boundary->links[l];
+      if (link.active) return &link;
+      if (!first) first = &link;
+    }
+  return first;
+}
+
+/// Whether the body is at least so many cells thick in all directions of its grid, seen from the fullest cell beside
+/// the given one.
+bool is_thick(const CutCells& cc, int cell) {
+  constexpr int least = 4;
+  int fullest = cell;
+  const auto at = [&](const Index3& c, int i, int j, int k) { return cc.find({c[0] + i, c[1] + j, c[2] + k}); };
+  for (int n = 0; n < 27; ++n) {
+    const int near = at(cc.cells[cell], n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
+    if (near >= 0 && cc.volume_fraction(near) > cc.volume_fraction(fullest)) fullest = near;
+  }
+  const Index3& c = cc.cells[fullest];
+  for (int d = 0; d < 3; ++d) {
+    int count = 1;
+    for (const int side : {-1, 1})
+      for (int s = side; count < least && at(c, d == 0 ? s : 0, d == 1 ? s : 0, d == 2 ? s : 0) >= 0; s += side)
+        ++count;
+    if (count < least) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const CellStress& stress, double depth) {
   const CutCells& cc = *body.mesh->cut_cells;
   std::vector<int> touched;
-  for (const ContactLink& link : body.boundary->links) touched.push_back(link.cell);
+  for (const ContactLink& link : body.boundary->links)
+    if (link.active) touched.push_back(link.cell);
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   const int reach = static_cast<int>(std::ceil(depth)) + 2, width = 2 * reach + 1;
@@ -83,9 +118,21 @@ bool touches_contact(const RecoveryBody& body, int n) {
   return false;
 }
 
-int degree_of(const RecoveryBody& body, int n, const RecoveryDegree& degree) {
-  if (degree.interior == degree.boundary && degree.boundary == degree.contact) return degree.contact;
-  return touches_contact(body, n) ? degree.contact : body.patches->full[n] ? degree.interior : degree.boundary;
+std::vector<char> node_degrees(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                               const RecoveryDegree& degree) {
+  const RecoveryBody& body = bodies[index];
+  std::vector<char> degrees(body.mesh->num_nodes, static_cast<char>(degree.interior));
+  parallel_for(degrees.size(), grain, [&](std::size_t n) {
+    const int node = static_cast<int>(n);
+    if (const ContactLink* link = first_link(body, node)) {
+      const bool quadratic = link->active && is_thick(*body.mesh->cut_cells, link->cell) &&
+                             is_thick(*bodies[link->other_body].mesh->cut_cells, link->other_cell);
+      degrees[n] = static_cast<char>(degree.contact > 0 ? degree.contact : quadratic ? 2 : 1);
+    } else if (!body.patches->full[n]) {
+      degrees[n] = static_cast<char>(degree.boundary);
+    }
+  });
+  return degrees;
 }
 
 void fit_cells(const RecoveryBody& body, int n, int degree, int rings, std::vector<int>& cells) {
@@ -103,18 +150,18 @@ void fit_cells(const RecoveryBody& body, int n, int degree, int rings, std::vect
   sort_unique(cells);
 }
 
-QuadraticCells quadratic_cells(const RecoveryBody& body, const CellStress& stress, const AuxiliaryCells& auxiliary,
-                               const RecoveryOptions& options) {
+QuadraticCells quadratic_cells(const RecoveryBody& body, const std::vector<char>& degrees, const CellStress& stress,
+                               const AuxiliaryCells& auxiliary, const RecoveryOptions& options) {
   const RecoveryDegree& degree = options.degree;
   if (degree.interior == 1 && degree.boundary == 1 && degree.contact == 1) return {};
   std::vector<char> marked(body.mesh->cell_nodes.size(), 0);
   std::vector<int> cells;
   for (int n = 0; n < body.mesh->num_nodes; ++n) {
-    if (degree_of(body, n, degree) == 1) continue;
+    if (degrees[n] == 1) continue;
     fit_cells(body, n, 2, options.quadratic_rings, cells);
     for (int c : cells) marked[c] = 1;
   }
-  for (int row = 0; row < auxiliary.cells.size() && degree.contact == 2; ++row) marked[auxiliary.cells.number(row)] = 1;
+  for (int row = 0; row < auxiliary.cells.size() && degree.contact != 1; ++row) marked[auxiliary.cells.number(row)] = 1;
   return integrate_quadratic(*body.mesh, stress, Subset(marked));
 }
 

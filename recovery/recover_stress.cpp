@@ -223,16 +223,19 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   ConstrainedRecovery recovery;
   std::vector<AuxiliaryCells> auxiliary;
   std::vector<QuadraticCells> quadratic;
-  for (const RecoveryBody& body : bodies) {
+  std::vector<std::vector<char>> degrees;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const RecoveryBody& body = bodies[b];
     const CellStress stress = body.stress ? body.stress : stress_of_displacements(*body.mesh, u);
     auxiliary.push_back(auxiliary_cells(body, stress, options.auxiliary_depth));
-    quadratic.push_back(quadratic_cells(body, stress, auxiliary.back(), options));
+    degrees.push_back(node_degrees(bodies, b, options.degree));
+    quadratic.push_back(quadratic_cells(body, degrees.back(), stress, auxiliary.back(), options));
   }
   std::vector<PatchAssembly> assemblies;
   assemblies.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    assemblies.emplace_back(bodies, auxiliary, quadratic, static_cast<int>(b), scales, options);
-  const FoundEdges edges = find_contact_edges(assemblies, u, options);
+    assemblies.emplace_back(bodies, auxiliary, quadratic, degrees, static_cast<int>(b), scales, options);
+  const FoundEdges edges = find_contact_edges(bodies, scales, options);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;

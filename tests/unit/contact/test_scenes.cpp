@@ -63,13 +63,13 @@ TEST_P(TwoSolids, MeetsItsBounds) {
   EXPECT_LE((r.pairs[0].force_on_first + r.pairs[0].force_on_second).norm(), 1e-10 * r.pairs[0].force_on_first.norm());
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Scenes, TwoSolids,
-    testing::Values(TwoSolidsCase{"scenes/two_solids.toml", "n=8", 0.01 / (1.3 * 8), 0.07, 2, 3},
-                    TwoSolidsCase{"scenes/two_solids.toml", "n=16", 0.01 / (1.3 * 16), 0.044, 2, 4},
-                    TwoSolidsCase{"scenes/two_solids.toml", "n=32", 0.01 / (1.3 * 32), 0.027, 2.4, 5},
-                    TwoSolidsCase{"scenes/two_solids_3d.toml", "n=8", 0.01, 0.05, 2, 3},
-                    TwoSolidsCase{"scenes/two_solids_3d.toml", "n=16", 0.01, 0.025, 2, 4}));
+INSTANTIATE_TEST_SUITE_P(Scenes, TwoSolids,
+                         testing::Values(TwoSolidsCase{"scenes/two_solids.toml", "n=8", 0.01 / (1.3 * 8), 0.05, 2, 3},
+                                         TwoSolidsCase{"scenes/two_solids.toml", "n=16", 0.01 / (1.3 * 16), 0.02, 2, 4},
+                                         TwoSolidsCase{"scenes/two_solids.toml", "n=32", 0.01 / (1.3 * 32), 0.012, 2.4,
+                                                       5},
+                                         TwoSolidsCase{"scenes/two_solids_3d.toml", "n=8", 0.01, 0.025, 2, 3},
+                                         TwoSolidsCase{"scenes/two_solids_3d.toml", "n=16", 0.01, 0.02, 2, 4}));
 
 /// Without the term of the edge the pressure there is what polynomials can do; with it at least 1.5 times better.
 TEST(ContactEdge, IsWorthItsTerm) {
@@ -100,23 +100,30 @@ TEST(Rings, PressureConvergesAndTheEstimateIsHonest) {
   EXPECT_GE(std::log2(error[0] / error[2]) / 2, 1.7);
 }
 
-/// The same in three dimensions, with a rotated grid. Measured: error .021 / .0055, 4.8 / 8.5 times less than SPR (16.3
-/// at n = 32), effectivity 1.15 / 1.022.
+/// The same in three dimensions, with a rotated grid. Measured with degree 1: error .021 / .0055, 4.8 / 8.5 times less
+/// than SPR (16.3 at n = 32), effectivity 1.07 / 1.012; as by default, degree 2 at the contact: .0045 / .0017, 22 and
+/// 27 times less, 1.02 / 1.008.
 TEST(SphereInShell, PressureConvergesAndTheEstimateIsHonest) {
-  std::vector<double> error;
-  for (const char* n : {"n=8", "n=16"}) {
-    const auto solved = test::run_scene("scenes/sphere_in_shell.toml", {n});
-    const Results& r = solved->results();
-    ASSERT_TRUE(r.converged) << n << " " << r.diagnosis;
-    const ZoneError& whole = test::zone(r, "whole");
-    error.push_back(whole.sprc);
-    EXPECT_NEAR(r.pairs[0].force_on_first.norm() / *solved->scene.reference.force, 1, 0.01);
-    if (std::string(n) == "n=8") continue;
-    EXPECT_GE(whole.spr / whole.sprc, 4);
-    EXPECT_GE(r.effectivity, 0.95);
-    EXPECT_LE(r.effectivity, 1.05);
+  for (const bool by_default : {false, true}) {
+    std::vector<double> error;
+    for (const char* n : {"n=8", "n=16"}) {
+      std::vector<std::string> overrides = {n};
+      if (!by_default) overrides.push_back("recovery.degree=1");
+      const auto solved = test::run_scene("scenes/sphere_in_shell.toml", overrides);
+      const Results& r = solved->results();
+      ASSERT_TRUE(r.converged) << n << " " << r.diagnosis;
+      const ZoneError& whole = test::zone(r, "whole");
+      error.push_back(whole.sprc);
+      EXPECT_NEAR(r.pairs[0].force_on_first.norm() / *solved->scene.reference.force, 1, 0.01);
+      EXPECT_GE(whole.spr / whole.sprc, by_default ? 15 : 3);
+      if (std::string(n) == "n=8") continue;
+      EXPECT_GE(whole.spr / whole.sprc, 4);
+      EXPECT_GE(r.effectivity, 0.95);
+      EXPECT_LE(r.effectivity, 1.05);
+    }
+    // Degree 2 is left with the scatter of sigma_h and the error of the force.
+    EXPECT_GE(std::log2(error[0] / error[1]), by_default ? 1.2 : 1.7);
   }
-  EXPECT_GE(std::log2(error[0] / error[1]), 1.7);
 }
 
 /// A reference that depends on the contact force is left out, with a warning, if there is no force.
@@ -155,13 +162,13 @@ TEST(Hertz, CentrePressureAndForceBalance) {
 }
 
 /// Ten cells over the contact radius, bodies of three radii (five change the pressure at the centre by 0.5 %), against
-/// Hertz's pressure at the computed force. Measured: 1.8 % over the whole face, 0.6 to 0.8 % inside 0.8 radii (SPR 6.6
-/// and 4.5 %), centre within 0.5 %.
+/// Hertz's pressure at the computed force. Measured: 1.0 % over the whole face, 0.4 % inside 0.8 radii (SPR 6.6 and
+/// 4.5 %), centre within 0.1 %.
 TEST(Hertz, PressureAtTheComputedForce) {
   const auto solved = test::run_scene("scenes/hertz.toml", {"n=50", "L=0.3"});
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
-  EXPECT_LE(test::zone(r, "whole").sprc, 0.02);
+  EXPECT_LE(test::zone(r, "whole").sprc, 0.015);
   const ZoneError& interior = test::zone(r, "interior");
   EXPECT_LE(interior.sprc, 0.01);
   EXPECT_GE(interior.spr / interior.sprc, 4);

@@ -1,0 +1,42 @@
+/// Numbered points in cubes of one size, for loops over all points near a place.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "core/types.hpp"
+
+namespace cgcontact {
+
+class PointBuckets {
+ public:
+  /// reach: of the loops, unit of the positions.
+  explicit PointBuckets(double reach) : size_(reach) {}
+  void add(const Vec3& x, int index) { buckets_[bucket(x)].push_back(index); }
+
+  /// use(index) for all points within the reach of x, and some others.
+  template <class Use>
+  void each_near(const Vec3& x, const Use& use) const {
+    const Bucket centre = bucket(x);
+    for (int n = 0; n < 27; ++n) {
+      const auto found = buckets_.find({centre[0] + n % 3 - 1, centre[1] + n / 3 % 3 - 1, centre[2] + n / 9 - 1});
+      if (found == buckets_.end()) continue;
+      for (int index : found->second) use(index);
+    }
+  }
+
+ private:
+  using Bucket = std::array<long long, 3>;
+  Bucket bucket(const Vec3& x) const {
+    Bucket key;
+    for (int d = 0; d < 3; ++d) key[d] = static_cast<long long>(std::floor(x[d] / size_));
+    return key;
+  }
+
+  double size_;
+  std::map<Bucket, std::vector<int>> buckets_;
+};
+
+}  // namespace cgcontact
