@@ -1,6 +1,7 @@
-/// Constrained least-squares fits (recovery/constrained_fit.hpp) of many patches at once, one patch per SIMD lane: the
-/// fast path of SPR-C. Per patch: minimise sum_b |L_b^T (a_b - a0_b)|^2, m_b = L_b L_b^T, subject to the interior rows
-/// of each body (recovery/polynomials.hpp) and to `rows`, each sum_b weight_b : sigma_b(place_b) = value.
+/// Constrained least-squares fits of many patches at once, one patch per SIMD lane: the fast path of SPR-C (plain twin:
+/// tests/support/constrained_fit.hpp). Per patch: minimise sum_b |L_b^T (a_b - a0_b)|^2, m_b = L_b L_b^T, subject to
+/// the interior rows of each body (recovery/polynomials.hpp) and to `rows`, each sum_b weight_b : sigma_b(place_b) =
+/// value.
 ///
 /// How to use it, with one or two bodies and polynomials of degree 1 or 2:
 ///

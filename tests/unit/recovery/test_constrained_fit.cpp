@@ -3,11 +3,13 @@
 
 #include <random>
 
-#include "recovery/constrained_fit.hpp"
 #include "recovery/constraints.hpp"
+#include "tests/support/constrained_fit.hpp"
 
 namespace cgcontact {
 namespace {
+
+using namespace test;
 
 MassMatrix cube_mass(double size, const Vec3& centre) {
   // int {1,x,y,z}^T {1,x,y,z} over a cube of the given size about `centre`.

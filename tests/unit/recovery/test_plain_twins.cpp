@@ -1,14 +1,16 @@
 /// The fast loops of the recovery against plain ones: cell by cell with quadrature, patch by patch with dense matrices.
 #include <gtest/gtest.h>
 
-#include "recovery/constrained_fit.hpp"
 #include "recovery/constraints.hpp"
 #include "recovery/error_estimate.hpp"
 #include "recovery/recover_stress.hpp"
 #include "tests/support/bodies.hpp"
+#include "tests/support/constrained_fit.hpp"
 
 namespace cgcontact {
 namespace {
+
+using namespace test;
 
 /// A turned box with cut cells of all sizes, a random displacement and its plain SPR.
 struct Case {

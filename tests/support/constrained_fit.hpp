@@ -1,14 +1,29 @@
-#include "recovery/constrained_fit.hpp"
+/// The constrained least-squares fit of one patch: min |M-weighted a - a0| subject to C a = Lambda (paper, equation 3
+/// and, with the auxiliary patch, equation 13), by whitening and a truncated pseudo-inverse instead of the KKT matrix.
+/// The plain twin of recovery/batched_fit.hpp.
+#pragma once
 
-namespace cgcontact {
-namespace {
+#include <vector>
+
+#include "recovery/patches.hpp"
+
+namespace cgcontact::test {
+
+struct ConstrainedFitStatus {
+  int rows = 0;
+  int truncated = 0;          ///< rows (singular values) dropped by the truncation: redundant or nearly so
+  bool inconsistent = false;  ///< data that no polynomial meets: residual above 1 % of the patch's stress level
+};
+
+using MassMatrix = Eigen::Matrix<double, num_terms, num_terms>;
 
 /// Number of 4-term blocks: six components per body.
 constexpr int num_components = 6;
 
 /// Solves G x = b if it is certain that no eigenvalue is below the tolerance (squared) times the largest one: the
 /// Frobenius norms of G and its inverse bound both. Most patches on one smooth face pass; it saves the eigenvalues.
-bool solve_full_rank(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+inline bool solve_full_rank(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen::VectorXd& b,
+                            Eigen::VectorXd& x) {
   const Eigen::LLT<Eigen::MatrixXd> cholesky(G);
   if (cholesky.info() != Eigen::Success) return false;
   const double inverse = cholesky.solve(Eigen::MatrixXd::Identity(G.rows(), G.cols())).norm();
@@ -19,7 +34,8 @@ bool solve_full_rank(const Eigen::MatrixXd& G, double rank_tolerance, const Eige
 
 /// The pseudo-inverse from the eigenvalues of G = C C^T (squares of the singular values); those kept are above the
 /// tolerance (squared) times the largest one, so squaring costs no accuracy that matters. Returns how many are dropped.
-int solve_truncated(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen::VectorXd& b, Eigen::VectorXd& x) {
+inline int solve_truncated(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen::VectorXd& b,
+                           Eigen::VectorXd& x) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(G);
   const Eigen::VectorXd& values = eigen.eigenvalues();
   const double threshold = rank_tolerance * rank_tolerance * values.maxCoeff();
@@ -37,10 +53,10 @@ int solve_truncated(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen
   return truncated;
 }
 
-}  // namespace
-
-ConstrainedFitStatus constrain_fit(const std::vector<MassMatrix>& mass, const Eigen::MatrixXd& C,
-                                   const Eigen::VectorXd& lambda, double rank_tolerance, Eigen::VectorXd& a) {
+/// `mass`: one 4 x 4 matrix per body involved (1 or 2); a: their coefficients (24 each), unconstrained on entry,
+/// constrained on return. C: rows x (24 or 48).
+inline ConstrainedFitStatus constrain_fit(const std::vector<MassMatrix>& mass, const Eigen::MatrixXd& C,
+                                          const Eigen::VectorXd& lambda, double rank_tolerance, Eigen::VectorXd& a) {
   ConstrainedFitStatus status;
   status.rows = static_cast<int>(C.rows());
   if (status.rows == 0) return status;
@@ -79,8 +95,9 @@ ConstrainedFitStatus constrain_fit(const std::vector<MassMatrix>& mass, const Ei
   return status;
 }
 
-void constrain_fit_kkt(const std::vector<MassMatrix>& mass, const Eigen::MatrixXd& C, const Eigen::VectorXd& lambda,
-                       Eigen::VectorXd& a) {
+/// Plain reference: dense KKT matrix, solved by a rank-revealing complete orthogonal decomposition (least norm).
+inline void constrain_fit_kkt(const std::vector<MassMatrix>& mass, const Eigen::MatrixXd& C,
+                              const Eigen::VectorXd& lambda, Eigen::VectorXd& a) {
   const Eigen::Index n = C.cols(), rows = C.rows();
   Eigen::MatrixXd kkt = Eigen::MatrixXd::Zero(n + rows, n + rows);
   for (std::size_t b = 0; b < mass.size(); ++b)
@@ -96,4 +113,4 @@ void constrain_fit_kkt(const std::vector<MassMatrix>& mass, const Eigen::MatrixX
   a = kkt.completeOrthogonalDecomposition().solve(rhs).head(n);
 }
 
-}  // namespace cgcontact
+}  // namespace cgcontact::test
