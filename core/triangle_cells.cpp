@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/errors.hpp"
 #include "core/gauss_rules.hpp"
@@ -34,26 +35,71 @@ Index3 decode(long long code) {
           static_cast<int>(code >> (2 * bits)) - most};
 }
 
-/// Adds the integrals over one piece to its cell's moments and to the section of the cells before it.
-void add_piece(const SurfacePolygon& piece, const Vec3& corner, Moments& moments, Section& section) {
-  const TriangleRule& rule = triangle_rule(3 * moment_degree + 1);
-  for (int k = 1; k + 1 < piece.n; ++k) {
-    const Vec3 u = piece.x[k] - piece.x[0], v = piece.x[k + 1] - piece.x[0];
-    const double projection = 2 * (u[1] * v[2] - u[2] * v[1]);  // area in cell coordinates, times n_x
-    if (projection == 0) continue;
-    for (std::size_t q = 0; q < rule.weight.size(); ++q) {
-      const Vec3 xi = 2 * (piece.x[0] + rule.a[q] * u + rule.b[q] * v - corner) - Vec3::Ones();
-      double ax[n1], ly[n1], lz[n1];
-      legendre_integrals(xi[0], ax);
-      legendre_values(xi[1], ly);
-      legendre_values(xi[2], lz);
-      const double weight = projection * rule.weight[q];
-      add_product(moments, weight, ax, ly, lz);
-      for (int j = 0; j < n1; ++j)
-        for (int l = 0; l < n1; ++l) section[j * n1 + l] += weight * ly[j] * lz[l];
+/// Adds up the integrals over the pieces in one cell, several points at a time.
+class PieceIntegrals {
+ public:
+  explicit PieceIntegrals(const Vec3& corner) : corner_(corner) {
+    for (auto& sum : sums_) sum.fill(0);
+    for (auto& sum : section_) sum.fill(0);
+  }
+
+  void add(const SurfacePolygon& piece) {
+    const TriangleRule& rule = triangle_rule(3 * moment_degree + 1);
+    for (int k = 1; k + 1 < piece.n; ++k) {
+      const Vec3 u = piece.x[k] - piece.x[0], v = piece.x[k + 1] - piece.x[0];
+      const double projection = 2 * (u[1] * v[2] - u[2] * v[1]);  // area in cell coordinates, times n_x
+      if (projection == 0) continue;
+      const Vec3 origin = 2 * (piece.x[0] - corner_) - Vec3::Ones();
+      for (std::size_t q = 0; q < rule.weight.size(); ++q) {
+        for (int d = 0; d < 3; ++d) xi_[d][filled_] = origin[d] + 2 * (rule.a[q] * u[d] + rule.b[q] * v[d]);
+        weight_[filled_] = projection * rule.weight[q];
+        if (++filled_ == lanes) flush();
+      }
     }
   }
-}
+
+  /// Adds the sums to the cell's moments and to the section of the cells before it.
+  void finish(Moments& moments, Section& section) {
+    for (int l = filled_; l < lanes; ++l) xi_[0][l] = xi_[1][l] = xi_[2][l] = weight_[l] = 0;
+    flush();
+    for (int q = 0; q < num_moments; ++q) moments[q] += std::accumulate(sums_[q].begin(), sums_[q].end(), 0.0);
+    for (int q = 0; q < n1 * n1; ++q) section[q] += std::accumulate(section_[q].begin(), section_[q].end(), 0.0);
+  }
+
+ private:
+  static constexpr int lanes = 8;
+  using Lanes = std::array<double, lanes>;
+
+  void flush() {
+    Lanes ax[n1], ly[n1], lz[n1];
+    for (int l = 0; l < lanes; ++l) {
+      double a[n1], b[n1], c[n1];
+      legendre_integrals(xi_[0][l], a);
+      legendre_values(xi_[1][l], b);
+      legendre_values(xi_[2][l], c);
+      for (int i = 0; i < n1; ++i) {
+        ax[i][l] = a[i];
+        ly[i][l] = weight_[l] * b[i];
+        lz[i][l] = c[i];
+      }
+    }
+    for (int j = 0; j < n1; ++j)
+      for (int k = 0; k < n1; ++k) {
+        Lanes product;
+        for (int l = 0; l < lanes; ++l) product[l] = ly[j][l] * lz[k][l];
+        for (int l = 0; l < lanes; ++l) section_[j * n1 + k][l] += product[l];
+        for (int i = 0; i < n1; ++i)
+          for (int l = 0; l < lanes; ++l) sums_[(i * n1 + j) * n1 + k][l] += ax[i][l] * product[l];
+      }
+    filled_ = 0;
+  }
+
+  const Vec3 corner_;
+  int filled_ = 0;
+  Lanes xi_[3], weight_;
+  std::array<Lanes, num_moments> sums_;
+  std::array<Lanes, n1 * n1> section_;
+};
 
 [[noreturn]] void refuse_row(const Index3& cell) {
   throw InputError("the triangle surface is not closed, or crosses itself, in the row of cells j = " +
@@ -100,10 +146,12 @@ void TriangleCells::sweep(std::size_t row, int order, std::vector<CellIntegrals>
     Moments& moments = cells.back().moments;
     for (int q = 0; q < n1 * n1; ++q) moments[q] = 2 * section[q];
     triangles.clear();
+    PieceIntegrals integrals(corner);
     for (begin = end; begin > row_begin_[row] && entries_[begin - 1].cell == entries_[end - 1].cell; --begin) {
       triangles.push_back(entries_[begin - 1].triangle);
-      add_piece(piece_in_cell(surface_, triangles.back(), cell), corner, moments, section);
+      integrals.add(piece_in_cell(surface_, triangles.back(), cell));
     }
+    integrals.finish(moments, section);
     std::reverse(triangles.begin(), triangles.end());
     triangle_boundary_points(surface_, triangles, cell, {}, {}, order, 0, cells.back().points);
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "core/gauss_rules.hpp"
@@ -182,11 +183,13 @@ class PointMaker {
   }
 
   void make_points(int owner, BoundaryPoints& points) {
-    std::stable_sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.key() < b.key(); });
-    for (std::size_t begin = 0, end = 0; begin < parts_.size(); begin = end) {
+    sorted_.resize(parts_.size());
+    std::iota(sorted_.begin(), sorted_.end(), 0);
+    std::stable_sort(sorted_.begin(), sorted_.end(), [&](int a, int b) { return parts_[a].key() < parts_[b].key(); });
+    for (std::size_t begin = 0, end = 0; begin < sorted_.size(); begin = end) {
       double area = 0;
-      for (end = begin; end < parts_.size() && parts_[end].patch == parts_[begin].patch; ++end)
-        area += twice_area(parts_[end].polygon).norm() / 2;
+      for (end = begin; end < sorted_.size() && part(end).patch == part(begin).patch; ++end)
+        area += twice_area(part(end).polygon).norm() / 2;
       if (area > lost_piece) make_patch_points(begin, end, owner, points);
     }
   }
@@ -222,9 +225,12 @@ class PointMaker {
     parts_.push_back(part);
   }
 
+  /// In the order of the keys.
+  const Part& part(std::size_t i) const { return parts_[sorted_[i]]; }
+
   int degree_of(std::size_t begin, std::size_t end) const {
     std::vector<int> planes;
-    for (std::size_t i = begin; i < end; ++i) planes.push_back(parts_[i].plane);
+    for (std::size_t i = begin; i < end; ++i) planes.push_back(part(i).plane);
     std::sort(planes.begin(), planes.end());
     const auto count = std::unique(planes.begin(), planes.end()) - planes.begin();
     const int full = 2 * order_ - 1;
@@ -236,37 +242,37 @@ class PointMaker {
     const int degree = degree_of(begin, end);
     for (std::size_t next = begin; begin < end; begin = next) {
       double area = 0;
-      for (; next < end && parts_[next].key() == parts_[begin].key(); ++next)
-        area += twice_area(parts_[next].polygon).norm() / 2;
+      for (; next < end && part(next).key() == part(begin).key(); ++next)
+        area += twice_area(part(next).polygon).norm() / 2;
       if (area > lost_group) make_group_points(begin, next, degree, owner, points);
     }
   }
 
   /// One group: parts in one plane on one side of every divider. Where they make up a convex polygon they are one.
   void make_group_points(std::size_t begin, std::size_t end, int degree, int owner, BoundaryPoints& points) const {
-    const Vec3& normal = surface_.normal(parts_[begin].triangle);
+    const Vec3& normal = surface_.normal(part(begin).triangle);
     std::vector<RulePoint> rule;
     SurfacePolygon whole;
     if (join_convex(begin, end, whole))
       add_polygon_rule(whole, degree, rule);
     else
-      for (std::size_t i = begin; i < end; ++i) add_polygon_rule(parts_[i].polygon, degree, rule);
+      for (std::size_t i = begin; i < end; ++i) add_polygon_rule(part(i).polygon, degree, rule);
     compress(normal, degree, rule);
     for (const RulePoint& p : rule)
-      if (p.weight > 0) points.append(p.position, normal, p.weight, owner, parts_[begin].patch);
+      if (p.weight > 0) points.append(p.position, normal, p.weight, owner, part(begin).patch);
   }
 
   /// The convex hull of the parts, if it has no larger area than they have.
   bool join_convex(std::size_t begin, std::size_t end, SurfacePolygon& whole) const {
     if (end - begin == 1) {
-      whole = parts_[begin].polygon;
+      whole = part(begin).polygon;
       return true;
     }
-    const auto [s, t] = plane_axes(surface_.normal(parts_[begin].triangle));
+    const auto [s, t] = plane_axes(surface_.normal(part(begin).triangle));
     std::vector<Vec3> corners;
     double area = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      const SurfacePolygon& p = parts_[i].polygon;
+      const SurfacePolygon& p = part(i).polygon;
       corners.insert(corners.end(), p.x.begin(), p.x.begin() + p.n);
       area += twice_area(p).norm();
     }
@@ -282,6 +288,7 @@ class PointMaker {
   const int order_;
   std::vector<PatchPlane> planes_;
   std::vector<Part> parts_;
+  std::vector<int> sorted_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 /// corners. So every piece of surface lies in exactly one cell.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -20,9 +21,18 @@ namespace cgcontact {
 
 /// A convex polygon in space, counterclockwise seen from outside the body.
 struct SurfacePolygon {
-  static constexpr int max_corners = 96;
+  static constexpr int max_corners = 64;
   int n = 0;
   std::array<Vec3, max_corners> x;
+
+  SurfacePolygon() = default;
+  SurfacePolygon(const SurfacePolygon& other) { *this = other; }
+  /// Copies the corners that there are.
+  SurfacePolygon& operator=(const SurfacePolygon& other) {
+    n = other.n;
+    std::copy_n(other.x.begin(), n, x.begin());
+    return *this;
+  }
   void push(const Vec3& corner);
 };
 
