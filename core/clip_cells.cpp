@@ -73,7 +73,8 @@ class Clipper {
   int node(const Index3& fine);
   int edge_point(int a, int b, int surface);
   int side(int point, int surface) const;
-  int measured_side(const Vec3& x, int surface) const;
+  double distance(int point, int surface) const;
+  static int side_by_distance(double distance);
   template <class Points>
   void set_sides(const Points& points, const std::vector<int>& surfaces);
   void drop_inner_triangles();
@@ -96,6 +97,7 @@ class Clipper {
   std::vector<std::pair<int, int>> fixed_sides_;
   std::vector<int> nodes_;  ///< by Grid::node_index, -1 where there is no point yet
   std::unordered_map<std::uint64_t, int> fine_nodes_;
+  mutable std::unordered_map<std::uint64_t, double> patch_distances_;
   std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
   std::vector<Tetrahedron> pieces_, next_pieces_;
   ClippedMesh mesh_;
@@ -353,8 +355,8 @@ int Clipper::edge_point(int a, int b, int surface) {
   if (!added) return entry->second;
 
   const Vec3 x = mesh_.points[a], d = mesh_.points[b] - mesh_.points[a];
-  const double da = surfaces_[surface].signed_distance(x);
-  const double linear = da / (da - surfaces_[surface].signed_distance(mesh_.points[b]));
+  const double da = distance(a, surface);
+  const double linear = da / (da - distance(b, surface));
   double roots[2], t = linear, best = 1;
   const int num_roots = surfaces_[surface].intersect_line(x, d, roots);
   for (int r = 0; r < num_roots; ++r)
@@ -369,22 +371,32 @@ int Clipper::edge_point(int a, int b, int surface) {
     // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
     const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
     const int linear_side = side_a != 0 ? side_a : side_b;
-    if (s != surface && decided && linear_side != measured_side(middle, s)) fixed_sides_.emplace_back(s, linear_side);
+    if (s != surface && decided && linear_side != side_by_distance(surfaces_[s].signed_distance(middle)))
+      fixed_sides_.emplace_back(s, linear_side);
   }
   return add_point(middle);
 }
 
 /// -1 inner, 0 on, +1 outer side of a surface.
-int Clipper::measured_side(const Vec3& x, int surface) const {
-  const double distance = surfaces_[surface].signed_distance(x);
+int Clipper::side_by_distance(double distance) {
   if (std::abs(distance) <= on_tolerance) return 0;
   return distance < 0 ? -1 : 1;
+}
+
+/// From a point to a surface; that to a patch of triangles, a search, is kept.
+double Clipper::distance(int point, int surface) const {
+  const Vec3& x = mesh_.points[point];
+  if (surfaces_[surface].kind != Surface::Kind::patch) return surfaces_[surface].signed_distance(x);
+  const std::uint64_t key = static_cast<std::uint64_t>(point) * surfaces_.size() + static_cast<std::uint64_t>(surface);
+  const auto [entry, added] = patch_distances_.try_emplace(key, 0.0);
+  if (added) entry->second = surfaces_[surface].signed_distance(x);
+  return entry->second;
 }
 
 int Clipper::side(int point, int surface) const {
   for (int i = fixed_begin_[point]; i < fixed_begin_[point + 1]; ++i)
     if (fixed_sides_[i].first == surface) return fixed_sides_[i].second;
-  return measured_side(mesh_.points[point], surface);
+  return side_by_distance(distance(point, surface));
 }
 
 /// A triangle that belongs to two pieces lies inside the body (chords of a curved surface).

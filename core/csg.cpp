@@ -121,7 +121,10 @@ Surface Surface::near(const Vec3& x) const {
 
 Vec3 Surface::gradient(const Vec3& x) const {
   if (kind == Kind::plane) return direction;
-  if (kind == Kind::patch) return triangles->normal(triangles->nearest(x, patch).triangle);
+  if (kind == Kind::patch) {
+    const TriangleSurface::Foot foot = triangles->nearest(x, patch);
+    return triangles->smooth_normal(foot.triangle, foot.point);
+  }
   const Vec3 d = kind == Kind::sphere ? Vec3(x - point) : radial(*this, x);
   const double length = d.norm();
   return length > 0 ? Vec3(d / length) : direction.unitOrthogonal();

@@ -28,7 +28,7 @@ struct Surface {
 
   /// Of a patch: to the plane of its nearest triangle.
   double signed_distance(const Vec3& x) const;
-  /// Unit gradient of the signed distance.
+  /// Unit gradient of the signed distance; of a patch the normal interpolated over the nearest triangle.
   Vec3 gradient(const Vec3& x) const;
   /// The surface itself; of a patch the plane of its triangle nearest to x, without names.
   Surface near(const Vec3& x) const;

@@ -18,6 +18,7 @@ namespace cgcontact {
 
 namespace {
 
+constexpr std::size_t most_patches = 20000;
 constexpr double degree = 3.14159265358979323846 / 180;
 
 const std::map<std::string, double> units = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},
@@ -137,8 +138,13 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   SurfaceRepairs repairs;
   const TriangleSoup soup = read_surface(file_node, file, scale, repairs);
   const NamedTriangles faces = name_faces(soup, name, read_selectors(node, soup));
+  TriangleSurface surface = make_surface(soup, faces, crease_angle);
+  if (surface.face_names().size() > most_patches)
+    file_node.fail(
+        fmt::format("creases divide the surface into {} patches: is it a rough scan?", surface.face_names().size()),
+        fmt::format("{} patches; a larger angle for the key crease makes fewer", most_patches));
   MeshShape shape;
-  shape.solid = Solid::bounded_by(make_surface(soup, faces, crease_angle));
+  shape.solid = Solid::bounded_by(std::move(surface));
   for (const std::string& face : faces.names) shape.faces.push_back(face.substr(name.size() + 1));
   Vec3 min, max;
   shape.solid.bounding_box(min, max);

@@ -8,6 +8,7 @@
 
 #include "core/errors.hpp"
 #include "core/triangle_crossings.hpp"
+#include "core/triangle_edges.hpp"
 #include "core/triangle_reader.hpp"
 #include "core/triangle_surface.hpp"
 
@@ -25,46 +26,6 @@ constexpr double no_height = 1e-12;
 }
 
 std::string as_text(const Vec3& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]); }
-
-/// One use of an edge: by triangle `triangle`, from its corner `corner` to the next.
-struct EdgeUse {
-  int triangle, corner;
-};
-
-/// Calls use(first, last) with the uses of every edge.
-template <class Use>
-void each_edge(const TriangleSoup& soup, const Use& use) {
-  struct Keyed {
-    int high;
-    EdgeUse edge;
-  };
-  std::vector<std::size_t> begin(soup.points.size() + 1, 0);
-  for (const Triangle& t : soup.triangles)
-    for (int e = 0; e < 3; ++e) ++begin[static_cast<std::size_t>(std::min(t[e], t[(e + 1) % 3])) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Keyed> edges(3 * soup.triangles.size());
-  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
-  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
-    for (int e = 0; e < 3; ++e) {
-      const int low = std::min(soup.triangles[t][e], soup.triangles[t][(e + 1) % 3]);
-      const int high = std::max(soup.triangles[t][e], soup.triangles[t][(e + 1) % 3]);
-      edges[next[low]++] = {high, {static_cast<int>(t), e}};
-    }
-  std::vector<EdgeUse> uses;
-  for (std::size_t p = 0; p + 1 < begin.size(); ++p) {
-    const auto first = edges.begin() + static_cast<std::ptrdiff_t>(begin[p]);
-    const auto last = edges.begin() + static_cast<std::ptrdiff_t>(begin[p + 1]);
-    std::sort(first, last, [](const Keyed& a, const Keyed& b) {
-      return std::tie(a.high, a.edge.triangle, a.edge.corner) < std::tie(b.high, b.edge.triangle, b.edge.corner);
-    });
-    for (auto i = first; i != last;) {
-      uses.clear();
-      const int high = i->high;
-      for (; i != last && i->high == high; ++i) uses.push_back(i->edge);
-      use(uses);
-    }
-  }
-}
 
 int drop_collapsed(TriangleSoup& soup) {
   std::vector<char> kept(soup.triangles.size(), 1);
@@ -100,7 +61,7 @@ int drop_duplicates(TriangleSoup& soup) {
 /// Merges points on open edges that are nearly the same.
 int merge_near_points(TriangleSoup& soup) {
   std::vector<int> rim;
-  each_edge(soup, [&](const std::vector<EdgeUse>& uses) {
+  each_edge(soup.triangles, soup.points.size(), [&](const std::vector<EdgeUse>& uses) {
     if (uses.size() != 1) return;
     const Triangle& t = soup.triangles[uses[0].triangle];
     rim.push_back(t[uses[0].corner]);
@@ -177,7 +138,7 @@ std::string edge_place(const TriangleSoup& soup, const EdgeUse& use) {
 void check_edges(const TriangleSoup& soup, const std::string& file) {
   int open = 0, crowded = 0, inconsistent = 0;
   std::string first_open, first_crowded, first_inconsistent;
-  each_edge(soup, [&](const std::vector<EdgeUse>& uses) {
+  each_edge(soup.triangles, soup.points.size(), [&](const std::vector<EdgeUse>& uses) {
     if (uses.size() == 1 && open++ == 0) first_open = edge_place(soup, uses[0]);
     if (uses.size() > 2 && crowded++ == 0)
       first_crowded = fmt::format("{} triangles at the edge {}", uses.size(), edge_place(soup, uses[0]));

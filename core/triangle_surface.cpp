@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/triangle_edges.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -36,30 +38,12 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b
 }  // namespace
 
 std::vector<std::array<int, 3>> edge_neighbours(const std::vector<Triangle>& triangles, std::size_t num_points) {
-  // Edges by their lower point, so that the edges to compare lie together.
-  std::vector<std::size_t> begin(num_points + 1, 0);
-  const auto lower = [&](std::size_t t, int e) { return std::min(triangles[t][e], triangles[t][(e + 1) % 3]); };
-  const auto upper = [&](std::size_t t, int e) { return std::max(triangles[t][e], triangles[t][(e + 1) % 3]); };
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int e = 0; e < 3; ++e) ++begin[lower(t, e) + 1];
-  for (std::size_t p = 0; p < num_points; ++p) begin[p + 1] += begin[p];
-  std::vector<std::pair<int, int>> edges(3 * triangles.size());  // triangle, corner
-  std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int e = 0; e < 3; ++e) edges[next[lower(t, e)]++] = {static_cast<int>(t), e};
-
   std::vector<std::array<int, 3>> neighbours(triangles.size(), {-1, -1, -1});
-  for (std::size_t p = 0; p < num_points; ++p)
-    for (std::size_t i = begin[p]; i < begin[p + 1]; ++i) {
-      const auto [t, e] = edges[i];
-      int found = -1, count = 0;
-      for (std::size_t j = begin[p]; j < begin[p + 1]; ++j) {
-        if (j == i || upper(edges[j].first, edges[j].second) != upper(t, e)) continue;
-        found = edges[j].first;
-        ++count;
-      }
-      if (count == 1) neighbours[t][e] = found;
-    }
+  each_edge(triangles, num_points, [&](const std::vector<EdgeUse>& uses) {
+    if (uses.size() != 2) return;
+    neighbours[uses[0].triangle][uses[0].corner] = uses[1].triangle;
+    neighbours[uses[1].triangle][uses[1].corner] = uses[0].triangle;
+  });
   return neighbours;
 }
 
@@ -125,6 +109,40 @@ TriangleSurface::Foot TriangleSurface::nearest(const Vec3& x, int patch, double 
   best.distance = std::sqrt(least);
   best.normal = mean_normal(best.triangle, best_feature);
   return best;
+}
+
+/// Angle-weighted mean of the normals of the patch around a corner.
+Vec3 TriangleSurface::corner_normal(int triangle, int k) const {
+  const int point = topology_->triangles[triangle][k];
+  const auto place = [&](int t) {
+    const Triangle& corners = topology_->triangles[t];
+    return static_cast<int>(std::find(corners.begin(), corners.end(), point) - corners.begin());
+  };
+  const auto weighted = [&](int t) {
+    const int i = place(t);
+    const Vec3& x = corner(t, i);
+    return Vec3(angle_between(corner(t, (i + 1) % 3) - x, corner(t, (i + 2) % 3) - x) * normals_[t]);
+  };
+  const auto joined = [&](int t, int edge) {
+    const int other = topology_->neighbours[t][edge];
+    return other >= 0 && patch(other) == patch(triangle) ? other : -1;
+  };
+  Vec3 sum = weighted(triangle);
+  int now = joined(triangle, k);
+  for (; now >= 0 && now != triangle; now = joined(now, place(now))) sum += weighted(now);
+  if (now == triangle) return sum;
+  // The patch ends on that side: go round the other way.
+  for (now = joined(triangle, (k + 2) % 3); now >= 0; now = joined(now, (place(now) + 2) % 3)) sum += weighted(now);
+  return sum;
+}
+
+Vec3 TriangleSurface::smooth_normal(int triangle, const Vec3& point) const {
+  const Vec3 &a = corner(triangle, 0), u = corner(triangle, 1) - a, v = corner(triangle, 2) - a, x = point - a;
+  const Vec3 n = u.cross(v);
+  const double inverse = 1 / n.squaredNorm(), beta = n.dot(x.cross(v)) * inverse, gamma = n.dot(u.cross(x)) * inverse;
+  return ((1 - beta - gamma) * corner_normal(triangle, 0).normalized() +
+          beta * corner_normal(triangle, 1).normalized() + gamma * corner_normal(triangle, 2).normalized())
+      .normalized();
 }
 
 int TriangleSurface::nearest_facing(const Vec3& x, const Vec3& n) const {

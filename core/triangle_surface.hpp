@@ -42,6 +42,9 @@ class TriangleSurface {
   };
   /// Of one patch, or of all (-1); only feet nearer than `limit`.
   Foot nearest(const Vec3& x, int patch = -1, double limit = 1e300) const;
+  /// Unit normal at a point of a triangle, interpolated between the mean normals at its corners; these are
+  /// angle-weighted over the triangles of its own patch that are joined there.
+  Vec3 smooth_normal(int triangle, const Vec3& point) const;
   /// The triangle with the least distance (in the units of the points) + 1 - cosine of its angle with the unit vector
   /// n.
   int nearest_facing(const Vec3& x, const Vec3& n) const;
@@ -87,6 +90,7 @@ class TriangleSurface {
   void find_normals();
   bool meets(const Vec3& x, const Vec3& d, int triangle, double& t) const;
   Vec3 mean_normal(int triangle, int feature) const;
+  Vec3 corner_normal(int triangle, int k) const;
 
   std::shared_ptr<const Topology> topology_;
   std::vector<Vec3> points_, normals_;

@@ -126,15 +126,8 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int de
   }
   for (int i = 0; i < count; ++i) {
     const Vec3 near = g.centroid + offsets[i][0] * t1 + offsets[i][1] * t2;
-    Vec3 x, n;
-    if (surface.kind == Surface::Kind::patch) {
-      const Surface plane = surface.near(near);
-      x = project(plane, near);
-      n = plane.direction;
-    } else {
-      x = project(surface, near);
-      n = surface.gradient(x);
-    }
+    const Vec3 x = surface.kind == Surface::Kind::patch ? project(surface.near(near), near) : project(surface, near);
+    Vec3 n = surface.gradient(x);
     if (n.dot(g.normal) < 0) n = -n;
     group.position[i] = x;
     group.normal[i] = n;

@@ -28,28 +28,20 @@ def right_half():
     return points
 
 
+def quad(a, b, c, d):
+    """Two triangles; those whose corners coincide are left out."""
+    yield from (t for t in ((a, b, c), (a, c, d)) if len(set(t)) == 3)
+
+
 def triangles(half):
-    n = len(half)
+    (y, z), length = half[0], LENGTH
+    yield from quad((0, -y, z), (0, y, z), (length, y, z), (length, -y, z))  # underside
     for (y0, z0), (y1, z1) in zip(half, half[1:]):
         assert z1 > z0, (z0, z1)
-        for side in (1, -1):  # flanks, right and left
-            quad = [(0, side * y0, z0), (LENGTH, side * y0, z0), (LENGTH, side * y1, z1), (0, side * y1, z1)]
-            quad = quad[::-side]
-            if y1 > 1e-9 or side == 1 or True:
-                yield quad[0], quad[1], quad[2]
-                yield quad[0], quad[2], quad[3]
-        for x, side in ((LENGTH, 1), (0, -1)):  # strips of the ends
-            strip = [(x, -y0, z0), (x, y0, z0), (x, y1, z1), (x, -y1, z1)]
-            strip = strip[::side]
-            if y1 > 1e-9:
-                yield strip[0], strip[1], strip[2]
-                yield strip[0], strip[2], strip[3]
-            else:
-                a, b, c = ((x, -y0, z0), (x, y0, z0), (x, 0.0, z1))[::side]
-                yield a, b, c
-    y, z = half[0]
-    yield (0, -y, z), (0, y, z), (LENGTH, y, z)
-    yield (0, -y, z), (LENGTH, y, z), (LENGTH, -y, z)
+        yield from quad((0, y0, z0), (0, y1, z1), (length, y1, z1), (length, y0, z0))  # right flank
+        yield from quad((length, -y0, z0), (length, -y1, z1), (0, -y1, z1), (0, -y0, z0))
+        yield from quad((length, -y0, z0), (length, y0, z0), (length, y1, z1), (length, -y1, z1))  # strip of the end
+        yield from quad((0, -y1, z1), (0, y1, z1), (0, y0, z0), (0, -y0, z0))
 
 
 def main():
