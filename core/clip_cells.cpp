@@ -21,7 +21,7 @@ constexpr int patch_subdivision = 2;
 /// Nearer to a curved patch than this its chords decide, farther away the patch itself.
 constexpr double max_sagitta_of_patch = 0.03;
 /// Cells: how far beyond a face of a piece the inside of a triangle surface is asked for.
-constexpr double beyond = 1e-6;
+constexpr double beyond = 1e-3;
 /// Pieces below this volume (cell units) are rounding only.
 constexpr double min_volume = 1e-25;
 

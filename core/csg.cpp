@@ -12,7 +12,8 @@ namespace {
 
 constexpr double merge_tolerance = 1e-12;  // relative to the size of the solid
 /// A patch this flat is a plane: coordinates in single precision, as STL files have them, are about 1e-7 off.
-constexpr double flat_tolerance = 1e-6, flat_angle = 1e-5;
+/// Small triangles are turned more by that than large ones.
+constexpr double flat_tolerance = 1e-6, flat_angle = 1e-2;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Vec3 radial(const Surface& surface, const Vec3& x) {

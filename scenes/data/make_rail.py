@@ -17,7 +17,7 @@ def arc(centre, radius, first, last, steps):
 
 
 def right_half():
-    crown, top = 120.0, 48.0  # mm: radius and height of the crown
+    crown, top = 300.0, 48.0  # mm: radius and height of the crown
     points = [(24.0, 0.0), (24.0, 5.0), (9.0, 9.0)]
     points += arc((11.0, 13.5), 5.0, 255.0, 180.0, 5)  # foot to web
     points += arc((9.0, 29.5), 3.0, 180.0, 105.0, 5)   # web to head

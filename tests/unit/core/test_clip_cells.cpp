@@ -162,6 +162,13 @@ TEST(clip_cells, bodies_of_triangles) {
     EXPECT_LT(half.volume(), 0.9 * mesh.volume());
     EXPECT_NEAR(enclosed_volume(half) / half.volume(), 1, 1e-9);
   }
+  TriangleSoup rounded = block;  // single precision: the faces are flat up to 1e-7
+  for (Vec3& x : rounded.points) x = (rotation * x).cast<float>().cast<double>() + Vec3(4.1, 4.2, 3.9);
+  const CutCells nearly = cut(Solid::bounded_by(test::surface_of(rounded)), 10);
+  const ClippedMesh drawn = clip_cells(nearly);
+  expect_sound(nearly, drawn);
+  EXPECT_NEAR(drawn.volume() / volume_of_moments(nearly), 1, 1e-6);
+  EXPECT_NEAR(enclosed_volume(drawn) / drawn.volume(), 1, 1e-5);
   const Solid ball =
       Solid::bounded_by(test::surface_of(test::sphere_soup(3, 16))).transformed(rotation, {4.1, 4.2, 3.9});
   const CutCells cells = cut(ball, 8);

@@ -82,6 +82,34 @@ TEST(TriangleCells, DegeneratePositions) {
       }
 }
 
+// Proves the same for bodies of several shells, cavities and parts apart, and for coordinates in single precision,
+// which leave no face flat and no two triangles coplanar.
+TEST(TriangleCells, ShellsAndSinglePrecision) {
+  TriangleSoup shells = test::box_soup({0, 0, 0}, {4, 4, 4});
+  const auto add = [&](TriangleSoup part, bool inward) {
+    const int first = static_cast<int>(shells.points.size());
+    shells.points.insert(shells.points.end(), part.points.begin(), part.points.end());
+    for (Triangle t : part.triangles) {
+      if (inward) std::swap(t[0], t[1]);
+      shells.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  };
+  add(test::box_soup({1, 1, 1}, {3, 3.5, 3}), true);
+  add(test::box_soup({1.5, 1.5, 1.5}, {2, 2, 2}), false);
+  add(test::box_soup({5, 0, 0}, {6, 4, 4}), false);
+  for (const double angle : {0.0, 1e-12, 0.7}) {
+    const CutCells cells = cut(body(shells), rotation({1, 2, 3}, angle), Vec3(0.3, 0.6, 0.5));
+    expect_exact(cells, 1e-11);
+    EXPECT_NEAR(totals(cells).volume, 64 - 10 + 0.125 + 16, 1e-11);
+  }
+  for (test::NamedSoup shape : test::ten_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Mat3 turn = rotation({0.3, 1, -2}, 0.4);
+    for (Vec3& x : shape.soup.points) x = (turn * x).cast<float>().cast<double>();
+    expect_exact(cut(body(shape.soup), Mat3::Identity(), Vec3(0.1, 0.2, 0.7)), 1e-11);
+  }
+}
+
 // Proves that a box of triangles is the box of CSG: same cells, moments to rounding, same areas per face.
 TEST(TriangleCells, BoxEqualsCsgBox) {
   const Vec3 min(1, 2, 3), max(4, 4.5, 5);
