@@ -352,7 +352,9 @@ SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const
 
 std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index3& cell) {
   std::vector<int> found;
-  const Vec3 low(cell[0], cell[1], cell[2]), high = low + Vec3::Ones();
+  // Triangles in a grid plane may lie just outside of their cell.
+  const Vec3 low = Vec3(cell[0], cell[1], cell[2]) - Vec3::Constant(2 * flat_tolerance),
+             high = low + Vec3::Constant(1 + 4 * flat_tolerance);
   surface.tree().visit(
       [&](const Vec3& min, const Vec3& max) {
         return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();

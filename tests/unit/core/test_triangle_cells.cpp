@@ -48,7 +48,8 @@ void expect_exact(const CutCells& cells, double tolerance) {
   EXPECT_NEAR(sum.flux / exact.volume, 1, tolerance);
   EXPECT_LT(sum.closure.norm() / exact.area, tolerance);
   EXPECT_LT((first_moment(cells) - exact.first).norm() / (exact.volume * size), 10 * tolerance);
-  const std::vector<Plane> dividers{{Vec3(1, 2, 3).normalized(), 5.7}, {Vec3(1, 0, 0), 3}, {Vec3(0, 0, 1), 3 + 1e-15}};
+  const std::vector<Plane> dividers{
+      {Vec3(1, 2, 3).normalized(), 15.7}, {Vec3(1, 0, 0), 6}, {Vec3(0, 1, 0), 6}, {Vec3(0, 0, 1), 6 + 1e-15}};
   EXPECT_NEAR(area_by_cells(cells, dividers, 2) / exact.area, 1, tolerance);
 }
 
@@ -69,17 +70,19 @@ TEST(TriangleCells, TenShapesInRandomPositions) {
     }
 }
 
-// Proves the same with faces, edges and corners on grid planes, up to turns of 1e-16 .. 1 rad about odd axes.
+// Proves the same with faces, edges and corners on grid planes, up to shifts and turns of 1e-16 .. 1 rad about odd
+// axes.
 TEST(TriangleCells, DegeneratePositions) {
   for (const test::NamedSoup& shape : test::ten_shapes())
     for (const double angle : {0.0, 1e-16, 1e-12, 1e-8, 1e-3, 1.0})
-      for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 2, 3), Vec3(-3, 1, 0.2)}) {
-        SCOPED_TRACE(shape.name + " " + std::to_string(angle));
-        const Solid placed = body(shape.soup).transformed(rotation(axis, angle), Vec3(6, 6, 6));
-        Grid grid;
-        grid.num_cells = {13, 13, 13};
-        expect_exact(make_cut_cells(placed, grid), 1e-11);
-      }
+      for (const double offset : {0.0, -7e-16, 4e-13, -1e-8})
+        for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 2, 3), Vec3(-3, 1, 0.2)}) {
+          SCOPED_TRACE(shape.name + " " + std::to_string(std::log10(angle)) + " " + std::to_string(offset * 1e16));
+          const Solid placed = body(shape.soup).transformed(rotation(axis, angle), Vec3::Constant(6 + offset));
+          Grid grid;
+          grid.num_cells = {13, 13, 13};
+          expect_exact(make_cut_cells(placed, grid), 1e-11);
+        }
 }
 
 // Proves the same for bodies of several shells, cavities and parts apart, and for coordinates in single precision,
