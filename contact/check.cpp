@@ -38,6 +38,7 @@ std::string describe_body(const BodyModel& body) {
       body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio, volume(cc), total_area,
       cc.grid.num_cells[0], cc.grid.num_cells[1], cc.grid.num_cells[2], cc.grid.cell_size, active, cut,
       3 * count_nodes(cc));
+  for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   return text;
 }

@@ -148,9 +148,7 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies) {
       parallel_for(bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
         const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
         if (!other.solid.contains(g)) return;
-        double depth = 1e300;
-        for (const Surface& s : other.solid.surfaces()) depth = std::min(depth, std::abs(s.signed_distance(g)));
-        depth *= other.grid.cell_size;
+        const double depth = other.solid.distance_to_surfaces(g) * other.grid.cell_size;
         if (depth > limit)
           throw InputError(scene.bodies[a].place, "\"" + scene.bodies[a].name + "\"",
                            fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})",
@@ -180,28 +178,19 @@ std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpe
   const Grid& grid = other.cut_cells.grid;
   const Solid& solid = other.cut_cells.solid;
   const Vec3 origin = grid.to_grid(x), direction = grid.rotation.transpose() * n;
-  const double reach = search / grid.cell_size;
+  static thread_local std::vector<Crossing> crossings;
+  crossings.clear();
+  solid.crossings(origin, direction, search / grid.cell_size, crossings);
   std::optional<OppositePoint> best;
-  static thread_local std::vector<char> side;
-  side.assign(solid.surfaces().size(), 0);
-  for (std::size_t s = 0; s < solid.surfaces().size(); ++s) {
-    double t[2];
-    const int count = solid.surfaces()[s].intersect_line(origin, direction, t);
-    for (int r = 0; r < count; ++r) {
-      if (std::abs(t[r]) > reach || (best && std::abs(t[r]) >= std::abs(best->distance))) continue;
-      const Vec3 y = origin + t[r] * direction;
-      for (std::size_t k = 0; k < side.size(); ++k) side[k] = solid.surfaces()[k].signed_distance(y) <= 0;
-      side[s] = 1;
-      const bool inside = solid.evaluate(side);
-      side[s] = 0;
-      if (inside == solid.evaluate(side)) continue;  // not on the body's boundary here
-      const Vec3 normal = (inside ? 1.0 : -1.0) * solid.surfaces()[s].gradient(y);
-      if (normal.dot(direction) > -0.1) continue;  // does not face this point
-      if (!face.contains(solid.surfaces()[s].names, grid.to_global(y), grid.rotation * normal)) continue;
-      // The cell on the inner side of the surface, also where the surface lies on a grid plane.
-      const int cell = other.cut_cells.locate(y - inward_step * normal);
-      if (cell >= 0) best = OppositePoint{t[r], cell, y};
-    }
+  for (const Crossing& crossing : crossings) {
+    if (best && std::abs(crossing.t) >= std::abs(best->distance)) continue;
+    if (crossing.normal.dot(direction) > -0.1) continue;  // does not face this point
+    const Vec3 y = origin + crossing.t * direction;
+    if (!face.contains(solid.surfaces()[crossing.surface].names, grid.to_global(y), grid.rotation * crossing.normal))
+      continue;
+    // The cell on the inner side of the surface, also where the surface lies on a grid plane.
+    const int cell = other.cut_cells.locate(y - inward_step * crossing.normal);
+    if (cell >= 0) best = OppositePoint{crossing.t, cell, y};
   }
   if (best) best->distance *= grid.cell_size;
   return best;
@@ -265,7 +254,8 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
 
 std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
                                       const ElasticSystem& system) {
-  constexpr std::size_t max_surfaces = 4096;  // a family is a surface of a pair
+  std::size_t max_surfaces = 0;  // a family is a surface of a pair
+  for (const BodyModel& body : bodies) max_surfaces = std::max(max_surfaces, body.cut_cells.solid.surfaces().size());
   std::vector<GroupRow> rows;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const ContactPair& pair = pairs[k];

@@ -142,16 +142,12 @@ std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& 
   for (const ContactRow& r : results.contact_rows)
     if (r.body == body && (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm())) nearest = &r;
   if (!nearest || (nearest->x - x).norm() > grid.cell_size) return std::nullopt;
-  const Vec3 g = grid.to_grid(x), row_position = grid.to_grid(nearest->x);
-  const Surface* surface = nullptr;
-  for (const Surface& s : model.cut_cells.solid.surfaces())
-    if (std::abs(s.signed_distance(row_position)) < 1e-6 &&
-        (!surface || std::abs(s.signed_distance(row_position)) < std::abs(surface->signed_distance(row_position))))
-      surface = &s;
-  if (!surface) return std::nullopt;
-  const Vec3 position = g - surface->signed_distance(g) * surface->gradient(g);
-  Vec3 n = surface->gradient(position);
-  if (n.dot(grid.rotation.transpose() * nearest->normal) < 0) n = -n;
+  const Vec3 g = grid.to_grid(x), row_normal = grid.rotation.transpose() * nearest->normal;
+  const Solid& solid = model.cut_cells.solid;
+  const Surface surface = solid.surfaces()[solid.surface_at(grid.to_grid(nearest->x), row_normal)].near(g);
+  const Vec3 position = g - surface.signed_distance(g) * surface.gradient(g);
+  Vec3 n = surface.gradient(position);
+  if (n.dot(row_normal) < 0) n = -n;
   const int cell = model.cut_cells.locate(position - 1e-9 * n);
   if (cell < 0) return std::nullopt;
   return make_row(sim, body, nearest->pair, cell, position, grid.rotation * n);

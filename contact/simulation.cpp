@@ -69,11 +69,13 @@ void Simulation::run(const ProgressCallbacks& progress) {
 }
 
 void Simulation::place_on_grids() {
-  for (const BodySpec& body : scene.bodies)
+  for (const BodySpec& body : scene.bodies) {
+    results.warnings.insert(results.warnings.end(), body.warnings.begin(), body.warnings.end());
     if (body.material.poisson_ratio > 0.48)
       results.warnings.push_back(fmt::format(
           "body \"{}\": nu = {:g}: trilinear elements lock near 0.5 and lose accuracy, compare with finer cells",
           body.name, body.material.poisson_ratio));
+  }
   Preparation p = prepare(scene);
   bodies = std::move(p.bodies);
   supports = std::move(p.supports);

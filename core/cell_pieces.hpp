@@ -9,6 +9,13 @@
 
 namespace cgcontact {
 
+/// What was found in one cell that the boundary may cross.
+struct CellIntegrals {
+  Index3 cell;
+  Moments moments;
+  BoundaryPoints points;
+};
+
 /// Side of a surface on which a box lies: 1 inner, 0 outer, -1 if the surface may cross or touch it. Conservative.
 int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_size);
 

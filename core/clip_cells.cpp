@@ -16,6 +16,12 @@ constexpr double max_sagitta = 0.008;
 /// Points nearer to a surface than this lie on it (cell units). Above what make_cut_cells prunes, so that a face
 /// whose sliver of a cell was pruned is found on the neighbour.
 constexpr double on_tolerance = 1e-10;
+/// Of cells that a curved patch of triangles crosses.
+constexpr int patch_subdivision = 2;
+/// Nearer to a curved patch than this its chords decide, farther away the patch itself.
+constexpr double max_sagitta_of_patch = 0.03;
+/// Cells: how far beyond a face of a piece the inside of a triangle surface is asked for.
+constexpr double beyond = 1e-3;
 /// Pieces below this volume (cell units) are rounding only.
 constexpr double min_volume = 1e-25;
 
@@ -47,7 +53,8 @@ double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
 
 class Clipper {
  public:
-  Clipper(const CutCells& cut_cells, const Solid& solid);
+  /// `solid`: the body or a part of it. Where that is bounded by triangles, `removed` may be taken away from it.
+  Clipper(const CutCells& cut_cells, const Solid& solid, const Solid* removed = nullptr);
   ClippedMesh run();
 
  private:
@@ -59,12 +66,15 @@ class Clipper {
   void emit_hexahedron(const Hexahedron& hexahedron, const std::vector<int>& surfaces);
   void emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces);
 
-  std::vector<int> surfaces_near(const Vec3& centre, double half_diagonal, const std::vector<int>& candidates) const;
+  std::vector<int> surfaces_near(const Vec3& centre, double half_size, const std::vector<int>& candidates) const;
+  bool is_inside(const Vec3& centroid) const;
+  bool is_inside_beyond(const std::array<int, 3>& points, int surface);
   int add_point(const Vec3& x);
   int node(const Index3& fine);
   int edge_point(int a, int b, int surface);
   int side(int point, int surface) const;
-  int measured_side(const Vec3& x, int surface) const;
+  double distance(int point, int surface) const;
+  static int side_by_distance(double distance);
   template <class Points>
   void set_sides(const Points& points, const std::vector<int>& surfaces);
   void drop_inner_triangles();
@@ -72,29 +82,36 @@ class Clipper {
 
   const CutCells& cut_cells_;
   const Solid& solid_;
-  const std::vector<Surface>& surfaces_;
+  const Solid* const removed_;
+  const TriangleSurface* const triangles_;
+  std::vector<Surface> surfaces_;  ///< of the solid, then those of what is removed
   bool whole_body_;
   int subdivision_ = 1;
   std::vector<int> all_surfaces_;
-  int active_ = -1;               ///< the cell in work
-  std::vector<char> inner_side_;  ///< sides of the piece in work
+  std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
+  int active_ = -1;                 ///< the cell in work
+  std::vector<char> inner_side_;    ///< sides of the piece in work
   /// Point p counts as on another side than it measures for fixed_sides_[fixed_begin_[p] .. fixed_begin_[p + 1]]:
   /// surface and side.
   std::vector<int> fixed_begin_{0};
   std::vector<std::pair<int, int>> fixed_sides_;
   std::vector<int> nodes_;  ///< by Grid::node_index, -1 where there is no point yet
   std::unordered_map<std::uint64_t, int> fine_nodes_;
+  mutable std::unordered_map<std::uint64_t, double> patch_distances_;
   std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
   std::vector<Tetrahedron> pieces_, next_pieces_;
   ClippedMesh mesh_;
 };
 
-Clipper::Clipper(const CutCells& cut_cells, const Solid& solid)
+Clipper::Clipper(const CutCells& cut_cells, const Solid& solid, const Solid* removed)
     : cut_cells_(cut_cells),
       solid_(solid),
+      removed_(removed),
+      triangles_(solid.triangles()),
       surfaces_(solid.surfaces()),
-      whole_body_(&solid == &cut_cells.solid),
-      inner_side_(solid.surfaces().size(), 0) {
+      whole_body_(&solid == &cut_cells.solid && !removed) {
+  if (removed) surfaces_.insert(surfaces_.end(), removed->surfaces().begin(), removed->surfaces().end());
+  inner_side_.assign(surfaces_.size(), 0);
   const Index3& n = cut_cells.grid.num_cells;
   nodes_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), -1);
   mesh_.hexahedra.reserve(cut_cells.cells.size());
@@ -103,6 +120,7 @@ Clipper::Clipper(const CutCells& cut_cells, const Solid& solid)
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     all_surfaces_.push_back(static_cast<int>(s));
     curvature = std::max(curvature, surfaces_[s].max_curvature());
+    if (surfaces_[s].kind == Surface::Kind::patch) subdivision_ = patch_subdivision;
   }
   while (subdivision_ < max_subdivision && curvature / (8.0 * subdivision_ * subdivision_) > max_sagitta)
     subdivision_ *= 2;
@@ -115,23 +133,70 @@ ClippedMesh Clipper::run() {
   return std::move(mesh_);
 }
 
-std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_diagonal,
+/// The candidates that may cross a cube. Of the patches of a triangle surface those with a triangle there.
+std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
                                         const std::vector<int>& candidates) const {
+  const double half_diagonal = half_size * std::sqrt(3.0);
   std::vector<int> near;
+  const int num_patches = triangles_ ? static_cast<int>(solid_.surfaces().size()) : 0;
+  if (triangles_) {
+    const Vec3 reach = Vec3::Constant(half_size + on_tolerance), low = centre - reach, high = centre + reach;
+    triangles_->tree().visit(
+        [&](const Vec3& min, const Vec3& max) {
+          return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();
+        },
+        [&](int t) { near.push_back(triangles_->patch(t)); });
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+  }
   for (int s : candidates)
-    if (std::abs(surfaces_[s].signed_distance(centre)) <= half_diagonal + on_tolerance) near.push_back(s);
+    if (s >= num_patches && std::abs(surfaces_[s].signed_distance(centre)) <= half_diagonal + on_tolerance)
+      near.push_back(s);
   return near;
+}
+
+/// Is the piece in work inside? By its sides of the surfaces; where a flat patch of triangles is nearest, by its
+/// centroid.
+bool Clipper::is_inside(const Vec3& centroid) const {
+  if (!triangles_) return solid_.evaluate(inner_side_);
+  const TriangleSurface::Foot foot = triangles_->nearest(centroid);
+  const int patch = triangles_->patch(foot.triangle);
+  const bool is_cut = std::find(cell_surfaces_.begin(), cell_surfaces_.end(), patch) != cell_surfaces_.end();
+  const bool inside = surfaces_[patch].kind == Surface::Kind::patch && is_cut && foot.distance < max_sagitta_of_patch
+                          ? inner_side_[patch] != 0
+                          : (centroid - foot.point).dot(foot.normal) <= 0;
+  if (!inside || !removed_) return inside;
+  const auto first = inner_side_.begin() + static_cast<std::ptrdiff_t>(solid_.surfaces().size());
+  return !removed_->evaluate(std::vector<char>(first, inner_side_.end()));
+}
+
+/// Does the body go on beyond a face of the piece in work that lies on a surface?
+bool Clipper::is_inside_beyond(const std::array<int, 3>& points, int surface) {
+  const bool of_triangles = triangles_ && surface < static_cast<int>(solid_.surfaces().size());
+  if (of_triangles && surfaces_[surface].kind == Surface::Kind::patch) return false;
+  const Vec3 &a = mesh_.points[points[0]], &b = mesh_.points[points[1]], &c = mesh_.points[points[2]];
+  const Vec3 centroid = (a + b + c) / 3;
+  if (of_triangles) return triangles_->contains(centroid + beyond * (b - a).cross(c - a).normalized());
+  inner_side_[surface] = !inner_side_[surface];
+  const bool inside = is_inside(centroid);
+  inner_side_[surface] = !inner_side_[surface];
+  return inside;
 }
 
 void Clipper::clip_cell(int active) {
   active_ = active;
   const Index3& c = cut_cells_.cells[active];
   const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
-  const std::vector<int> near = surfaces_near(centre, std::sqrt(0.75), all_surfaces_);
-  for (int s : all_surfaces_) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
+  const std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
+  cell_surfaces_ = triangles_ ? near : all_surfaces_;
+  const int first = triangles_ ? static_cast<int>(solid_.surfaces().size()) : 0;
+  for (int s = first; s < static_cast<int>(surfaces_.size()); ++s)
+    inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
 
   const bool full = whole_body_ && cut_cells_.cut_of_active[active] < 0;
-  const bool curved = std::any_of(near.begin(), near.end(), [&](int s) { return surfaces_[s].max_curvature() > 0; });
+  const bool curved = std::any_of(near.begin(), near.end(), [&](int s) {
+    return surfaces_[s].max_curvature() > 0 || surfaces_[s].kind == Surface::Kind::patch;
+  });
   const int parts = curved && !full ? subdivision_ : 1;
   const int size = max_subdivision / parts;
   for (int k = 0; k < parts; ++k)
@@ -148,9 +213,9 @@ void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vec
   const double length = static_cast<double>(size) / max_subdivision;
   const Vec3 centre = Vec3(fine[0], fine[1], fine[2]) / max_subdivision + Vec3::Constant(length / 2);
   for (int s : surfaces) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
-  const std::vector<int> near = surfaces_near(centre, length * std::sqrt(0.75), surfaces);
+  const std::vector<int> near = surfaces_near(centre, length / 2, surfaces);
   const bool full = whole_body_ && cut_cells_.cut_of_active[active] < 0;
-  if (near.empty() && !full && !solid_.evaluate(inner_side_)) return;
+  if (near.empty() && !full && !is_inside(centre)) return;
 
   Hexahedron points;
   for (int v = 0; v < 8; ++v)
@@ -166,7 +231,7 @@ void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vec
   });
   if (full || !cut) {
     set_sides(points, near);
-    if (full || solid_.evaluate(inner_side_)) emit_hexahedron(points, near);
+    if (full || is_inside(centre)) emit_hexahedron(points, near);
     return;
   }
   for (const auto& t : kuhn) clip_tetrahedron({points[t[0]], points[t[1]], points[t[2]], points[t[3]]}, near);
@@ -227,8 +292,8 @@ void Clipper::set_sides(const Points& points, const std::vector<int>& surfaces) 
 
 void Clipper::emit_leaf(Tetrahedron leaf, const std::vector<int>& surfaces) {
   set_sides(leaf, surfaces);
-  if (!solid_.evaluate(inner_side_)) return;
   const auto& x = mesh_.points;
+  if (!is_inside((x[leaf[0]] + x[leaf[1]] + x[leaf[2]] + x[leaf[3]]) / 4)) return;
   const double volume = tetrahedron_volume(x[leaf[0]], x[leaf[1]], x[leaf[2]], x[leaf[3]]);
   if (std::abs(volume) < min_volume) return;
   if (volume < 0) std::swap(leaf[2], leaf[3]);
@@ -256,10 +321,7 @@ void Clipper::emit_hexahedron(const Hexahedron& hexahedron, const std::vector<in
 void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces) {
   for (int s : surfaces) {
     if (side(points[0], s) != 0 || side(points[1], s) != 0 || side(points[2], s) != 0) continue;
-    inner_side_[s] = !inner_side_[s];
-    const bool inside_beyond = solid_.evaluate(inner_side_);
-    inner_side_[s] = !inner_side_[s];
-    if (inside_beyond) continue;
+    if (is_inside_beyond(points, s)) continue;
     mesh_.boundary.push_back({points, active_, s});
     return;
   }
@@ -293,8 +355,8 @@ int Clipper::edge_point(int a, int b, int surface) {
   if (!added) return entry->second;
 
   const Vec3 x = mesh_.points[a], d = mesh_.points[b] - mesh_.points[a];
-  const double da = surfaces_[surface].signed_distance(x);
-  const double linear = da / (da - surfaces_[surface].signed_distance(mesh_.points[b]));
+  const double da = distance(a, surface);
+  const double linear = da / (da - distance(b, surface));
   double roots[2], t = linear, best = 1;
   const int num_roots = surfaces_[surface].intersect_line(x, d, roots);
   for (int r = 0; r < num_roots; ++r)
@@ -304,27 +366,37 @@ int Clipper::edge_point(int a, int b, int surface) {
     }
   const Vec3 middle = x + t * d;
   fixed_sides_.emplace_back(surface, 0);
-  for (int s : all_surfaces_) {
+  for (int s : cell_surfaces_) {
     const int side_a = side(a, s), side_b = side(b, s);
     // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
     const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
     const int linear_side = side_a != 0 ? side_a : side_b;
-    if (s != surface && decided && linear_side != measured_side(middle, s)) fixed_sides_.emplace_back(s, linear_side);
+    if (s != surface && decided && linear_side != side_by_distance(surfaces_[s].signed_distance(middle)))
+      fixed_sides_.emplace_back(s, linear_side);
   }
   return add_point(middle);
 }
 
 /// -1 inner, 0 on, +1 outer side of a surface.
-int Clipper::measured_side(const Vec3& x, int surface) const {
-  const double distance = surfaces_[surface].signed_distance(x);
+int Clipper::side_by_distance(double distance) {
   if (std::abs(distance) <= on_tolerance) return 0;
   return distance < 0 ? -1 : 1;
+}
+
+/// From a point to a surface; that to a patch of triangles, a search, is kept.
+double Clipper::distance(int point, int surface) const {
+  const Vec3& x = mesh_.points[point];
+  if (surfaces_[surface].kind != Surface::Kind::patch) return surfaces_[surface].signed_distance(x);
+  const std::uint64_t key = static_cast<std::uint64_t>(point) * surfaces_.size() + static_cast<std::uint64_t>(surface);
+  const auto [entry, added] = patch_distances_.try_emplace(key, 0.0);
+  if (added) entry->second = surfaces_[surface].signed_distance(x);
+  return entry->second;
 }
 
 int Clipper::side(int point, int surface) const {
   for (int i = fixed_begin_[point]; i < fixed_begin_[point + 1]; ++i)
     if (fixed_sides_[i].first == surface) return fixed_sides_[i].second;
-  return measured_side(mesh_.points[point], surface);
+  return side_by_distance(distance(point, surface));
 }
 
 /// A triangle that belongs to two pieces lies inside the body (chords of a curved surface).
@@ -373,7 +445,11 @@ void Clipper::drop_unused_points() {
 
 ClippedMesh clip_cells(const CutCells& cut_cells) { return Clipper(cut_cells, cut_cells.solid).run(); }
 
-ClippedMesh clip_cells(const CutCells& cut_cells, const Solid& part) { return Clipper(cut_cells, part).run(); }
+ClippedMesh clip_cells(const CutCells& cut_cells, const Solid& removed) {
+  if (cut_cells.solid.triangles()) return Clipper(cut_cells, cut_cells.solid, &removed).run();
+  const Solid part = Solid::subtract(cut_cells.solid, removed);
+  return Clipper(cut_cells, part).run();
+}
 
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point) {
   const Index3& c = cut_cells.cells[active_cell];

@@ -39,12 +39,17 @@ struct ClippedMesh {
 /// - A vertex closer to a surface than 1e-10 lies on it and never causes a cut. A piece whose vertices all lie on a
 ///   surface is on the side of its centroid. Pieces of no volume are dropped, cells filled to less than 1e-10 with
 ///   them.
+/// - A patch of a triangle surface is a surface whose distance is that to the plane of its nearest triangle; whether a
+/// piece
+///   is inside is asked of its centroid. Faces that are flat and their edges are exact, triangles smaller than the
+///   pieces are not resolved.
 /// - Surfaces that only bulge into an edge or face without passing between two vertices are not seen: the mesh of a
 ///   curved body is second-order accurate, that of a planar one exact.
 ClippedMesh clip_cells(const CutCells& cut_cells);
 
-/// The same for another solid that lies inside the body (grid coordinates), for example the body cut open by a plane.
-ClippedMesh clip_cells(const CutCells& cut_cells, const Solid& part);
+/// The same for the body without another solid (CSG, grid coordinates), for example the body cut open by a plane;
+/// surfaces of that solid are numbered after those of the body.
+ClippedMesh clip_cells(const CutCells& cut_cells, const Solid& removed);
 
 /// Cell coordinates in [-1,1]^3 of a point (grid coordinates) in an active cell; clamped to the cell.
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point);

@@ -11,6 +11,9 @@ namespace cgcontact {
 namespace {
 
 constexpr double merge_tolerance = 1e-12;  // relative to the size of the solid
+/// A patch this flat is a plane: coordinates in single precision, as STL files have them, are about 1e-7 off.
+/// Small triangles are turned more by that than large ones.
+constexpr double flat_tolerance = 1e-6, flat_angle = 1e-2;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Vec3 radial(const Surface& surface, const Vec3& x) {
@@ -40,6 +43,8 @@ bool coincide(const Surface& a, const Surface& b, double length, bool& opposite)
       // the points may lie far apart on the plane: compare where it is nearest to both
       return a.direction.cross(b.direction).norm() <= merge_tolerance &&
              std::abs(a.direction.dot(d)) <= tolerance + merge_tolerance * d.norm();
+    case Surface::Kind::patch:
+      return false;
   }
   return false;
 }
@@ -55,6 +60,41 @@ int combine_sides(BooleanOp::Kind kind, int a, int b) {
   return a == 1 && b == 1 ? 1 : -1;
 }
 
+/// The patches as elementary surfaces; a flat one is a plane.
+std::vector<Surface> patch_surfaces(const std::shared_ptr<const TriangleSurface>& triangles) {
+  const std::size_t n = triangles->face_names().size();
+  std::vector<Surface> surfaces(n);
+  std::vector<double> area(n, 0);
+  for (Surface& s : surfaces) s.direction = Vec3::Zero();
+  const auto each_triangle = [&](const auto& use) {
+    for (std::size_t t = 0; t < triangles->triangles().size(); ++t) use(static_cast<int>(t));
+  };
+  each_triangle([&](int t) {
+    const Vec3 &a = triangles->corner(t, 0), &b = triangles->corner(t, 1), &c = triangles->corner(t, 2);
+    const double weight = (b - a).cross(c - a).norm();
+    Surface& s = surfaces[triangles->patch(t)];
+    s.point += weight * (a + b + c) / 3;
+    s.direction += weight * triangles->normal(t);
+    area[triangles->patch(t)] += weight;
+  });
+  for (std::size_t p = 0; p < n; ++p) {
+    surfaces[p].names = {triangles->face_names()[p]};
+    surfaces[p].point /= area[p];
+    surfaces[p].direction.normalize();
+  }
+  const double distance = flat_tolerance * (triangles->tree().max() - triangles->tree().min()).norm();
+  each_triangle([&](int t) {
+    Surface& s = surfaces[triangles->patch(t)];
+    bool flat = (triangles->normal(t) - s.direction).norm() < flat_angle;
+    for (int k = 0; k < 3; ++k) flat = flat && std::abs(s.direction.dot(triangles->corner(t, k) - s.point)) < distance;
+    if (flat) return;
+    s.kind = Surface::Kind::patch;
+    s.triangles = triangles;
+    s.patch = triangles->patch(t);
+  });
+  return surfaces;
+}
+
 }  // namespace
 
 double Surface::signed_distance(const Vec3& x) const {
@@ -65,18 +105,34 @@ double Surface::signed_distance(const Vec3& x) const {
       return (x - point).norm() - radius;
     case Kind::cylinder:
       return radial(*this, x).norm() - radius;
+    case Kind::patch:
+      return near(x).signed_distance(x);
   }
   return 0;
 }
 
+Surface Surface::near(const Vec3& x) const {
+  if (kind != Kind::patch) return *this;
+  const int triangle = triangles->nearest(x, patch).triangle;
+  Surface plane;
+  plane.point = triangles->corner(triangle, 0);
+  plane.direction = triangles->normal(triangle);
+  return plane;
+}
+
 Vec3 Surface::gradient(const Vec3& x) const {
   if (kind == Kind::plane) return direction;
+  if (kind == Kind::patch) {
+    const TriangleSurface::Foot foot = triangles->nearest(x, patch);
+    return triangles->smooth_normal(foot.triangle, foot.point);
+  }
   const Vec3 d = kind == Kind::sphere ? Vec3(x - point) : radial(*this, x);
   const double length = d.norm();
   return length > 0 ? Vec3(d / length) : direction.unitOrthogonal();
 }
 
 int Surface::intersect_line(const Vec3& x, const Vec3& d, double t[2]) const {
+  if (kind == Kind::patch) return 0;
   if (kind == Kind::plane) {
     const double slope = direction.dot(d);
     if (slope == 0) return 0;
@@ -179,6 +235,13 @@ Solid Solid::half_space(const Vec3& point, const Vec3& normal, const std::string
   return primitive({s}, hull);
 }
 
+Solid Solid::bounded_by(TriangleSurface surface) {
+  Solid solid;
+  solid.triangles_ = std::make_shared<const TriangleSurface>(std::move(surface));
+  solid.surfaces_ = patch_surfaces(solid.triangles_);
+  return solid;
+}
+
 double Solid::length_scale() const {
   Vec3 min, max;
   if (bounding_box(min, max) && (max - min).norm() > 0) return (max - min).norm();
@@ -189,6 +252,7 @@ double Solid::length_scale() const {
 }
 
 Solid Solid::combine(const Solid& a, const Solid& b, BooleanOp::Kind kind) {
+  require(!a.triangles_ && !b.triangles_, "a body bounded by a triangle surface cannot be combined with other shapes");
   Solid result = a;
   const double length = std::max(a.length_scale(), b.length_scale());
   std::vector<int> index(b.surfaces_.size());
@@ -243,6 +307,7 @@ Solid Solid::transformed(const Mat3& rotation, const Vec3& translation, double s
           "a placement must be finite with a positive scale");
   require((rotation.transpose() * rotation - Mat3::Identity()).norm() < 1e-10 && rotation.determinant() > 0,
           "a placement must be a rotation");
+  if (triangles_) return bounded_by(triangles_->transformed(rotation, translation, scale));
   Solid result = *this;
   auto move = [&](Vec3& x) { x = (scale * (rotation * x) + translation).eval(); };
   for (Surface& s : result.surfaces_) {
@@ -260,9 +325,55 @@ Solid Solid::transformed(const Mat3& rotation, const Vec3& translation, double s
 }
 
 bool Solid::contains(const Vec3& x) const {
+  if (triangles_) return triangles_->contains(x);
   std::vector<char> inner(surfaces_.size());
   for (std::size_t i = 0; i < surfaces_.size(); ++i) inner[i] = surfaces_[i].signed_distance(x) <= 0;
   return evaluate(inner);
+}
+
+double Solid::distance_to_surfaces(const Vec3& x) const {
+  if (triangles_) return triangles_->nearest(x).distance;
+  double least = infinity;
+  for (const Surface& s : surfaces_) least = std::min(least, std::abs(s.signed_distance(x)));
+  return least;
+}
+
+int Solid::surface_at(const Vec3& x, const Vec3& n) const {
+  if (triangles_) return triangles_->patch(triangles_->nearest_facing(x, n));
+  int best = -1;
+  double least = infinity;
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    const double misfit = std::abs(surfaces_[s].signed_distance(x)) + (1 - std::abs(surfaces_[s].gradient(x).dot(n)));
+    if (misfit >= least) continue;
+    least = misfit;
+    best = static_cast<int>(s);
+  }
+  return best;
+}
+
+void Solid::crossings(const Vec3& x, const Vec3& d, double reach, std::vector<Crossing>& found) const {
+  if (triangles_) {
+    triangles_->each_hit(x, d, reach, [&](double t, int triangle) {
+      found.push_back({t, triangles_->patch(triangle), triangles_->normal(triangle)});
+    });
+    return;
+  }
+  static thread_local std::vector<char> side;
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    double t[2];
+    const int count = surfaces_[s].intersect_line(x, d, t);
+    for (int r = 0; r < count; ++r) {
+      if (std::abs(t[r]) > reach) continue;
+      const Vec3 y = x + t[r] * d;
+      side.resize(surfaces_.size());
+      for (std::size_t k = 0; k < side.size(); ++k) side[k] = surfaces_[k].signed_distance(y) <= 0;
+      side[s] = 1;
+      const bool inside = evaluate(side);
+      side[s] = 0;
+      if (inside == evaluate(side)) continue;  // not on the boundary here
+      found.push_back({t[r], static_cast<int>(s), (inside ? 1.0 : -1.0) * surfaces_[s].gradient(y)});
+    }
+  }
 }
 
 bool Solid::evaluate(const std::vector<char>& inner_side) const {
@@ -317,6 +428,11 @@ std::pair<Vec3, Vec3> Solid::hull_bounds(const Hull& hull) {
 }
 
 bool Solid::bounding_box(Vec3& min, Vec3& max) const {
+  if (triangles_) {
+    min = triangles_->tree().min();
+    max = triangles_->tree().max();
+    return true;
+  }
   std::vector<std::pair<Vec3, Vec3>> stack;
   for (const BoundOp& op : bounds_) {
     if (op.kind == BooleanOp::Kind::surface) {

@@ -9,6 +9,8 @@
 #include "core/errors.hpp"
 #include "core/moments.hpp"
 #include "core/parallel.hpp"
+#include "core/triangle_cells.hpp"
+#include "core/triangle_pieces.hpp"
 
 namespace cgcontact {
 
@@ -19,11 +21,8 @@ constexpr double full_tolerance = 1e-13;  // moments this near to those of a ful
 constexpr int default_order = 3;
 constexpr std::size_t grain = 16;  // cells per chunk of the parallel loop
 
-/// A cell that a surface may cross, with what was found in it.
-struct Candidate {
-  Index3 cell;
-  Moments moments;
-  BoundaryPoints points;
+/// A cell that a surface may cross.
+struct Candidate : CellIntegrals {
   bool pruned = false;
 };
 
@@ -75,8 +74,10 @@ class CutCellBuilder {
   }
 
   CutCells run() {
-    classes_ = classify_cells(result_.solid, result_.grid);
-    integrate_candidates();
+    if (result_.solid.triangles())
+      integrate_triangles(*result_.solid.triangles());
+    else
+      integrate_surfaces();
     number_cells();
     if (result_.cells.empty()) throw InputError("the body is empty");
     adopt_pruned();
@@ -85,12 +86,33 @@ class CutCellBuilder {
   }
 
  private:
-  void integrate_candidates() {
+  void integrate_surfaces() {
+    classes_ = classify_cells(result_.solid, result_.grid);
     const std::vector<Index3>& cells = classes_.candidates;
     std::vector<std::vector<Candidate>> found(num_chunks(cells.size(), grain));
     parallel_chunks(cells.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) integrate(cells[i], found[chunk]);
     });
+    collect_candidates(found);
+    classes_.candidates = {};
+  }
+
+  void integrate_triangles(const TriangleSurface& surface) {
+    classes_.inside.assign(result_.grid.num_cells_total(), 0);
+    const TriangleCells cells(surface);
+    std::vector<std::vector<Candidate>> found(num_chunks(cells.num_rows(), 1));
+    parallel_chunks(cells.num_rows(), 1, [&](std::size_t chunk, std::size_t row, std::size_t) {
+      std::vector<CellIntegrals> cut;
+      std::vector<std::pair<Index3, int>> inside;
+      cells.sweep(row, default_order, cut, inside);
+      for (CellIntegrals& cell : cut) keep(std::move(cell), found[chunk]);
+      for (const auto& [first, number] : inside)
+        for (int i = 0; i < number; ++i) set_inside({first[0] + i, first[1], first[2]});
+    });
+    collect_candidates(found);
+  }
+
+  void collect_candidates(std::vector<std::vector<Candidate>>& found) {
     std::size_t total = 0;
     for (const auto& chunk : found) total += chunk.size();
     candidates_.reserve(total);
@@ -98,7 +120,6 @@ class CutCellBuilder {
       std::move(chunk.begin(), chunk.end(), std::back_inserter(candidates_));
       chunk = {};
     }
-    classes_.candidates = {};
   }
 
   /// Appends the cell to `found` unless it turns out to be empty or full.
@@ -108,17 +129,22 @@ class CutCellBuilder {
       if (local.table[0]) set_inside(cell);
       return;
     }
-    Candidate candidate{cell, cell_moments(result_.solid, local, cell), {}};
-    cell_boundary_points(result_.solid, local, cell, {}, {}, default_order, 0, candidate.points);
+    CellIntegrals integrals{cell, cell_moments(result_.solid, local, cell), {}};
+    cell_boundary_points(result_.solid, local, cell, {}, {}, default_order, 0, integrals.points);
+    keep(std::move(integrals), found);
+  }
+
+  void keep(CellIntegrals&& integrals, std::vector<Candidate>& found) {
+    Candidate candidate{std::move(integrals)};
     candidate.pruned = candidate.moments[0] < 8 * prune_fraction;
     if (!candidate.pruned) {
-      if (!in_grid(cell)) throw InputError("the body sticks out of its grid");
+      if (!in_grid(candidate.cell)) throw InputError("the body sticks out of its grid");
       double difference = 0;
       for (int q = 0; q < num_moments; ++q)
         difference = std::max(difference, std::abs(candidate.moments[q] - full_cell_moments()[q]));
       const bool full = difference < 8 * full_tolerance;
       if (full) candidate.moments = full_cell_moments();
-      if (full && candidate.points.size() == 0) return set_inside(cell);
+      if (full && candidate.points.size() == 0) return set_inside(candidate.cell);
     } else if (candidate.points.size() == 0) {
       return;
     }
@@ -300,6 +326,9 @@ void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const s
   std::vector<char> selected(solid.surfaces().size(), 0), adopted;
   for (int s : surfaces) selected[s] = 1;
   auto add_cell = [&](const Index3& cell, const std::vector<char>& wanted) {
+    if (const TriangleSurface* triangles = solid.triangles())
+      return triangle_boundary_points(*triangles, triangles_near_cell(*triangles, cell), cell, wanted, dividers, order,
+                                      active_cell, points);
     const LocalSolid local = make_local_solid(solid, Vec3(cell[0], cell[1], cell[2]), 1);
     cell_boundary_points(solid, local, cell, wanted, dividers, order, active_cell, points);
   };

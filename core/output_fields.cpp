@@ -15,19 +15,7 @@ using PieceRows = std::map<std::pair<int, int>, std::vector<const ContactRow*>>;
 
 /// The elementary surface a row lies on.
 int surface_of_row(const CutCells& cut_cells, const ContactRow& row) {
-  const Vec3 x = cut_cells.grid.to_grid(row.x);
-  const Vec3 n = cut_cells.grid.rotation.transpose() * row.normal;
-  int best = -1;
-  double nearest = std::numeric_limits<double>::max();
-  const std::vector<Surface>& surfaces = cut_cells.solid.surfaces();
-  for (std::size_t s = 0; s < surfaces.size(); ++s) {
-    if (std::abs(surfaces[s].gradient(x).dot(n)) < 0.9) continue;
-    const double distance = std::abs(surfaces[s].signed_distance(x));
-    if (distance >= nearest) continue;
-    nearest = distance;
-    best = static_cast<int>(s);
-  }
-  return best;
+  return cut_cells.solid.surface_at(cut_cells.grid.to_grid(row.x), cut_cells.grid.rotation.transpose() * row.normal);
 }
 
 /// Rows of one body by active cell and surface.

@@ -191,8 +191,7 @@ std::vector<DrawnBody> cut_open(const Results& results, const ContactPlace& plac
       const Vec3 towards_viewer = cut_cells.grid.rotation.transpose() * (Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0));
       halves.push_back(Solid::half_space(centre, -towards_viewer, "cut"));
     }
-    const Solid part = Solid::subtract(cut_cells.solid, Solid::intersect(halves[0], halves[1]));
-    drawn.push_back(draw_body(body, clip_cells(cut_cells, part)));
+    drawn.push_back(draw_body(body, clip_cells(cut_cells, Solid::intersect(halves[0], halves[1]))));
   }
   return drawn;
 }

@@ -46,6 +46,8 @@ struct BodySpec {
   Mat3 grid_rotation = Mat3::Identity();
   std::array<Expression, 3> body_force;  ///< N/m^3
   std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
+  std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
+  std::vector<std::string> warnings;     ///< the same for what the user should look at
   SourcePlace place;
 };
 

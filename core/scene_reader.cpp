@@ -63,6 +63,9 @@ double read_cell_size(const TomlCursor& node, const Solid& solid) {
   Vec3 min, max;
   solid.bounding_box(min, max);
   const Vec3 extent = max - min;
+  if (solid.triangles() && size > extent.maxCoeff())
+    node.fail(fmt::format("is more than the whole body, which is {:.3g} m long: is the unit of the mesh right?",
+                          extent.maxCoeff()));
   if ((extent / size + Vec3::Ones()).prod() > most_cells) {
     const double least = std::cbrt(extent.prod() / most_cells);
     node.fail("makes more than 2e9 cells", fmt::format("about {:.2g} m or more", least));
@@ -154,6 +157,8 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
   body.place = node.place();
   body.name = read_name(node.at("name", "a name"));
   body.solid = shape.solid;
+  body.notes = shape.notes;
+  body.warnings = shape.warnings;
   body.material = read_material(node.at("material", "{E = .., nu = ..}"));
   body.cell_size = read_cell_size(node.at("cell_size", "> 0 m"), body.solid);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);

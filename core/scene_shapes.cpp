@@ -6,18 +6,21 @@
 #include <cctype>
 #include <set>
 
+#include "core/scene_mesh.hpp"
 #include "core/suggest.hpp"
 
 namespace cgcontact {
 
 namespace {
 
+/// m; a surface outside of this range was probably read in a wrong unit.
+constexpr double largest_usual = 100, smallest_usual = 1e-5;
 const std::vector<std::string> box_faces = {"x-", "x+", "y-", "y+", "z-", "z+"};
 const std::vector<std::string> sphere_faces = {"surface"};
 const std::vector<std::string> cylinder_faces = {"side", "bottom", "top"};
 const std::vector<std::string> half_space_faces = {"plane"};
-const std::vector<std::string> kinds = {"box",   "sphere",       "cylinder",  "half_space",
-                                        "union", "intersection", "difference"};
+const std::vector<std::string> kinds = {"box",  "sphere", "cylinder",     "half_space",
+                                        "mesh", "union",  "intersection", "difference"};
 const std::vector<std::string> placement_keys = {"name", "translate", "rotate"};
 
 std::string as_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
@@ -66,11 +69,13 @@ class ShapeReader {
   Solid read(const TomlCursor& node);
 
   std::vector<PrimitiveFaces> primitives;
+  std::vector<std::string> notes, warnings;
 
  private:
   std::string kind_of(const TomlCursor& node) const;
   std::string name_of(const TomlCursor& node, const std::string& kind);
   Solid read_primitive(const TomlCursor& node, const std::string& kind);
+  Solid read_mesh_shape(const TomlCursor& node, const std::string& name);
   Solid read_operation(const TomlCursor& node, const std::string& kind);
   Solid placed(const TomlCursor& node, const Solid& solid) const;
 
@@ -118,8 +123,21 @@ Solid ShapeReader::read_primitive(const TomlCursor& node, const std::string& kin
     primitives.push_back({name, cylinder_faces});
     return read_cylinder(data, name);
   }
+  if (kind == "mesh") return read_mesh_shape(data, name);
   primitives.push_back({name, half_space_faces});
   return read_half_space(data, name);
+}
+
+Solid ShapeReader::read_mesh_shape(const TomlCursor& node, const std::string& name) {
+  const MeshShape mesh = read_mesh(node, name);
+  primitives.push_back({name, mesh.faces});
+  notes.push_back(mesh.note);
+  if (mesh.repaired) warnings.push_back(mesh.note);
+  const double longest = mesh.extent.maxCoeff();
+  if (longest > largest_usual || longest < smallest_usual)
+    warnings.push_back(fmt::format("{}: the surface is {:.3g} m long: is its unit right?",
+                                   node.at("file").string("a file name"), longest));
+  return mesh.solid;
 }
 
 Solid ShapeReader::read_operation(const TomlCursor& node, const std::string& kind) {
@@ -131,6 +149,8 @@ Solid ShapeReader::read_operation(const TomlCursor& node, const std::string& kin
   Solid solid = read(operands[0]);
   for (std::size_t k = 1; k < operands.size(); ++k) {
     const Solid next = read(operands[k]);
+    if (solid.triangles() || next.triangles())
+      list.fail("combines a mesh with other shapes, which is not possible", "a mesh as the whole shape of a body");
     if (kind == "union")
       solid = Solid::unite(solid, next);
     else if (kind == "intersection")
@@ -193,6 +213,8 @@ Shape read_shape(const TomlCursor& node) {
   Shape shape;
   shape.solid = reader.read(node);
   shape.primitives = std::move(reader.primitives);
+  shape.notes = std::move(reader.notes);
+  shape.warnings = std::move(reader.warnings);
   Vec3 min, max;
   if (!shape.solid.bounding_box(min, max))
     node.fail("is unbounded or empty", "a bounded solid: intersect half-spaces with a box");

@@ -18,6 +18,8 @@ struct PrimitiveFaces {
 struct Shape {
   Solid solid;
   std::vector<PrimitiveFaces> primitives;  ///< in the order of the file
+  std::vector<std::string> notes;          ///< on what was read from mesh files, one line each
+  std::vector<std::string> warnings;       ///< the same for what the user should look at
 
   /// "primitive.face" of all faces.
   std::vector<std::string> face_names() const;

@@ -125,7 +125,8 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int de
     if (degree == 2) offsets[count++].setZero();
   }
   for (int i = 0; i < count; ++i) {
-    const Vec3 x = project(surface, g.centroid + offsets[i][0] * t1 + offsets[i][1] * t2);
+    const Vec3 near = g.centroid + offsets[i][0] * t1 + offsets[i][1] * t2;
+    const Vec3 x = surface.kind == Surface::Kind::patch ? project(surface.near(near), near) : project(surface, near);
     Vec3 n = surface.gradient(x);
     if (n.dot(g.normal) < 0) n = -n;
     group.position[i] = x;

@@ -203,14 +203,9 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
   edge.curvature = piece.curvature * grid.cell_size;
   edge.inverse_width = piece.inverse_width * grid.cell_size;
   const Vec3 x = grid.to_grid(face_point), n = grid.rotation.transpose() * normal;
-  double least = 1e300;
-  for (const Surface& surface : mesh.cut_cells->solid.surfaces()) {
-    const double distance = std::abs(surface.signed_distance(x)) + (1 - std::abs(surface.gradient(x).dot(n)));
-    if (distance >= least) continue;
-    least = distance;
-    edge.surface = surface;
-    edge.orientation = surface.gradient(x).dot(n) < 0 ? -1 : 1;
-  }
+  const Solid& solid = mesh.cut_cells->solid;
+  edge.surface = solid.surfaces()[solid.surface_at(x, n)].near(x);
+  edge.orientation = edge.surface.gradient(x).dot(n) < 0 ? -1 : 1;
   edge.scale = grid.cell_size / unit;
   edge.poisson_ratio = mesh.poisson_ratio();
   return edge;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/clip_cells.hpp"
+#include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {
 namespace {
@@ -139,10 +140,42 @@ TEST(clip_cells, a_part_of_the_body_can_be_drawn) {
   const CutCells cells = cut(Solid::box({1, 1, 1}, {5, 5, 5}, "box"), 6);
   const Solid quarter = Solid::intersect(Solid::half_space({3.1, 0, 0}, -Vec3::UnitX(), "a"),
                                          Solid::half_space({0, 2.7, 0}, -Vec3::UnitY(), "b"));
-  const ClippedMesh mesh = clip_cells(cells, Solid::subtract(cells.solid, quarter));
+  const ClippedMesh mesh = clip_cells(cells, quarter);
   const double volume = 64 - 1.9 * 2.3 * 4;
   EXPECT_NEAR(mesh.volume() / volume, 1, 1e-13);
   EXPECT_NEAR(enclosed_volume(mesh) / volume, 1, 1e-13);
+}
+
+// Flat faces of triangle surfaces, their edges (also inward ones) and cut-open parts are drawn exactly, curved ones
+// closely.
+TEST(clip_cells, bodies_of_triangles) {
+  const TriangleSoup block = test::prism_soup({{0, 0}, {4, 0}, {4, 1}, {1, 1}, {1, 3}, {0, 3}}, {0.5, 0.5}, 2);
+  const Mat3 rotation = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  for (const Mat3& turn : {Mat3(Mat3::Identity()), rotation}) {
+    const Solid solid = Solid::bounded_by(test::surface_of(block)).transformed(turn, {4.1, 4.2, 3.9});
+    const CutCells cells = cut(solid, 10);
+    const ClippedMesh mesh = clip_cells(cells);
+    expect_sound(cells, mesh);
+    EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 1e-11);
+    EXPECT_NEAR(enclosed_volume(mesh) / mesh.volume(), 1, 1e-9);
+    const ClippedMesh half = clip_cells(cells, Solid::half_space({0, 0, 5}, -Vec3::UnitZ(), "cut"));
+    EXPECT_LT(half.volume(), 0.9 * mesh.volume());
+    EXPECT_NEAR(enclosed_volume(half) / half.volume(), 1, 1e-9);
+  }
+  TriangleSoup rounded = block;  // single precision: the faces are flat up to 1e-7
+  for (Vec3& x : rounded.points) x = (rotation * x).cast<float>().cast<double>() + Vec3(4.1, 4.2, 3.9);
+  const CutCells nearly = cut(Solid::bounded_by(test::surface_of(rounded)), 10);
+  const ClippedMesh drawn = clip_cells(nearly);
+  expect_sound(nearly, drawn);
+  EXPECT_NEAR(drawn.volume() / volume_of_moments(nearly), 1, 1e-6);
+  EXPECT_NEAR(enclosed_volume(drawn) / drawn.volume(), 1, 1e-5);
+  const Solid ball =
+      Solid::bounded_by(test::surface_of(test::sphere_soup(3, 16))).transformed(rotation, {4.1, 4.2, 3.9});
+  const CutCells cells = cut(ball, 8);
+  const ClippedMesh mesh = clip_cells(cells);
+  expect_sound(cells, mesh);
+  // Chords of pieces of half a cell on a radius of 3: 0.75 / (8 * 3) cells deep at most, 2/3 of that in the mean.
+  EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 0.02);
 }
 
 TEST(clip_cells, cell_coordinates_are_those_of_the_cell) {

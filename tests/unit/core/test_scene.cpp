@@ -227,6 +227,28 @@ TEST(Scene, every_scene_of_the_program_is_good) {
 
 // ---- bad scenes
 
+// A mesh is read relative to the scene file, scaled, placed, and its faces can be referred to; its size tells a wrong
+// unit.
+TEST(Scene, bodies_from_mesh_files) {
+  const Scene scene = read_scene(scene_file("rail.toml"), {"body.rail.shape.translate=[1, 0, 0]"});
+  const BodySpec& rail = scene.bodies[0];
+  Vec3 min, max;
+  ASSERT_TRUE(rail.solid.bounding_box(min, max));
+  EXPECT_TRUE(min.isApprox(Vec3(1, -0.024, 0), 1e-12)) << min.transpose();
+  EXPECT_TRUE(max.isApprox(Vec3(1.048, 0.024, 0.048), 1e-12)) << max.transpose();
+  ASSERT_EQ(rail.notes.size(), 1u);
+  expect_contains(rail.notes[0], {"data/rail.stl: 208 triangles in 1 shell, 0.048 x 0.048 x 0.048 m"});
+  EXPECT_TRUE(rail.warnings.empty());
+  EXPECT_EQ(scene.contacts[0].second.face.surfaces, std::vector<std::string>{"profile.tread"});
+  EXPECT_TRUE(scene.bodies[1].notes.empty());
+  expect_contains(
+      message_of(scene_file("rail.toml"), {"body.rail.shape.mesh.unit=um"}),
+      {"body[0].cell_size", "is more than the whole body, which is 4.8e-05 m long: is the unit of the mesh right?"});
+  expect_contains(message_of(scene_file("rail.toml"), {"body.rail.shape.mesh.scale=1"}), {"has both unit and scale"});
+  expect_contains(message_of(scene_file("rail.toml"), {"body.rail.shape.mesh.faces.tread.smooth={triangle=999}"}),
+                  {"faces[1].smooth.triangle = 999: there is no such triangle"});
+}
+
 /// Every file in tests/bad_scenes says in "# expect: text" lines what the message must contain; those of the stage
 /// "solve" are found bad later, when there are grids.
 TEST(Scene, bad_scenes_give_one_message_with_place_key_value_and_range) {

@@ -1,0 +1,399 @@
+#include "core/triangle_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include "core/errors.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr std::size_t most_triangles = 100'000'000;
+constexpr std::size_t stl_header = 84, stl_facet = 50;
+
+[[noreturn]] void fail(const std::string& file, int line, const std::string& problem, const std::string& allowed = {}) {
+  throw InputError(SourcePlace{file, line, ""}, "", problem, allowed);
+}
+
+std::string read_bytes(const std::string& file) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(file, ignored)) fail(file, 0, "there is no such file");
+  if (!std::filesystem::is_regular_file(file, ignored)) fail(file, 0, "is not a file but a folder or device");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(std::filesystem::file_size(file), '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream) fail(file, 0, "the file cannot be read");
+  if (text.empty()) fail(file, 0, "the file is empty");
+  return text;
+}
+
+/// Lines of a text, and the words of the present one.
+class LineReader {
+ public:
+  LineReader(const std::string& file, std::string_view text) : file_(file), rest_(text) {}
+
+  /// The next line that has a word; its first word, or "" at the end.
+  std::string_view next_line() {
+    while (!rest_.empty()) {
+      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+      words_ = rest_.substr(0, end);
+      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      ++line_;
+      const std::string_view word = next_word();
+      if (!word.empty()) return word;
+    }
+    return {};
+  }
+  std::string_view next_word() {
+    const char* const blank = " \t\r\f\v";
+    words_.remove_prefix(std::min(words_.find_first_not_of(blank), words_.size()));
+    const std::string_view word = words_.substr(0, words_.find_first_of(blank));
+    words_.remove_prefix(word.size());
+    return word;
+  }
+  double number(const char* what) {
+    std::string_view word = next_word();
+    if (word.empty())
+      fail(file_, line_, rest_.empty() ? "the file ends here: is it truncated?" : "a number is missing", what);
+    const std::string_view whole = word;
+    if (!word.empty() && word[0] == '+') word.remove_prefix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (word.empty() || error != std::errc() || end != word.data() + word.size())
+      fail(file_, line_, fmt::format("\"{}\" is no number", whole), what);
+    if (!std::isfinite(value)) fail(file_, line_, fmt::format("\"{}\" is not finite", whole), what);
+    return value;
+  }
+  long long integer(const char* what) { return integer(next_word(), what); }
+  long long integer(std::string_view word, const char* what) const {
+    long long value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (word.empty() || error != std::errc() || end != word.data() + word.size())
+      fail(file_, line_, fmt::format("\"{}\" is no integer", word), what);
+    return value;
+  }
+  Vec3 vector(const char* what) {
+    Vec3 x;
+    for (int k = 0; k < 3; ++k) x[k] = number(what);
+    return x;
+  }
+  int line() const { return line_; }
+  std::string_view rest() const { return rest_; }
+
+ private:
+  const std::string& file_;
+  std::string_view rest_, words_;
+  int line_ = 0;
+};
+
+std::string lower(std::string_view word) {
+  std::string result(word);
+  for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return result;
+}
+
+/// Adds a polygon as triangles around its first corner; `line` 0: the file has none.
+void add_polygon(const std::string& file, const std::vector<int>& corners, int number, int line, TriangleSoup& soup) {
+  const std::string where = fmt::format("face {}", number);
+  if (corners.size() < 3) fail(file, line, where + " has fewer than three corners");
+  for (const int c : corners)
+    if (c < 0 || c >= static_cast<int>(soup.points.size()))
+      fail(file, line, fmt::format("{} refers to vertex {} of {}", where, c + 1, soup.points.size()));
+  Vec3 first = Vec3::Zero();
+  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
+    const Vec3& a = soup.points[corners[0]];
+    const Vec3 normal = (soup.points[corners[k]] - a).cross(soup.points[corners[k + 1]] - a);
+    if (k == 1) first = normal;
+    if (first.dot(normal) < 0) fail(file, line, where + " is not convex", "convex polygons; triangles are best");
+    soup.triangles.push_back({corners[0], corners[k], corners[k + 1]});
+    soup.number.push_back(number);
+    if (line > 0) soup.line.push_back(line);
+  }
+}
+
+TriangleSoup read_stl_text(const std::string& file, const std::string& text) {
+  TriangleSoup soup;
+  LineReader reader(file, text);
+  int corners = -1, facet_line = 0;  // -1: outside of a facet
+  bool ended = false;
+  for (std::string_view word = reader.next_line(); !word.empty(); word = reader.next_line()) {
+    const std::string key = lower(word);
+    ended = key == "endsolid";
+    if (key == "facet") {
+      if (corners >= 0) fail(file, reader.line(), "a facet begins before the one before has ended");
+      corners = 0;
+      facet_line = reader.line();
+    } else if (key == "vertex") {
+      if (corners < 0) fail(file, reader.line(), "a vertex outside of a facet");
+      soup.points.push_back(reader.vector("vertex x y z"));
+      ++corners;
+    } else if (key == "endfacet") {
+      if (corners != 3)
+        fail(file, reader.line(), fmt::format("a facet with {} vertices", std::max(corners, 0)), "three");
+      const int n = static_cast<int>(soup.points.size());
+      soup.triangles.push_back({n - 3, n - 2, n - 1});
+      soup.line.push_back(facet_line);
+      corners = -1;
+    } else if (key != "solid" && key != "endsolid" && key != "outer" && key != "endloop") {
+      fail(file, reader.line(), fmt::format("\"{}\" is no word of an STL file", word),
+           "solid, facet, outer, vertex, endloop, endfacet, endsolid");
+    }
+  }
+  if (!ended) fail(file, reader.line(), "the file ends before \"endsolid\": is it truncated?");
+  return soup;
+}
+
+TriangleSoup read_stl_binary(const std::string& file, const std::string& bytes) {
+  std::uint32_t count = 0;
+  if (bytes.size() >= stl_header) std::memcpy(&count, bytes.data() + stl_header - 4, 4);
+  const std::size_t expected = stl_header + stl_facet * count;
+  if (bytes.size() < stl_header || bytes.size() != expected)
+    fail(file, 0,
+         fmt::format(
+             "is neither an ASCII STL file (\"solid\" ... \"facet\") nor a binary one: it announces {} facets, {} "
+             "bytes, and has {} bytes{}",
+             count, expected, bytes.size(), bytes.size() < expected ? ": is it truncated?" : ""));
+  TriangleSoup soup;
+  soup.points.reserve(3 * static_cast<std::size_t>(count));
+  soup.triangles.reserve(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    float values[9];
+    std::memcpy(values, bytes.data() + stl_header + stl_facet * t + 12, sizeof(values));
+    const int n = static_cast<int>(soup.points.size());
+    for (int v = 0; v < 3; ++v) {
+      const Vec3 x(values[3 * v], values[3 * v + 1], values[3 * v + 2]);
+      if (!x.allFinite()) fail(file, 0, fmt::format("triangle {} has a coordinate that is not finite", t + 1));
+      soup.points.push_back(x);
+    }
+    soup.triangles.push_back({n, n + 1, n + 2});
+  }
+  return soup;
+}
+
+TriangleSoup read_stl(const std::string& file, const std::string& bytes) {
+  // Binary headers may begin with "solid" as well: the length decides.
+  std::uint32_t count = 0;
+  if (bytes.size() >= stl_header) std::memcpy(&count, bytes.data() + stl_header - 4, 4);
+  const bool binary = bytes.size() >= stl_header && bytes.size() == stl_header + stl_facet * count;
+  LineReader start(file, std::string_view(bytes).substr(0, 4096));
+  const bool text = !binary && lower(start.next_line()) == "solid" && bytes.find('\0') == std::string::npos;
+  TriangleSoup soup = text ? read_stl_text(file, bytes) : read_stl_binary(file, bytes);
+  merge_equal_points(soup);
+  return soup;
+}
+
+TriangleSoup read_obj(const std::string& file, const std::string& text) {
+  TriangleSoup soup;
+  LineReader reader(file, text);
+  int faces = 0;
+  std::vector<int> corners;
+  for (std::string_view word = reader.next_line(); !word.empty(); word = reader.next_line()) {
+    if (word == "v") {
+      soup.points.push_back(reader.vector("v x y z"));
+    } else if (word == "f") {
+      corners.clear();
+      for (std::string_view corner = reader.next_word(); !corner.empty(); corner = reader.next_word()) {
+        const long long index = reader.integer(corner.substr(0, corner.find('/')), "f vertex vertex vertex");
+        const auto n = static_cast<long long>(soup.points.size());
+        const long long number = index < 0 ? n + index : index - 1;
+        if (number < 0 || number >= n) fail(file, reader.line(), fmt::format("vertex {} of {}", index, n));
+        corners.push_back(static_cast<int>(number));
+      }
+      add_polygon(file, corners, ++faces, reader.line(), soup);
+    }
+  }
+  return soup;
+}
+
+/// The part of a PLY file's header that describes one element.
+struct PlyProperty {
+  std::string name, type, count_type;  ///< count_type: of a list
+};
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PlyProperty> properties;
+};
+
+int ply_size(const std::string& type) {
+  for (const char* one : {"char", "uchar", "int8", "uint8"})
+    if (type == one) return 1;
+  for (const char* two : {"short", "ushort", "int16", "uint16"})
+    if (type == two) return 2;
+  for (const char* four : {"int", "uint", "int32", "uint32", "float", "float32"})
+    if (type == four) return 4;
+  return type == "double" || type == "float64" ? 8 : 0;
+}
+
+class PlyReader {
+ public:
+  PlyReader(const std::string& file, const std::string& text) : file_(file), reader_(file, text) {}
+
+  TriangleSoup read() {
+    read_header();
+    bytes_ = reader_.rest();
+    for (const PlyElement& element : elements_)
+      for (std::size_t i = 0; i < element.count; ++i) read_item(element, static_cast<int>(i) + 1);
+    return std::move(soup_);
+  }
+
+ private:
+  void read_header() {
+    if (reader_.next_line() != "ply") fail(file_, 1, "a PLY file begins with \"ply\"");
+    for (std::string_view word = reader_.next_line(); word != "end_header"; word = reader_.next_line()) {
+      if (word == "format") {
+        format_ = reader_.next_word();
+        if (format_ != "ascii" && format_ != "binary_little_endian" && format_ != "binary_big_endian")
+          fail(file_, reader_.line(), "unknown format \"" + format_ + "\"",
+               "ascii, binary_little_endian, binary_big_endian");
+      } else if (word == "element") {
+        PlyElement element;
+        element.name = reader_.next_word();
+        const long long count = reader_.integer("element name count");
+        if (count < 0 || count > static_cast<long long>(3 * most_triangles))
+          fail(file_, reader_.line(), "cannot have so many elements");
+        element.count = static_cast<std::size_t>(count);
+        elements_.push_back(element);
+      } else if (word == "property" && !elements_.empty()) {
+        PlyProperty property;
+        property.type = reader_.next_word();
+        if (property.type == "list") {
+          property.count_type = reader_.next_word();
+          property.type = reader_.next_word();
+        }
+        property.name = reader_.next_word();
+        if (ply_size(property.type) == 0 || (!property.count_type.empty() && ply_size(property.count_type) == 0))
+          fail(file_, reader_.line(), "unknown type of a property");
+        elements_.back().properties.push_back(property);
+      } else if (word.empty()) {
+        fail(file_, reader_.line(), "the header has no \"end_header\": is the file truncated?");
+      } else if (word != "comment" && word != "obj_info") {
+        fail(file_, reader_.line(), fmt::format("\"{}\" is no word of a PLY header", word));
+      }
+    }
+    if (format_.empty()) fail(file_, 0, "the header has no format");
+  }
+
+  void read_item(const PlyElement& element, int number) {
+    if (format_ == "ascii") {
+      word_ = reader_.next_line();
+      if (word_.empty()) fail(file_, reader_.line(), truncated(element));
+    }
+    Vec3 x = Vec3::Zero();
+    std::vector<int> corners;
+    for (const PlyProperty& property : element.properties) {
+      if (property.count_type.empty()) {
+        const double v = value(property.type, element);
+        for (int k = 0; k < 3; ++k)
+          if (property.name == std::string(1, static_cast<char>('x' + k))) x[k] = v;
+        continue;
+      }
+      const auto count = static_cast<std::size_t>(value(property.count_type, element));
+      const bool used = property.name == "vertex_indices" || property.name == "vertex_index";
+      for (std::size_t i = 0; i < count; ++i) {
+        const double v = value(property.type, element);
+        if (used) corners.push_back(v >= 0 && v < 2e9 ? static_cast<int>(v) : -1);
+      }
+    }
+    const int line = format_ == "ascii" ? reader_.line() : 0;
+    if (element.name == "vertex") {
+      if (!x.allFinite()) fail(file_, line, fmt::format("vertex {} has a coordinate that is not finite", number));
+      soup_.points.push_back(x);
+    } else if (element.name == "face") {
+      add_polygon(file_, corners, number, line, soup_);
+    }
+  }
+
+  std::string truncated(const PlyElement& element) const {
+    return fmt::format("the file ends before its {} elements \"{}\": is it truncated?", element.count, element.name);
+  }
+
+  double value(const std::string& type, const PlyElement& element) {
+    if (format_ == "ascii") {
+      if (word_.empty()) word_ = reader_.next_word();
+      double v = 0;
+      const auto [end, error] = std::from_chars(word_.data(), word_.data() + word_.size(), v);
+      if (word_.empty() || error != std::errc() || end != word_.data() + word_.size())
+        fail(file_, reader_.line(), fmt::format("\"{}\" is no number", word_));
+      word_ = {};
+      return v;
+    }
+    const auto size = static_cast<std::size_t>(ply_size(type));
+    if (bytes_.size() < size) fail(file_, 0, truncated(element));
+    char raw[8];
+    const bool reversed = format_ == "binary_big_endian";
+    for (std::size_t i = 0; i < size && i < sizeof(raw); ++i) raw[i] = bytes_[reversed ? size - 1 - i : i];
+    bytes_.remove_prefix(size);
+    const auto as = [&](auto v) {
+      std::memcpy(&v, raw, sizeof(v));
+      return static_cast<double>(v);
+    };
+    if (type == "float" || type == "float32") return as(float{});
+    if (size == 8) return as(double{});
+    const bool is_unsigned = type[0] == 'u';
+    if (size == 1) return is_unsigned ? as(std::uint8_t{}) : as(std::int8_t{});
+    if (size == 2) return is_unsigned ? as(std::uint16_t{}) : as(std::int16_t{});
+    return is_unsigned ? as(std::uint32_t{}) : as(std::int32_t{});
+  }
+
+  const std::string& file_;
+  LineReader reader_;
+  std::string format_;
+  std::vector<PlyElement> elements_;
+  std::string_view bytes_, word_;
+  TriangleSoup soup_;
+};
+
+}  // namespace
+
+int merge_equal_points(TriangleSoup& soup) {
+  std::size_t size = 16;
+  while (size < 2 * soup.points.size()) size *= 2;
+  std::vector<int> table(size, -1), number(soup.points.size());
+  std::size_t count = 0;
+  for (std::size_t p = 0; p < soup.points.size(); ++p) {
+    const Vec3 x = soup.points[p] + Vec3::Zero();  // -0 becomes 0
+    std::uint64_t words[3], slot = 0;
+    std::memcpy(words, x.data(), sizeof(words));
+    for (const std::uint64_t word : words) {
+      slot = (slot ^ word) * 0x9e3779b97f4a7c15ull;
+      slot ^= slot >> 29;
+    }
+    for (slot &= size - 1; table[slot] >= 0 && soup.points[table[slot]] != x; slot = (slot + 1) & (size - 1)) {
+    }
+    if (table[slot] < 0) {
+      table[slot] = static_cast<int>(count);
+      soup.points[count++] = x;
+    }
+    number[p] = table[slot];
+  }
+  const int gone = static_cast<int>(soup.points.size() - count);
+  soup.points.resize(count);
+  for (Triangle& t : soup.triangles)
+    for (int& p : t) p = number[p];
+  return gone;
+}
+
+TriangleSoup read_triangles(const std::string& file) {
+  const std::string extension = lower(std::filesystem::path(file).extension().string());
+  if (extension != ".stl" && extension != ".obj" && extension != ".ply")
+    fail(file, 0, "unknown kind of file \"" + extension + "\"", ".stl, .obj, .ply");
+  const std::string bytes = read_bytes(file);
+  TriangleSoup soup = extension == ".stl"   ? read_stl(file, bytes)
+                      : extension == ".obj" ? read_obj(file, bytes)
+                                            : PlyReader(file, bytes).read();
+  if (soup.triangles.empty()) fail(file, 0, "there is no triangle in the file");
+  if (soup.triangles.size() > most_triangles) fail(file, 0, "has more than 1e8 triangles");
+  return soup;
+}
+
+}  // namespace cgcontact

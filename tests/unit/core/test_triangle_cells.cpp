@@ -1,0 +1,140 @@
+// Cut cells of bodies bounded by triangle surfaces: exact in every position.
+#include <random>
+
+#include "tests/support/triangle_shapes.hpp"
+#include "tests/unit/core/cut_cells_checks.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Integrals over the body by the divergence theorem, triangle by triangle.
+struct SurfaceTotals {
+  double volume = 0, area = 0;
+  Vec3 first = Vec3::Zero();  ///< integral of x
+};
+
+SurfaceTotals surface_totals(const TriangleSurface& s) {
+  SurfaceTotals sum;
+  for (int t = 0; t < static_cast<int>(s.triangles().size()); ++t) {
+    const Vec3 &a = s.corner(t, 0), &b = s.corner(t, 1), &c = s.corner(t, 2);
+    const double volume = a.dot(b.cross(c)) / 6;
+    sum.volume += volume;
+    sum.first += volume * (a + b + c) / 4;
+    sum.area += (b - a).cross(c - a).norm() / 2;
+  }
+  return sum;
+}
+
+/// Integral of x over the cells, from their moments.
+Vec3 first_moment(const CutCells& cells) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t a = 0; a < cells.cells.size(); ++a) {
+    const int cut = cells.cut_of_active[a];
+    const Moments& m = cut < 0 ? full_cell_moments() : cells.moments[cut];
+    constexpr int n = moment_degree + 1;
+    const Vec3 linear(m[n * n], m[n], m[1]);
+    for (int k = 0; k < 3; ++k) sum[k] += m[0] / 8 * (cells.cells[a][k] + 0.5) + linear[k] / 16;
+  }
+  return sum;
+}
+
+void expect_exact(const CutCells& cells, double tolerance) {
+  check_structure(cells);
+  const SurfaceTotals exact = surface_totals(*cells.solid.triangles());
+  const Totals sum = totals(cells);
+  const double size = std::cbrt(exact.volume);
+  EXPECT_NEAR(sum.volume / exact.volume, 1, tolerance);
+  EXPECT_NEAR(sum.area / exact.area, 1, tolerance);
+  EXPECT_NEAR(sum.flux / exact.volume, 1, tolerance);
+  EXPECT_LT(sum.closure.norm() / exact.area, tolerance);
+  EXPECT_LT((first_moment(cells) - exact.first).norm() / (exact.volume * size), 10 * tolerance);
+  const std::vector<Plane> dividers{
+      {Vec3(1, 2, 3).normalized(), 15.7}, {Vec3(1, 0, 0), 6}, {Vec3(0, 1, 0), 6}, {Vec3(0, 0, 1), 6 + 1e-15}};
+  EXPECT_NEAR(area_by_cells(cells, dividers, 2) / exact.area, 1, tolerance);
+}
+
+Solid body(const TriangleSoup& soup) { return Solid::bounded_by(test::surface_of(soup)); }
+
+// Proves exact volumes, areas and first moments of ten shapes in twenty random positions each. 1e-12: rounding of sums
+// over some hundred cells, relative to the volume of the thinnest shape.
+TEST(TriangleCells, TenShapesInRandomPositions) {
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const test::NamedSoup& shape : test::ten_shapes())
+    for (int pose = 0; pose < 20; ++pose) {
+      SCOPED_TRACE(shape.name + " " + std::to_string(pose));
+      const Vec3 axis(uniform(generator) - 0.5, uniform(generator) - 0.5, uniform(generator) - 0.5);
+      const Mat3 turn = rotation(axis, 6 * uniform(generator));
+      const Vec3 fraction(uniform(generator), uniform(generator), uniform(generator));
+      expect_exact(cut(body(shape.soup), turn, fraction), 1e-11);
+    }
+}
+
+// Proves the same with faces, edges and corners on grid planes, up to shifts and turns of 1e-16 .. 1 rad about odd
+// axes.
+TEST(TriangleCells, DegeneratePositions) {
+  for (const test::NamedSoup& shape : test::ten_shapes())
+    for (const double angle : {0.0, 1e-16, 1e-12, 1e-8, 1e-3, 1.0})
+      for (const double offset : {0.0, -7e-16, 4e-13, -1e-8})
+        for (const Vec3& axis : {Vec3(0, 0, 1), Vec3(1, 2, 3), Vec3(-3, 1, 0.2)}) {
+          SCOPED_TRACE(shape.name + " " + std::to_string(std::log10(angle)) + " " + std::to_string(offset * 1e16));
+          const Solid placed = body(shape.soup).transformed(rotation(axis, angle), Vec3::Constant(6 + offset));
+          Grid grid;
+          grid.num_cells = {13, 13, 13};
+          expect_exact(make_cut_cells(placed, grid), 1e-11);
+        }
+}
+
+// Proves the same for bodies of several shells, cavities and parts apart, and for coordinates in single precision,
+// which leave no face flat and no two triangles coplanar.
+TEST(TriangleCells, ShellsAndSinglePrecision) {
+  TriangleSoup shells = test::box_soup({0, 0, 0}, {4, 4, 4});
+  const auto add = [&](TriangleSoup part, bool inward) {
+    const int first = static_cast<int>(shells.points.size());
+    shells.points.insert(shells.points.end(), part.points.begin(), part.points.end());
+    for (Triangle t : part.triangles) {
+      if (inward) std::swap(t[0], t[1]);
+      shells.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+  };
+  add(test::box_soup({1, 1, 1}, {3, 3.5, 3}), true);
+  add(test::box_soup({1.5, 1.5, 1.5}, {2, 2, 2}), false);
+  add(test::box_soup({5, 0, 0}, {6, 4, 4}), false);
+  for (const double angle : {0.0, 1e-12, 0.7}) {
+    const CutCells cells = cut(body(shells), rotation({1, 2, 3}, angle), Vec3(0.3, 0.6, 0.5));
+    expect_exact(cells, 1e-11);
+    EXPECT_NEAR(totals(cells).volume, 64 - 10 + 0.125 + 16, 1e-11);
+  }
+  for (test::NamedSoup shape : test::ten_shapes()) {
+    SCOPED_TRACE(shape.name);
+    const Mat3 turn = rotation({0.3, 1, -2}, 0.4);
+    for (Vec3& x : shape.soup.points) x = (turn * x).cast<float>().cast<double>();
+    expect_exact(cut(body(shape.soup), Mat3::Identity(), Vec3(0.1, 0.2, 0.7)), 1e-11);
+  }
+}
+
+// Proves that a box of triangles is the box of CSG: same cells, moments to rounding, same areas per face.
+TEST(TriangleCells, BoxEqualsCsgBox) {
+  const Vec3 min(1, 2, 3), max(4, 4.5, 5);
+  const Solid csg = Solid::box(min, max, "b"), triangles = body(test::box_soup(min, max));
+  Grid grid;
+  grid.num_cells = {9, 9, 9};
+  for (const double angle : {0.0, 1e-16, 1e-12, 1e-8, 1e-3, 1.0}) {
+    SCOPED_TRACE(angle);
+    const Mat3 turn = rotation({1, 2, 3}, angle);
+    const Vec3 shift = Vec3(4, 4, 4) - turn * Vec3(2.5, 3.25, 4);
+    const CutCells a = make_cut_cells(csg.transformed(turn, shift), grid);
+    const CutCells b = make_cut_cells(triangles.transformed(turn, shift), grid);
+    ASSERT_EQ(a.cells, b.cells);
+    for (std::size_t c = 0; c < a.cells.size(); ++c)
+      for (int q = 0; q < num_moments; ++q) {
+        const int ca = a.cut_of_active[c], cb = b.cut_of_active[c];
+        const double x = (ca < 0 ? full_cell_moments() : a.moments[ca])[q];
+        const double y = (cb < 0 ? full_cell_moments() : b.moments[cb])[q];
+        EXPECT_NEAR(x, y, 2e-13);
+      }
+  }
+}
+
+}  // namespace
+}  // namespace cgcontact
