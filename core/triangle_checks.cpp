@@ -20,6 +20,8 @@ namespace {
 constexpr double merge_distance = 1e-6;
 /// Height over longest edge of a triangle that has no area.
 constexpr double no_height = 1e-12;
+/// Over the surface in search of such triangles; those next to each other need several.
+constexpr int most_passes = 20;
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem, const std::string& allowed) {
   throw InputError(SourcePlace{file, 0, ""}, "", problem, allowed);
@@ -283,7 +285,8 @@ SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file) {
     repairs.merged_points += merged;
     repairs.zero_area += drop_collapsed(soup);
   }
-  for (int gone = 1; gone > 0; repairs.zero_area += gone) gone = remove_needles(soup);
+  for (int gone = 1, pass = 0; gone > 0 && pass < most_passes; repairs.zero_area += gone, ++pass)
+    gone = remove_needles(soup);
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     if (edge_of_needle(soup, soup.triangles[t]) >= 0)
       fail(file,
