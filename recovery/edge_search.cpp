@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
+#include <map>
 
 #include "core/parallel.hpp"
 
@@ -49,12 +49,24 @@ class ContactZone {
     return found;
   }
 
-  /// One closed point of every cell and pair.
-  std::vector<const TransmittedForce*> closed_cells() const {
-    std::vector<const TransmittedForce*> closed;
-    std::set<std::pair<int, int>> seen;
-    for (std::size_t i = 0; i < forces_.size(); ++i)
-      if (forces_[i].closed && seen.emplace(forces_[i].cell, forces_[i].pair).second) closed.push_back(&forces_[i]);
+  /// The closed points of every cell and pair, as one point with their mean place and normal.
+  std::vector<TransmittedForce> closed_cells() const {
+    std::map<std::pair<int, int>, TransmittedForce> cells;
+    for (const TransmittedForce& f : forces_) {
+      if (!f.closed) continue;
+      TransmittedForce& whole =
+          cells.try_emplace({f.cell, f.pair}, TransmittedForce{f.pair, f.cell, true, Vec3::Zero(), Vec3::Zero(), 0, 0})
+              .first->second;
+      whole.area += f.area;
+      whole.position += f.area * f.position;
+      whole.normal += f.area * f.normal;
+    }
+    std::vector<TransmittedForce> closed;
+    for (auto& [key, whole] : cells) {
+      whole.position /= whole.area;
+      whole.normal.normalize();
+      closed.push_back(whole);
+    }
     return closed;
   }
 
@@ -273,7 +285,7 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
     const auto closed = zone.closed_cells();
     std::vector<EdgeSample> samples(closed.size());
     parallel_for(closed.size(), grain, [&](std::size_t i) {
-      if (!guess_edge(zone, *closed[i], samples[i])) samples[i].pair = -1;
+      if (!guess_edge(zone, closed[i], samples[i])) samples[i].pair = -1;
     });
     keep_found(samples);
     for (int round = 0; round < rounds && !samples.empty(); ++round)

@@ -45,19 +45,6 @@ void fit_quadratic(const BodyMesh& mesh, const QuadraticCells& near, const std::
   for (int k = 0; k < 6; ++k) fit.a.segment<terms>(terms * k) = cholesky.solve(sums.right.row(k).transpose());
 }
 
-/// Of a patch's contact points the first closed one, or the first one, or null.
-const ContactLink* first_link(const RecoveryBody& body, int n) {
-  const PatchSet& patches = *body.patches;
-  const ContactLink* first = nullptr;
-  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
-    for (int l : body.boundary->links_of_cell[patches.cells[p]]) {
-      const ContactLink& link = body.boundary->links[l];
-      if (link.active) return &link;
-      if (!first) first = &link;
-    }
-  return first;
-}
-
 /// Whether the body is at least so many cells thick in all directions of its grid, seen from the fullest cell beside
 /// the given one.
 bool is_thick(const CutCells& cc, int cell) {
@@ -77,6 +64,25 @@ bool is_thick(const CutCells& cc, int cell) {
     if (count < least) return false;
   }
   return true;
+}
+
+/// Whether a patch holds closed points, and both bodies are thick at all of them.
+bool is_thick_contact(const std::vector<RecoveryBody>& bodies, const RecoveryBody& body, int n) {
+  const PatchSet& patches = *body.patches;
+  bool closed = false;
+  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) {
+    int seen = -1;  // cell of the other body
+    for (int l : body.boundary->links_of_cell[patches.cells[p]]) {
+      const ContactLink& link = body.boundary->links[l];
+      if (!link.active || link.other_cell == seen) continue;
+      closed = true;
+      seen = link.other_cell;
+      if (!is_thick(*body.mesh->cut_cells, link.cell) ||
+          !is_thick(*bodies[link.other_body].mesh->cut_cells, link.other_cell))
+        return false;
+    }
+  }
+  return closed;
 }
 
 }  // namespace
@@ -124,13 +130,12 @@ std::vector<char> node_degrees(const std::vector<RecoveryBody>& bodies, std::siz
   std::vector<char> degrees(body.mesh->num_nodes, static_cast<char>(degree.interior));
   parallel_for(degrees.size(), grain, [&](std::size_t n) {
     const int node = static_cast<int>(n);
-    if (const ContactLink* link = first_link(body, node)) {
-      const bool quadratic = link->active && is_thick(*body.mesh->cut_cells, link->cell) &&
-                             is_thick(*bodies[link->other_body].mesh->cut_cells, link->other_cell);
-      degrees[n] = static_cast<char>(degree.contact > 0 ? degree.contact : quadratic ? 2 : 1);
-    } else if (!body.patches->full[n]) {
+    if (touches_contact(body, node))
+      degrees[n] = static_cast<char>(degree.contact > 0                     ? degree.contact
+                                     : is_thick_contact(bodies, body, node) ? 2
+                                                                            : 1);
+    else if (!body.patches->full[n])
       degrees[n] = static_cast<char>(degree.boundary);
-    }
   });
   return degrees;
 }
