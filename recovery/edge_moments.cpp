@@ -24,27 +24,36 @@ struct EdgePoints {
   }
 };
 
-/// Components of the term at all points. On a plane face along a straight edge they have the same frame.
+/// Components of the term at all points; ContactEdge::stress for a plane face, vectorised.
 template <int degree>
 void set_plane_term(const EdgePoints<degree>& points, const ContactEdge& edge,
                     std::array<typename EdgePoints<degree>::Row, 6>& term) {
   const Vec3 in = -edge.orientation * edge.surface.direction;
-  const Vec3 e = (edge.closed - edge.closed.dot(in) * in).normalized(), t = in.cross(e);
-  const double start = edge.closed.dot(edge.origin), face = in.dot(edge.surface.point);
-  typename EdgePoints<degree>::Row across, normal, shear;
+  const Vec3 closed = edge.closed - edge.closed.dot(in) * in, along = edge.along - edge.along.dot(in) * in;
+  const double start = edge.closed.dot(edge.origin), middle = edge.along.dot(edge.origin),
+               face = in.dot(edge.surface.point);
   for (int q = 0; q < points.size; ++q) {
     const double p[3] = {points.position[0][q], points.position[1][q], points.position[2][q]};
-    const double x = edge.closed[0] * p[0] + edge.closed[1] * p[1] + edge.closed[2] * p[2] - start;
-    const double y = in[0] * p[0] + in[1] * p[1] + in[2] * p[2] - face;
-    edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), edge.inverse_width / edge.scale, across[q], normal[q],
-              shear[q]);
-  }
-  constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
-  for (int k = 0; k < 6; ++k) {
-    const int i = first[k], j = second[k];
-    const double third = edge.poisson_ratio * t[i] * t[j], c_across = e[i] * e[j] + third,
-                 c_normal = in[i] * in[j] + third, c_shear = e[i] * in[j] + in[i] * e[j];
-    for (int q = 0; q < points.size; ++q) term[k][q] = c_across * across[q] + c_normal * normal[q] + c_shear * shear[q];
+    const auto dot = [&](const Vec3& v) { return v[0] * p[0] + v[1] * p[1] + v[2] * p[2]; };
+    const double arc = dot(edge.along) - middle, turn = edge.curvature * arc;
+    const double x = dot(edge.closed) - start + 0.5 * turn * arc, y = dot(in) - face;
+    double across, normal, shear;
+    edge_term(edge.scale * x, std::max(edge.scale * y, 0.0), edge.inverse_width / edge.scale, across, normal, shear);
+    double e[3], length = 0;
+    for (int i = 0; i < 3; ++i) {
+      e[i] = closed[i] + turn * along[i];
+      length += e[i] * e[i];
+    }
+    length = std::sqrt(length);
+    for (int i = 0; i < 3; ++i) e[i] /= length;
+    const double t[3] = {in[1] * e[2] - in[2] * e[1], in[2] * e[0] - in[0] * e[2], in[0] * e[1] - in[1] * e[0]};
+    const double third = edge.poisson_ratio * (across + normal);
+    constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
+    for (int k = 0; k < 6; ++k) {
+      const int i = first[k], j = second[k];
+      term[k][q] =
+          across * e[i] * e[j] + normal * in[i] * in[j] + shear * (e[i] * in[j] + in[i] * e[j]) + third * t[i] * t[j];
+    }
   }
 }
 
@@ -75,7 +84,7 @@ Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const B
                                                                          const ContactEdge& edge) {
   constexpr int T = Polynomial<degree>::num_terms, N = EdgePoints<degree>::size;
   Eigen::Matrix<double, 6 * T, 1> moments = Eigen::Matrix<double, 6 * T, 1>::Zero();
-  const bool plane = edge.surface.kind == Surface::Kind::plane && edge.curvature == 0;
+  const bool plane = edge.surface.kind == Surface::Kind::plane;
   std::array<typename EdgePoints<degree>::Row, 6> term;
   double terms[T][N];
   for (int i = 0; i < num_cells; ++i) {

@@ -96,16 +96,20 @@ TEST(ContactEdge, FollowsACurvedFace) {
   }
 }
 
-/// The vectorised integrals over plane faces are those of the general loop.
+/// The vectorised integrals over plane faces are those of the general loop, here over a sphere of 1e9 cells: flat to
+/// 1e-8, which moves the depth by as much and its square root at the edge by 1e-4 at a few points.
 TEST(EdgeMoments, OfAPlaneFaceEqualTheGeneralOnes) {
   const CutCells cc = test::cut(Solid::box(Vec3(0.1, 0.15, 0.2), Vec3(0.9, 0.8, 0.75), "box"), test::odd_grid(6, 0.3));
   const ElasticSystem system = make_elastic_system({&cc}, {Material{1, 0.3}}, Scales{1, 1}, 0.01);
   const BodyMesh& mesh = system.meshes[0];
   const Vec3 n = (cc.grid.rotation.transpose() * Vec3::UnitZ());
   const Vec3 top = cc.grid.to_grid(Vec3(0.5, 0.5, 0.75));
-  const ContactEdge plane = plane_edge(top, n);
+  ContactEdge plane = plane_edge(top, n);
+  plane.curvature = -0.1;
   ContactEdge general = plane;
-  general.curvature = 1e-300;
+  general.surface.kind = Surface::Kind::sphere;
+  general.surface.radius = 1e9;
+  general.surface.point = top - 1e9 * n;
   std::vector<int> cells;
   for (int c = 0; c < static_cast<int>(cc.cells.size()); ++c)
     if ((Vec3(cc.cells[c][0], cc.cells[c][1], cc.cells[c][2]) - top).norm() < 2.5) cells.push_back(c);
@@ -113,7 +117,7 @@ TEST(EdgeMoments, OfAPlaneFaceEqualTheGeneralOnes) {
   const int count = static_cast<int>(cells.size());
   const auto fast = edge_moments<1>(mesh, cells.data(), count, top, plane),
              slow = edge_moments<1>(mesh, cells.data(), count, top, general);
-  EXPECT_LT((fast - slow).norm(), 1e-12 * slow.norm());
+  EXPECT_LT((fast - slow).norm(), 1e-6 * slow.norm());
 }
 
 /// Samples on a circle of ten cells, two per cell: place to 1 % of a cell, direction to one degree; the ridge takes
