@@ -4,9 +4,8 @@ namespace cgcontact {
 namespace {
 
 /// Points per direction of a cell, all points; they run along the rows, so that loops over them are vectorised.
-template <int degree>
 struct EdgePoints {
-  static constexpr int n = degree == 1 ? 3 : 5, size = n * n * n;
+  static constexpr int n = 3, size = n * n * n;
   using Row = std::array<double, size>;
   Row weight;
   std::array<Row, 3> position;  ///< grid coordinates
@@ -18,16 +17,14 @@ struct EdgePoints {
       weight[q] /= 8;
       for (int d = 0, stride = n * n; d < 3; ++d, stride /= n) {
         const int i = q / stride % n;
-        position[d][q] = cc.cells[c][d] + 0.5 * ((n == 3 ? Gauss3::point[i % 3] : Gauss5::point[i]) + 1);
+        position[d][q] = cc.cells[c][d] + 0.5 * (Gauss3::point[i] + 1);
       }
     }
   }
 };
 
 /// Components of the term at all points; ContactEdge::stress for a plane face, vectorised.
-template <int degree>
-void set_plane_term(const EdgePoints<degree>& points, const ContactEdge& edge,
-                    std::array<typename EdgePoints<degree>::Row, 6>& term) {
+void set_plane_term(const EdgePoints& points, const ContactEdge& edge, std::array<EdgePoints::Row, 6>& term) {
   const Vec3 in = -edge.orientation * edge.surface.direction;
   const Vec3 closed = edge.closed - edge.closed.dot(in) * in, along = edge.along - edge.along.dot(in) * in;
   const double start = edge.closed.dot(edge.origin), middle = edge.along.dot(edge.origin),
@@ -57,9 +54,7 @@ void set_plane_term(const EdgePoints<degree>& points, const ContactEdge& edge,
   }
 }
 
-template <int degree>
-void set_term(const EdgePoints<degree>& points, const ContactEdge& edge,
-              std::array<typename EdgePoints<degree>::Row, 6>& term) {
+void set_term(const EdgePoints& points, const ContactEdge& edge, std::array<EdgePoints::Row, 6>& term) {
   for (int q = 0; q < points.size; ++q) {
     double s[6];
     edge.stress(Vec3(points.position[0][q], points.position[1][q], points.position[2][q]), s);
@@ -82,13 +77,13 @@ template <int degree>
 Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const BodyMesh& mesh, const int* cells,
                                                                          int num_cells, const Vec3& centre,
                                                                          const ContactEdge& edge) {
-  constexpr int T = Polynomial<degree>::num_terms, N = EdgePoints<degree>::size;
+  constexpr int T = Polynomial<degree>::num_terms, N = EdgePoints::size;
   Eigen::Matrix<double, 6 * T, 1> moments = Eigen::Matrix<double, 6 * T, 1>::Zero();
   const bool plane = edge.surface.kind == Surface::Kind::plane;
-  std::array<typename EdgePoints<degree>::Row, 6> term;
+  std::array<EdgePoints::Row, 6> term;
   double terms[T][N];
   for (int i = 0; i < num_cells; ++i) {
-    const EdgePoints<degree> points(*mesh.cut_cells, cells[i]);
+    const EdgePoints points(*mesh.cut_cells, cells[i]);
     if (plane)
       set_plane_term(points, edge, term);
     else

@@ -161,7 +161,7 @@ double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
 
 /// Some samples are measured, the others take the value of the nearest of these.
 void measure_widths(const ContactZone& zone, std::vector<EdgeSample>& samples) {
-  constexpr std::size_t measured = 64;
+  constexpr std::size_t measured = 24;
   const std::size_t stride = samples.size() / measured + 1;
   parallel_for((samples.size() + stride - 1) / stride, 1,
                [&](std::size_t i) { samples[i * stride].inverse_width = inverse_width_at(zone, samples[i * stride]); });
