@@ -167,21 +167,13 @@ void check_edges(const TriangleSoup& soup, const std::string& file) {
 /// Number of the connected part of every triangle.
 std::vector<int> find_shells(const TriangleSoup& soup, int& count) {
   const auto neighbours = edge_neighbours(soup.triangles, soup.points.size());
-  std::vector<int> shell(soup.triangles.size(), -1), stack;
+  std::vector<int> shell(soup.triangles.size(), -1);
   count = 0;
   for (std::size_t t = 0; t < shell.size(); ++t) {
     if (shell[t] >= 0) continue;
-    stack.push_back(static_cast<int>(t));
-    shell[t] = count;
-    while (!stack.empty()) {
-      const int now = stack.back();
-      stack.pop_back();
-      for (const int other : neighbours[now])
-        if (other >= 0 && shell[other] < 0) {
-          shell[other] = count;
-          stack.push_back(other);
-        }
-    }
+    flood(
+        neighbours, static_cast<int>(t), [&](int, int to) { return shell[to] < 0; },
+        [&](int now) { shell[now] = count; });
     ++count;
   }
   return shell;

@@ -1,7 +1,9 @@
-/// The edges of a list of triangles.
+/// The edges of a list of triangles, and ways across them.
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 #include <vector>
@@ -49,5 +51,24 @@ void each_edge(const std::vector<Triangle>& triangles, std::size_t num_points, c
     }
   }
 }
+
+/// Marks all triangles that are reached from `first` across edges that pass(from, to).
+template <class Pass, class Mark>
+void flood(const std::vector<std::array<int, 3>>& neighbours, int first, const Pass& pass, const Mark& mark) {
+  std::vector<int> stack{first};
+  mark(first);
+  while (!stack.empty()) {
+    const int t = stack.back();
+    stack.pop_back();
+    for (int other : neighbours[t]) {
+      if (other < 0 || !pass(t, other)) continue;
+      mark(other);
+      stack.push_back(other);
+    }
+  }
+}
+
+/// Radians, 0 to pi.
+inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 }  // namespace cgcontact

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/triangle_edges.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -18,24 +20,6 @@ std::vector<Vec3> unit_normals(const TriangleSoup& soup) {
     normals.push_back((soup.points[t[1]] - a).cross(soup.points[t[2]] - a).normalized());
   }
   return normals;
-}
-
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
-/// Marks all triangles that are reached from `first` across edges that pass(from, to).
-template <class Pass, class Mark>
-void flood(const std::vector<std::array<int, 3>>& neighbours, int first, const Pass& pass, const Mark& mark) {
-  std::vector<int> stack{first};
-  mark(first);
-  while (!stack.empty()) {
-    const int t = stack.back();
-    stack.pop_back();
-    for (int other : neighbours[t]) {
-      if (other < 0 || !pass(t, other)) continue;
-      mark(other);
-      stack.push_back(other);
-    }
-  }
 }
 
 class FaceNamer {

@@ -1,12 +1,10 @@
 /// The pieces of a triangle surface in one cell: clipping and quadrature points. Grid coordinates.
 /// Corner cases, decided here:
-/// - Cells are cut out axis by axis. A point of intersection gets the coordinate of the grid plane exactly and is
-/// computed
-///   from the end of the edge below that plane to the end above it, so that triangles with a common edge agree on it.
-/// - A piece that lies in a grid plane up to 1e-12 cells belongs to the cell on its inner side, so that no slivers of
-///   rounding arise.
-/// - A polygon is cut along one chord into two parts whose areas add up to its own, whatever rounding does to its
-/// corners. So every piece of surface lies in exactly one cell.
+/// - Cells are cut out axis by axis. An intersection with a grid plane gets its coordinate exactly and is computed from
+///   the end of the edge below the plane to the one above, so that triangles with a common edge agree on it.
+/// - A piece that lies in a grid plane up to 1e-12 cells belongs to the cell on its inner side: no slivers of rounding.
+/// - A polygon is cut along one chord into two parts whose areas add up to its own, whatever rounding does to the
+///   corners. So every piece of surface lies in exactly one cell.
 #pragma once
 
 #include <algorithm>

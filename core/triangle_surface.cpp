@@ -33,8 +33,6 @@ Vec3 nearest_on_triangle(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3
   return a + vb * scale * ab + vc * scale * ac;
 }
 
-double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
 }  // namespace
 
 std::vector<std::array<int, 3>> edge_neighbours(const std::vector<Triangle>& triangles, std::size_t num_points) {

@@ -13,6 +13,11 @@
 
 namespace cgcontact {
 
+/// Pressure of the unit term at a distance inside the edge of a zone of the given 1 / width; zero outside.
+inline double edge_root(double inside, double inverse_width) {
+  return std::sqrt(std::max(inside * (1 - inside * inverse_width), 0.0));
+}
+
 /// A piece of the edge, a parabola, seen from one body; grid coordinates of that body.
 struct ContactEdge {
   Vec3 origin = Vec3::Zero();   ///< on the edge
@@ -33,7 +38,7 @@ struct ContactEdge {
   }
 
   /// Normal traction of the unit term on the face at a distance inside, unit of length of the term.
-  double root(double inside) const { return std::sqrt(std::max(inside * (1 - inverse_width / scale * inside), 0.0)); }
+  double root(double inside) const { return edge_root(inside, inverse_width / scale); }
 
   /// Stress (xx, yy, zz, xy, yz, zx; grid axes) of the unit term: normal traction sqrt(inside) in the zone, none
   /// outside, no shear. In equilibrium where face and edge are plane and straight; else up to the distance over the

@@ -51,7 +51,7 @@ class EdgeSums {
     double area[2];  ///< m^2, weighted
   };
 
-  double root_at(double inside) const { return std::sqrt(std::max(inside * (1 - inside * inverse_width_), 0.0)); }
+  double root_at(double inside) const { return edge_root(inside, inverse_width_); }
 
   /// On the circle that the edge is locally; along: by the arc on the edge.
   void add(const EdgePiece& piece, const TransmittedForce& f, double cell_size) {

@@ -21,7 +21,6 @@ class FoundEdges : public EdgeMap {
   /// width: m, the largest coarser cells of the pairs; scatter of the samples across the edge: widths.
   FoundEdges(std::vector<EdgeSample> samples, double width, double scatter);
   bool near(int pair, const Vec3& x, EdgePiece& piece) const override;
-  const std::vector<EdgeSample>& samples() const { return samples_; }
 
  private:
   std::vector<EdgeSample> samples_;

@@ -142,7 +142,6 @@ class PatchAssembly {
   int index() const { return index_; }  ///< of the body
   const RecoveryBody& body_of(int index) const { return bodies_[index]; }
   const Grid& grid() const { return grid_; }
-  int degree(int node) const { return degrees_[node]; }
 
  private:
   enum class ContactMode { open, closed, edge, unclear };
