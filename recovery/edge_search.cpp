@@ -127,32 +127,34 @@ bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSam
 /// behind. The mean and variance of the distances give the side without regard to how the points lie.
 double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
   const double h = zone.cell_size();
-  const auto each_in_band = [&](const auto& use) {
-    for (const TransmittedForce& f : zone.forces()) {
-      if (f.pair != sample.pair) continue;
-      const Vec3 d = f.position - sample.origin;
-      const double across = sample.closed.dot(d);
-      if ((d - across * sample.closed).squaredNorm() < h * h) use(f, across);
-    }
+  struct PointInBand {
+    double across, area;
+    bool closed;
   };
+  std::vector<PointInBand> band;
+  for (const TransmittedForce& f : zone.forces()) {
+    const Vec3 d = f.position - sample.origin;
+    const double across = sample.closed.dot(d);
+    if (f.pair == sample.pair && d.squaredNorm() - across * across < h * h) band.push_back({across, f.area, f.closed});
+  }
   // Open points behind the zone: more open than closed area in a strip of one cell. Single points inside may be open.
   std::vector<double> surplus;
-  each_in_band([&](const TransmittedForce& f, double across) {
-    if (across < h) return;
-    const auto strip = static_cast<std::size_t>(across / h);
+  for (const PointInBand& p : band) {
+    if (p.across < h) continue;
+    const auto strip = static_cast<std::size_t>(p.across / h);
     if (strip >= surplus.size()) surplus.resize(strip + 1, 0.0);
-    surplus[strip] += f.closed ? -f.area : f.area;
-  });
+    surplus[strip] += p.closed ? -p.area : p.area;
+  }
   const auto first_open = std::find_if(surplus.begin(), surplus.end(), [](double open) { return open > 0; });
   const bool has_opposite = first_open != surplus.end();
   const double gap = has_opposite ? h * static_cast<double>(first_open - surplus.begin()) : 1e300;
   double area = 0, mean = 0, square = 0;
-  each_in_band([&](const TransmittedForce& f, double across) {
-    if (!f.closed || across > gap + h) return;
-    area += f.area;
-    mean += f.area * across;
-    square += f.area * across * across;
-  });
+  for (const PointInBand& p : band) {
+    if (!p.closed || p.across > gap + h) continue;
+    area += p.area;
+    mean += p.area * p.across;
+    square += p.area * p.across * p.across;
+  }
   if (area == 0) return 0;
   mean /= area;
   const double closed = mean + std::sqrt(3 * std::max(square / area - mean * mean, 0.0));

@@ -66,23 +66,19 @@ bool is_thick(const CutCells& cc, int cell) {
   return true;
 }
 
-/// Whether a patch holds closed points, and both bodies are thick at all of them.
-bool is_thick_contact(const std::vector<RecoveryBody>& bodies, const RecoveryBody& body, int n) {
-  const PatchSet& patches = *body.patches;
-  bool closed = false;
-  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) {
-    int seen = -1;  // cell of the other body
-    for (int l : body.boundary->links_of_cell[patches.cells[p]]) {
-      const ContactLink& link = body.boundary->links[l];
-      if (!link.active || link.other_cell == seen) continue;
-      closed = true;
-      seen = link.other_cell;
-      if (!is_thick(*body.mesh->cut_cells, link.cell) ||
-          !is_thick(*bodies[link.other_body].mesh->cut_cells, link.other_cell))
-        return false;
-    }
+/// What the closed contact points of a cell say: there are none, or both bodies are thick at all of them, or not.
+enum class Closed : char { nowhere, on_thick_bodies, on_a_thin_body };
+
+Closed closed_at(const std::vector<RecoveryBody>& bodies, const RecoveryBody& body, int cell) {
+  int seen = -1;  // cell of the other body
+  for (int l : body.boundary->links_of_cell[cell]) {
+    const ContactLink& link = body.boundary->links[l];
+    if (!link.active || link.other_cell == seen) continue;
+    if (!is_thick(*bodies[link.other_body].mesh->cut_cells, link.other_cell)) return Closed::on_a_thin_body;
+    seen = link.other_cell;
   }
-  return closed;
+  if (seen < 0) return Closed::nowhere;
+  return is_thick(*body.mesh->cut_cells, cell) ? Closed::on_thick_bodies : Closed::on_a_thin_body;
 }
 
 }  // namespace
@@ -127,15 +123,23 @@ bool touches_contact(const RecoveryBody& body, int n) {
 std::vector<char> node_degrees(const std::vector<RecoveryBody>& bodies, std::size_t index,
                                const RecoveryDegree& degree) {
   const RecoveryBody& body = bodies[index];
+  std::vector<Closed> closed(body.mesh->cell_nodes.size());
+  parallel_for(closed.size(), grain,
+               [&](std::size_t cell) { closed[cell] = closed_at(bodies, body, static_cast<int>(cell)); });
+  const auto holds = [&](int node, Closed state) {
+    const auto begin = body.patches->cells.begin();
+    return std::any_of(begin + body.patches->begin[node], begin + body.patches->begin[node + 1],
+                       [&](int cell) { return closed[cell] == state; });
+  };
   std::vector<char> degrees(body.mesh->num_nodes, static_cast<char>(degree.interior));
   parallel_for(degrees.size(), grain, [&](std::size_t n) {
     const int node = static_cast<int>(n);
-    if (touches_contact(body, node))
-      degrees[n] = static_cast<char>(degree.contact > 0                     ? degree.contact
-                                     : is_thick_contact(bodies, body, node) ? 2
-                                                                            : 1);
-    else if (!body.patches->full[n])
+    if (touches_contact(body, node)) {
+      const bool thick = holds(node, Closed::on_thick_bodies) && !holds(node, Closed::on_a_thin_body);
+      degrees[n] = static_cast<char>(degree.contact > 0 ? degree.contact : thick ? 2 : 1);
+    } else if (!body.patches->full[n]) {
       degrees[n] = static_cast<char>(degree.boundary);
+    }
   });
   return degrees;
 }
@@ -224,7 +228,7 @@ PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, int degr
         const Vec3 x = link.other_position + depth * options_.auxiliary_depth * inward;
         const int c = cc.find({static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
                                static_cast<int>(std::floor(x[2]))});
-        if (c >= 0 && auxiliary.cells.row(c) >= 0) cells.push_back(c);
+        if (c >= 0 && (cells.empty() || cells.back() != c) && auxiliary.cells.row(c) >= 0) cells.push_back(c);
       }
     }
   sort_unique(cells);

@@ -46,11 +46,17 @@ double auxiliary_weight(const PatchFit& own, const PatchFit& other) {
   return std::clamp(own.variance / other.variance, 1 / most_weight, most_weight);
 }
 
+/// Rows of most patches of degree 2 with contact, for the memory of a batch.
+constexpr std::size_t usual_rows = 36;
+
 /// Patches of one chunk: assembled one by one, solved in batches by degree and number of bodies.
 class PatchBatch {
  public:
-  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options)
-      : assembly_(assembly), edges_(edges), options_(options) {}
+  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options, std::size_t patches)
+      : assembly_(assembly), edges_(edges), options_(options) {
+    problems_.reserve(patches);
+    rows_.reserve(patches * usual_rows);
+  }
 
   void add(int node) { problems_.push_back(assembly_.assemble(node, edges_, workspace_, rows_)); }
   void solve() {
@@ -190,7 +196,7 @@ void store(const PatchProblem& problem, const CoefficientView& values, ChunkResu
 void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options,
                    const int* nodes, std::size_t count, PatchStates& states, ChunkResult& result) {
   const RecoveryBody& body = assembly.body();
-  PatchBatch batch(assembly, edges, options);
+  PatchBatch batch(assembly, edges, options, count);
   for (std::size_t i = 0; i < count; ++i) batch.add(nodes[i]);
   batch.solve();
   result.counts.truncated_rows += batch.truncated_rows();
