@@ -58,8 +58,9 @@ Material read_material(const TomlCursor& node) {
 }
 
 /// Cell size, checked against the number of cells that it makes.
-double read_cell_size(const TomlCursor& node, const Solid& solid) {
-  const double size = node.number(Range::positive("m"));
+double read_cell_size(const TomlCursor& body, const Solid& solid) {
+  const double size = read_cell_size(body);
+  const TomlCursor node = body.at("cell_size");
   Vec3 min, max;
   solid.bounding_box(min, max);
   const Vec3 extent = max - min;
@@ -160,7 +161,7 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
   body.notes = shape.notes;
   body.warnings = shape.warnings;
   body.material = read_material(node.at("material", "{E = .., nu = ..}"));
-  body.cell_size = read_cell_size(node.at("cell_size", "> 0 m"), body.solid);
+  body.cell_size = read_cell_size(node, body.solid);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);
   if (const auto force = node.find("body_force")) body.body_force = read_vector_field(*force, "N/m^3");
   if (const auto faces = node.find("faces")) {
@@ -180,7 +181,7 @@ void SceneReader::read_bodies(const TomlCursor& root) {
     node.expect_keys({"name", "shape", "material", "cell_size", "grid", "body_force", "faces"});
     const TomlCursor name = node.at("name", "a name");
     check_unique(name, read_name(name), seen, "body");
-    shapes_.push_back(read_shape(node.at("shape", "{box = {...}} or another shape")));
+    shapes_.push_back(read_shape(node));
     scene_.bodies.push_back(read_body(node, shapes_.back()));
   }
   if (scene_.bodies.empty()) list.fail("there is no body", "one [[body]] section per body");

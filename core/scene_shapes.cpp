@@ -8,6 +8,7 @@
 
 #include "core/scene_mesh.hpp"
 #include "core/suggest.hpp"
+#include "core/triangle_booleans.hpp"
 
 namespace cgcontact {
 
@@ -66,6 +67,7 @@ Solid read_half_space(const TomlCursor& node, const std::string& name) {
 
 class ShapeReader {
  public:
+  explicit ShapeReader(const TomlCursor& body) : body_(body) {}
   Solid read(const TomlCursor& node);
 
   std::vector<PrimitiveFaces> primitives;
@@ -77,8 +79,10 @@ class ShapeReader {
   Solid read_primitive(const TomlCursor& node, const std::string& kind);
   Solid read_mesh_shape(const TomlCursor& node, const std::string& name);
   Solid read_operation(const TomlCursor& node, const std::string& kind);
+  Solid combine(const TomlCursor& list, const std::string& kind, const Solid& a, const Solid& b);
   Solid placed(const TomlCursor& node, const Solid& solid) const;
 
+  const TomlCursor& body_;
   std::set<std::string> names_;
 };
 
@@ -149,16 +153,29 @@ Solid ShapeReader::read_operation(const TomlCursor& node, const std::string& kin
   Solid solid = read(operands[0]);
   for (std::size_t k = 1; k < operands.size(); ++k) {
     const Solid next = read(operands[k]);
-    if (solid.triangles() || next.triangles())
-      list.fail("combines a mesh with other shapes, which is not possible", "a mesh as the whole shape of a body");
-    if (kind == "union")
-      solid = Solid::unite(solid, next);
-    else if (kind == "intersection")
-      solid = Solid::intersect(solid, next);
-    else
-      solid = Solid::subtract(solid, next);
+    solid = combine(list, kind, solid, next);
   }
   return solid;
+}
+
+Solid ShapeReader::combine(const TomlCursor& list, const std::string& kind, const Solid& a, const Solid& b) {
+  if (!a.triangles() && !b.triangles())
+    return kind == "union"          ? Solid::unite(a, b)
+           : kind == "intersection" ? Solid::intersect(a, b)
+                                    : Solid::subtract(a, b);
+  const BooleanOp::Kind op = kind == "union"          ? BooleanOp::Kind::unite
+                             : kind == "intersection" ? BooleanOp::Kind::intersect
+                                                      : BooleanOp::Kind::subtract;
+  try {
+    const TriangleBoolean result = combine_triangles(op, a, b, read_cell_size(body_));
+    std::string note = fmt::format("{} with a mesh: {} triangles", kind, result.solid.triangles()->triangles().size());
+    if (result.facet_error > 0)
+      note += fmt::format("; spheres and cylinders in facets, at most {:.2g} m inside them", result.facet_error);
+    notes.push_back(note);
+    return result.solid;
+  } catch (const InputError& error) {
+    list.fail(error.what());
+  }
 }
 
 /// Turned about `rotate.center`, then moved by `translate`.
@@ -208,8 +225,11 @@ std::vector<std::string> Shape::resolve(const std::string& reference) const {
   return by_face.size() == 1 ? by_face : std::vector<std::string>{};
 }
 
-Shape read_shape(const TomlCursor& node) {
-  ShapeReader reader;
+double read_cell_size(const TomlCursor& body) { return body.at("cell_size", "> 0 m").number(Range::positive("m")); }
+
+Shape read_shape(const TomlCursor& body) {
+  const TomlCursor node = body.at("shape", "{box = {...}} or another shape");
+  ShapeReader reader(body);
   Shape shape;
   shape.solid = reader.read(node);
   shape.primitives = std::move(reader.primitives);

@@ -28,8 +28,11 @@ struct Shape {
   std::vector<std::string> resolve(const std::string& reference) const;
 };
 
-/// Throws InputError; checks that the solid is bounded.
-Shape read_shape(const TomlCursor& node);
+/// The `cell_size` of a [[body]], m. Throws InputError.
+double read_cell_size(const TomlCursor& body);
+
+/// The `shape` of a [[body]]. Throws InputError; checks that the solid is bounded.
+Shape read_shape(const TomlCursor& body);
 
 /// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit.
 std::string read_name(const TomlCursor& node);

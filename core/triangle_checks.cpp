@@ -125,6 +125,8 @@ int remove_needles(TriangleSoup& soup) {
     std::replace(soup.triangles[other].begin(), soup.triangles[other].end(), needle[edge], middle);
     std::replace(second.begin(), second.end(), needle[(edge + 1) % 3], middle);
     soup.triangles[t] = second;
+    if (!soup.number.empty()) soup.number[t] = soup.number[other];
+    if (!soup.line.empty()) soup.line[t] = soup.line[other];
     changed[t] = changed[other] = 1;
     ++gone;
   }

@@ -14,15 +14,18 @@ constexpr std::size_t grain = 1024;
 /// Bound of the rounding error of the determinant, relative to the sum of the sizes of its terms
 /// (Shewchuk, Adaptive precision floating-point arithmetic, 1997: (7 + 56 eps) eps, eps = 1.1e-16).
 constexpr double determinant_error = 1e-15;
+/// How well coordinates are known, relative to the largest: unit, placement and intersections have rounded them.
+constexpr double coordinate_error = 4e-16;
 
-/// Side of the plane a, b, c on which d lies: -1, 1, or 0 if rounding decides.
-int side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+/// Side of the plane a, b, c on which d lies: -1, 1, or 0 if rounding decides. `error`: of the coordinates.
+int side(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, double error) {
   const Vec3 u = a - d, v = b - d, w = c - d;
   const double p = v[0] * w[1], q = v[1] * w[0], r = w[0] * u[1], s = w[1] * u[0], x = u[0] * v[1], y = u[1] * v[0];
   const double determinant = u[2] * (p - q) + v[2] * (r - s) + w[2] * (x - y);
   const double size = std::abs(u[2]) * (std::abs(p) + std::abs(q)) + std::abs(v[2]) * (std::abs(r) + std::abs(s)) +
                       std::abs(w[2]) * (std::abs(x) + std::abs(y));
-  if (std::abs(determinant) <= determinant_error * size) return 0;
+  const double lu = u.lpNorm<1>(), lv = v.lpNorm<1>(), lw = w.lpNorm<1>();
+  if (std::abs(determinant) <= determinant_error * size + error * (lu * lv + lv * lw + lw * lu)) return 0;
   return determinant < 0 ? -1 : 1;
 }
 
@@ -32,7 +35,9 @@ class CrossingFinder {
       : points_(points),
         triangles_(triangles),
         neighbours_(edge_neighbours(triangles, points.size())),
-        tree_(points, triangles) {}
+        tree_(points, triangles) {
+    for (const Vec3& x : points) error_ = std::max(error_, coordinate_error * x.lpNorm<Eigen::Infinity>());
+  }
 
   std::vector<std::pair<int, int>> run() const {
     std::vector<std::vector<std::pair<int, int>>> found(num_chunks(triangles_.size(), grain));
@@ -79,8 +84,7 @@ class CrossingFinder {
       return other >= 0 && side_of(other, p) == sense && side_of(other, q) == -sense;
     };
     int turn[3];
-    for (int e = 0; e < 3; ++e)
-      turn[e] = side(points_[p], points_[q], points_[triangles_[t][e]], points_[triangles_[t][(e + 1) % 3]]);
+    for (int e = 0; e < 3; ++e) turn[e] = side_of(p, q, triangles_[t][e], triangles_[t][(e + 1) % 3]);
     const auto [least, most] = std::minmax_element(turn, turn + 3);
     if ((*least < 0) == (*most > 0)) return false;
     for (int e = 0; e < 3; ++e) {
@@ -103,9 +107,8 @@ class CrossingFinder {
     return true;
   }
 
-  int side_of(int t, int p) const {
-    return side(points_[triangles_[t][0]], points_[triangles_[t][1]], points_[triangles_[t][2]], points_[p]);
-  }
+  int side_of(int a, int b, int c, int d) const { return side(points_[a], points_[b], points_[c], points_[d], error_); }
+  int side_of(int t, int p) const { return side_of(triangles_[t][0], triangles_[t][1], triangles_[t][2], p); }
 
   /// Edges without a corner of the other triangle.
   bool any_edge_passes(const Triangle& from, int through) const {
@@ -128,7 +131,7 @@ class CrossingFinder {
     const auto normal = [&](const Triangle& c) {
       return Vec3((points_[c[1]] - points_[c[0]]).cross(points_[c[2]] - points_[c[0]]));
     };
-    if (side(points_[s[0]], points_[s[1]], points_[s[2]], points_[other_corner(t, s)]) != 0) return false;
+    if (side_of(s[0], s[1], s[2], other_corner(t, s)) != 0) return false;
     return normal(s).dot(normal(t)) < 0;
   }
 
@@ -136,6 +139,7 @@ class CrossingFinder {
   const std::vector<Triangle>& triangles_;
   const std::vector<std::array<int, 3>> neighbours_;
   const TriangleTree tree_;
+  double error_ = 0;  ///< of coordinates
 };
 
 }  // namespace

@@ -12,7 +12,7 @@ set -euo pipefail
 packages=(
   g++ make cmake ninja-build
   trilinos-all-dev libptscotch-dev libopenmpi-dev libhdf5-dev libeigen3-dev
-  libtomlplusplus-dev libmuparser-dev libcli11-dev nlohmann-json3-dev libfmt-dev
+  libtomlplusplus-dev libmuparser-dev libcli11-dev nlohmann-json3-dev libfmt-dev libcgal-dev
   libgtest-dev libbenchmark-dev
   gnuplot-nox
 )
