@@ -5,6 +5,8 @@
 #   make test       build and run all tests
 #   make trilinos-openmp   build Trilinos with OpenMP into ~/.cache/cgcontact, for BACKEND=openmp (once; half an hour)
 #   make asan       the same with address and undefined-behaviour sanitizers
+#   make install PREFIX=DIR   program, library and documents into DIR (default /usr/local)
+#   make docs       reference of the library in build/docs/html (needs doxygen, which it installs)
 #   make format     format the sources; format-check, tidy: complain only
 #   make clean      remove what these commands built
 
@@ -13,6 +15,7 @@ ifeq ($(filter $(BACKEND),serial openmp asan),)
   $(error BACKEND=$(BACKEND): expected serial or openmp)
 endif
 SCENE ?= scenes/two_solids.toml
+PREFIX ?= /usr/local
 OUT ?= out/$(basename $(notdir $(SCENE)))
 CLANG_FORMAT ?= clang-format-14
 CLANG_TIDY ?= clang-tidy
@@ -22,13 +25,16 @@ folders := core kernels recovery contact perf tests
 sources = $(shell find $(folders) -name '*.[ch]pp')
 
 .NOTPARALLEL:
-.PHONY: all build configure demo test trilinos-openmp asan format format-check tidy clean deps deps-test deps-format
+.PHONY: all build configure demo test trilinos-openmp asan install docs format format-check tidy clean deps deps-test \
+  deps-docs deps-format
 all: build
 
 deps:
 	@scripts/install_dependencies.sh
 deps-test:
 	@scripts/install_dependencies.sh --test
+deps-docs:
+	@scripts/install_dependencies.sh --docs
 deps-format:
 	@scripts/install_dependencies.sh --format
 
@@ -54,6 +60,16 @@ trilinos-openmp:
 asan:
 	@$(MAKE) --no-print-directory test BACKEND=asan
 
+install: build
+	@cmake --install $(build) --prefix $(PREFIX)
+
+# Warnings of doxygen are errors.
+docs: deps-docs
+	@rm -rf build/docs && mkdir -p build/docs
+	@doxygen docs/Doxyfile 2>build/docs/warnings || { cat build/docs/warnings; exit 1; }
+	@if [ -s build/docs/warnings ]; then cat build/docs/warnings; exit 1; fi
+	@echo "build/docs/html/index.html"
+
 format: deps-format
 	@$(CLANG_FORMAT) -i $(sources)
 format-check: deps-format
@@ -64,4 +80,4 @@ tidy: build
 	@$(CLANG_TIDY) -p $(build) --quiet --extra-arg=-Wno-unknown-warning-option $(shell find core kernels recovery contact -name '*.cpp')
 
 clean:
-	rm -rf build/serial build/openmp build/asan out
+	rm -rf build/serial build/openmp build/asan build/docs out

@@ -1,4 +1,4 @@
-/// The program: reads the command line, runs, checks or studies a scene, writes the results.
+/// The program: reads the command line, begins, checks, runs or studies a scene, writes the results.
 /// Exit codes: 0 solved, 1 bad input, 2 did not converge (results still written and marked so).
 #include <fmt/format.h>
 
@@ -26,15 +26,17 @@ std::string output_directory(const CommandLine& options, const Scene& scene) {
 }
 
 /// Empty, or what is to be said about the number of threads asked for.
-std::string too_many_threads(int wanted) {
+std::string too_many_threads(const CommandLine& options) {
+  const int wanted = options.threads;
+  const std::string& given_by = options.threads_given_by;
   if (!TrilinosScope::has_openmp())
     return wanted > 1 ? fmt::format(
-                            "--threads {}: this program runs on 1 thread (backend {}); "
+                            "{} {}: this program runs on 1 thread (backend {}); "
                             "\"make BACKEND=openmp\" builds one that runs on several",
-                            wanted, TrilinosScope::backend())
+                            given_by, wanted, TrilinosScope::backend())
                       : "";
   const int available = available_threads();
-  return wanted > available ? fmt::format("--threads {}: only {} hardware thread{} available, {} would be faster",
+  return wanted > available ? fmt::format("{} {}: only {} hardware thread{} available, {} would be faster", given_by,
                                           wanted, available, available == 1 ? " is" : "s are", available)
                             : "";
 }
@@ -53,7 +55,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   check_output_directory(directory);
   if (TrilinosScope::has_openmp()) restart_with_openmp_settings(options.threads, argv);
   // The affinity of this thread changes when OpenMP starts.
-  const std::string threads_warning = too_many_threads(options.threads);
+  const std::string threads_warning = too_many_threads(options);
   const TrilinosScope trilinos(options.threads);
   Progress progress;
   if (!threads_warning.empty()) progress.message("warning: " + threads_warning);
@@ -79,14 +81,18 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
 
 int main(int argc, char** argv) {
   int exit_code = 0;
+  const auto options = parse_command_line(argc, argv, exit_code);
+  if (!options) return exit_code;
   try {
-    const auto options = parse_command_line(argc, argv, exit_code);
-    if (!options) return exit_code;
+    if (options->command == CommandLine::init) {
+      fmt::print("{}", init_scene(options->init_options));
+      return 0;
+    }
     if (options->command == CommandLine::study) return run_study(*options);
     const Scene scene = read_scene(options->scene, options->overrides);
     return options->command == CommandLine::check ? check(scene) : run(scene, *options, argv);
   } catch (const InputError& error) {
-    fmt::print(stderr, "cgcontact: {}\n", error.what());
+    fmt::print(stderr, "cgcontact: {}\n", options->with_variables(error.what()));
   } catch (const std::exception& error) {
     const bool out_of_memory = dynamic_cast<const std::bad_alloc*>(&error) ||
                                std::string(error.what()).find("failed to allocate memory") != std::string::npos;

@@ -132,7 +132,7 @@ struct ReferenceSpec {
 };
 
 struct OutputSpec {
-  std::string directory;  ///< default: out/<scene name>
+  std::string directory;  ///< empty: `out/<scene name>`
   bool vtk = true, csv = true, plots = true;
   std::optional<std::pair<Vec3, Vec3>> path;  ///< line for pressure.svg, m
 };

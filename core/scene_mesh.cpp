@@ -10,7 +10,6 @@
 
 #include "core/scene_shapes.hpp"
 #include "core/suggest.hpp"
-#include "core/triangle_checks.hpp"
 #include "core/triangle_faces.hpp"
 #include "core/triangle_reader.hpp"
 
@@ -21,8 +20,8 @@ namespace {
 constexpr std::size_t most_patches = 20000;
 constexpr double degree = 3.14159265358979323846 / 180;
 
-const std::map<std::string, double> units = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},
-                                             {"m", 1},     {"in", 0.0254}, {"ft", 0.3048}};
+/// m; a surface outside of this range was probably read in a wrong unit.
+constexpr double largest_usual = 100, smallest_usual = 1e-5;
 
 Range angle_range() {
   Range angle = Range::positive("degrees");
@@ -37,8 +36,8 @@ double read_scale(const TomlCursor& node) {
   if (unit && scale) node.fail("has both unit and scale", "unit = \"mm\" or scale = 1e-3");
   if (scale) return scale->number(Range::positive("m per unit of the file"));
   std::vector<std::string> names;
-  for (const auto& entry : units) names.push_back(entry.first);
-  return units.at(node.at("unit", join(names) + ", or scale = metres per unit of the file").one_of(names));
+  for (const auto& entry : mesh_units()) names.push_back(entry.first);
+  return mesh_units().at(node.at("unit", join(names) + ", or scale = metres per unit of the file").one_of(names));
 }
 
 TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup& soup) {
@@ -104,14 +103,6 @@ std::vector<TriangleSelector> read_selectors(const TomlCursor& node, const Trian
   return selectors;
 }
 
-std::string describe(const std::string& file, const SurfaceRepairs& repairs, const Vec3& extent) {
-  std::string text =
-      fmt::format("{}: {} triangles in {} shell{}, {:.4g} x {:.4g} x {:.4g} m", file, repairs.num_triangles,
-                  repairs.shells, repairs.shells > 1 ? "s" : "", extent[0], extent[1], extent[2]);
-  if (repairs.any()) text += "; repaired: " + repairs.text();
-  return text;
-}
-
 /// The checked surface in metres; what is wrong with it is said of the key that names the file.
 TriangleSoup read_surface(const TomlCursor& node, const std::string& file, double scale, SurfaceRepairs& repairs) {
   try {
@@ -125,6 +116,26 @@ TriangleSoup read_surface(const TomlCursor& node, const std::string& file, doubl
 }
 
 }  // namespace
+
+const std::map<std::string, double>& mesh_units() {
+  static const std::map<std::string, double> units = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},
+                                                      {"m", 1},     {"in", 0.0254}, {"ft", 0.3048}};
+  return units;
+}
+
+std::string describe_surface(const std::string& file, const SurfaceRepairs& repairs, const Vec3& extent) {
+  std::string text =
+      fmt::format("{}: {} triangles in {} shell{}, {:.4g} x {:.4g} x {:.4g} m", file, repairs.num_triangles,
+                  repairs.shells, repairs.shells > 1 ? "s" : "", extent[0], extent[1], extent[2]);
+  if (repairs.any()) text += "; repaired: " + repairs.text();
+  return text;
+}
+
+std::string doubtful_unit(const Vec3& extent) {
+  const double longest = extent.maxCoeff();
+  if (longest <= largest_usual && longest >= smallest_usual) return "";
+  return fmt::format("the surface is {:.3g} m long: is its unit right?", longest);
+}
 
 MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   node.expect_keys({"file", "unit", "scale", "crease", "faces"});
@@ -150,7 +161,7 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   shape.solid.bounding_box(min, max);
   shape.extent = max - min;
   shape.repaired = repairs.any();
-  shape.note = describe(given, repairs, shape.extent);
+  shape.note = describe_surface(given, repairs, shape.extent);
   return shape;
 }
 

@@ -1,11 +1,13 @@
 /// Reads the `mesh` of a shape: a triangle surface from a file, with its named faces.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/csg.hpp"
 #include "core/toml_cursor.hpp"
+#include "core/triangle_checks.hpp"
 
 namespace cgcontact {
 
@@ -16,6 +18,15 @@ struct MeshShape {
   bool repaired = false;
   Vec3 extent = Vec3::Zero();  ///< m
 };
+
+/// Metres per unit, by the names that a scene may use.
+const std::map<std::string, double>& mesh_units();
+
+/// One line on a surface that was read: size (extent in m) and repairs.
+std::string describe_surface(const std::string& file, const SurfaceRepairs& repairs, const Vec3& extent);
+
+/// "" or a question about the unit, if a surface of this extent (m) is unusually long or short.
+std::string doubtful_unit(const Vec3& extent);
 
 /// Throws InputError.
 MeshShape read_mesh(const TomlCursor& node, const std::string& name);

@@ -14,8 +14,6 @@ namespace cgcontact {
 
 namespace {
 
-/// m; a surface outside of this range was probably read in a wrong unit.
-constexpr double largest_usual = 100, smallest_usual = 1e-5;
 const std::vector<std::string> box_faces = {"x-", "x+", "y-", "y+", "z-", "z+"};
 const std::vector<std::string> sphere_faces = {"surface"};
 const std::vector<std::string> cylinder_faces = {"side", "bottom", "top"};
@@ -137,10 +135,8 @@ Solid ShapeReader::read_mesh_shape(const TomlCursor& node, const std::string& na
   primitives.push_back({name, mesh.faces});
   notes.push_back(mesh.note);
   if (mesh.repaired) warnings.push_back(mesh.note);
-  const double longest = mesh.extent.maxCoeff();
-  if (longest > largest_usual || longest < smallest_usual)
-    warnings.push_back(fmt::format("{}: the surface is {:.3g} m long: is its unit right?",
-                                   node.at("file").string("a file name"), longest));
+  const std::string doubt = doubtful_unit(mesh.extent);
+  if (!doubt.empty()) warnings.push_back(node.at("file").string("a file name") + ": " + doubt);
   return mesh.solid;
 }
 

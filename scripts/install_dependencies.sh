@@ -3,6 +3,7 @@
 #
 #   scripts/install_dependencies.sh            to build and to run
 #   scripts/install_dependencies.sh --test     what the tests use as well
+#   scripts/install_dependencies.sh --docs     doxygen as well
 #   scripts/install_dependencies.sh --format   clang-format as well
 #   scripts/install_dependencies.sh --trilinos what build_trilinos_openmp.sh uses as well
 set -euo pipefail
@@ -18,10 +19,11 @@ packages=(
 )
 for option in "$@"; do
   case "$option" in
-    --test) packages+=(python3 python3-numpy python3-vtk9) ;;
+    --test) packages+=(python3 python3-numpy python3-vtk9 groff-base) ;;
+    --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
     --trilinos) packages+=(dpkg-dev xz-utils libblas-dev liblapack-dev) ;;
-    *) echo "usage: $0 [--test] [--format] [--trilinos]" >&2; exit 1 ;;
+    *) echo "usage: $0 [--test] [--docs] [--format] [--trilinos]" >&2; exit 1 ;;
   esac
 done
 

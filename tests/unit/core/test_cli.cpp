@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <initializer_list>
+
 #include "core/cli.hpp"
 #include "core/progress.hpp"
 
@@ -58,6 +61,68 @@ TEST(CommandLine, study_takes_all_options) {
   EXPECT_TRUE(study.keep && study.resume);
 }
 
+TEST(CommandLine, init_takes_all_options) {
+  const Outcome outcome = parse({"init", "a.toml", "--stl", "b.stl", "--unit", "mm", "--cells", "30"});
+  ASSERT_TRUE(outcome.line) << outcome.err;
+  EXPECT_EQ(outcome.line->command, CommandLine::init);
+  const InitOptions& init = outcome.line->init_options;
+  EXPECT_EQ(init.file + init.surface + init.unit, "a.tomlb.stlmm");
+  EXPECT_EQ(init.cells, 30);
+}
+
+/// Sets variables for the life of a test.
+class Environment {
+ public:
+  explicit Environment(std::initializer_list<std::pair<const char*, const char*>> variables) : variables_(variables) {
+    for (const auto& [name, value] : variables_) setenv(name, value, 1);
+  }
+  ~Environment() {
+    for (const auto& entry : variables_) unsetenv(entry.first);
+  }
+
+ private:
+  std::vector<std::pair<const char*, const char*>> variables_;
+};
+
+TEST(CommandLine, environment_stands_for_options_that_are_not_given) {
+  const Environment variables{{out_variable, "there"}, {threads_variable, "3"}, {set_variable, "n=1; b.c=[0, 1];"}};
+  const Outcome run = parse({"run", "a.toml"});
+  ASSERT_TRUE(run.line) << run.err;
+  EXPECT_EQ(run.line->out, "there");
+  EXPECT_EQ(run.line->threads, 3);
+  EXPECT_EQ(run.line->threads_given_by, "CGCONTACT_THREADS");
+  EXPECT_EQ(run.line->overrides, (std::vector<std::string>{"n=1", "b.c=[0, 1]"}));
+
+  const Outcome given = parse({"run", "a.toml", "--out", "here", "--threads", "2", "--set", "n=2"});
+  ASSERT_TRUE(given.line) << given.err;
+  EXPECT_EQ(given.line->out, "here");
+  EXPECT_EQ(given.line->threads, 2);
+  EXPECT_EQ(given.line->threads_given_by, "--threads");
+  EXPECT_EQ(given.line->overrides, (std::vector<std::string>{"n=1", "b.c=[0, 1]", "n=2"})) << "the last one counts";
+
+  const Outcome study = parse({"study", "a.toml"});
+  ASSERT_TRUE(study.line) << study.err;
+  EXPECT_EQ(study.line->study_options.threads, std::vector<int>{3});
+  const Outcome check = parse({"check", "a.toml"});
+  ASSERT_TRUE(check.line) << check.err;
+  EXPECT_EQ(check.line->out, "") << "check has no such option";
+}
+
+TEST(CommandLine, bad_values_in_the_environment_name_the_variable) {
+  for (const auto& [variable, value] : {std::pair<const char*, const char*>{threads_variable, "many"},
+                                        {threads_variable, "0"},
+                                        {set_variable, "n=3;solver"}}) {
+    const Environment bad{{variable, value}};
+    const Outcome outcome = parse({"run", "a.toml"});
+    EXPECT_FALSE(outcome.line);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find(std::string("the environment variable ") + variable), std::string::npos) << outcome.err;
+    EXPECT_TRUE(parse({"init"}).line) << "of no concern to init";
+  }
+  const Environment empty{{out_variable, ""}, {threads_variable, ""}, {set_variable, ""}};
+  EXPECT_TRUE(parse({"run", "a.toml"}).line) << "empty counts as not set";
+}
+
 TEST(CommandLine, help_and_version_end_well) {
   const Outcome help = parse({"--help"}), run_help = parse({"run", "--help"}), version = parse({"--version"});
   EXPECT_FALSE(help.line || run_help.line || version.line);
@@ -86,6 +151,13 @@ TEST(CommandLine, mistakes_give_one_line_and_exit_code_1) {
       {{"study", "a.toml", "--threads", "0"}, "--threads: \"0\" is not a number of threads"},
       {{"study", "a.toml", "--repeat", "-1"}, "--repeat: \"-1\" is not a number of repetitions"},
       {{"study", "a.toml", "--keeep"}, "did you mean \"--keep\"?"},
+      {{"run", "a.toml", "-out", "x"}, "unknown option \"-out\" (did you mean \"--out\"?)"},
+      {{"-version"}, "did you mean \"--version\"?"},
+      {{"check", "a.toml", "--threads=2"}, "unknown option \"--threads\" of check (it belongs to run, study)"},
+      {{"help"}, "did you mean \"--help\"?"},
+      {{"init", "--unit", "mm", "--stll", "a.stl"}, "did you mean \"--stl\"?"},
+      {{"init", "--cells", "3"}, "--cells: \"3\" is not a number of cells (allowed: an integer from 4 to 200)"},
+      {{"run", "a.toml", "--thread", "2"}, "(see cgcontact run --help)"},
   };
   for (const auto& [arguments, text] : cases) {
     const Outcome outcome = parse(arguments);
