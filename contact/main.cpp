@@ -11,6 +11,8 @@
 #include "contact/study.hpp"
 #include "core/cli.hpp"
 #include "core/output.hpp"
+#include "core/output_summary.hpp"
+#include "core/output_text.hpp"
 #include "core/progress.hpp"
 #include "core/resources.hpp"
 #include "kernels/linear_solver.hpp"
@@ -39,6 +41,12 @@ std::string too_many_threads(int wanted) {
                             : "";
 }
 
+std::string command_text(char** argv) {
+  std::string text;
+  for (char** word = argv; *word; ++word) text += (word == argv ? "" : " ") + shell_word(*word);
+  return text;
+}
+
 int check(const Scene& scene) {
   Progress progress(Progress::Mode::terminal_only);
   progress.begin_phase("cut cells");
@@ -64,6 +72,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   simulation.run(callbacks);
   progress.begin_phase("output");
   Results& results = simulation.results;
+  results.command = command_text(argv);
   results.backend = TrilinosScope::backend();
   results.threads = TrilinosScope::concurrency();
   if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
