@@ -47,12 +47,21 @@ std::string command_text(char** argv) {
   return text;
 }
 
-int check(const Scene& scene) {
+int check(const Scene& scene, const CommandLine& options) {
   Progress progress(Progress::Mode::terminal_only);
   progress.begin_phase("cut cells");
   const Preparation preparation = prepare(scene);
+  std::vector<std::string> warnings;
+  if (!options.out.empty()) {
+    progress.begin_phase("drawing");
+    warnings = draw(scene, preparation, options.out);
+  }
   progress.finish();
   fmt::print("{}", describe(scene, preparation));
+  for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
+  if (!options.out.empty())
+    fmt::print("drawn in {}: {}check_faces.vtkhdf, check_cells.vtkhdf\n", options.out,
+               warnings.empty() ? "check.png, " : "");
   return 0;
 }
 
@@ -93,7 +102,7 @@ int main(int argc, char** argv) {
     if (!options) return exit_code;
     if (options->command == CommandLine::study) return run_study(*options);
     const Scene scene = read_scene(options->scene, options->overrides);
-    return options->command == CommandLine::check ? check(scene) : run(scene, *options, argv);
+    return options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
   } catch (const InputError& error) {
     fmt::print(stderr, "cgcontact: {}\n", error.what());
   } catch (const std::exception& error) {

@@ -23,7 +23,7 @@ const char* const footer =
     "Examples:\n"
     "  cgcontact run scenes/two_solids.toml\n"
     "  cgcontact run scenes/two_solids.toml --set n=32 --set solver.tolerance=1e-8 --out out/fine\n"
-    "  cgcontact check scenes/rings.toml\n"
+    "  cgcontact check scenes/rings.toml --out out/check\n"
     "  cgcontact study scenes/rings.toml --vary n=8,16,32\n"
     "Exit codes: 0 solved (or scene is good), 1 bad input, 2 did not converge (results are written and marked so).\n"
     "The scene file is described in docs/scene.md, studies in docs/study.md.";
@@ -104,6 +104,8 @@ void describe(CLI::App& app, CommandLine& line) {
 
   CLI::App& check = *app.add_subcommand("check", "Validate a scene and print what it contains, without solving");
   add_common_options(check, line);
+  add_output_option(check, line,
+                    "Draw it too: check.png and files for ParaView in this directory [default: nothing is written]");
   check.callback([&line] { line.command = CommandLine::check; });
 
   describe_study(*app.add_subcommand("study", "Run a scene over sizes and variants; table and plots of error and cost"),
@@ -118,6 +120,7 @@ std::string explain_extra(const CLI::App& app) {
   if (option == rest.end()) return "unexpected argument \"" + (rest.empty() ? "" : rest[0]) + "\"";
   std::vector<std::string> known = {"--set", "--help"};
   if (app.got_subcommand("run")) known.insert(known.end(), {"--out", "--threads"});
+  if (app.got_subcommand("check")) known.emplace_back("--out");
   if (app.got_subcommand("study"))
     known.insert(known.end(), {"--out", "--refine", "--vary", "--preconditioner", "--threads", "--backend", "--repeat",
                                "--keep", "--resume"});
