@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <map>
 
+#include "core/output_check.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -54,6 +56,17 @@ long long expected_memory(const Preparation& preparation) {
     bytes += 3 * 170.0 * static_cast<double>(count_nodes(body.cut_cells)) +
              13e3 * static_cast<double>(body.cut_cells.moments.size());
   return static_cast<long long>(bytes);
+}
+
+std::vector<std::string> draw(const Scene& scene, const Preparation& preparation, const std::string& directory) {
+  std::vector<CheckedBody> bodies;
+  for (const BodyModel& body : preparation.bodies) {
+    CheckedBody checked{&body.cut_cells, body.boundary.pair_of_point};
+    for (int& pair : checked.pair_of_point)
+      if (pair >= 0) pair = static_cast<int>(preparation.pairs[pair].spec - scene.contacts.data());
+    bodies.push_back(std::move(checked));
+  }
+  return write_check(scene, bodies, directory);
 }
 
 std::string describe(const Scene& scene, const Preparation& preparation) {

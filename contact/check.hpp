@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "contact/simulation.hpp"
 
@@ -9,6 +10,9 @@ namespace cgcontact {
 
 /// Bodies with volume, faces, cells and unknowns; pairs; expected memory. A few lines per body.
 std::string describe(const Scene& scene, const Preparation& preparation);
+
+/// Draws the scene on its grids into `directory` (core/output_check.hpp); returns warnings.
+std::vector<std::string> draw(const Scene& scene, const Preparation& preparation, const std::string& directory);
 
 /// Expected peak memory of a run in bytes: a measured model.
 long long expected_memory(const Preparation& preparation);

@@ -11,6 +11,8 @@
 #include "contact/study.hpp"
 #include "core/cli.hpp"
 #include "core/output.hpp"
+#include "core/output_summary.hpp"
+#include "core/output_text.hpp"
 #include "core/progress.hpp"
 #include "core/resources.hpp"
 #include "kernels/linear_solver.hpp"
@@ -41,12 +43,27 @@ std::string too_many_threads(const CommandLine& options) {
                             : "";
 }
 
-int check(const Scene& scene) {
+std::string command_text(char** argv) {
+  std::string text;
+  for (char** word = argv; *word; ++word) text += (word == argv ? "" : " ") + shell_word(*word);
+  return text;
+}
+
+int check(const Scene& scene, const CommandLine& options) {
   Progress progress(Progress::Mode::terminal_only);
   progress.begin_phase("cut cells");
   const Preparation preparation = prepare(scene);
+  std::vector<std::string> warnings;
+  if (!options.out.empty()) {
+    progress.begin_phase("drawing");
+    warnings = draw(scene, preparation, options.out);
+  }
   progress.finish();
   fmt::print("{}", describe(scene, preparation));
+  for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
+  if (!options.out.empty())
+    fmt::print("drawn in {}: {}check_faces.vtkhdf, check_cells.vtkhdf\n", options.out,
+               warnings.empty() ? "check.png, " : "");
   return 0;
 }
 
@@ -66,6 +83,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   simulation.run(callbacks);
   progress.begin_phase("output");
   Results& results = simulation.results;
+  results.command = command_text(argv);
   results.backend = TrilinosScope::backend();
   results.threads = TrilinosScope::concurrency();
   if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
@@ -90,7 +108,7 @@ int main(int argc, char** argv) {
     }
     if (options->command == CommandLine::study) return run_study(*options);
     const Scene scene = read_scene(options->scene, options->overrides);
-    return options->command == CommandLine::check ? check(scene) : run(scene, *options, argv);
+    return options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
   } catch (const InputError& error) {
     fmt::print(stderr, "cgcontact: {}\n", options->with_variables(error.what()));
   } catch (const std::exception& error) {

@@ -218,4 +218,17 @@ std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const
   return f;
 }
 
+std::vector<Vec3> force_of_body(const std::vector<BodyModel>& bodies, const ElasticSystem& system, const Scales& scales,
+                                const std::vector<double>& nodal_forces) {
+  std::vector<Vec3> forces;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    Vec3 sum = Vec3::Zero();
+    for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
+      sum += Eigen::Map<const Vec3>(&nodal_forces[3 * static_cast<std::size_t>(n)]);
+    forces.push_back(scales.stress * scales.length * scales.length * (bodies[b].cut_cells.grid.rotation * sum));
+  }
+  return forces;
+}
+
 }  // namespace cgcontact

@@ -80,4 +80,8 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
 std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,
                                      const Scales& scales);
 
+/// Resultant of nodal forces (units of make_load_vector) on each body, N, global axes.
+std::vector<Vec3> force_of_body(const std::vector<BodyModel>& bodies, const ElasticSystem& system, const Scales& scales,
+                                const std::vector<double>& nodal_forces);
+
 }  // namespace cgcontact

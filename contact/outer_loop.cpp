@@ -249,6 +249,7 @@ void OuterLoop::polish(OuterResult& result) {
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
 void OuterLoop::set_forces(OuterResult& result) const {
   result.group_force = group_force(true);
+  result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, load_);
   for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
     const SupportPoint& p = problem_.supports[s];
     const Vec3 d = problem_.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
@@ -297,6 +298,7 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     step.residual = update_recovered_stress();
     step.active_points = count_active();
     result.residuals.push_back(step.residual);
+    result.active_points.push_back(step.active_points);
     result.iterations = iteration;
     outer_residual = step.residual;
     progress(step);

@@ -25,6 +25,8 @@ struct OuterResult {
   int iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> residuals;
+  std::vector<long long> active_points;  ///< closed, after each iteration
+  std::vector<Vec3> load_of_body;        ///< resultant of loads and body forces, N
   int preconditioner_setups = 0;
   std::vector<double> support_stress;  ///< lambda of each support point, Pa
   std::vector<double> group_force;     ///< force of each contact group, Scales::stress * Scales::length^2

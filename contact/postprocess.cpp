@@ -211,6 +211,7 @@ void fill_counts(const Simulation& sim, Results& results) {
   results.outer_iterations = sim.outer.iterations;
   results.linear_iterations = sim.outer.linear_iterations;
   results.outer_residuals = sim.outer.residuals;
+  results.active_of_iteration = sim.outer.active_points;
   results.converged = sim.outer.converged;
   results.diagnosis = sim.outer.diagnosis;
   for (const ContactPair& pair : sim.pairs)
@@ -333,6 +334,21 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
   for (std::size_t s = 0; s < sim.supports.size(); ++s)
     results.supports[sim.supports[s].support].force +=
         sim.supports[s].weight * sim.outer.support_stress[s] * sim.supports[s].direction;
+}
+
+void fill_balance(const Simulation& sim, Results& results) {
+  for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
+    BodyBalance balance;
+    balance.body = sim.bodies[b].spec->name;
+    balance.loads = sim.outer.load_of_body[b];
+    for (std::size_t s = 0; s < results.supports.size(); ++s)
+      if (sim.scene.supports[s].face.body == static_cast<int>(b)) balance.supports += results.supports[s].force;
+    for (std::size_t k = 0; k < results.pairs.size(); ++k) {
+      if (sim.pairs[k].spec->first.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_first;
+      if (sim.pairs[k].spec->second.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_second;
+    }
+    results.balance.push_back(balance);
+  }
 }
 
 void fill_path(const Simulation& sim, Results& results) {

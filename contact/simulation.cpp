@@ -149,6 +149,7 @@ void Simulation::fill_results() {
   fill_counts(*this, results);
   fill_contact_rows(*this, results);
   fill_pair_figures(*this, results);
+  fill_balance(*this, results);
   choose_reference();
   fill_body_fields(*this, results);
   estimate_contact_errors(*this, results);

@@ -50,6 +50,7 @@ const char* const run_footer =
 const char* const check_footer =
     "Examples:\n"
     "  cgcontact check scenes/rings.toml\n"
+    "  cgcontact check scenes/rings.toml --out out/check         a picture of it, and files for ParaView\n"
     "  cgcontact check scenes/hertz.toml --set n=100      how many unknowns would that be, and how much memory?\n"
     "Exit codes: 0 the scene is good, 1 it is not (one message says where).\n"
     "Keys of --set and of scenes: docs/scene.md.";
@@ -242,6 +243,12 @@ Parser::Parser() {
   CLI::App& check = add_command("check", CommandLine::check,
                                 "Validate a scene and print what it contains, without solving", check_footer);
   add_scene(check);
+  check
+      .add_option("-o,--out", line.out,
+                  "Draw it too: check.png and files for ParaView in this directory [default: "
+                  "nothing is written]")
+      ->type_name("DIR")
+      ->check(not_empty, "");
   describe_study();
 }
 

@@ -86,6 +86,7 @@ class Clipper {
   const TriangleSurface* const triangles_;
   std::vector<Surface> surfaces_;  ///< of the solid, then those of what is removed
   bool whole_body_;
+  bool uncrossed_ = true;  ///< nothing is taken away from the cell in work
   int subdivision_ = 1;
   std::vector<int> all_surfaces_;
   std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
@@ -193,7 +194,13 @@ void Clipper::clip_cell(int active) {
   for (int s = first; s < static_cast<int>(surfaces_.size()); ++s)
     inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
 
-  const bool full = whole_body_ && cut_cells_.cut_of_active[active] < 0;
+  uncrossed_ = whole_body_;
+  if (removed_ && std::none_of(near.begin(), near.end(), [&](int s) { return s >= first; })) {
+    const auto removed_sides = inner_side_.begin() + first;
+    if (removed_->evaluate(std::vector<char>(removed_sides, inner_side_.end()))) return;
+    uncrossed_ = true;
+  }
+  const bool full = uncrossed_ && cut_cells_.cut_of_active[active] < 0;
   const bool curved = std::any_of(near.begin(), near.end(), [&](int s) {
     return surfaces_[s].max_curvature() > 0 || surfaces_[s].kind == Surface::Kind::patch;
   });
@@ -214,7 +221,7 @@ void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vec
   const Vec3 centre = Vec3(fine[0], fine[1], fine[2]) / max_subdivision + Vec3::Constant(length / 2);
   for (int s : surfaces) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
   const std::vector<int> near = surfaces_near(centre, length / 2, surfaces);
-  const bool full = whole_body_ && cut_cells_.cut_of_active[active] < 0;
+  const bool full = uncrossed_ && cut_cells_.cut_of_active[active] < 0;
   if (near.empty() && !full && !is_inside(centre)) return;
 
   Hexahedron points;

@@ -14,8 +14,11 @@
 
 #include "core/output_csv.hpp"
 #include "core/output_fields.hpp"
+#include "core/output_page.hpp"
 #include "core/output_picture.hpp"
 #include "core/output_plots.hpp"
+#include "core/output_pressure_map.hpp"
+#include "core/output_text.hpp"
 #include "core/output_vtk.hpp"
 #include "core/parallel.hpp"
 #include "core/resources.hpp"
@@ -119,27 +122,45 @@ std::vector<DrawnBody> draw_bodies(const Results& results) {
   return drawn;
 }
 
-/// All files but the report. The pictures are begun first: gnuplot draws while the other files are written.
-std::vector<std::string> write_files(const Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
-  GnuplotRuns runs(temporary.path().string());
+std::vector<BodyExtremes> extremes_of(const std::vector<DrawnBody>& bodies) {
+  std::vector<BodyExtremes> extremes;
+  for (const DrawnBody& body : bodies) {
+    BodyExtremes most;
+    for (const Vec3& u : body.displacement) most.displacement = std::max(most.displacement, u.norm());
+    for (const Sym3& s : body.stress) most.von_mises = std::max(most.von_mises, von_mises(s));
+    extremes.push_back(most);
+  }
+  return extremes;
+}
+
+/// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
+PageParts write_files(const Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
+  PageParts parts;
+  parts.directory = temporary.path().string();
+  GnuplotRuns runs(parts.directory);
   if (scene.output.plots) write_plots(results, scene, runs);
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
   if (scene.output.vtk || scene.output.plots) {
     const std::vector<DrawnBody> drawn = draw_bodies(results);
+    const ContactSurface surface = make_contact_surface(results, drawn);
+    parts.extremes = extremes_of(drawn);
+    const auto draw = [&] {
+      write_picture(results, drawn, runs);
+      parts.pressure_maps = write_pressure_maps(results, surface, runs);
+    };
     const auto write_fields = [&] {
       write_vtk(results, drawn, temporary.file("result.vtkhdf"));
-      const ContactSurface surface = make_contact_surface(results, drawn);
       if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
     };
     parallel_for(2, 1, [&](std::size_t task) {
-      if (task == 0 && scene.output.plots) write_picture(results, drawn, runs);
+      if (task == 0 && scene.output.plots) draw();
       if (task == 1 && scene.output.vtk) write_fields();
     });
   }
-  const std::vector<std::string> warnings = runs.finish();
+  parts.warnings = runs.finish();
   std::error_code error;
-  if (warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
-  return warnings;
+  if (parts.warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
+  return parts;
 }
 
 }  // namespace
@@ -170,17 +191,20 @@ std::vector<std::string> write_results(Results& results, const Scene& scene, con
   try {
     const std::vector<std::string> old = old_files(target);
     const TemporaryDirectory temporary(target);
-    std::vector<std::string> warnings = write_files(results, scene, temporary);
-    std::vector<std::string> files{"report.json"};
+    PageParts parts = write_files(results, scene, temporary);
+    std::vector<std::string>& files = parts.files;
+    files.emplace_back("report.json");
+    if (scene.output.report) files.emplace_back("report.html");
     for (const fs::directory_entry& entry : fs::directory_iterator(temporary.path()))
       files.push_back(entry.path().filename().string());
     std::sort(files.begin(), files.end());
     results.times_s.emplace_back("output",
                                  std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     results.peak_memory_bytes = std::max(results.peak_memory_bytes, peak_memory_bytes());
-    write_report(results, files, warnings, temporary.file("report.json"));
+    if (scene.output.report) write_text(temporary.file("report.html"), page(results, parts));
+    write_report(results, files, parts.warnings, temporary.file("report.json"));
     replace(temporary.path(), target, old);
-    return warnings;
+    return parts.warnings;
   } catch (const fs::filesystem_error& error) {
     throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.code().message()));
   }

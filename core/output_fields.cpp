@@ -97,6 +97,7 @@ void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows
       centroid += drawn.position[p] / 3;
     }
     surface.triangles.push_back(points);
+    surface.cell.push_back(triangle.cell);
     add_triangle(centroid, cut_cells.grid.cell_size, *rows, surface);
   }
 }

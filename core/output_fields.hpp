@@ -30,6 +30,7 @@ struct ContactSurface {
   std::vector<Vec3> displacement;  ///< m
   std::vector<std::array<int, 3>> triangles;
   std::vector<int> body, pair, active;                          ///< per triangle
+  std::vector<int> cell;                                        ///< per triangle, active cell of the body
   std::vector<std::array<double, num_values>> triangle_values;  ///< mean of the nearby rows; gap NaN: nothing opposite
   std::vector<std::array<double, num_values>> point_values;     ///< area-weighted mean of the triangles around
   std::size_t size() const { return triangles.size(); }

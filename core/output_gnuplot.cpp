@@ -60,13 +60,13 @@ void GnuplotRuns::warn(const std::string& warning) {
   if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
 }
 
-void GnuplotRuns::start(const std::string& name, const std::string& script, const std::string& picture) {
+void GnuplotRuns::start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures) {
   const fs::path folder = fs::path(directory_) / "plots";
   write_text((folder / (name + ".gp")).string(), script);
   pid_t child = 0;
   const int error = spawn_gnuplot(folder.string(), name + ".gp", name + ".log", child);
   if (error == 0)
-    runs_.push_back({name, picture, child});
+    runs_.push_back({name, pictures, child});
   else if (error == ENOENT)
     warn(
         "no pictures: the program gnuplot was not found (Debian package gnuplot-nox); its scripts and data are in "
@@ -78,13 +78,14 @@ void GnuplotRuns::start(const std::string& name, const std::string& script, cons
 const std::vector<std::string>& GnuplotRuns::finish() {
   for (const Run& run : runs_) {
     const bool ended_well = wait_for(run.child);
-    const fs::path picture = fs::path(directory_) / run.picture;
-    std::error_code error;
-    const bool drawn = fs::exists(picture, error) && fs::file_size(picture, error) > 0;
-    if (ended_well && drawn) continue;
-    fs::remove(picture, error);
-    warn(fmt::format("no {0}: gnuplot failed on plots/{1}.gp, its messages are in plots/{1}.log", run.picture,
-                     run.name));
+    for (const std::string& name : run.pictures) {
+      const fs::path picture = fs::path(directory_) / name;
+      std::error_code error;
+      const bool drawn = fs::exists(picture, error) && fs::file_size(picture, error) > 0;
+      if (ended_well && drawn) continue;
+      fs::remove(picture, error);
+      warn(fmt::format("no {0}: gnuplot failed on plots/{1}.gp, its messages are in plots/{1}.log", name, run.name));
+    }
   }
   runs_.clear();
   return warnings_;
@@ -104,19 +105,6 @@ std::string gnuplot_palette() {
   for (std::size_t k = 0; k < colours.size(); ++k)
     text += fmt::format("{}{} {} {} {}", k ? ", " : "", k, colours[k][0], colours[k][1], colours[k][2]);
   return text + ")\n";
-}
-
-AxisUnit length_unit(double largest) {
-  if (largest >= 1) return {1, "m"};
-  if (largest >= 1e-3) return {1e3, "mm"};
-  return {1e6, "um"};
-}
-
-AxisUnit stress_unit(double largest) {
-  if (largest >= 1e9) return {1e-9, "GPa"};
-  if (largest >= 1e6) return {1e-6, "MPa"};
-  if (largest >= 1e3) return {1e-3, "kPa"};
-  return {1, "Pa"};
 }
 
 std::string gnuplot_text(const std::string& text) {

@@ -17,15 +17,16 @@ class GnuplotRuns {
   GnuplotRuns& operator=(const GnuplotRuns&) = delete;
 
   const std::string& directory() const { return directory_; }
-  /// Writes `script` as `name`.gp and starts gnuplot on it; `picture` (in the directory) must exist in the end.
-  void start(const std::string& name, const std::string& script, const std::string& picture);
+  /// Writes `script` as `name`.gp and starts gnuplot on it; `pictures` (in the directory) must exist in the end.
+  void start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures);
   void warn(const std::string& warning);
   /// Waits for all runs. Failures are warnings, their scripts and data stay.
   const std::vector<std::string>& finish();
 
  private:
   struct Run {
-    std::string name, picture;
+    std::string name;
+    std::vector<std::string> pictures;
     int child;
   };
   const std::string directory_;
@@ -37,14 +38,6 @@ class GnuplotRuns {
 std::array<double, 3> palette_colour(double value);
 /// The same as a gnuplot command.
 std::string gnuplot_palette();
-
-/// A unit for axes: multiply a value in SI by `factor`.
-struct AxisUnit {
-  double factor = 1;
-  std::string name;
-};
-AxisUnit length_unit(double largest);  ///< m, mm or um
-AxisUnit stress_unit(double largest);  ///< Pa, kPa, MPa or GPa
 
 /// Text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
 /// interpreted if the terminal is set to noenhanced.

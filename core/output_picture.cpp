@@ -8,17 +8,14 @@
 #include <optional>
 
 #include "core/output_gnuplot.hpp"
-#include "core/output_raster.hpp"
+#include "core/output_render.hpp"
 #include "core/output_text.hpp"
-#include "core/parallel.hpp"
 
 namespace cgcontact {
 
 namespace {
 
-constexpr int long_side = 1000, oversampling = 3;
-/// Rows that are drawn at a time, and rows beyond them whose outlines reach into them.
-constexpr int strip_rows = 50, outline_reach = 1;
+constexpr int long_side = 1000;
 /// Largest drawn displacement over the diagonal of the scene.
 constexpr double drawn_displacement = 0.03;
 /// The contact is inside the scene, and the scene cut open, if it is this far (fraction of the extent) from its sides.
@@ -196,81 +193,35 @@ std::vector<DrawnBody> cut_open(const Results& results, const ContactPlace& plac
   return drawn;
 }
 
-/// A triangle of a body's boundary.
-struct TrianglePlace {
-  int body, triangle;
-};
-
 Vec3 drawn_position(const DrawnBody& body, int point, double exaggeration) {
   return body.displacement.empty() ? body.position[point]
                                    : Vec3(body.position[point] + exaggeration * body.displacement[point]);
 }
 
-/// The triangles that reach into each strip of rows, in the order in which they are drawn.
-std::vector<std::vector<TrianglePlace>> triangles_by_strip(const std::vector<DrawnBody>& bodies, const View& view,
-                                                           int num_strips) {
-  std::vector<std::vector<TrianglePlace>> strips(num_strips);
+/// Pixels of the bodies, by row from the bottom.
+std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, const std::array<int, 2>& size) {
+  std::vector<std::array<int, 2>> triangles;  // body, triangle of its boundary
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    for (std::size_t i = 0; i < bodies[b].mesh.boundary.size(); ++i) {
-      double low = std::numeric_limits<double>::max(), high = -low;
-      for (int p : bodies[b].mesh.boundary[i].points) {
-        const double y = view.camera.up.dot(drawn_position(bodies[b], p, view.exaggeration));
-        const double row = (y - view.camera.low[1]) * view.camera.pixels_per_metre;
-        low = std::min(low, row);
-        high = std::max(high, row);
-      }
-      const auto strip = [&](double row) {
-        return static_cast<int>(std::clamp(std::floor(row / strip_rows), 0.0, num_strips - 1.0));
-      };
-      // A strip sees `outline_reach` rows beyond its own; one more for rounding. Not-a-number is left to the strips.
-      const bool known = std::isfinite(low) && std::isfinite(high);
-      for (int s = known ? strip(low - outline_reach - 1) : 0;
-           s <= (known ? strip(high + outline_reach + 1) : num_strips - 1); ++s)
-        strips[s].push_back({static_cast<int>(b), static_cast<int>(i)});
-    }
-  return strips;
-}
-
-/// One strip of the picture: the whole picture at once would take 300 MB, more than most runs.
-RasterImage render_strip(const std::vector<DrawnBody>& bodies, const std::vector<TrianglePlace>& triangles,
-                         const View& view, int width, int first_row, int rows) {
-  Camera camera = view.camera;
-  camera.low[1] += first_row / camera.pixels_per_metre;
-  RasterImage image(width, rows, oversampling, camera);
-  for (const TrianglePlace& place : triangles) {
-    const DrawnBody& body = bodies[place.body];
-    std::array<RasterVertex, 3> vertices;
+    for (std::size_t i = 0; i < bodies[b].mesh.boundary.size(); ++i)
+      triangles.push_back({static_cast<int>(b), static_cast<int>(i)});
+  const auto triangle = [&](std::size_t i) {
+    const DrawnBody& body = bodies[triangles[i][0]];
+    RasterTriangle drawn;
+    drawn.part = triangles[i][0];
     for (int v = 0; v < 3; ++v) {
-      const int p = body.mesh.boundary[place.triangle].points[v];
-      vertices[v].position = drawn_position(body, p, view.exaggeration);
-      vertices[v].grid = body.mesh.points[p];
-      vertices[v].value = (von_mises(body.stress[p]) - view.low) / (view.high - view.low);
+      const int p = body.mesh.boundary[triangles[i][1]].points[v];
+      drawn.vertices[v].position = drawn_position(body, p, view.exaggeration);
+      drawn.vertices[v].grid = body.mesh.points[p];
+      drawn.vertices[v].value = (von_mises(body.stress[p]) - view.low) / (view.high - view.low);
     }
-    image.draw(vertices, place.body, view.thin_axis < 0 ? 1.0 : 0.0);
-  }
-  image.draw_outlines();
-  return image;
-}
-
-std::string render(const std::vector<DrawnBody>& bodies, const View& view, const std::array<int, 2>& size) {
-  const auto bytes = [&](int rows) { return static_cast<std::size_t>(3) * size[0] * rows; };
-  const int num_strips = (size[1] + strip_rows - 1) / strip_rows;
-  const auto triangles = triangles_by_strip(bodies, view, num_strips);
-  std::string pixels(bytes(size[1]), '\0');
-  parallel_for(num_strips, 1, [&](std::size_t strip) {
-    const int first = static_cast<int>(strip) * strip_rows;
-    const int rows = std::min(strip_rows, size[1] - first);
-    const int below = std::min(outline_reach, first), above = std::min(outline_reach, size[1] - first - rows);
-    const RasterImage image =
-        render_strip(bodies, triangles[strip], view, size[0], first - below, below + rows + above);
-    std::copy_n(image.pixels().data() + bytes(below), bytes(rows), pixels.data() + bytes(first));
-  });
-  return pixels;
+    return drawn;
+  };
+  return render(size, view.camera, palette_colour, view.thin_axis < 0 ? 1.0 : 0.0, triangles.size(), triangle).pixels;
 }
 
 std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size) {
-  const AxisUnit stress = stress_unit(view.high);
-  const AxisUnit length = length_unit(view.box.extent().maxCoeff());
+  const DisplayUnit stress = stress_unit(view.high);
+  const DisplayUnit length = length_unit(view.box.extent().maxCoeff());
   const bool flat = view.thin_axis >= 0;
   const int left = flat ? 125 : 30, right = 170, bottom = flat ? 80 : 40, top = 60;
   const int width = size[0] + left + right, height = size[1] + bottom + top;
@@ -331,8 +282,8 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
   choose_colours(drawn, view);
   const std::array<int, 2> size = fit_camera(drawn, view);
   if (size[0] < 1 || size[1] < 1) return;
-  write_text(runs.directory() + "/plots/scene.rgb", render(drawn, view, size));
-  runs.start("scene", picture_script(results, view, size), "scene.png");
+  write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
+  runs.start("scene", picture_script(results, view, size), {"scene.png"});
 }
 
 }  // namespace cgcontact

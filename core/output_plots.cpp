@@ -43,7 +43,7 @@ std::pair<double, double> pressure_range(const Results& results) {
 }
 
 struct PressureAxes {
-  AxisUnit length, stress;
+  DisplayUnit length, stress;
   double low, high;  ///< Pa
 };
 
@@ -116,7 +116,7 @@ void write_pressure_plot(const Results& results, const Scene& scene, GnuplotRuns
   if (last > first)
     script += fmt::format("set xrange [{}:{}]\n", first * axes.length.factor, last * axes.length.factor);
   script += "plot \\\n" + pressure_curves(results, bodies) + "  NaN notitle\n";
-  runs.start("pressure", script, "pressure.svg");
+  runs.start("pressure", script, {"pressure.svg"});
 }
 
 }  // namespace

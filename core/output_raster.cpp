@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/output_gnuplot.hpp"
-
 namespace cgcontact {
 
 namespace {
@@ -18,8 +16,12 @@ constexpr double line_fade_from = 12, line_fade_to = 4;
 
 }  // namespace
 
-RasterImage::RasterImage(int width, int height, int oversampling, const Camera& camera)
-    : width_(width * oversampling), height_(height * oversampling), oversampling_(oversampling), camera_(camera) {
+RasterImage::RasterImage(int width, int height, int oversampling, const Camera& camera, ColourMap colour)
+    : width_(width * oversampling),
+      height_(height * oversampling),
+      oversampling_(oversampling),
+      camera_(camera),
+      colour_(colour) {
   camera_.pixels_per_metre *= oversampling;
   const Pixel background{-std::numeric_limits<float>::max(), 1, 1, 1, 0, 0, 0, -1};
   fine_.assign(static_cast<std::size_t>(width_) * height_, background);
@@ -78,7 +80,7 @@ void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const 
   const auto depth = static_cast<float>(weight[0] * screen.z[0] + weight[1] * screen.z[1] + weight[2] * screen.z[2]);
   if (depth <= pixel.depth) return;
   const double value = weight[0] * triangle[0].value + weight[1] * triangle[1].value + weight[2] * triangle[2].value;
-  const std::array<double, 3> colour = palette_colour(value);
+  const std::array<double, 3> colour = colour_(value);
   const double factor = screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
   pixel.depth = depth;
   pixel.red = static_cast<float>(factor * colour[0]);
@@ -87,13 +89,13 @@ void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const 
   pixel.nx = static_cast<float>(screen.normal[0]);
   pixel.ny = static_cast<float>(screen.normal[1]);
   pixel.nz = static_cast<float>(screen.normal[2]);
-  pixel.body = screen.body;
+  pixel.part = screen.part;
 }
 
-void RasterImage::draw(const std::array<RasterVertex, 3>& triangle, int body, double shading) {
+void RasterImage::draw(const std::array<RasterVertex, 3>& triangle, int part, double shading) {
   Screen screen;
   if (!project(triangle, shading, screen)) return;
-  screen.body = body;
+  screen.part = part;
   const auto range = [](const double* c, int size) {
     const double first = std::ceil(std::min({c[0], c[1], c[2]}) - 0.5);
     const double last = std::floor(std::max({c[0], c[1], c[2]}) - 0.5);
@@ -130,8 +132,8 @@ bool RasterImage::is_outline(int x, int y) const {
     const int nx = x + step[0], ny = y + step[1];
     if (nx >= width_ || ny >= height_) continue;
     const Pixel& there = fine_[static_cast<std::size_t>(ny) * width_ + nx];
-    if (here.body != there.body) return true;
-    if (here.body < 0) continue;
+    if (here.part != there.part) return true;
+    if (here.part < 0) continue;
     if (here.nx * there.nx + here.ny * there.ny + here.nz * there.nz < 0.8f) return true;
     if (std::abs(here.depth - there.depth) > 20.0f) return true;
   }
@@ -174,6 +176,14 @@ std::string RasterImage::pixels() const {
             static_cast<char>(static_cast<unsigned char>(std::lround(255 * std::clamp(channel / samples, 0.f, 1.f))));
     }
   return bytes;
+}
+
+std::vector<int> RasterImage::parts() const {
+  std::vector<int> parts;
+  for (int y = oversampling_ / 2; y < height_; y += oversampling_)
+    for (int x = oversampling_ / 2; x < width_; x += oversampling_)
+      parts.push_back(fine_[static_cast<std::size_t>(y) * width_ + x].part);
+  return parts;
 }
 
 }  // namespace cgcontact

@@ -10,6 +10,9 @@
 
 namespace cgcontact {
 
+/// Colour of a value; channels in [0,1].
+using ColourMap = std::array<double, 3> (*)(double value);
+
 /// Parallel projection; `right`, `up`, `eye` are orthonormal and right-handed, `eye` points to the viewer.
 struct Camera {
   Vec3 right = Vec3::UnitX(), up = Vec3::UnitZ(), eye = -Vec3::UnitY();
@@ -20,25 +23,28 @@ struct Camera {
 struct RasterVertex {
   Vec3 position;  ///< m, where it is drawn
   Vec3 grid;      ///< grid coordinates, for the grid lines
-  double value;   ///< in [0,1], gives the colour
+  double value;   ///< gives the colour
 };
 
 class RasterImage {
  public:
   /// The image is drawn `oversampling` times finer in each direction and then averaged.
-  RasterImage(int width, int height, int oversampling, const Camera& camera);
+  RasterImage(int width, int height, int oversampling, const Camera& camera, ColourMap colour);
 
-  /// `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light.
-  void draw(const std::array<RasterVertex, 3>& triangle, int body, double shading);
+  /// `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light. `part` (a body, a
+  /// face) is what outlines separate.
+  void draw(const std::array<RasterVertex, 3>& triangle, int part, double shading);
   void draw_outlines();
   /// Bytes red, green, blue by row from the bottom, white where nothing was drawn.
   std::string pixels() const;
+  /// The part seen in each pixel, by row from the bottom; -1: none.
+  std::vector<int> parts() const;
 
  private:
   struct Pixel {
     float depth, red, green, blue;
     float nx, ny, nz;
-    int body;
+    int part;
   };
   /// A triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
   struct Screen {
@@ -48,7 +54,7 @@ class RasterImage {
     Vec3 cells_per_pixel;  ///< by axis, of the averaged image
     Vec3 line_strength;    ///< of the grid lines across each axis
     double shade;
-    int body;
+    int part;
   };
   /// False if the triangle is seen from behind or from the side.
   bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
@@ -60,6 +66,7 @@ class RasterImage {
 
   int width_, height_, oversampling_;
   Camera camera_;
+  ColourMap colour_;
   std::vector<Pixel> fine_;
 };
 

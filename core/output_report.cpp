@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
@@ -61,6 +60,7 @@ void add_solution(const Results& results, Json& json) {
   json["outer_iterations"] = results.outer_iterations;
   json["linear_iterations"] = results.linear_iterations;
   json["outer_residuals"] = results.outer_residuals;
+  json["active_points_of_iteration"] = results.active_of_iteration;
   json["active_points"] = results.active_points;
   json["converged"] = results.converged;
   json["diagnosis"] = results.diagnosis;
@@ -69,47 +69,12 @@ void add_solution(const Results& results, Json& json) {
   json["supports"] = Json::array();
   for (const SupportFigures& support : results.supports)
     json["supports"].push_back({{"face", support.face}, {"force", json_of(support.force)}});
-}
-
-std::string force_line(const PairFigures& pair) {
-  const Vec3& f = pair.force_on_first;
-  return fmt::format(
-      "  contact {}: force on {} {} ({}, {}, {}), area {} m^2, max pressure {}; estimated errors: pressure {:.2g} %, "
-      "force {:.2g} %\n",
-      pair.name, pair.body_first, scaled(f.norm(), "N", 6), short_number(f[0]), short_number(f[1]), short_number(f[2]),
-      short_number(pair.area), scaled(pair.max_pressure, "Pa", 5), 100 * pair.pressure_error_estimate,
-      100 * pair.force_error_estimate);
-}
-
-/// "3 interior, 2 contact".
-std::string counts_text(const std::vector<std::pair<std::string, long long>>& counts) {
-  std::string text;
-  for (const auto& [name, count] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
-  return text;
-}
-
-std::string recovery_line(const Results& results) {
-  long long total = 0;
-  for (const auto& [kind, count] : results.patches_by_kind) total += count;
-  std::string degree;
-  if (results.quadratic_patches > 0 || results.lowered_patches > 0)
-    degree = fmt::format("; {} of degree 2, {} lowered to 1", results.quadratic_patches, results.lowered_patches);
-  return fmt::format("  recovery: {} patches ({}); {}{}; {} rows truncated\n", total,
-                     counts_text(results.patches_by_kind), counts_text(results.patches_by_status), degree,
-                     results.truncated_rows);
-}
-
-std::string times_line(const Results& results) {
-  std::string phases;
-  double total = 0;
-  for (const auto& [phase, seconds] : results.times_s) {
-    if (phase == "total") continue;
-    phases += fmt::format("{}{} {:.3g}", phases.empty() ? "" : ", ", phase, seconds);
-    total += seconds;
-  }
-  return fmt::format("  time: {:.3g} s ({}), peak memory {}, {} thread{} ({})\n", total, phases,
-                     scaled(static_cast<double>(results.peak_memory_bytes), "B"), results.threads,
-                     results.threads == 1 ? "" : "s", results.backend);
+  json["balance"] = Json::array();
+  for (const BodyBalance& body : results.balance)
+    json["balance"].push_back({{"body", body.body},
+                               {"loads", json_of(body.loads)},
+                               {"supports", json_of(body.supports)},
+                               {"contact", json_of(body.contact)}});
 }
 
 }  // namespace
@@ -121,6 +86,7 @@ void write_report(const Results& results, const std::vector<std::string>& files,
   json["scene"] = results.scene_file;
   json["title"] = results.title;
   json["version"] = CGCONTACT_VERSION;
+  json["command"] = results.command;
   json["backend"] = results.backend;
   json["threads"] = results.threads;
   json["unknowns"] = results.unknowns;
@@ -149,35 +115,6 @@ std::vector<std::string> files_of_report(const std::string& file_name) {
   };
   if (!is_ours()) throw InputError(fmt::format("{} is not a report of cgcontact", file_name));
   return json["files"].get<std::vector<std::string>>();
-}
-
-std::string summary(const Results& results, const std::string& directory) {
-  std::string text = results.converged ? "solved" : "DID NOT CONVERGE";
-  if (!results.title.empty()) text += fmt::format(": {}", results.title);
-  text += '\n';
-  if (!results.diagnosis.empty()) text += fmt::format("  diagnosis: {}\n", results.diagnosis);
-  text += fmt::format("  {} cells ({} cut, {} interior), {} unknowns\n", results.cells.active, results.cells.cut,
-                      results.cells.interior, results.unknowns);
-  long long linear = 0;
-  for (int n : results.linear_iterations) linear += n;
-  text += fmt::format("  {} outer iterations, {} linear iterations", results.outer_iterations, linear);
-  text += results.pairs.empty() ? "\n" : fmt::format(", {} active contact points\n", results.active_points);
-  for (const PairFigures& pair : results.pairs) text += force_line(pair);
-  text += fmt::format("  estimated error {:.3g} % of the energy norm", 100 * results.estimated_error_relative);
-  if (results.has_effectivity) text += fmt::format(", effectivity {:.3f}", results.effectivity);
-  text += '\n';
-  for (const ZoneError& zone : results.pressure_errors)
-    text += fmt::format("  pressure error, {}: raw {:.2g} %, SPR {:.2g} %, SPR-C {:.2g} %\n", zone.zone, 100 * zone.raw,
-                        100 * zone.spr, 100 * zone.sprc);
-  if (!results.patches_by_kind.empty()) text += recovery_line(results);
-  if (!results.times_s.empty()) text += times_line(results);
-  for (const std::string& warning : results.warnings) text += fmt::format("  warning: {}\n", warning);
-
-  std::string files;
-  for (const char* name : {"scene.png", "pressure.svg", "stress_error.svg", "result.vtkhdf", "contact.csv"})
-    if (std::filesystem::exists(std::filesystem::path(directory) / name)) files += fmt::format(" {}", name);
-  text += fmt::format("  results in {}:{} report.json\n", directory, files);
-  return text;
 }
 
 }  // namespace cgcontact

@@ -1,4 +1,4 @@
-/// report.json and the summary on the terminal.
+/// report.json.
 #pragma once
 
 #include <string>
@@ -14,8 +14,5 @@ void write_report(const Results& results, const std::vector<std::string>& files,
 
 /// Files that the report in a result directory lists. Throws InputError if it is not a report of this program.
 std::vector<std::string> files_of_report(const std::string& file_name);
-
-/// A few lines that fit one screen; `directory` is where the results lie.
-std::string summary(const Results& results, const std::string& directory);
 
 }  // namespace cgcontact

@@ -93,7 +93,7 @@ double colour_limit(const std::vector<StressErrorSample>& samples) {
 
 /// Means over the thin direction: coordinate, SPR, SPR-C; one block per body.
 std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies, const Layout& layout,
-                       const AxisUnit& length, const AxisUnit& stress) {
+                       const DisplayUnit& length, const DisplayUnit& stress) {
   std::string data;
   for (const auto& samples : bodies) {
     std::map<long long, std::array<double, 5>> bins;  // sums of s, raw, spr, sprc, count
@@ -113,7 +113,7 @@ std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies
 }
 
 std::string curve_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,
-                         const Layout& layout, const AxisUnit& length, const AxisUnit& stress) {
+                         const Layout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
   std::string script =
       "set encoding utf8\nset terminal svg size 1100,480 fixed noenhanced font 'sans-serif,14' background 'white'\n";
   script += "set output '../stress_error.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n";
@@ -181,7 +181,7 @@ Raster make_raster(const std::vector<StressErrorSample>& samples, const Layout& 
 
 /// x, y, SPR, SPR-C on the raster of each body.
 std::string map_data(const std::vector<std::vector<StressErrorSample>>& bodies, const Layout& layout,
-                     const AxisUnit& length, const AxisUnit& stress) {
+                     const DisplayUnit& length, const DisplayUnit& stress) {
   std::string data;
   for (const auto& samples : bodies) {
     const Raster raster = make_raster(samples, layout);
@@ -201,7 +201,7 @@ std::string map_data(const std::vector<std::vector<StressErrorSample>>& bodies, 
 }
 
 std::string map_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,
-                       const Layout& layout, const AxisUnit& length, const AxisUnit& stress) {
+                       const Layout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
   const int rows = static_cast<int>(std::min<std::size_t>(bodies.size(), 2));
   const double limit = colour_limit(results.stress_errors) * stress.factor;
   std::string script = fmt::format(
@@ -240,14 +240,14 @@ void write_stress_error_plot(const Results& results, GnuplotRuns& runs) {
   }
   if (bodies.empty()) return;
   const Layout layout = make_layout(results.stress_errors);
-  const AxisUnit length = length_unit((layout.low.cwiseAbs() + layout.extent).maxCoeff());
-  const AxisUnit stress = stress_unit(colour_limit(results.stress_errors));
+  const DisplayUnit length = length_unit((layout.low.cwiseAbs() + layout.extent).maxCoeff());
+  const DisplayUnit stress = stress_unit(colour_limit(results.stress_errors));
   const bool curves = layout.kind != Layout::Kind::map;
   write_text(runs.directory() + "/plots/stress_error.dat",
              curves ? curve_data(bodies, layout, length, stress) : map_data(bodies, layout, length, stress));
   const std::string script = curves ? curve_script(results, bodies, layout, length, stress)
                                     : map_script(results, bodies, layout, length, stress);
-  runs.start("stress_error", script, "stress_error.svg");
+  runs.start("stress_error", script, {"stress_error.svg"});
 }
 
 }  // namespace cgcontact

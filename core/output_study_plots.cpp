@@ -192,7 +192,7 @@ void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs)
     script += panel(study, curves[z], file, z * curves[z].size());
   }
   script += "unset multiplot\n";
-  runs.start(abscissa.picture, script, std::string(abscissa.picture) + ".svg");
+  runs.start(abscissa.picture, script, {std::string(abscissa.picture) + ".svg"});
 }
 
 }  // namespace

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <sstream>
 
 #include "core/errors.hpp"
 
@@ -47,6 +49,110 @@ std::string csv_text(const std::string& text) {
     quoted += c;
   }
   return quoted + '"';
+}
+
+std::string html_text(const std::string& text) {
+  std::string escaped;
+  for (char c : text) switch (c) {
+      case '<':
+        escaped += "&lt;";
+        break;
+      case '>':
+        escaped += "&gt;";
+        break;
+      case '&':
+        escaped += "&amp;";
+        break;
+      case '"':
+        escaped += "&quot;";
+        break;
+      case '\'':
+        escaped += "&#39;";
+        break;
+      default:
+        escaped += static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' ? ' ' : c;
+    }
+  return escaped;
+}
+
+std::string shell_word(const std::string& word) {
+  static const char* const plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string base64(const std::string& bytes) {
+  static const char* const digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t n = std::min<std::size_t>(3, bytes.size() - i);
+    unsigned block = 0;
+    for (std::size_t k = 0; k < 3; ++k) block = block << 8 | (k < n ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += k <= n ? digits[block >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+int columns_of(const std::string& text) {
+  int columns = 0;
+  for (char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xc0) == 0x80) continue;  // goes on with a letter
+    columns += byte >= 0xe3 ? 2 : 1;
+  }
+  return columns;
+}
+
+std::vector<std::string> wrapped(const std::string& text, const std::string& first, int width) {
+  std::vector<std::string> lines{first};
+  const std::string indent(static_cast<std::size_t>(columns_of(first)), ' ');
+  bool empty = true;  // no word in the last line yet
+  std::istringstream words(text);
+  for (std::string word; words >> word; empty = false) {
+    if (!empty && columns_of(lines.back()) + 1 + columns_of(word) > width) {
+      lines.push_back(indent);
+      empty = true;
+    }
+    lines.back() += (empty ? "" : " ") + word;
+  }
+  return lines;
+}
+
+std::string grouped(long long value) {
+  std::string text = std::to_string(value);
+  const std::ptrdiff_t first = text[0] == '-' ? 1 : 0;
+  for (auto k = static_cast<std::ptrdiff_t>(text.size()) - 3; k > first; k -= 3)
+    text.insert(static_cast<std::size_t>(k), ",");
+  return text;
+}
+
+DisplayUnit length_unit(double largest) {
+  if (largest >= 1) return {1, "m"};
+  if (largest >= 1e-3) return {1e3, "mm"};
+  return {1e6, "um"};
+}
+
+DisplayUnit area_unit(double largest) {
+  if (largest >= 0.01) return {1, "m^2"};
+  if (largest >= 1e-8) return {1e6, "mm^2"};
+  return {1e12, "um^2"};
+}
+
+DisplayUnit stress_unit(double largest) {
+  if (largest >= 1e9) return {1e-9, "GPa"};
+  if (largest >= 1e6) return {1e-6, "MPa"};
+  if (largest >= 1e3) return {1e-3, "kPa"};
+  return {1, "Pa"};
+}
+
+DisplayUnit force_unit(double largest) {
+  if (largest >= 1e6) return {1e-6, "MN"};
+  if (largest >= 1e3) return {1e-3, "kN"};
+  if (largest >= 0.1 || largest == 0) return {1, "N"};
+  return {1e3, "mN"};
 }
 
 std::string short_number(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }

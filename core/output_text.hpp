@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace cgcontact {
 
@@ -19,5 +20,33 @@ std::string short_number(double value, int digits = 4);
 
 /// A value with the unit scaled by powers of 1000, e.g. scaled(9.4e6, "Pa") = "9.4 MPa".
 std::string scaled(double value, const std::string& unit, int digits = 4);
+
+/// Text for a page: <, >, &, quotes and control characters are escaped.
+std::string html_text(const std::string& text);
+
+/// A word of a command line, quoted for a shell where needed.
+std::string shell_word(const std::string& word);
+
+std::string base64(const std::string& bytes);
+
+/// The words of `text` in lines of at most `width` columns (Chinese, Japanese and Korean letters take two); the first
+/// line starts with `first`, the others with blanks of its width. Words longer than a line are not divided.
+std::vector<std::string> wrapped(const std::string& text, const std::string& first, int width);
+
+/// Columns that a text in UTF-8 takes on a terminal.
+int columns_of(const std::string& text);
+
+/// An integer with groups of three digits for people: "28,764".
+std::string grouped(long long value);
+
+/// Multiply a value in SI by `factor` to have it in the unit `name`.
+struct DisplayUnit {
+  double factor = 1;
+  std::string name;
+};
+DisplayUnit length_unit(double largest);  ///< m, mm or um
+DisplayUnit area_unit(double largest);    ///< m^2, mm^2 or um^2
+DisplayUnit stress_unit(double largest);  ///< Pa, kPa, MPa or GPa
+DisplayUnit force_unit(double largest);   ///< N, kN, MN or mN
 
 }  // namespace cgcontact

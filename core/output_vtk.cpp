@@ -197,6 +197,48 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
   file.save(file_name);
 }
 
+void write_vtk_cells(const std::vector<DrawnBody>& bodies, const std::vector<const CutCells*>& cut_cells,
+                     const std::string& file_name) {
+  HdfFile file;
+  const BodyWriter write(bodies, file);
+  write.grid();
+  write.cells<int>("CellData/body", 0, [](std::size_t b, std::size_t, int* row) { *row = static_cast<int>(b); });
+  write.cells<int>("CellData/cell", 0,
+                   [&](std::size_t b, std::size_t i, int* row) { *row = drawn_cell(bodies[b].mesh, i).cell; });
+  write.cells<unsigned char>("CellData/cut", 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
+    *row = cut_cells[b]->cut_of_active[drawn_cell(bodies[b].mesh, i).cell] >= 0;
+  });
+  write.cells<float>("CellData/volume_fraction", 0, [&](std::size_t b, std::size_t i, float* row) {
+    *row = static_cast<float>(cut_cells[b]->volume_fraction(drawn_cell(bodies[b].mesh, i).cell));
+  });
+  file.save(file_name);
+}
+
+void write_vtk_boundary(const std::vector<DrawnBody>& bodies, const std::vector<BoundaryArray>& arrays,
+                        const std::string& file_name) {
+  std::vector<double> points;
+  std::vector<long long> connectivity, offsets{0};
+  for (const DrawnBody& body : bodies) {
+    const auto first = static_cast<long long>(points.size() / 3);
+    for (const Vec3& x : body.position) points.insert(points.end(), x.begin(), x.end());
+    for (const BoundaryTriangle& triangle : body.mesh.boundary) {
+      for (int p : triangle.points) connectivity.push_back(first + p);
+      offsets.push_back(static_cast<long long>(connectivity.size()));
+    }
+  }
+  HdfFile file;
+  write_header({points.size() / 3, offsets.size() - 1, connectivity.size()}, file);
+  file.write("/VTKHDF/Points", points, 3);
+  file.write("/VTKHDF/Types", std::vector<unsigned char>(offsets.size() - 1, vtk_triangle));
+  file.write("/VTKHDF/Connectivity", connectivity);
+  file.write("/VTKHDF/Offsets", offsets);
+  for (const BoundaryArray& array : arrays) {
+    file.write("/VTKHDF/CellData/" + array.name, array.values);
+    if (!array.names.empty()) file.set_attribute("/VTKHDF/CellData/" + array.name, "names", array.names);
+  }
+  file.save(file_name);
+}
+
 void write_vtk_contact(const ContactSurface& surface, const std::string& file_name) {
   static const char* const names[] = {"gap", "pressure_raw", "pressure_spr", "pressure_sprc"};
   HdfFile file;

@@ -18,4 +18,16 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
 /// pressure_sprc; the last four as point arrays "..._smooth" too, and displacement.
 void write_vtk_contact(const ContactSurface& surface, const std::string& file_name);
 
+/// The bodies of a scene without results. Cell arrays: body, cell, cut (1: a boundary passes), volume_fraction.
+void write_vtk_cells(const std::vector<DrawnBody>& bodies, const std::vector<const CutCells*>& cut_cells,
+                     const std::string& file_name);
+
+/// Integers on the triangles of the bodies' boundaries; `names` becomes the attribute of that name, if not empty.
+struct BoundaryArray {
+  std::string name, names;
+  std::vector<int> values;  ///< the triangles of the first body, then of the second one ...
+};
+void write_vtk_boundary(const std::vector<DrawnBody>& bodies, const std::vector<BoundaryArray>& arrays,
+                        const std::string& file_name);
+
 }  // namespace cgcontact

@@ -76,6 +76,12 @@ struct SupportFigures {
   Vec3 force = Vec3::Zero();  ///< N, acts on the body
 };
 
+/// Resultants of what acts on one body; they sum to zero up to the tolerance of the linear solver.
+struct BodyBalance {
+  std::string body;
+  Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
+};
+
 /// Relative L2 error of the pressure in a zone.
 struct ZoneError {
   std::string zone;
@@ -84,6 +90,7 @@ struct ZoneError {
 
 struct Results {
   std::string scene_file, title, backend;
+  std::string command;  ///< the command line, quoted for a shell; empty: not run by the program
   int threads = 1;
   long long unknowns = 0;
   struct CellCounts {
@@ -92,12 +99,14 @@ struct Results {
   int outer_iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> outer_residuals;
+  std::vector<long long> active_of_iteration;  ///< closed contact points after each outer iteration
   long long active_points = 0;
   bool converged = false;
   std::string diagnosis;  ///< why not, if not
   std::vector<std::string> warnings;
   std::vector<PairFigures> pairs;
   std::vector<SupportFigures> supports;
+  std::vector<BodyBalance> balance;                          ///< by body
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;

@@ -133,7 +133,7 @@ struct ReferenceSpec {
 
 struct OutputSpec {
   std::string directory;  ///< empty: `out/<scene name>`
-  bool vtk = true, csv = true, plots = true;
+  bool vtk = true, csv = true, plots = true, report = true;
   std::optional<std::pair<Vec3, Vec3>> path;  ///< line for pressure.svg, m
 };
 

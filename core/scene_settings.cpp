@@ -84,12 +84,13 @@ RecoverySpec read_recovery(const TomlCursor& node) {
 }
 
 OutputSpec read_output(const TomlCursor& node) {
-  node.expect_keys({"directory", "vtk", "csv", "plots", "path"});
+  node.expect_keys({"directory", "vtk", "csv", "plots", "report", "path"});
   OutputSpec output;
   if (const auto value = node.find("directory")) output.directory = value->string("a directory");
   if (const auto value = node.find("vtk")) output.vtk = value->boolean();
   if (const auto value = node.find("csv")) output.csv = value->boolean();
   if (const auto value = node.find("plots")) output.plots = value->boolean();
+  if (const auto value = node.find("report")) output.report = value->boolean();
   if (const auto value = node.find("path")) output.path = read_path(*value);
   return output;
 }

@@ -102,6 +102,7 @@ void run(const Scene& scene) {
   made_up_contact(sim);
   sim.outer.group_force.assign(sim.system.group_rows.size(), 0.0);
   sim.outer.support_stress.assign(sim.supports.size(), 0.0);
+  sim.outer.load_of_body.assign(sim.bodies.size(), Vec3::Zero());
   phase("boundary stress, 8 updates", [&] {
     for (int i = 0; i < 8; ++i)
       for (BoundaryStress& s : stress) s.update(sim.outer.u);

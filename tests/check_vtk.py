@@ -11,7 +11,7 @@ import argparse
 import sys
 
 try:
-    from numpy import isnan
+    from numpy import arange, isin, isnan, sort
     from vtkmodules.vtkCommonCore import vtkVersion
     from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
     from vtkmodules.vtkIOHDF import vtkHDFReader
@@ -55,6 +55,28 @@ def size(grid, name):
     return float(values.sum()), float(values.min()) if len(values) else 0.0
 
 
+def check_cells(grid, problems):
+    """Cells must be hexahedra, tetrahedra or triangles of as many different, existing points, and not inside out."""
+    points_of_type = {5: 3, 10: 4, 12: 8}
+    connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
+    offsets = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
+    types = vtk_to_numpy(grid.GetCellTypesArray())
+    if len(connectivity) and not (0 <= connectivity.min() and connectivity.max() < grid.GetNumberOfPoints()):
+        problems.append("a cell has a point that does not exist")
+    for kind, count in points_of_type.items():
+        first = offsets[:-1][types == kind]
+        if not (offsets[1:][types == kind] - first == count).all():
+            problems.append(f"a cell of type {kind} has not {count} points")
+            continue
+        corners = sort(connectivity[first[:, None] + arange(count)], axis=1)
+        if (corners[:, 1:] == corners[:, :-1]).any():
+            problems.append(f"a cell of type {kind} has a point twice")
+    if not isin(types, list(points_of_type)).all():
+        problems.append("there are cells of an unexpected type")
+    if size(grid, "Volume")[1] < 0:
+        problems.append("a cell is inside out")
+
+
 def check_arrays(data, kind, tuples, expected, may_be_nan, problems):
     """Every array must be finite (but for NaN where that is said) and of full length; those expected must be there."""
     for i in range(data.GetNumberOfArrays()):
@@ -94,6 +116,7 @@ def main():
     check_arrays(grid.GetCellData(), "cell array", grid.GetNumberOfCells(), options.cell_array, options.may_be_nan,
                  problems)
     print("bounds =", *grid.GetBounds())
+    check_cells(grid, problems)
     if options.bounds:
         extent = max(options.bounds[2 * k + 1] - options.bounds[2 * k] for k in range(3))
         for k in range(6):

@@ -71,7 +71,7 @@ def figures(value, name=""):
 
 
 # Of a run, not of its results.
-NOT_COMPARED = ("times_s", "peak_memory_bytes", "backend", "threads", "warnings", "files")
+NOT_COMPARED = ("times_s", "peak_memory_bytes", "backend", "threads", "warnings", "files", "command")
 
 
 def largest_difference(first, second):
@@ -112,6 +112,11 @@ def largest_difference(first, second):
             scale = largest[kind[name]] if kind[name] else max(abs(a), 1e-300)
             differences.append((abs(a - b) / scale, name))
     return max(differences)
+
+
+def unwrapped(text):
+    """Text of the terminal without its line breaks and indents."""
+    return " ".join(text.split())
 
 
 def contents(directory):

@@ -63,8 +63,8 @@ class Reruns(unittest.TestCase):
         self.assertEqual(run("rerun").code, 0)
         pathlib.Path("rerun", "paper.txt").write_text("mine")
         self.assertEqual(run("rerun", *settings(output__vtk="false", output__plots="false")).code, 0)
-        self.assertEqual(sorted(os.listdir("rerun")), ["contact.csv", "paper.txt", "report.json"])
-        self.assertEqual(report("rerun")["files"], ["contact.csv", "report.json"])
+        self.assertEqual(sorted(os.listdir("rerun")), ["contact.csv", "paper.txt", "report.html", "report.json"])
+        self.assertEqual(report("rerun")["files"], ["contact.csv", "report.html", "report.json"])
         self.assertEqual([name for name in os.listdir(".") if name.startswith(".rerun")], [], "no remains beside it")
 
     def test_a_link_is_followed(self):

@@ -1,12 +1,17 @@
 #!/usr/bin/python3
 # timeout: 120
 """cgcontact check: what it prints is right and agrees with what a run then takes."""
+import math
 import os
+import pathlib
 import re
+import struct
+import subprocess
+import sys
 import unittest
 
 import harness
-from harness import cgcontact, report, scene, settings
+from harness import cgcontact, contents, report, scene, settings
 
 MEMORY_FACTOR = 1.5  # expected against measured
 
@@ -63,6 +68,77 @@ class Check(unittest.TestCase):
                     continue
                 self.assertLess(measured, MEMORY_FACTOR * int(megabytes))
                 self.assertGreater(measured, int(megabytes) / MEMORY_FACTOR)
+
+    def drawn(self, file, *options):
+        """Draws a scene; the report of check, and what VTK reads in the two files."""
+        directory = pathlib.Path("drawn")
+        outcome = cgcontact("check", file, "--out", directory, *options)
+        self.assertEqual((outcome.code, outcome.err), (0, ""))
+        self.assertIn("drawn in drawn: check.png, check_faces.vtkhdf, check_cells.vtkhdf", outcome.out)
+        self.assertEqual(sorted(os.listdir(directory)), ["check.png", "check_cells.vtkhdf", "check_faces.vtkhdf"])
+        return outcome.out, directory
+
+    def vtk(self, file, *options):
+        done = subprocess.run([sys.executable, harness.SOURCE / "tests" / "check_vtk.py", file, *map(str, options)],
+                              capture_output=True, text=True, check=False)
+        if done.returncode == 77:
+            self.skipTest(done.stdout.strip())
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_drawing(self):
+        """--out DIR: a picture of a row per body, faces and cells for ParaView with the areas and volumes of check."""
+        arrays = [word for name in ("body", "face", "support", "load", "contact") for word in ("--cell-array", name + ":1")]
+        for name, faces in (("scenes/patch_test", 12), ("tests/scenes/three_blocks", 18)):
+            with self.subTest(scene=name):
+                text, directory = self.drawn(harness.SOURCE / f"{name}.toml")
+                width, height = struct.unpack(">II", (directory / "check.png").read_bytes()[16:24])
+                bodies = text.count("\nbody ")
+                self.assertGreater(width, 1500)
+                self.assertEqual(height, 504 * (bodies + 1) + 24)
+                area = math.fsum(float(a) for a in re.findall(r"surface ([^ ]+) m2", text))
+                volume = math.fsum(float(v) for v in re.findall(r"volume ([^ ]+) m3", text))
+                listing = self.vtk(directory / "check_faces.vtkhdf", *arrays, "--area", area, "--tolerance", 1e-9)
+                self.assertIn(f"cell array face = 1 x", listing)
+                self.assertIn(f"[1, {faces}]", listing)
+                self.vtk(directory / "check_cells.vtkhdf", "--volume", volume, "--tolerance", 1e-9, "--cell-array", "cut:1",
+                         "--cell-array", "volume_fraction:1")
+
+    def test_drawing_of_a_mesh_body(self):
+        """A body from a triangle surface is drawn with its declared faces."""
+        _, directory = self.drawn(scene("rail"), "--set", "h=4e-3")
+        names = (directory / "check_faces.vtkhdf").read_bytes()
+        for face in (b"rail.profile.foot", b"rail.profile.tread", b"wheel.rim.side", b"wheel.block.z+"):
+            self.assertIn(face, names)
+
+    def test_drawing_keeps_other_files(self):
+        """Files of the user in the directory stay; an earlier drawing is replaced; a bad scene leaves all as it is."""
+        pathlib.Path("mine").mkdir()
+        pathlib.Path("mine/notes.txt").write_text("mine")
+        for _ in range(2):
+            self.assertEqual(cgcontact("check", scene("two_solids"), "--out", "mine", "--set", "n=4").code, 0)
+        before = contents("mine")
+        self.assertEqual(sorted(before), ["check.png", "check_cells.vtkhdf", "check_faces.vtkhdf", "notes.txt"])
+        self.assertEqual(cgcontact("check", scene("two_solids"), "--out", "mine", "--set", "n=-4").code, 1)
+        self.assertEqual(contents("mine"), before)
+
+    def test_places_without_a_directory(self):
+        """A directory that cannot be made: one error that names it."""
+        pathlib.Path("file").write_text("mine")
+        for place in ("file", "file/below", "/proc/drawn"):
+            outcome = cgcontact("check", scene("two_solids"), "--out", place, "--set", "n=4")
+            self.assertEqual(outcome.code, 1)
+            self.assertEqual(len(outcome.errors()), 1, outcome.err)
+            self.assertIn(f"cannot write to {place}", outcome.errors()[0])
+            self.assertEqual(outcome.out, "")
+
+    def test_without_gnuplot(self):
+        """Without gnuplot: the files for ParaView, and a warning instead of the picture."""
+        outcome = cgcontact("check", scene("two_solids"), "--out", "plain", "--set", "n=4",
+                            environment={"PATH": "/nonexistent"})
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertIn("warning: no check.png: the program gnuplot was not found", outcome.out)
+        self.assertEqual(sorted(os.listdir("plain")), ["check_cells.vtkhdf", "check_faces.vtkhdf"])
 
 
 if __name__ == "__main__":

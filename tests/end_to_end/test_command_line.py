@@ -78,7 +78,7 @@ class Options(unittest.TestCase):
         message = ('--threads 4: this program runs on 1 thread (backend Serial); "make BACKEND=openmp" builds one that '
                    "runs on several")
         self.assertIn("warning: " + message, outcome.err.splitlines()[0])
-        self.assertIn(message, outcome.out)
+        self.assertIn(message, harness.unwrapped(outcome.out))
         self.assertEqual((report("four")["threads"], report("four")["warnings"]), (1, [message]))
 
 

@@ -17,7 +17,7 @@ class NotConverged(unittest.TestCase):
         written = report("results")
         self.assertIs(written["converged"], False)
         for text in (outcome.errors()[0], outcome.out, written["diagnosis"]):
-            self.assertIn(reason, text)
+            self.assertIn(reason, harness.unwrapped(text))
         for file in ("contact.csv", "contact.vtkhdf", "result.vtkhdf", "pressure.svg"):
             self.assertIn(file, written["files"])
         self.assertTrue(contact_rows("results"))

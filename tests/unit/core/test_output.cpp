@@ -15,6 +15,7 @@
 
 #include "core/clip_cells.hpp"
 #include "core/output.hpp"
+#include "core/output_summary.hpp"
 #include "core/output_text.hpp"
 
 namespace cgcontact {
@@ -373,6 +374,49 @@ TEST_F(output, the_summary_fits_one_screen) {
   const std::string text = summary(blocks->results, out_);
   EXPECT_NE(text.find("DID NOT CONVERGE"), std::string::npos);
   EXPECT_NE(text.find("can move along x"), std::string::npos);
+}
+
+/// Columns on a terminal, of letters of one column each.
+std::size_t width(const std::string& line) {
+  return static_cast<std::size_t>(std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
+TEST_F(output, the_summary_fits_one_screen_whatever_there_is) {
+  const auto blocks = make_blocks();
+  Results& results = blocks->results;
+  results.converged = false;
+  results.title = "Äußere und innere Ringe, ";
+  for (int k = 0; k < 5; ++k) results.title += results.title.substr(0, 40);
+  for (int k = 0; k < 60; ++k) results.diagnosis += "the body cannot be held ";
+  results.pairs[0].name = "a-name-of-a-contact-pair-that-is-longer-than-its-column";
+  results.pairs.resize(200, results.pairs[0]);
+  results.supports.resize(300);
+  for (int k = 0; k < 40; ++k) {
+    results.pressure_errors.push_back({"zone " + std::to_string(k), 0.123456, 0.2, 0.3});
+    results.warnings.push_back(results.diagnosis);
+  }
+  results.times_s = {{"cut cells", 1e5}, {"operator", 2e5}, {"solve", 3e5}, {"recovery", 4e5}, {"output", 5e5}};
+  const std::vector<std::string> lines = lines_of(summary(results, "out/some/where"));
+  EXPECT_LE(lines.size(), 24u);
+  for (const std::string& line : lines) EXPECT_LE(width(line), 80u) << line;
+  const std::string text = summary(results, "out/some/where");
+  for (const char* part : {"DID NOT CONVERGE", "diagnosis:", "more pairs, see the report", "more warnings",
+                           "est. error:", "results in out/some/where:"})
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
+TEST_F(output, the_summary_has_units_and_errors_and_says_what_to_open) {
+  const auto blocks = make_blocks();
+  Results& results = blocks->results;
+  results.pairs[0].max_pressure = 9.4591e6;
+  results.pairs[0].area = 2.646e-5;
+  results.estimated_error_relative = 0.0643;
+  write_results(results, blocks->scene, out_);
+  const std::string text = summary(results, out_);
+  for (const std::string part :
+       {"12 N", "0.4 %", "9.4591 MPa", "5 %", "26.46 mm^2", "stress 6.4 % of the energy norm", "all 10 %"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  EXPECT_NE(text.find("open next: " + out_ + "/report.html\n"), std::string::npos) << text;
 }
 
 TEST(output_text, numbers_for_people) {

@@ -1,0 +1,56 @@
+/// The style sheet of report.html: screens from 320 pixels on, and paper.
+#pragma once
+
+#include <string>
+
+namespace cgcontact {
+
+inline const std::string page_style = R"css(
+:root { color-scheme: light; }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 64rem; padding: 1rem; color: #1c2430; background: #fff;
+  font: 16px/1.5 system-ui, "Segoe UI", "Helvetica Neue", "DejaVu Sans", sans-serif; overflow-wrap: anywhere; }
+h1 { font-size: 1.7rem; line-height: 1.2; margin: 0.5rem 0 0; }
+h2 { font-size: 1.2rem; margin: 2.2rem 0 0.6rem; padding-bottom: 0.2rem; border-bottom: 2px solid #d6dde6; }
+h3 { font-size: 1rem; margin: 1.2rem 0 0.4rem; }
+p { margin: 0.4rem 0; }
+.note, figcaption { color: #566273; font-size: 0.88rem; }
+.verdict { margin: 1rem 0 0.6rem; padding: 0.7rem 1rem; border-left: 0.5rem solid; border-radius: 4px; }
+.good { background: #e8f5ec; border-color: #2c8a4b; }
+.bad { background: #fdeaea; border-color: #c0282d; }
+.bad strong { color: #a01c20; }
+.warnings { margin: 0.6rem 0; padding: 0.7rem 1rem; background: #fff5dc; border-left: 0.5rem solid #d99a00;
+  border-radius: 4px; }
+.warnings ul { margin: 0.2rem 0 0; padding-left: 1.2rem; }
+.tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.4rem, 1fr)); gap: 0.7rem; margin: 1rem 0; }
+.tile { border: 1px solid #d6dde6; border-radius: 6px; padding: 0.6rem 0.8rem; }
+.tile span { display: block; color: #566273; font-size: 0.82rem; line-height: 1.35; }
+.tile b { display: block; font-size: 1.3rem; font-weight: 600; white-space: nowrap; }
+figure { margin: 0.8rem 0 1.2rem; text-align: center; }
+img { max-width: 100%; max-height: 56rem; height: auto; }
+figcaption { text-align: left; }
+.wide { overflow-x: auto; margin: 0.6rem 0; }
+table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
+th, td { padding: 0.25rem 0.7rem; border-bottom: 1px solid #e3e8ee; text-align: right; white-space: nowrap; }
+thead th { color: #566273; font-weight: 600; border-bottom: 2px solid #c4cdd8; white-space: normal;
+  vertical-align: bottom; overflow-wrap: normal; }
+tbody th, thead th:first-child { text-align: left; font-weight: 600; }
+tbody th { max-width: 22rem; overflow: hidden; text-overflow: ellipsis; }
+td.text { text-align: left; white-space: normal; min-width: 14rem; }
+td.bar { width: 10rem; min-width: 6rem; padding-left: 0; }
+td.bar span { display: block; height: 0.75rem; background: #2070b8; border-radius: 2px; }
+pre { background: #f3f5f8; padding: 0.7rem 1rem; border-radius: 4px; white-space: pre-wrap; font-size: 0.88rem; }
+@media print {
+  @page { margin: 15mm; }
+  body { max-width: none; padding: 0; font-size: 10pt; }
+  h2 { break-after: avoid; }
+  figure, .tiles, .verdict, .warnings, tr { break-inside: avoid; }
+  img { max-height: 16cm; }
+  .wide { overflow: visible; }
+  table { font-size: 8pt; }
+  th, td { padding: 0.15rem 0.35rem; }
+  .verdict, .warnings, td.bar span, pre { -webkit-print-color-adjust: exact; print-color-adjust: exact; }
+}
+)css";
+
+}  // namespace cgcontact

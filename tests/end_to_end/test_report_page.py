@@ -1,0 +1,189 @@
+#!/usr/bin/python3
+# timeout: 240
+"""report.html: one page that needs nothing else, with the figures of report.json, for every kind of run."""
+import base64
+import math
+import pathlib
+import re
+import subprocess
+import unittest
+import xml.etree.ElementTree
+
+import harness
+from harness import cgcontact, report, scene, settings
+
+PNG = b"\x89PNG\r\n\x1a\n"
+ALWAYS = ["verdict", "reliability", "contact", "balance", "bodies", "convergence", "recovery", "cost", "reproduce"]
+
+
+def page(directory):
+    """The page as a tree; that it is XML shows that every element is closed."""
+    text = (pathlib.Path(directory) / "report.html").read_text()
+    prefix = "<!DOCTYPE html>\n"
+    assert text.startswith(prefix)
+    return text, xml.etree.ElementTree.fromstring(text[len(prefix):].replace("&#160;", " "))
+
+
+def section(root, name):
+    return root.find(f".//section[@id='{name}']")
+
+
+def words(element):
+    return " ".join("".join(element.itertext()).split())
+
+
+def values(element):
+    """The figures of an element in SI, in order."""
+    return [float(data.get("value")) for data in element.iter("data")]
+
+
+class Pages(unittest.TestCase):
+    def run_scene(self, file, code=0, **values_):
+        outcome = cgcontact("run", file, "--out", "out", *settings(**values_))
+        self.assertEqual(outcome.code, code, outcome.err)
+        text, root = page("out")
+        return outcome, report("out"), text, root
+
+    def check(self, written, text, root, sections):
+        """What every page must be: complete, self-contained, and in agreement with report.json."""
+        self.assertEqual([s.get("id") for s in root.iter("section")], sections)
+        self.assertNotIn("http", text)
+        self.assertEqual([e.tag for e in root.iter() if e.tag in ("script", "link", "iframe", "object", "a")], [])
+        self.assertIn("report.html", written["files"])
+        for image in root.iter("img"):
+            kind, data = image.get("src").split(";base64,")
+            data = base64.b64decode(data, validate=True)
+            self.assertTrue(image.get("alt"))
+            if kind == "data:image/png":
+                self.assertEqual(data[:8], PNG)
+            else:
+                self.assertEqual(kind, "data:image/svg+xml")
+                xml.etree.ElementTree.fromstring(data)
+        rows = section(root, "contact").findall(".//tbody/tr")
+        self.assertEqual(len(rows), len(written["contact"]))
+        for row, pair in zip(rows, written["contact"]):
+            force = pair["force"][pair["bodies"][0]]
+            self.close(values(row), [math.hypot(*force), pair["force_error_estimate"], *force, pair["max_pressure"],
+                                     pair["pressure_error_estimate"], pair["area"], pair["active_points"], pair["points"]])
+            self.assertEqual(row.find("th").text, pair["name"])
+        rows = section(root, "convergence").findall(".//tbody/tr")
+        self.assertEqual(len(rows), len(written["linear_iterations"]))
+        for row, residual, active, linear in zip(rows, written["outer_residuals"], written["active_points_of_iteration"],
+                                                 written["linear_iterations"]):
+            self.close(values(row), [residual, active, linear])
+        counts = {row.find("th").text: values(row)[0] for row in section(root, "recovery").findall(".//tbody/tr")}
+        self.assertEqual(counts, {**written["recovery"]["patches"], **written["recovery"]["status"]})
+        for row in section(root, "recovery").findall(".//tbody/tr"):
+            self.assertGreater(len(words(row[2])), 10, "every kind and status is explained")
+        rows = section(root, "bodies").findall(".//tbody/tr")
+        self.assertAlmostEqual(math.fsum(values(row)[-2] ** 2 for row in rows) / written["estimated_error"]["absolute"]**2,
+                               1, delta=1e-9)
+        self.assertEqual(sum(values(row)[2] for row in rows), written["cells"]["active"])
+        reactions = section(root, "balance").findall("./div")[-1].findall(".//tbody/tr")
+        self.assertEqual(len(reactions), len(written["supports"]))
+        for row, support in zip(reactions, written["supports"]):
+            self.close(values(row), [math.hypot(*support["force"]), *support["force"]])
+        for warning in written["warnings"]:
+            self.assertIn(" ".join(warning.split()), words(section(root, "verdict")))
+        self.assertIn("cgcontact run", words(section(root, "reproduce")).replace(harness.PROGRAM, "cgcontact"))
+
+    def close(self, found, expected):
+        self.assertEqual(len(found), len(expected))
+        for a, b in zip(found, expected):
+            self.assertLessEqual(abs(a - b), 1e-12 * abs(b), f"{found} {expected}")
+
+    def test_with_reference(self):
+        """Two solids in 3D: all sections, pictures, errors per zone; forces of each body are in balance."""
+        _, written, text, root = self.run_scene(scene("two_solids_3d"), n=8)
+        self.check(written, text, root, ["verdict", "reliability", "picture", "contact", "pressure", "profile", "reference",
+                                         *ALWAYS[3:]])
+        self.assertIn("Converged", words(section(root, "verdict")))
+        self.assertEqual(len(section(root, "pressure").findall(".//img")), 1)
+        self.assertEqual(len(section(root, "profile").findall(".//img")), 2)
+        zones = [values(row) for row in section(root, "reference").findall(".//tbody/tr")]
+        self.assertEqual(zones, [[zone["raw"], zone["spr"], zone["sprc"]] for zone in written["pressure_error"]])
+        for body in written["balance"]:
+            total = [math.fsum(parts) for parts in zip(body["loads"], body["supports"], body["contact"])]
+            self.assertLess(math.hypot(*total), 1e-8 * math.hypot(*body["contact"]))
+        integral = 0.01**3 / 6 * 0.01  # of (0.01 - z) z over the loaded face
+        for found, expected in zip(written["balance"][0]["loads"], (0, -4e11 * integral, -10e11 * integral)):
+            self.assertAlmostEqual(found, expected, delta=1e-10 * 10e11 * integral)
+
+    def test_effectivity(self):
+        """Rings with an exact stress: the effectivity index; the narrow face is a curve, which is a picture too."""
+        _, written, text, root = self.run_scene(scene("rings"), n=8)
+        self.check(written, text, root, ["verdict", "reliability", "picture", "contact", "pressure", "profile", "reference",
+                                         *ALWAYS[3:]])
+        self.assertIn(written["effectivity"], values(section(root, "reliability")))
+
+    def test_one_body(self):
+        """No contact: no pressure, no pair, but forces, errors and the picture."""
+        _, written, text, root = self.run_scene(harness.SOURCE / "tests/scenes/one_body.toml")
+        self.check(written, text, root, ["verdict", "reliability", "picture", *ALWAYS[2:]])
+        self.assertIn("no contact pair", words(section(root, "contact")))
+
+    def test_several_pairs(self):
+        """Three bodies, two pairs: a row and a map for each."""
+        _, written, text, root = self.run_scene(harness.SOURCE / "tests/scenes/three_blocks.toml")
+        self.check(written, text, root, ["verdict", "reliability", "picture", "contact", "pressure", "profile", "reference",
+                                         *ALWAYS[3:]])
+        self.assertEqual(len(section(root, "pressure").findall(".//img")), 2)
+        self.assertLessEqual({"pressure_map.png", "pressure_map_2.png"}, set(written["files"]))
+        self.assertEqual([body["body"] for body in written["balance"]], ["a", "b", "c"])
+
+    def test_not_converged(self):
+        """A run that did not converge: the page says so and why, before anything else."""
+        _, written, text, root = self.run_scene(scene("two_solids"), code=2, n=8, solver__max_outer_iterations=1)
+        verdict = words(section(root, "verdict"))
+        self.assertIn("Did not converge. " + written["diagnosis"], verdict)
+        self.assertNotIn("Converged", verdict)
+        self.check(written, text, root, [s.get("id") for s in root.iter("section")])
+
+    def test_without_pictures(self):
+        """Neither pictures nor fields: the page has the figures and no image."""
+        _, written, text, root = self.run_scene(scene("two_solids"), n=4, output__plots="false", output__vtk="false")
+        self.check(written, text, root, ["verdict", "reliability", "contact", "reference", *ALWAYS[3:]])
+        self.assertEqual(list(root.iter("img")), [])
+        self.assertEqual(sorted(written["files"]), ["contact.csv", "report.html", "report.json"])
+
+    def test_without_gnuplot(self):
+        """gnuplot missing: the page is there, without pictures, with the warning."""
+        outcome = cgcontact("run", scene("two_solids"), "--out", "out", *settings(n=4),
+                            environment={"PATH": "/nonexistent"})
+        self.assertEqual(outcome.code, 0, outcome.err)
+        text, root = page("out")
+        self.assertEqual(list(root.iter("img")), [])
+        self.check(report("out"), text, root, ["verdict", "reliability", "contact", "reference", *ALWAYS[3:]])
+
+    def test_off(self):
+        """output.report = false: no page, and an older one goes."""
+        self.run_scene(scene("two_solids"), n=4)
+        outcome = cgcontact("run", scene("two_solids"), "--out", "out", *settings(n=4, output__report="false"))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertNotIn("report.html", report("out")["files"])
+        self.assertFalse(pathlib.Path("out/report.html").exists())
+        self.assertIn("report.json", outcome.out.splitlines()[-1])
+
+    def test_any_title(self):
+        """Titles appear as they are; nothing in them becomes part of the page."""
+        title = "a<b>&\"c\" 'q' </title><script>x</script> äöü 日本"
+        _, written, text, root = self.run_scene(scene("two_solids"), n=4, title=title)
+        self.assertEqual(written["title"], title)
+        self.assertEqual(root.find(".//h1").text, title)
+        self.assertNotIn("<script", text)
+
+    def test_reproducible(self):
+        """The command on the page gives the same page, but for what is marked as belonging to the run."""
+        outcome, _, text, root = self.run_scene(scene("two_solids"), n=4, title="it's")
+        self.assertEqual(outcome.code, 0)
+        command = section(root, "reproduce").find("pre").text
+        self.assertIn("--set 'title=it'\\''s'", command)
+        pathlib.Path("command.sh").write_text(command + "\n")
+        subprocess.run(["sh", "command.sh"], check=True, capture_output=True)
+        again, _ = page("out")
+        marked = re.compile(r'<(\w+) class="[^"]*\brun\b[^"]*">.*?</\1>')
+        self.assertEqual(marked.sub("", again), marked.sub("", text))
+
+
+if __name__ == "__main__":
+    harness.main()
