@@ -63,8 +63,6 @@ int pair_of_face(const Simulation& sim, int body, const std::vector<std::string>
   return -1;
 }
 
-int other_body(const ContactPair& pair, int body) { return pair.primary == body ? pair.secondary : pair.primary; }
-
 /// The contact point nearest to a grid position in the same cell, or nullptr.
 const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, int pair) {
   const ContactLink* nearest = nullptr;
@@ -80,8 +78,8 @@ const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& pos
 /// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
 void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& row) {
   const ContactPair& pair = sim.pairs[row.pair];
-  const int other = other_body(pair, row.body);
-  const auto opposite = find_opposite(sim.bodies[other], pair.face(other), row.x, row.normal, pair.search);
+  const int other = pair.other(row.body);
+  const auto opposite = find_opposite(sim.bodies, pair, row.body, row.x, row.normal);
   row.gap = std::numeric_limits<double>::infinity();
   row.pressure_opposite = std::numeric_limits<double>::quiet_NaN();
   if (!opposite) return;
