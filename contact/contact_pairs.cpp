@@ -19,6 +19,8 @@ constexpr std::size_t grain = 512;
 constexpr double reach_in_cells = 2, reach_in_extents = 0.05;
 /// Largest overlap, part of the smaller body's extent: strains are of that order.
 constexpr double largest_overlap = 0.1;
+/// Cells of the coarser body, squared: automatic pairs that see each other over less than that do so by rounding.
+constexpr double least_area = 1e-9;
 
 /// Planes of the other grid that cross a cell, in the cell's grid coordinates.
 std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
@@ -41,6 +43,35 @@ std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const
   return planes;
 }
 
+/// Is a plane one of the solid's own, up to rounding?
+bool is_own_plane(const Solid& solid, const Plane& plane) {
+  return std::any_of(solid.surfaces().begin(), solid.surfaces().end(), [&](const Surface& s) {
+    if (s.kind != Surface::Kind::plane) return false;
+    const double cosine = s.direction.dot(plane.normal);
+    return std::abs(cosine) > 1 - 1e-9 &&
+           std::abs(std::copysign(1.0, cosine) * plane.offset - s.direction.dot(s.point)) < 1e-9;
+  });
+}
+
+/// Planes of the other solid that cut a plane surface of this one within a cell, in the cell's grid coordinates: there a
+/// plane face of the other body may end, and with it the contact.
+std::vector<Plane> other_face_borders(const BodyModel& body, const Index3& cell, int surface, const BodyModel& other) {
+  const Surface& own = body.cut_cells.solid.surfaces()[surface];
+  std::vector<Plane> planes;
+  if (own.kind != Surface::Kind::plane) return planes;
+  const Grid &grid = body.cut_cells.grid, &other_grid = other.cut_cells.grid;
+  for (const Surface& s : other.cut_cells.solid.surfaces()) {
+    if (s.kind != Surface::Kind::plane) continue;
+    const Vec3 normal = grid.rotation.transpose() * (other_grid.rotation * s.direction);
+    if (std::abs(normal.dot(own.direction)) > 0.9) continue;  // no border, or one that the ray meets elsewhere
+    const double offset = normal.dot(grid.to_grid(other_grid.to_global(s.point)));
+    const double middle = normal.dot(Vec3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
+    if (std::abs(offset - middle) > 0.5 * normal.cwiseAbs().sum() - 1e-9) continue;
+    if (!is_own_plane(body.cut_cells.solid, {normal, offset})) planes.push_back({normal, offset});
+  }
+  return planes;
+}
+
 /// Active cells of the primary body and the surfaces of the face in them, ascending.
 std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const FaceSpec& face) {
   std::vector<std::pair<int, int>> cells;
@@ -57,17 +88,18 @@ std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const Fa
 struct GroupPoints {
   int surface = 0;
   std::vector<ContactPoint> points;
-  double area = 0, initial_gap = 0;
+  double area = 0, distance = 0;
 };
 
 /// Points of one cell and surface that have an opposite.
 GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
+  const Index3& place = primary.cut_cells.cells[cell];
+  std::vector<Plane> dividers = other_grid_planes(grid, place, secondary.cut_cells.grid);
+  for (const Plane& border : other_face_borders(primary, place, surface, secondary)) dividers.push_back(border);
   BoundaryPoints points;
-  boundary_points_of_cell(primary.cut_cells, cell, {surface},
-                          other_grid_planes(grid, primary.cut_cells.cells[cell], secondary.cut_cells.grid),
-                          contact_order, points);
+  boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, contact_order, points);
   GroupPoints group;
   group.surface = surface;
   const auto& names = primary.cut_cells.solid.surfaces()[surface].names;
@@ -88,10 +120,10 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     // Coincident faces: a distance of rounding is none.
     point.distance = std::abs(opposite->distance) > 1e-12 * grid.cell_size ? opposite->distance : 0.0;
     group.area += point.weight;
-    group.initial_gap += point.weight * (point.distance - pair.spec->interference);
+    group.distance += point.weight * point.distance;
     group.points.push_back(point);
   }
-  if (group.area > 0) group.initial_gap /= group.area;
+  if (group.area > 0) group.distance /= group.area;
   return group;
 }
 
@@ -102,7 +134,7 @@ void add_group(const GroupPoints& found, ContactPair& pair) {
   group.first_point = static_cast<int>(pair.points.size());
   group.surface = found.surface;
   group.area = found.area;
-  group.initial_gap = found.initial_gap;
+  group.distance = found.distance;
   for (ContactPoint point : found.points) {
     point.group = static_cast<int>(pair.groups.size());
     pair.points.push_back(point);
@@ -175,6 +207,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   parallel_for(places.size(), 8,
                [&](std::size_t i) { groups[i] = find_group(bodies, pair, places[i].first, places[i].second); });
   for (const GroupPoints& group : groups) add_group(group, pair);
+  set_interference(pair, spec.interference);
   return pair;
 }
 
@@ -245,8 +278,12 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
                            ? fmt::format("faces closer than search_distance = {:g} m along the normal",
                                          pair.spec->search_distance)
                            : "faces that see each other along the normal");
-  pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const ContactPair& p) { return p.points.empty(); }),
-              pairs.end());
+  const auto sees_nothing = [&](const ContactPair& pair) {
+    double area = 0;
+    for (const ContactGroup& group : pair.groups) area += group.area;
+    return pair.spec->automatic && area < least_area * std::pow(bodies[pair.primary].cut_cells.grid.cell_size, 2);
+  };
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
   std::vector<std::vector<double>> nearest;
   for (BodyModel& body : bodies) {
     nearest.emplace_back(body.cut_cells.boundary.size(), 1e300);
@@ -256,6 +293,11 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
     for (const int body : {pairs[k].primary, pairs[k].secondary})
       mark_boundary_points(pairs[k], static_cast<int>(k), body, bodies, nearest[body]);
   return pairs;
+}
+
+void set_interference(ContactPair& pair, double interference) {
+  pair.interference = interference;
+  for (ContactGroup& group : pair.groups) group.initial_gap = group.distance - interference;
 }
 
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,

@@ -25,7 +25,8 @@ struct ContactGroup {
   int first_point = 0, last_point = 0;
   int surface = 0;         ///< of the primary body
   double area = 0;         ///< m^2
-  double initial_gap = 0;  ///< m, mean distance minus interference
+  double distance = 0;     ///< m, mean of its points
+  double initial_gap = 0;  ///< m, distance minus interference
 };
 
 struct ContactPair {
@@ -33,6 +34,7 @@ struct ContactPair {
   int primary = 0, secondary = 0;  ///< bodies; the primary has the larger cells
   double stiffness = 0;            ///< kappa E/h: harmonic mean of both moduli over the smaller cell size, Pa/m
   Reach reach;
+  double interference = 0;  ///< m, in the present step
   std::vector<ContactPoint> points;
   std::vector<ContactGroup> groups;
   int other(int body) const { return primary == body ? secondary : primary; }
@@ -48,6 +50,9 @@ std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies,
 /// Throws InputError if a named pair has no point in reach, or bodies overlap by more than contact can take.
 std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
                                             const std::vector<double>& wider = {});
+
+/// Sets the interference of a pair, m, and with it the initial gaps.
+void set_interference(ContactPair& pair, double interference);
 
 /// Nodes of a body's cells within a few cells of its contact faces.
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,

@@ -19,21 +19,29 @@ struct Line {
   Vec3 origin, direction;
 };
 
-/// Does any crossing lie between 0 and t, both excluded?
-bool any_between(const std::vector<Crossing>& crossings, double t) {
-  return std::any_of(crossings.begin(), crossings.end(), [t](const Crossing& c) {
-    return t > 0 ? c.t > end_tolerance && c.t < t - end_tolerance : c.t < -end_tolerance && c.t > t + end_tolerance;
-  });
+bool any_within(const std::vector<Crossing>& crossings, double low, double high) {
+  return std::any_of(crossings.begin(), crossings.end(),
+                     [=](const Crossing& c) { return c.t >= low && c.t <= high; });
 }
 
-/// Is the body's boundary crossed between x and x + distance n (m)?
-bool is_crossed(const BodyModel& body, const Vec3& x, const Vec3& n, double distance) {
+/// Is the body's boundary crossed at x + t n with low <= t <= high (m, and less the tolerances of these ends, cells)?
+bool is_crossed(const BodyModel& body, const Vec3& x, const Vec3& n, double low, double high, double low_tolerance,
+                double high_tolerance) {
   const Line line(body, x, n);
-  const double t = distance / body.cut_cells.grid.cell_size;
+  const double h = body.cut_cells.grid.cell_size;
+  const double first = low / h + low_tolerance, last = high / h - high_tolerance;
   static thread_local std::vector<Crossing> crossings;
   crossings.clear();
-  body.cut_cells.solid.crossings(line.origin, line.direction, std::abs(t), crossings);
-  return any_between(crossings, t);
+  body.cut_cells.solid.crossings(line.origin, line.direction, std::max(std::abs(first), std::abs(last)), crossings);
+  return any_within(crossings, first, last);
+}
+
+/// Does the other body lie between the point and its crossing at t (gap), or end between them (overlap)? Crossings of
+/// the other body up to the point itself count: faces of both bodies that lie in one plane do not touch.
+bool is_hidden(const std::vector<Crossing>& crossings, double t) {
+  if (std::abs(t) <= end_tolerance) return false;
+  return t > 0 ? any_within(crossings, -end_tolerance, t - end_tolerance)
+               : any_within(crossings, t + end_tolerance, end_tolerance);
 }
 
 std::pair<Vec3, Vec3> box_around(const BodyModel& body) {
@@ -51,13 +59,14 @@ std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel
   const Line line(other, x, n);
   static thread_local std::vector<Crossing> crossings;
   crossings.clear();
-  solid.crossings(line.origin, line.direction, std::max(reach.ahead, reach.behind) / grid.cell_size, crossings);
+  solid.crossings(line.origin, line.direction,
+                  std::max(reach.ahead, reach.behind) / grid.cell_size + 2 * end_tolerance, crossings);
   std::optional<OppositePoint> best;
   for (const Crossing& crossing : crossings) {
     if (crossing.t > reach.ahead / grid.cell_size || crossing.t < -reach.behind / grid.cell_size) continue;
     if (best && std::abs(crossing.t) >= std::abs(best->distance)) continue;
     if (crossing.normal.dot(line.direction) > -0.1) continue;  // does not face this point
-    if (any_between(crossings, crossing.t)) continue;
+    if (is_hidden(crossings, crossing.t)) continue;
     const Vec3 y = line.origin + crossing.t * line.direction;
     if (!face.contains(solid.surfaces()[crossing.surface].names, grid.to_global(y), grid.rotation * crossing.normal))
       continue;
@@ -67,12 +76,17 @@ std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel
   }
   if (!best) return best;
   best->distance *= grid.cell_size;
-  if (is_crossed(own, x, n, best->distance)) return std::nullopt;
+  const double d = best->distance;
+  if (std::abs(d) <= end_tolerance * grid.cell_size) return best;
+  // Own boundary: the point is on it; the opposite one may not be.
+  if (d > 0 ? is_crossed(own, x, n, 0, d, end_tolerance, -end_tolerance)
+            : is_crossed(own, x, n, d, 0, -end_tolerance, end_tolerance))
+    return std::nullopt;
   return best;
 }
 
 bool comes_between(const BodyModel& body, const Vec3& x, const Vec3& n, double distance) {
-  return distance > 0 && is_crossed(body, x, n, distance);
+  return distance > 0 && is_crossed(body, x, n, 0, distance, -end_tolerance, -end_tolerance);
 }
 
 double longest_extent(const BodyModel& body) {

@@ -35,6 +35,21 @@ Json json_of(const PairFigures& pair) {
   return json;
 }
 
+Json json_of(const StepFigures& step) {
+  Json contact = Json::array();
+  for (const PairFigures& pair : step.pairs)
+    contact.push_back({{"name", pair.name},
+                       {"force", json_of(pair.force_on_first)},
+                       {"area", pair.area},
+                       {"max_pressure", pair.max_pressure}});
+  return {{"loads", step.step.loads},
+          {"displacements", step.step.displacements},
+          {"interference", step.step.interference},
+          {"outer_iterations", step.outer_iterations},
+          {"converged", step.converged},
+          {"contact", contact}};
+}
+
 void add_errors(const Results& results, Json& json) {
   json["estimated_error"] = {{"absolute", results.estimated_error}, {"relative", results.estimated_error_relative}};
   if (results.has_effectivity) {
@@ -66,9 +81,28 @@ void add_solution(const Results& results, Json& json) {
   json["diagnosis"] = results.diagnosis;
   json["contact"] = Json::array();
   for (const PairFigures& pair : results.pairs) json["contact"].push_back(json_of(pair));
+  if (!results.steps.empty()) json["steps"] = Json::array();
+  for (const StepFigures& step : results.steps) json["steps"].push_back(json_of(step));
   json["supports"] = Json::array();
   for (const SupportFigures& support : results.supports)
     json["supports"].push_back({{"face", support.face}, {"force", json_of(support.force)}});
+}
+
+/// "  step 2 of 4 (everything times 0.5): inner-outer 12.3 kN on 0.2 m^2, up to 4 MPa".
+std::string step_line(const Results& results, std::size_t k) {
+  const StepFigures& s = results.steps[k];
+  const bool alike = s.step.loads == s.step.displacements && s.step.loads == s.step.interference;
+  const std::string factors =
+      alike ? fmt::format("everything times {:g}", s.step.loads)
+            : fmt::format("loads times {:g}, displacements {:g}, interference {:g}", s.step.loads, s.step.displacements,
+                          s.step.interference);
+  std::string text;
+  for (const PairFigures& pair : s.pairs)
+    text += fmt::format("{}{} {} on {} m^2, up to {}", text.empty() ? ": " : "; ", pair.name,
+                        scaled(pair.force_on_first.norm(), "N", 5), short_number(pair.area),
+                        scaled(pair.max_pressure, "Pa", 4));
+  return fmt::format("  step {} of {} ({}){}{}\n", k + 1, results.steps.size(), factors, text,
+                     s.converged ? "" : "; DID NOT CONVERGE");
 }
 
 std::string force_line(const PairFigures& pair) {
@@ -162,6 +196,7 @@ std::string summary(const Results& results, const std::string& directory) {
   for (int n : results.linear_iterations) linear += n;
   text += fmt::format("  {} outer iterations, {} linear iterations", results.outer_iterations, linear);
   text += results.pairs.empty() ? "\n" : fmt::format(", {} active contact points\n", results.active_points);
+  for (std::size_t k = 0; k < results.steps.size(); ++k) text += step_line(results, k);
   for (const PairFigures& pair : results.pairs) text += force_line(pair);
   text += fmt::format("  estimated error {:.3g} % of the energy norm", 100 * results.estimated_error_relative);
   if (results.has_effectivity) text += fmt::format(", effectivity {:.3f}", results.effectivity);
@@ -174,7 +209,7 @@ std::string summary(const Results& results, const std::string& directory) {
   for (const std::string& warning : results.warnings) text += fmt::format("  warning: {}\n", warning);
 
   std::string files;
-  for (const char* name : {"scene.png", "pressure.svg", "stress_error.svg", "result.vtkhdf", "contact.csv"})
+  for (const char* name : {"scene.png", "pressure.svg", "stress_error.svg", "steps.svg", "result.vtkhdf", "contact.csv", "steps.csv"})
     if (std::filesystem::exists(std::filesystem::path(directory) / name)) files += fmt::format(" {}", name);
   text += fmt::format("  results in {}:{} report.json\n", directory, files);
   return text;

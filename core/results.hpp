@@ -76,6 +76,14 @@ struct SupportFigures {
   Vec3 force = Vec3::Zero();  ///< N, acts on the body
 };
 
+/// One step of several: what was on, how it was solved, its contact pairs (without estimated errors).
+struct StepFigures {
+  StepSpec step;
+  int outer_iterations = 0;
+  bool converged = false;
+  std::vector<PairFigures> pairs;
+};
+
 /// Relative L2 error of the pressure in a zone.
 struct ZoneError {
   std::string zone;
@@ -97,6 +105,7 @@ struct Results {
   std::string diagnosis;  ///< why not, if not
   std::vector<std::string> warnings;
   std::vector<PairFigures> pairs;
+  std::vector<StepFigures> steps;  ///< in order, the last one too; empty without [steps]
   std::vector<SupportFigures> supports;
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
