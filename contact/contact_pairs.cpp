@@ -14,8 +14,13 @@ namespace {
 constexpr int contact_order = 2;
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
-/// Cells, from a surface into the body: less than the thinnest cells that are kept, more than rounding of positions.
-constexpr double inward_step = 1e-12;
+/// How far the faces of a pair see each other beyond their closest points: cells of the coarser body, or a part of the
+/// smaller body's extent. Approaches larger than that are found after the solve (Simulation::run).
+constexpr double reach_in_cells = 2, reach_in_extents = 0.05;
+/// Largest overlap, part of the smaller body's extent: strains are of that order.
+constexpr double largest_overlap = 0.1;
+/// Cells of the coarser body, squared: automatic pairs that see each other over less than that do so by rounding.
+constexpr double least_area = 1e-9;
 
 /// Planes of the other grid that cross a cell, in the cell's grid coordinates.
 std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
@@ -38,6 +43,35 @@ std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const
   return planes;
 }
 
+/// Is a plane one of the solid's own, up to rounding?
+bool is_own_plane(const Solid& solid, const Plane& plane) {
+  return std::any_of(solid.surfaces().begin(), solid.surfaces().end(), [&](const Surface& s) {
+    if (s.kind != Surface::Kind::plane) return false;
+    const double cosine = s.direction.dot(plane.normal);
+    return std::abs(cosine) > 1 - 1e-9 &&
+           std::abs(std::copysign(1.0, cosine) * plane.offset - s.direction.dot(s.point)) < 1e-9;
+  });
+}
+
+/// Planes of the other solid that cut a plane surface of this one within a cell, in the cell's grid coordinates: there a
+/// plane face of the other body may end, and with it the contact.
+std::vector<Plane> other_face_borders(const BodyModel& body, const Index3& cell, int surface, const BodyModel& other) {
+  const Surface& own = body.cut_cells.solid.surfaces()[surface];
+  std::vector<Plane> planes;
+  if (own.kind != Surface::Kind::plane) return planes;
+  const Grid &grid = body.cut_cells.grid, &other_grid = other.cut_cells.grid;
+  for (const Surface& s : other.cut_cells.solid.surfaces()) {
+    if (s.kind != Surface::Kind::plane) continue;
+    const Vec3 normal = grid.rotation.transpose() * (other_grid.rotation * s.direction);
+    if (std::abs(normal.dot(own.direction)) > 0.9) continue;  // no border, or one that the ray meets elsewhere
+    const double offset = normal.dot(grid.to_grid(other_grid.to_global(s.point)));
+    const double middle = normal.dot(Vec3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
+    if (std::abs(offset - middle) > 0.5 * normal.cwiseAbs().sum() - 1e-9) continue;
+    if (!is_own_plane(body.cut_cells.solid, {normal, offset})) planes.push_back({normal, offset});
+  }
+  return planes;
+}
+
 /// Active cells of the primary body and the surfaces of the face in them, ascending.
 std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const FaceSpec& face) {
   std::vector<std::pair<int, int>> cells;
@@ -54,17 +88,18 @@ std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const Fa
 struct GroupPoints {
   int surface = 0;
   std::vector<ContactPoint> points;
-  double area = 0, initial_gap = 0;
+  double area = 0, distance = 0;
 };
 
 /// Points of one cell and surface that have an opposite.
 GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
+  const Index3& place = primary.cut_cells.cells[cell];
+  std::vector<Plane> dividers = other_grid_planes(grid, place, secondary.cut_cells.grid);
+  for (const Plane& border : other_face_borders(primary, place, surface, secondary)) dividers.push_back(border);
   BoundaryPoints points;
-  boundary_points_of_cell(primary.cut_cells, cell, {surface},
-                          other_grid_planes(grid, primary.cut_cells.cells[cell], secondary.cut_cells.grid),
-                          contact_order, points);
+  boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, contact_order, points);
   GroupPoints group;
   group.surface = surface;
   const auto& names = primary.cut_cells.solid.surfaces()[surface].names;
@@ -73,7 +108,7 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     point.x = grid.to_global(points.position[q]);
     point.normal = grid.rotation * points.normal[q];
     if (!pair.face(pair.primary).contains(names, point.x, point.normal)) continue;
-    const auto opposite = find_opposite(secondary, pair.face(pair.secondary), point.x, point.normal, pair.search);
+    const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
     if (!opposite) continue;
     point.primary_cell = cell;
     point.primary_position = points.position[q];
@@ -85,10 +120,10 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     // Coincident faces: a distance of rounding is none.
     point.distance = std::abs(opposite->distance) > 1e-12 * grid.cell_size ? opposite->distance : 0.0;
     group.area += point.weight;
-    group.initial_gap += point.weight * (point.distance - pair.spec->interference);
+    group.distance += point.weight * point.distance;
     group.points.push_back(point);
   }
-  if (group.area > 0) group.initial_gap /= group.area;
+  if (group.area > 0) group.distance /= group.area;
   return group;
 }
 
@@ -99,7 +134,7 @@ void add_group(const GroupPoints& found, ContactPair& pair) {
   group.first_point = static_cast<int>(pair.points.size());
   group.surface = found.surface;
   group.area = found.area;
-  group.initial_gap = found.initial_gap;
+  group.distance = found.distance;
   for (ContactPoint point : found.points) {
     point.group = static_cast<int>(pair.groups.size());
     pair.points.push_back(point);
@@ -108,19 +143,55 @@ void add_group(const GroupPoints& found, ContactPair& pair) {
   pair.groups.push_back(group);
 }
 
-/// Marks the default boundary points of one side that face the other body.
-void mark_boundary_points(const ContactPair& pair, int index, int body, int other, std::vector<BodyModel>& bodies) {
+/// Marks the default boundary points of one side that face the other body, those nearer to another pair's excepted.
+void mark_boundary_points(const ContactPair& pair, int index, int body, std::vector<BodyModel>& bodies,
+                          std::vector<double>& nearest) {
   BodyModel& model = bodies[body];
   const BodyFace face(pair.face(body), model);
   parallel_for(model.cut_cells.boundary.size(), grain, [&](std::size_t point) {
     const int p = static_cast<int>(point);
-    if (model.boundary.pair_of_point[p] >= 0 || !face.contains(p)) return;
-    if (find_opposite(bodies[other], pair.face(other), model.point(p), model.normal(p), pair.search))
-      model.boundary.pair_of_point[p] = index;
+    if (!face.contains(p)) return;
+    const auto opposite = find_opposite(bodies, pair, body, model.point(p), model.normal(p));
+    if (!opposite || std::abs(opposite->distance) >= nearest[p]) return;
+    nearest[p] = std::abs(opposite->distance);
+    model.boundary.pair_of_point[p] = index;
   });
 }
 
-ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::vector<BodyModel>& bodies) {
+/// Least distance from the points of the primary face to the secondary one, m; 0 if they touch or overlap somewhere.
+double closest_distance(const std::vector<BodyModel>& bodies, ContactPair pair) {
+  const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+  pair.reach.ahead = box_distance(primary, secondary) + 2 * (longest_extent(primary) + longest_extent(secondary));
+  const BodyFace face(pair.face(pair.primary), primary);
+  const std::size_t size = primary.cut_cells.boundary.size();
+  std::vector<double> least(num_chunks(size, grain), 1e300);
+  parallel_chunks(size, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+      if (!face.contains(p)) continue;
+      const auto opposite = find_opposite(bodies, pair, pair.primary, primary.point(p), primary.normal(p));
+      if (opposite) least[chunk] = std::min(least[chunk], opposite->distance);
+    }
+  });
+  const double closest = least.empty() ? 1e300 : *std::min_element(least.begin(), least.end());
+  return closest < 1e300 ? std::max(closest, 0.0) : 0.0;
+}
+
+double overlap_limit(const std::vector<BodyModel>& bodies, int a, int b) {
+  return largest_overlap * std::min(longest_extent(bodies[a]), longest_extent(bodies[b]));
+}
+
+/// The scene's, or as far as the faces need: docs/scene.md.
+Reach find_reach(const ContactPair& pair, const std::vector<BodyModel>& bodies, double wider) {
+  if (pair.spec->search_distance > 0) return {pair.spec->search_distance, pair.spec->search_distance};
+  const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+  const double base = std::max(reach_in_cells * primary.cut_cells.grid.cell_size,
+                               reach_in_extents * std::min(longest_extent(primary), longest_extent(secondary)));
+  Reach reach{std::max(base, wider), overlap_limit(bodies, pair.primary, pair.secondary)};
+  if (!pair.spec->automatic) reach.ahead = std::max(wider, base + closest_distance(bodies, pair));
+  return reach;
+}
+
+ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::vector<BodyModel>& bodies, double wider) {
   ContactPair pair;
   pair.spec = &spec;
   const auto h = [&](int b) { return bodies[b].cut_cells.grid.cell_size; };
@@ -129,22 +200,30 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   pair.secondary = pair.primary == a ? b : a;
   const double E1 = scene.bodies[a].material.youngs_modulus, E2 = scene.bodies[b].material.youngs_modulus;
   pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));
-  pair.search = spec.search_distance > 0 ? spec.search_distance : 2 * std::max(h(a), h(b));
+  pair.reach = find_reach(pair, bodies, wider);
+  if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
   std::vector<GroupPoints> groups(places.size());
   parallel_for(places.size(), 8,
                [&](std::size_t i) { groups[i] = find_group(bodies, pair, places[i].first, places[i].second); });
   for (const GroupPoints& group : groups) add_group(group, pair);
+  set_interference(pair, spec.interference);
   return pair;
 }
 
-/// Throws if a boundary point of one body lies inside another one, farther than half a cell from all its surfaces.
-void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies) {
-  for (std::size_t a = 0; a < bodies.size(); ++a)
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      if (a == b) continue;
+/// Throws if a boundary point of one body lies inside another one, deeper than where their contact faces overlap.
+void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs) {
+  Eigen::MatrixXd overlap = Eigen::MatrixXd::Zero(bodies.size(), bodies.size());
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& q : pair.points)
+      for (const auto& [a, b] : {std::pair(pair.primary, pair.secondary), std::pair(pair.secondary, pair.primary)})
+        overlap(a, b) = std::max(overlap(a, b), -q.distance);
+  for (int a = 0; a < static_cast<int>(bodies.size()); ++a)
+    for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+      if (a == b || box_distance(bodies[a], bodies[b]) > 0) continue;
       const CutCells& other = bodies[b].cut_cells;
-      const double limit = 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
+      const double limit =
+          overlap(a, b) + 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
       parallel_for(bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
         const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
         if (!other.solid.contains(g)) return;
@@ -153,7 +232,9 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies) {
           throw InputError(scene.bodies[a].place, "\"" + scene.bodies[a].name + "\"",
                            fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})",
                                        scene.bodies[b].name, depth, x[0], x[1], x[2]),
-                           fmt::format("overlap up to half a cell, {:g} m", limit));
+                           fmt::format("contact faces that overlap by up to {:g} m, a tenth of the smaller body, and by "
+                                       "less than the bodies' walls",
+                                       overlap_limit(bodies, a, b)));
       });
     }
 }
@@ -173,55 +254,50 @@ GroupRow sum_by_dof(std::vector<std::pair<int, double>> entries) {
 
 }  // namespace
 
-std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpec& face, const Vec3& x, const Vec3& n,
-                                           double search) {
-  const Grid& grid = other.cut_cells.grid;
-  const Solid& solid = other.cut_cells.solid;
-  const Vec3 origin = grid.to_grid(x), direction = grid.rotation.transpose() * n;
-  static thread_local std::vector<Crossing> crossings;
-  crossings.clear();
-  solid.crossings(origin, direction, search / grid.cell_size, crossings);
-  std::optional<OppositePoint> best;
-  for (const Crossing& crossing : crossings) {
-    if (best && std::abs(crossing.t) >= std::abs(best->distance)) continue;
-    if (crossing.normal.dot(direction) > -0.1) continue;  // does not face this point
-    const Vec3 y = origin + crossing.t * direction;
-    if (!face.contains(solid.surfaces()[crossing.surface].names, grid.to_global(y), grid.rotation * crossing.normal))
-      continue;
-    // The cell on the inner side of the surface, also where the surface lies on a grid plane.
-    const int cell = other.cut_cells.locate(y - inward_step * crossing.normal);
-    if (cell >= 0) best = OppositePoint{crossing.t, cell, y};
-  }
-  if (best) best->distance *= grid.cell_size;
-  return best;
+std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
+                                           const Vec3& x, const Vec3& n) {
+  const int other = pair.other(body);
+  auto opposite = find_opposite(bodies[body], bodies[other], pair.face(other), x, n, pair.reach);
+  if (!opposite || !pair.spec->automatic) return opposite;
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b)
+    if (b != body && b != other && comes_between(bodies[b], x, n, opposite->distance)) return std::nullopt;
+  return opposite;
 }
 
-std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies) {
-  check_overlap(scene, bodies);
+std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
+                                            const std::vector<double>& wider) {
   std::vector<ContactPair> pairs;
-  for (const ContactSpec& spec : scene.contacts) {
-    ContactPair pair = make_pair(scene, spec, bodies);
-    if (pair.points.empty()) {
-      if (spec.automatic) continue;
-      throw InputError(spec.place, "\"" + spec.name + "\"",
+  for (std::size_t k = 0; k < scene.contacts.size(); ++k)
+    pairs.push_back(make_pair(scene, scene.contacts[k], bodies, wider.empty() ? 0.0 : wider[k]));
+  check_overlap(scene, bodies, pairs);
+  for (const ContactPair& pair : pairs)
+    if (pair.points.empty() && !pair.spec->automatic)
+      throw InputError(pair.spec->place, "\"" + pair.spec->name + "\"",
                        "no point of the first face has the second face within reach",
-                       fmt::format("faces closer than search_distance = {:g} m along the normal", pair.search));
-    }
-    for (const ContactPoint& point : pair.points) {
-      const double limit = 0.5 * std::min(bodies[pair.primary].cut_cells.grid.cell_size,
-                                          bodies[pair.secondary].cut_cells.grid.cell_size);
-      if (-point.distance > limit)
-        throw InputError(spec.place, "\"" + spec.name + "\"",
-                         fmt::format("the bodies overlap by {:g} m at ({:g}, {:g}, {:g})", -point.distance, point.x[0],
-                                     point.x[1], point.x[2]),
-                         fmt::format("overlap up to half a cell, {:g} m", limit));
-    }
-    const int index = static_cast<int>(pairs.size());
-    mark_boundary_points(pair, index, pair.primary, pair.secondary, bodies);
-    mark_boundary_points(pair, index, pair.secondary, pair.primary, bodies);
-    pairs.push_back(std::move(pair));
+                       pair.spec->search_distance > 0
+                           ? fmt::format("faces closer than search_distance = {:g} m along the normal",
+                                         pair.spec->search_distance)
+                           : "faces that see each other along the normal");
+  const auto sees_nothing = [&](const ContactPair& pair) {
+    double area = 0;
+    for (const ContactGroup& group : pair.groups) area += group.area;
+    return pair.spec->automatic && area < least_area * std::pow(bodies[pair.primary].cut_cells.grid.cell_size, 2);
+  };
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
+  std::vector<std::vector<double>> nearest;
+  for (BodyModel& body : bodies) {
+    nearest.emplace_back(body.cut_cells.boundary.size(), 1e300);
+    body.boundary.pair_of_point.assign(body.cut_cells.boundary.size(), -1);
   }
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    for (const int body : {pairs[k].primary, pairs[k].secondary})
+      mark_boundary_points(pairs[k], static_cast<int>(k), body, bodies, nearest[body]);
   return pairs;
+}
+
+void set_interference(ContactPair& pair, double interference) {
+  pair.interference = interference;
+  for (ContactGroup& group : pair.groups) group.initial_gap = group.distance - interference;
 }
 
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,

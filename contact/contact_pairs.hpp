@@ -1,24 +1,10 @@
 /// Contact pairs: quadrature points on the coarser body's surface, their opposite points, groups of projected gaps.
 #pragma once
 
-#include <optional>
-
-#include "contact/model.hpp"
+#include "contact/opposite_points.hpp"
 #include "recovery/subset.hpp"
 
 namespace cgcontact {
-
-/// Point of another body's boundary met along a normal.
-struct OppositePoint {
-  double distance;  ///< m, along the ray (negative: the bodies overlap there)
-  int cell;         ///< active cell of the other body
-  Vec3 position;    ///< grid coordinates of the other body
-};
-
-/// First boundary point of `other` (face `face`) along x + t n, |t| <= search, whose outward normal opposes n;
-/// the nearest one if there are several.
-std::optional<OppositePoint> find_opposite(const BodyModel& other, const FaceSpec& face, const Vec3& x, const Vec3& n,
-                                           double search);
 
 /// A quadrature point of a pair, on the coarser body ("primary"), split at both grids.
 struct ContactPoint {
@@ -39,22 +25,34 @@ struct ContactGroup {
   int first_point = 0, last_point = 0;
   int surface = 0;         ///< of the primary body
   double area = 0;         ///< m^2
-  double initial_gap = 0;  ///< m, mean distance minus interference
+  double distance = 0;     ///< m, mean of its points
+  double initial_gap = 0;  ///< m, distance minus interference
 };
 
 struct ContactPair {
   const ContactSpec* spec = nullptr;
   int primary = 0, secondary = 0;  ///< bodies; the primary has the larger cells
   double stiffness = 0;            ///< kappa E/h: harmonic mean of both moduli over the smaller cell size, Pa/m
-  double search = 0;               ///< m
+  Reach reach;
+  double interference = 0;  ///< m, in the present step
   std::vector<ContactPoint> points;
   std::vector<ContactGroup> groups;
+  int other(int body) const { return primary == body ? secondary : primary; }
   const FaceSpec& face(int body) const { return spec->first.body == body ? spec->first.face : spec->second.face; }
 };
 
-/// Pairs of the scene; also marks the bodies' boundary points that have an opposite surface.
-/// Throws InputError if a named pair has no point in reach or the bodies overlap by more than half a cell.
-std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies);
+/// What a boundary point of one body of a pair sees of the other one; in automatic pairs third bodies block the view.
+std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
+                                           const Vec3& x, const Vec3& n);
+
+/// Pairs of the scene, in its order and without automatic ones out of reach; also marks the bodies' boundary points that
+/// have an opposite surface. `wider`: for each contact of the scene, m: it sees at least as far as that (empty: 0).
+/// Throws InputError if a named pair has no point in reach, or bodies overlap by more than contact can take.
+std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
+                                            const std::vector<double>& wider = {});
+
+/// Sets the interference of a pair, m, and with it the initial gaps.
+void set_interference(ContactPair& pair, double interference);
 
 /// Nodes of a body's cells within a few cells of its contact faces.
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,

@@ -5,13 +5,7 @@
 namespace cgcontact {
 namespace {
 
-/// Supports and loads whose faces contain a boundary point.
-struct PointConditions {
-  std::vector<int> supports, loads;
-  bool operator<(const PointConditions& o) const { return std::tie(supports, loads) < std::tie(o.supports, o.loads); }
-};
-
-TractionCondition make_condition(const Scene& scene, const PointConditions& key) {
+TractionCondition make_condition(const Scene& scene, const PointConditions& key, double load_factor) {
   TractionCondition condition;
   for (int s : key.supports) {
     const SupportSpec& support = scene.supports[s];
@@ -19,13 +13,13 @@ TractionCondition make_condition(const Scene& scene, const PointConditions& key)
     for (int i = 0; i < 3; ++i) condition.component_held[i] |= support.displacement[i].has_value();
   }
   if (!key.loads.empty())
-    condition.traction = [&scene, loads = key.loads](const Vec3& x, const Vec3& n) {
+    condition.traction = [&scene, loads = key.loads, load_factor](const Vec3& x, const Vec3& n) {
       Vec3 t = Vec3::Zero();
       for (int l : loads) {
         const LoadSpec& load = scene.loads[l];
         t += Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * n;
       }
-      return t;
+      return Vec3(load_factor * t);
     };
   return condition;
 }
@@ -51,8 +45,8 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
       if (face.contains(static_cast<int>(p))) key.supports.push_back(s), support_used[s] = 1;
     for (const auto& [l, face] : loads)
       if (face.contains(static_cast<int>(p))) key.loads.push_back(l), load_used[l] = 1;
-    const auto [entry, is_new] = index.emplace(key, static_cast<int>(data.conditions.size()));
-    if (is_new) data.conditions.push_back(make_condition(scene, key));
+    const auto [entry, is_new] = index.emplace(key, static_cast<int>(model.conditions.size()));
+    if (is_new) model.conditions.push_back(key);
     data.condition_of_point[p] = entry->second;
   }
 }
@@ -61,19 +55,11 @@ bool has_body_force(const BodySpec& body) {
   return !(body.body_force[0].is_zero() && body.body_force[1].is_zero() && body.body_force[2].is_zero());
 }
 
-/// Adds N(xi)^T force (global axes, dimensionless) of one point to the load vector.
-void add_force(const BodyModel& body, const BodyMesh& mesh, int cell, const Vec3& xi, const Vec3& force,
-               std::vector<double>& f) {
-  const Vec3 local = body.cut_cells.grid.rotation.transpose() * force;
-  double N[8];
-  hex_shape(xi.data(), N);
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i) f[3 * mesh.cell_nodes[cell][a] + i] += N[a] * local[i];
-}
+using UseForce = std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>;
 
-void add_body_force(const BodyModel& body, const BodyMesh& mesh, const Scales& scales, std::vector<double>& f) {
+void each_body_force(const BodyModel& body, const UseForce& use) {
   const CutCells& cc = body.cut_cells;
-  const double factor = std::pow(mesh.cell_size, 3) / 8 * scales.length / scales.stress;
+  const double factor = std::pow(cc.grid.cell_size, 3) / 8;
   double weights[125];
   for (std::size_t e = 0; e < cc.cells.size(); ++e) {
     const int cut = cc.cut_of_active[e];
@@ -82,7 +68,7 @@ void add_body_force(const BodyModel& body, const BodyMesh& mesh, const Scales& s
       const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
       const Index3& c = cc.cells[e];
       const Vec3 x = cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
-      add_force(body, mesh, static_cast<int>(e), xi, factor * weights[q] * body.boundary.body_force_at(x), f);
+      use(static_cast<int>(e), xi, x, factor * weights[q] * body.boundary.body_force_at(x));
     }
   }
 }
@@ -149,17 +135,24 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
       throw InputError(model.spec->place, quoted(model.spec->name), error.what());
     }
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
+    set_loads(scene, 1, model);
     measure_thickness(model);
-    if (has_body_force(*model.spec))
-      model.boundary.body_force_at = [spec = model.spec](const Vec3& x) {
-        return Vec3(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x));
-      };
   }
   for (std::size_t s = 0; s < support_used.size(); ++s)
     if (!support_used[s]) refuse_empty_face(scene, scene.supports[s].face);
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
   return bodies;
+}
+
+void set_loads(const Scene& scene, double factor, BodyModel& model) {
+  model.boundary.conditions.clear();
+  for (const PointConditions& key : model.conditions)
+    model.boundary.conditions.push_back(make_condition(scene, key, factor));
+  if (has_body_force(*model.spec))
+    model.boundary.body_force_at = [spec = model.spec, factor](const Vec3& x) {
+      return Vec3(factor * Vec3(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x)));
+    };
 }
 
 double support_kappa(const Scene& scene, const BodyModel& body) {
@@ -184,37 +177,46 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       const Vec3 x = body.point(p), n = body.normal(p);
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
-          n, n, body.area(p),     0.0};
-      if (support.normal_displacement) point.value = (*support.normal_displacement)(x);
-      if (support.holds_normal()) points.push_back(point);
+          n, n, body.area(p)};
+      const auto add = [&](double value) {
+        point.prescribed = point.value = value;
+        points.push_back(point);
+      };
+      if (support.holds_normal()) add(support.normal_displacement ? (*support.normal_displacement)(x) : 0.0);
       for (int i = 0; i < 3; ++i)
         if (support.displacement[i]) {
           point.direction = Vec3::Unit(i);
-          point.value = (*support.displacement[i])(x);
-          points.push_back(point);
+          add((*support.displacement[i])(x));
         }
     }
   }
   return points;
 }
 
+void each_force(const BodyModel& body, const UseForce& use) {
+  const BoundaryPoints& boundary = body.cut_cells.boundary;
+  for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+    const TractionCondition& condition = body.boundary.conditions[body.boundary.condition_of_point[p]];
+    if (!condition.traction) continue;
+    const Vec3 x = body.point(p);
+    use(boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]), x,
+        body.area(p) * condition.traction(x, body.normal(p)));
+  }
+  if (body.boundary.body_force_at) each_body_force(body, use);
+}
+
 std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,
                                      const Scales& scales) {
   std::vector<double> f(system.num_dofs(), 0.0);
-  const double area_scale = scales.length * scales.length;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const BodyModel& body = bodies[b];
-    const BodyMesh& mesh = system.meshes[b];
-    const BoundaryPoints& boundary = body.cut_cells.boundary;
-    for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
-      const TractionCondition& condition = body.boundary.conditions[body.boundary.condition_of_point[p]];
-      if (!condition.traction) continue;
-      const Vec3 force = body.area(p) / area_scale / scales.stress * condition.traction(body.point(p), body.normal(p));
-      add_force(body, mesh, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
-                force, f);
-    }
-    if (body.boundary.body_force_at) add_body_force(body, mesh, scales, f);
-  }
+  const double unit = scales.stress * scales.length * scales.length;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    each_force(bodies[b], [&](int cell, const Vec3& xi, const Vec3&, const Vec3& force) {
+      const Vec3 local = bodies[b].cut_cells.grid.rotation.transpose() * force / unit;
+      double N[8];
+      hex_shape(xi.data(), N);
+      for (int a = 0; a < 8; ++a)
+        for (int i = 0; i < 3; ++i) f[3 * system.meshes[b].cell_nodes[cell][a] + i] += N[a] * local[i];
+    });
   return f;
 }
 

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/scene.hpp"
@@ -13,11 +14,18 @@
 
 namespace cgcontact {
 
+/// Supports and loads whose faces contain a boundary point.
+struct PointConditions {
+  std::vector<int> supports, loads;  ///< indices into the scene's
+  bool operator<(const PointConditions& o) const { return std::tie(supports, loads) < std::tie(o.supports, o.loads); }
+};
+
 /// One body on its grid.
 struct BodyModel {
   const BodySpec* spec = nullptr;
   CutCells cut_cells;
   BoundaryData boundary;
+  std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
   double thickness = 0;       ///< cells: twice the volume over the area
   double free_thickness = 0;  ///< the same over the area that no support holds
   bool is_thin() const { return thickness < 2; }
@@ -56,17 +64,21 @@ double support_kappa(const Scene& scene, const BodyModel& body);
 
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
-  int support;  ///< index into Scene::supports
-  int body, cell;
-  Vec3 xi;         ///< cell coordinates
-  Vec3 direction;  ///< unit, global axes
-  Vec3 normal;     ///< outward, global axes
-  double weight;   ///< m^2
-  double value;    ///< prescribed displacement along the direction, m
+  int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
+  int body = 0, cell = 0;
+  Vec3 xi;           ///< cell coordinates
+  Vec3 direction;    ///< unit, global axes
+  Vec3 normal;       ///< outward, global axes
+  double weight = 0;      ///< m^2
+  double prescribed = 0;  ///< displacement along the direction, m
+  double value = 0;       ///< its part in the present step, m
 };
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.
 Grid make_grid(const BodySpec& body);
+
+/// Tractions and body forces of the scene, all times a factor, as boundary data of a body.
+void set_loads(const Scene& scene, double factor, BodyModel& model);
 
 /// Cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
 std::vector<BodyModel> make_body_models(const Scene& scene);
@@ -75,6 +87,11 @@ std::vector<BodyModel> make_body_models(const Scene& scene);
 Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& grid_position);
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
+
+/// Calls use(cell, xi, x, force) for the points of all tractions and body forces of the present step; x in m, force in N,
+/// global axes.
+void each_force(const BodyModel& body,
+                const std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>& use);
 
 /// Consistent nodal forces of tractions, pressures and body forces, units Scales::stress * Scales::length^2.
 std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "contact/boundary_stress.hpp"
+#include "contact/free_motion.hpp"
 #include "core/parallel.hpp"
 
 namespace cgcontact {
@@ -17,6 +18,9 @@ constexpr double inner_fraction = 0.005;
 constexpr double loosest_inner_tolerance = 1e-3;
 /// Forces below this part of the kappa terms, and stresses below this part of E u / h, are rounding.
 constexpr double no_force = 1e-10, no_stress = 1e-9;
+/// Motions that are resisted by less than this part of the rest are named when the solver fails: a body on one small
+/// curved contact is as good as free.
+constexpr double hardly_any_stiffness = 1e-3;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -32,12 +36,12 @@ std::vector<double> free_thickness(const std::vector<BodyModel>& bodies) {
   return cells;
 }
 
-class OuterLoop {
- public:
-  explicit OuterLoop(OuterProblem& problem);
+}  // namespace
+
+struct ContactSolver::Impl {
+  explicit Impl(const OuterProblem& problem);
   OuterResult run(const std::function<void(const OuterStep&)>& progress);
 
- private:
   double support_stiffness(const SupportPoint& p) const {
     const BodySpec& body = problem_.scene.bodies[p.body];
     return support_kappa(problem_.scene, problem_.bodies[p.body]) * body.material.youngs_modulus / body.cell_size;
@@ -48,27 +52,32 @@ class OuterLoop {
   }
   const Scales& scales() const { return problem_.scales; }
 
+  void forget();
   void initialise_active_set();
+  bool close_near_the_smallest_gap(double allowance);
+  FreeMotions driven_motions(double no_stiffness = 1e-9) const;
   void assemble_right_hand_side();
   std::vector<double> group_force(bool with_displacement) const;
   std::vector<double> group_stiffness() const;
   std::vector<double> group_gap_change() const;
   long long update_active_set();
+  double largest_displacement() const;
   double update_recovered_stress();
   long long count_active() const;
   void polish(OuterResult& result);
   void set_forces(OuterResult& result) const;
 
-  OuterProblem& problem_;
+  OuterProblem problem_;
   LinearSolver solver_;
   std::vector<BoundaryStress> boundary_stress_;
   std::vector<double> load_, support_stress_;        // system units; units Scales::stress
   std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
   RealView u_, rhs_;
   double force_norm_ = 0;
+  bool warm_ = false;  // is there a converged solution to start from?
 };
 
-OuterLoop::OuterLoop(OuterProblem& problem)
+ContactSolver::Impl::Impl(const OuterProblem& problem)
     : problem_(problem),
       solver_(problem.system,
               problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid,
@@ -77,26 +86,45 @@ OuterLoop::OuterLoop(OuterProblem& problem)
   boundary_stress_.reserve(cells.size());
   for (std::size_t b = 0; b < cells.size(); ++b)
     boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b], cells[b]);
-  load_ = make_load_vector(problem.bodies, problem.system, problem.scales);
-  support_stress_.assign(problem.supports.size(), 0.0);
-  for (const ContactPair& pair : problem.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
   u_ = RealView("cgcontact::outer_loop::u", problem.system.num_dofs());
   rhs_ = RealView("cgcontact::outer_loop::rhs", problem.system.num_dofs());
 }
 
-/// Closed at the start: all points whose gap is not positive and, if there is none, those near the smallest gap.
-void OuterLoop::initialise_active_set() {
+/// Back to no displacement and no stress.
+void ContactSolver::Impl::forget() {
+  Kokkos::deep_copy(u_, 0.0);
+  support_stress_.assign(problem_.supports.size(), 0.0);
+  contact_stress_.clear();
+  for (const ContactPair& pair : problem_.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
+}
+
+/// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
+/// one by no more than `allowance` of the smaller cell. Are all points closed?
+bool ContactSolver::Impl::close_near_the_smallest_gap(double allowance) {
+  bool all = true;
   for (ContactPair& pair : problem_.pairs) {
     double smallest = 1e300;
     for (const ContactGroup& g : pair.groups) smallest = std::min(smallest, g.initial_gap);
     const double h =
         std::min(problem_.scene.bodies[pair.primary].cell_size, problem_.scene.bodies[pair.secondary].cell_size);
-    const double limit = std::max(smallest + 0.02 * h, 1e-9 * h);
-    for (ContactPoint& q : pair.points) q.active = pair.groups[q.group].initial_gap <= limit;
+    const double limit = std::max(smallest + allowance * h, 1e-9 * h);
+    for (ContactPoint& q : pair.points) all &= q.active = pair.groups[q.group].initial_gap <= limit;
+  }
+  return all;
+}
+
+/// Closed at the start: as few points as hold the bodies against the loads.
+void ContactSolver::Impl::initialise_active_set() {
+  for (double allowance = 0.02; !close_near_the_smallest_gap(allowance) && !driven_motions().empty(); allowance *= 4) {
   }
 }
 
-std::vector<double> OuterLoop::group_stiffness() const {
+FreeMotions ContactSolver::Impl::driven_motions(double no_stiffness) const {
+  const FreeMotions free = find_free_motions(problem_.bodies, problem_.supports, problem_.pairs, no_stiffness);
+  return free.empty() ? free : driven_by_loads(free, problem_.bodies);
+}
+
+std::vector<double> ContactSolver::Impl::group_stiffness() const {
   std::vector<double> stiffness;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& g : pair.groups) {
@@ -108,7 +136,7 @@ std::vector<double> OuterLoop::group_stiffness() const {
   return stiffness;
 }
 
-void OuterLoop::assemble_right_hand_side() {
+void ContactSolver::Impl::assemble_right_hand_side() {
   std::vector<double> f = load_, values(load_.size(), 0.0);
   const double area_scale = scales().length * scales().length;
   for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
@@ -141,7 +169,7 @@ void OuterLoop::assemble_right_hand_side() {
 
 /// Force of each group, sum over its closed points of w (p* - kappa E/h gap): with the gap of the current displacement,
 /// or with the initial gap only (the right-hand side).
-std::vector<double> OuterLoop::group_force(bool with_displacement) const {
+std::vector<double> ContactSolver::Impl::group_force(bool with_displacement) const {
   std::vector<double> forces;
   const double area_scale = scales().length * scales().length;
   const std::vector<double> change =
@@ -162,7 +190,7 @@ std::vector<double> OuterLoop::group_force(bool with_displacement) const {
 }
 
 /// Change of the mean gap of every group, m.
-std::vector<double> OuterLoop::group_gap_change() const {
+std::vector<double> ContactSolver::Impl::group_gap_change() const {
   auto u = Kokkos::create_mirror_view(u_);
   Kokkos::deep_copy(u, u_);
   std::vector<double> change;
@@ -174,27 +202,42 @@ std::vector<double> OuterLoop::group_gap_change() const {
   return change;
 }
 
-/// Active where p* - kappa E/h gap > 0 (p* of the previous iterate); returns the number of points that changed.
-long long OuterLoop::update_active_set() {
+/// Active where p* - kappa E/h gap > 0 (p* of the previous iterate); returns the number of points that changed. Where
+/// all of a pair is rounding of kappa E/h times the displacements (bodies that touch without force) nothing changes.
+long long ContactSolver::Impl::update_active_set() {
   const std::vector<double> change = group_gap_change();
+  const double moved = largest_displacement() * scales().length;
   long long changed = 0;
   std::size_t first_group = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     ContactPair& pair = problem_.pairs[k];
-    for (std::size_t q = 0; q < pair.points.size(); ++q) {
-      ContactPoint& point = pair.points[q];
-      const double gap = pair.groups[point.group].initial_gap + change[first_group + point.group];
-      const bool active = contact_stress_[k][q] * scales().stress - pair.stiffness * gap > 0;
-      changed += active != point.active;
-      point.active = active;
-    }
+    const auto pressure = [&](std::size_t q) {
+      const int g = pair.points[q].group;
+      return contact_stress_[k][q] * scales().stress -
+             pair.stiffness * (pair.groups[g].initial_gap + change[first_group + g]);
+    };
+    double largest = 0;
+    for (std::size_t q = 0; q < pair.points.size(); ++q) largest = std::max(largest, std::abs(pressure(q)));
+    if (!(largest < no_force * pair.stiffness * moved))
+      for (std::size_t q = 0; q < pair.points.size(); ++q) {
+        const bool active = pressure(q) > 0;
+        changed += active != pair.points[q].active;
+        pair.points[q].active = active;
+      }
     first_group += pair.groups.size();
   }
   return changed;
 }
 
+/// Scales::length.
+double ContactSolver::Impl::largest_displacement() const {
+  double largest = 0;
+  for (std::size_t i = 0; i < u_.extent(0); ++i) largest = std::max(largest, std::abs(u_(i)));
+  return largest;
+}
+
 /// New sigma* at supports and contact; returns the relative change (area-weighted, L2).
-double OuterLoop::update_recovered_stress() {
+double ContactSolver::Impl::update_recovered_stress() {
   for (BoundaryStress& s : boundary_stress_) s.update(u_);
   double difference = 0, norm = 0;
   const auto add = [&](double weight, double before, double after) {
@@ -208,6 +251,7 @@ double OuterLoop::update_recovered_stress() {
     for (std::size_t i = 0; i < points.size(); ++i) add(points[i].weight, before[i], values[i]);
   };
   replace(support_stress_, problem_.supports, [&](const SupportPoint& p) {
+    if (p.support < 0) return 0.0;  // carries no force: there is no stress to lag
     return boundary_stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
   });
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
@@ -218,8 +262,7 @@ double OuterLoop::update_recovered_stress() {
     });
   }
   // A motion without stress: what is recovered is rounding of E u / h, not a stress to converge to.
-  double largest = 0;
-  for (std::size_t i = 0; i < u_.extent(0); ++i) largest = std::max(largest, std::abs(u_(i)));
+  const double largest = largest_displacement();
   double area = 0, stiffest = 0;
   for (const SupportPoint& p : problem_.supports) area += p.weight;
   for (const BodyMesh& mesh : problem_.system.meshes) stiffest = std::max(stiffest, mesh.stress_factor());
@@ -227,7 +270,7 @@ double OuterLoop::update_recovered_stress() {
   return norm > 0 ? std::sqrt(difference / norm) : 0.0;
 }
 
-long long OuterLoop::count_active() const {
+long long ContactSolver::Impl::count_active() const {
   long long active = 0;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactPoint& q : pair.points) active += q.active;
@@ -235,7 +278,7 @@ long long OuterLoop::count_active() const {
 }
 
 /// Last linear solve with the final state, so that the forces are in equilibrium to the linear tolerance.
-void OuterLoop::polish(OuterResult& result) {
+void ContactSolver::Impl::polish(OuterResult& result) {
   const SolverSpec& solver = problem_.scene.solver;
   set_group_stiffness(problem_.system, group_stiffness());
   assemble_right_hand_side();
@@ -247,7 +290,7 @@ void OuterLoop::polish(OuterResult& result) {
 }
 
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
-void OuterLoop::set_forces(OuterResult& result) const {
+void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.group_force = group_force(true);
   result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, load_);
   for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
@@ -263,11 +306,16 @@ void OuterLoop::set_forces(OuterResult& result) const {
   }
 }
 
-OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress) {
+OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   OuterResult result;
   result.u = u_;
   const SolverSpec& solver = problem_.scene.solver;
-  initialise_active_set();
+  load_ = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
+  if (!warm_) {
+    forget();
+    initialise_active_set();
+  }
+  warm_ = false;
   double outer_residual = 1;
   std::set<std::vector<bool>> seen;
   int repeats = 0;
@@ -285,8 +333,8 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     const auto stop = [&](const std::string& why) {
       result.iterations = iteration;
       set_forces(result);
-      const std::string motion = find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs);
-      result.diagnosis = motion.empty() ? why : why + "; " + motion;
+      const FreeMotions driven = driven_motions(hardly_any_stiffness);
+      result.diagnosis = driven.empty() ? why : why + "; " + describe(driven, problem_.scene);
       return result;
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
@@ -302,11 +350,11 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     result.iterations = iteration;
     outer_residual = step.residual;
     progress(step);
-    if (step.active_points == 0 && step.changed_points > 0 && norm(load_) > 0 &&
-        !find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs).empty())
-      return stop("all contact has opened and nothing else holds the bodies");
+    if (step.changed_points > 0 && !driven_motions().empty())
+      return stop(step.active_points == 0 ? "all contact has opened and nothing else holds the bodies"
+                                          : "the contact that is left closed does not hold the bodies");
     if (step.changed_points == 0 && step.residual < solver.tolerance) {
-      result.converged = true;
+      result.converged = warm_ = true;
       polish(result);
       return result;
     }
@@ -325,63 +373,9 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
   return result;
 }
 
-}  // namespace
+ContactSolver::ContactSolver(const OuterProblem& problem) : impl_(std::make_unique<Impl>(problem)) {}
+ContactSolver::~ContactSolver() = default;
 
-OuterResult solve_contact(OuterProblem& problem, const std::function<void(const OuterStep&)>& progress) {
-  return OuterLoop(problem).run(progress);
-}
-
-std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
-                             const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
-  const std::size_t n = bodies.size();
-  std::vector<Vec3> centre(n, Vec3::Zero());
-  std::vector<double> size(n, 0.0);
-  for (std::size_t b = 0; b < n; ++b) {
-    const Grid& grid = bodies[b].cut_cells.grid;
-    centre[b] = grid.to_global(0.5 * Vec3(grid.num_cells[0], grid.num_cells[1], grid.num_cells[2]));
-    size[b] = grid.cell_size * *std::max_element(grid.num_cells.begin(), grid.num_cells.end());
-  }
-  // Rigid motion of body b: translation t and rotation r / size; u . d = t . d + (r x (x - c) / size) . d.
-  using Row = Eigen::Matrix<double, 12, 1>;  // of one body or two
-  using Matrix = Eigen::Matrix<double, 12, 12>;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6 * n, 6 * n);
-  const auto set = [&](Row& row, int place, int b, const Vec3& x, const Vec3& d) {
-    row.segment<3>(6 * place) = d;
-    row.segment<3>(6 * place + 3) = ((x - centre[b]) / size[b]).cross(d);
-  };
-  std::vector<Matrix> held(n, Matrix::Zero());
-  Row row = Row::Zero();
-  for (const SupportPoint& p : supports) {
-    const CutCells& cc = bodies[p.body].cut_cells;
-    const Index3& c = cc.cells[p.cell];
-    set(row, 0, p.body, cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones())), p.direction);
-    held[p.body].noalias() += p.weight / (size[p.body] * size[p.body]) * row * row.transpose();
-  }
-  for (std::size_t b = 0; b < n; ++b) A.block<6, 6>(6 * b, 6 * b) += held[b].topLeftCorner<6, 6>();
-  for (const ContactPair& pair : pairs) {
-    Matrix sum = Matrix::Zero();
-    for (const ContactPoint& q : pair.points) {
-      if (!q.active) continue;
-      set(row, 0, pair.primary, q.x, -q.normal);
-      set(row, 1, pair.secondary, q.x, q.normal);
-      sum.noalias() += q.weight / (size[pair.primary] * size[pair.primary]) * row * row.transpose();
-    }
-    const int body[2] = {pair.primary, pair.secondary};
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j) A.block<6, 6>(6 * body[i], 6 * body[j]) += sum.block<6, 6>(6 * i, 6 * j);
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  if (eigen.eigenvalues()[0] > 1e-9 * eigen.eigenvalues()[6 * n - 1]) return {};
-  const Eigen::VectorXd mode = eigen.eigenvectors().col(0);
-  Eigen::Index largest;
-  mode.cwiseAbs().maxCoeff(&largest);
-  const std::size_t body = largest / 6;
-  const bool rotation = largest % 6 >= 3;
-  Vec3 axis = mode.segment<3>(6 * body + (rotation ? 3 : 0)).normalized();
-  if (mode[largest] < 0) axis = -axis;
-  axis = (1000 * axis).array().round().matrix() / 1000 + Vec3::Zero();  // three digits, and no -0
-  return fmt::format("body \"{}\" is free to {} ({:.3f}, {:.3f}, {:.3f}): add a support or a contact that holds it",
-                     scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1], axis[2]);
-}
+OuterResult ContactSolver::solve(const std::function<void(const OuterStep&)>& progress) { return impl_->run(progress); }
 
 }  // namespace cgcontact

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "contact/contact_pairs.hpp"
@@ -21,7 +22,7 @@ struct OuterStep {
 };
 
 struct OuterResult {
-  RealView u;  ///< displacements of all bodies, Scales::length
+  RealView u;  ///< displacements of all bodies, Scales::length; the next call overwrites them
   int iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> residuals;
@@ -45,10 +46,17 @@ struct OuterProblem {
   const Scales& scales;
 };
 
-OuterResult solve_contact(OuterProblem& problem, const std::function<void(const OuterStep&)>& progress);
+/// Solves one system under changing loads, prescribed displacements and gaps (those of the bodies, supports and pairs at
+/// each call): the second and later calls start from the solution before, if that converged.
+class ContactSolver {
+ public:
+  explicit ContactSolver(const OuterProblem& problem);
+  ~ContactSolver();
+  OuterResult solve(const std::function<void(const OuterStep&)>& progress);
 
-/// Names a rigid motion that neither supports nor closed contact resist; empty if there is none.
-std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
-                             const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs);
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace cgcontact

@@ -42,15 +42,6 @@ Sym3 recovered_stress(const Simulation& sim, const RecoveredField& field, int bo
   return to_global(sim, body, s);
 }
 
-Vec3 displacement(const Simulation& sim, int body, int cell, const Vec3& xi) {
-  double u[8][3], N[8];
-  corner_displacements(sim, body, cell, u);
-  hex_shape(xi.data(), N);
-  Vec3 sum = Vec3::Zero();
-  for (int a = 0; a < 8; ++a) sum += N[a] * Vec3(u[a][0], u[a][1], u[a][2]);
-  return sim.scales.length * (sim.bodies[body].cut_cells.grid.rotation * sum);
-}
-
 double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
 
 /// Contact pair whose faces contain a boundary point of a body (index), or -1.
@@ -62,8 +53,6 @@ int pair_of_face(const Simulation& sim, int body, const std::vector<std::string>
   }
   return -1;
 }
-
-int other_body(const ContactPair& pair, int body) { return pair.primary == body ? pair.secondary : pair.primary; }
 
 /// The contact point nearest to a grid position in the same cell, or nullptr.
 const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, int pair) {
@@ -80,14 +69,14 @@ const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& pos
 /// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
 void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& row) {
   const ContactPair& pair = sim.pairs[row.pair];
-  const int other = other_body(pair, row.body);
-  const auto opposite = find_opposite(sim.bodies[other], pair.face(other), row.x, row.normal, pair.search);
+  const int other = pair.other(row.body);
+  const auto opposite = find_opposite(sim.bodies, pair, row.body, row.x, row.normal);
   row.gap = std::numeric_limits<double>::infinity();
   row.pressure_opposite = std::numeric_limits<double>::quiet_NaN();
   if (!opposite) return;
   const Vec3 other_xi = cell_coordinates(sim.bodies[other].cut_cells, opposite->cell, opposite->position);
   const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, row.body, cell, xi);
-  row.gap = opposite->distance - pair.spec->interference + relative.dot(row.normal);
+  row.gap = opposite->distance - pair.interference + relative.dot(row.normal);
   row.pressure_opposite = pressure(recovered_stress(sim, sim.sprc[other], other, opposite->cell, other_xi), row.normal);
 }
 
@@ -180,6 +169,15 @@ double pressed_area(const Results& results, int pair, double max_pressure) {
 double frobenius(const Sym3& s) { return tensor(s).norm(); }
 
 }  // namespace
+
+Vec3 displacement(const Simulation& sim, int body, int cell, const Vec3& xi) {
+  double u[8][3], N[8];
+  corner_displacements(sim, body, cell, u);
+  hex_shape(xi.data(), N);
+  Vec3 sum = Vec3::Zero();
+  for (int a = 0; a < 8; ++a) sum += N[a] * Vec3(u[a][0], u[a][1], u[a][2]);
+  return sim.scales.length * (sim.bodies[body].cut_cells.grid.rotation * sum);
+}
 
 void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                   const Scales& scales, ElasticSystem& system) {
@@ -332,8 +330,9 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
   for (const SupportSpec& support : sim.scene.supports)
     results.supports.push_back({sim.scene.bodies[support.face.body].name + "." + support.face.face.name});
   for (std::size_t s = 0; s < sim.supports.size(); ++s)
-    results.supports[sim.supports[s].support].force +=
-        sim.supports[s].weight * sim.outer.support_stress[s] * sim.supports[s].direction;
+    if (sim.supports[s].support >= 0)
+      results.supports[sim.supports[s].support].force +=
+          sim.supports[s].weight * sim.outer.support_stress[s] * sim.supports[s].direction;
 }
 
 void fill_balance(const Simulation& sim, Results& results) {

@@ -9,6 +9,9 @@ namespace cgcontact {
 void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                   const Scales& scales, ElasticSystem& system);
 
+/// Of a point of a body: active cell and cell coordinates -> m, global axes.
+Vec3 displacement(const Simulation& simulation, int body, int cell, const Vec3& xi);
+
 void fill_counts(const Simulation& simulation, Results& results);
 /// Displacement and stress fields, error estimate and effectivity.
 void fill_body_fields(const Simulation& simulation, Results& results);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "contact/free_motion.hpp"
+#include "contact/missed_contact.hpp"
 #include "contact/postprocess.hpp"
 #include "contact/pressure_estimate.hpp"
 #include "contact/reference.hpp"
@@ -13,7 +15,12 @@
 namespace cgcontact {
 namespace {
 
-/// Wall time of named phases.
+/// Beyond this part of E, pressures deform the bodies so much that small-strain theory is off by percents.
+constexpr double large_strain = 0.05;
+/// A pair that has to see farther is solved again; so many times at most.
+constexpr int most_extensions = 5;
+
+/// Wall time of named phases; a phase that comes again adds to its time.
 class PhaseClock {
  public:
   PhaseClock(std::vector<std::pair<std::string, double>>& times, const ProgressCallbacks& progress)
@@ -24,7 +31,13 @@ class PhaseClock {
     const auto start = std::chrono::steady_clock::now();
     work();
     Kokkos::fence();
-    times_.emplace_back(phase, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    for (auto& [name, sum] : times_)
+      if (name == phase) {
+        sum += seconds;
+        return;
+      }
+    times_.emplace_back(phase, seconds);
   }
 
  private:
@@ -43,14 +56,28 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
+/// Motions that are free although all contact is closed: sliding, and whatever the loads drive, is a mistake in the
+/// scene. A body that spins in its contact with nothing to drive it (ball, roller) is held: no force arises.
+void check_free_motions(const Scene& scene, Preparation& p) {
+  const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
+  if (free.empty()) return;
+  const FreeMotions driven = driven_by_loads(free, p.bodies);
+  const char* const advice =
+      "add a support or a contact that holds it (frictionless contact resists nothing along its faces)";
+  if (!driven.empty())
+    throw InputError(fmt::format("{}: {}, and the loads drive it: {}", scene.file, describe(driven, scene), advice));
+  if (free.slides()) throw InputError(fmt::format("{}: {}: {}", scene.file, describe(free, scene), advice));
+  p.warnings.push_back(describe(free, scene) +
+                       ": no load drives this motion, it is held where it is, which takes no force");
+  for (const SupportPoint& point : hold(free, p.bodies)) p.supports.push_back(point);
+}
+
 Preparation prepare(const Scene& scene) {
   Preparation p;
   p.bodies = make_body_models(scene);
   p.supports = make_support_points(scene, p.bodies);
   p.pairs = make_contact_pairs(scene, p.bodies);
-  // Contact points are all closed before the solve: a motion that is free even so is a mistake in the scene.
-  const std::string motion = find_free_motion(scene, p.bodies, p.supports, p.pairs);
-  if (!motion.empty()) throw InputError(scene.file + ": " + motion);
+  check_free_motions(scene, p);
   [[maybe_unused]] const Reference readable(scene, scene.reference);
   return p;
 }
@@ -59,13 +86,65 @@ void Simulation::run(const ProgressCallbacks& progress) {
   PhaseClock phase(results.times_s, progress);
   phase("cut cells", [&] { place_on_grids(); });
   phase("operator", [&] { make_system(); });
-  phase("solve", [&] {
-    OuterProblem problem{scene, bodies, patches, pairs, supports, system, scales};
-    outer = solve_contact(problem, progress.step);
+  phase("solve", [&] { solve_steps(progress); });
+  phase("recovery", [&] {
+    recover();
+    patches.clear();
   });
-  phase("recovery", [&] { recover(); });
   phase("error estimate", [&] { fill_results(); });
   results.peak_memory_bytes = peak_memory_bytes();
+}
+
+/// All steps, each from the solution of the one before; figures of each, if the scene asks for steps. The last one is
+/// the result.
+void Simulation::solve_steps(const ProgressCallbacks& progress) {
+  const std::vector<StepSpec> steps = scene.steps.empty() ? std::vector<StepSpec>{{}} : scene.steps;
+  auto solver = std::make_unique<ContactSolver>(OuterProblem{scene, bodies, patches, pairs, supports, system, scales});
+  std::string first_failure;
+  int extensions = 0;
+  for (std::size_t k = 0; k < steps.size();) {
+    set_step(steps[k]);
+    outer = solver->solve(progress.step);
+    if (outer.converged && extensions < most_extensions && see_farther()) {
+      ++extensions;
+      make_system();
+      solver = std::make_unique<ContactSolver>(OuterProblem{scene, bodies, patches, pairs, supports, system, scales});
+      continue;
+    }
+    if (!scene.steps.empty()) record_step(steps[k], k + 1 == steps.size());
+    if (!outer.converged && first_failure.empty())
+      first_failure = scene.steps.empty() ? outer.diagnosis
+                                          : fmt::format("step {} of {}: {}", k + 1, steps.size(), outer.diagnosis);
+    ++k;
+  }
+  outer.converged = first_failure.empty();
+  outer.diagnosis = first_failure;
+}
+
+/// Loads, prescribed displacements and interferences of a step.
+void Simulation::set_step(const StepSpec& step) {
+  for (BodyModel& body : bodies) set_loads(scene, step.loads, body);
+  for (SupportPoint& p : supports) p.value = step.displacements * p.prescribed;
+  for (ContactPair& pair : pairs) set_interference(pair, step.interference * pair.spec->interference);
+}
+
+/// New pairs, if faces have met that no pair saw.
+bool Simulation::see_farther() {
+  const std::vector<double> reach = missed_contact(*this);
+  if (reach.empty()) return false;
+  pairs = make_contact_pairs(scene, bodies, reach);
+  return true;
+}
+
+/// Figures of a step; the pairs of the last one are those of the results.
+void Simulation::record_step(const StepSpec& step, bool is_last) {
+  Results part;
+  if (!is_last) {
+    recover();
+    fill_contact_rows(*this, part);
+    fill_pair_figures(*this, part);
+  }
+  results.steps.push_back({step, outer.iterations, outer.converged, part.pairs});
 }
 
 void Simulation::place_on_grids() {
@@ -80,6 +159,7 @@ void Simulation::place_on_grids() {
   bodies = std::move(p.bodies);
   supports = std::move(p.supports);
   pairs = std::move(p.pairs);
+  results.warnings.insert(results.warnings.end(), p.warnings.begin(), p.warnings.end());
 }
 
 void Simulation::make_system() {
@@ -96,10 +176,19 @@ void Simulation::make_system() {
   for (const ContactPair& pair : pairs)
     for (const ContactGroup& g : pair.groups)
       system.full_group_stiffness.push_back(pair.stiffness * g.area / (scales.stress * scales.length));
+  patches.clear();
   for (const BodyMesh& mesh : system.meshes) patches.push_back(make_patches(mesh, scene.recovery.patch_volume));
 }
 
+/// Once, however many steps give it.
+void Simulation::add_warning(const std::string& warning) {
+  std::vector<std::string>& all = results.warnings;
+  if (std::find(all.begin(), all.end(), warning) == all.end()) all.push_back(warning);
+}
+
 void Simulation::recover() {
+  spr.clear();
+  sprc.clear();
   std::vector<RecoveryBody> input;
   std::vector<double> group_force = outer.group_force;
   for (double& force : group_force) force *= scales.stress * scales.length * scales.length;
@@ -110,8 +199,8 @@ void Simulation::recover() {
                                CoefficientView("cgcontact::simulation::recovered", mesh.num_nodes)};
     const int singular = recover_all(mesh, patches[b], outer.u, field);
     if (singular > 0)
-      results.warnings.push_back(std::to_string(singular) + " patches of body \"" + bodies[b].spec->name +
-                                 "\" were singular: constant stress used there");
+      add_warning(std::to_string(singular) + " patches of body \"" + bodies[b].spec->name +
+                  "\" were singular: constant stress used there");
     spr.push_back(part_of(field, nodes_near_contact(pairs, bodies, static_cast<int>(b), mesh)));
     sprc.push_back(field);
     input.push_back({&mesh, &patches[b], &bodies[b].boundary, field});
@@ -130,7 +219,6 @@ void Simulation::recover() {
       if (!recovery.edges[b].terms.empty()) sprc[b].edge = std::make_shared<EdgeTerms>(std::move(recovery.edges[b]));
     }
   }
-  patches.clear();
 }
 
 /// The scene's reference at the computed force. Without any force, one that depends on it says nothing.
@@ -145,10 +233,24 @@ void Simulation::choose_reference() {
   }
 }
 
+void Simulation::warn_about_strain() {
+  for (const PairFigures& pair : results.pairs)
+    for (const std::string& name : {pair.body_first, pair.body_second})
+      for (const BodySpec& body : scene.bodies)
+        if (body.name == name && pair.max_pressure > large_strain * body.material.youngs_modulus) {
+          results.warnings.push_back(
+              fmt::format("contact \"{}\": the pressure reaches {:.2g} times E of body \"{}\": strains are no longer "
+                          "small, and results are off by about as much",
+                          pair.name, pair.max_pressure / body.material.youngs_modulus, name));
+        }
+}
+
 void Simulation::fill_results() {
   fill_counts(*this, results);
   fill_contact_rows(*this, results);
   fill_pair_figures(*this, results);
+  if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
+  warn_about_strain();
   fill_balance(*this, results);
   choose_reference();
   fill_body_fields(*this, results);

@@ -23,6 +23,7 @@ struct Preparation {
   std::vector<BodyModel> bodies;
   std::vector<ContactPair> pairs;
   std::vector<SupportPoint> supports;
+  std::vector<std::string> warnings;
 };
 
 Preparation prepare(const Scene& scene);
@@ -59,6 +60,12 @@ struct Simulation {
   void fill_results();
 
  private:
+  void solve_steps(const ProgressCallbacks& progress);
+  void set_step(const StepSpec& step);
+  bool see_farther();
+  void record_step(const StepSpec& step, bool is_last);
+  void add_warning(const std::string& warning);
+  void warn_about_strain();
   void choose_reference();
 };
 

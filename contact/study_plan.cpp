@@ -72,10 +72,11 @@ Scene read_changed_scene(const std::string& file, std::vector<std::string> overr
   }
 }
 
-/// What the run replaces in the scene. Pictures and fields are left out unless the user asks for them.
+/// What the run replaces in the scene. Pictures, fields and intermediate steps are left out unless the user asks for them.
 std::vector<std::string> overrides_of(const CommandLine& line, const Variant& variant, const std::string& size,
                                       const Scene& as_it_is, bool own_reference) {
   std::vector<std::string> overrides{"output.vtk=false", "output.plots=false"};
+  if (!as_it_is.steps.empty()) overrides.emplace_back("steps={factors=[1]}");
   overrides.insert(overrides.end(), line.overrides.begin(), line.overrides.end());
   if (own_reference) overrides.emplace_back("output.csv=true");
   if (!variant.preconditioner.empty()) overrides.push_back("solver.preconditioner=" + variant.preconditioner);

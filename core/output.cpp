@@ -140,6 +140,7 @@ PageParts write_files(const Results& results, const Scene& scene, const Temporar
   GnuplotRuns runs(parts.directory);
   if (scene.output.plots) write_plots(results, scene, runs);
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
+  if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
   if (scene.output.vtk || scene.output.plots) {
     const std::vector<DrawnBody> drawn = draw_bodies(results);
     const ContactSurface surface = make_contact_surface(results, drawn);

@@ -19,4 +19,20 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
   write_text(file_name, text);
 }
 
+void write_steps_csv(const Results& results, const std::string& file_name) {
+  std::string text =
+      "step,loads,displacements,interference,contact,force,force_x,force_y,force_z,area,max_pressure,active_points,"
+      "converged\n";
+  for (std::size_t k = 0; k < results.steps.size(); ++k) {
+    const StepFigures& s = results.steps[k];
+    for (const PairFigures& pair : s.pairs) {
+      const Vec3& f = pair.force_on_first;
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", k + 1, s.step.loads,
+                     s.step.displacements, s.step.interference, csv_text(pair.name), f.norm(), f[0], f[1], f[2],
+                     pair.area, pair.max_pressure, pair.active_points, s.converged ? 1 : 0);
+    }
+  }
+  write_text(file_name, text);
+}
+
 }  // namespace cgcontact

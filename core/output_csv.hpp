@@ -1,4 +1,4 @@
-/// contact.csv: one line per boundary point of the contact faces.
+/// contact.csv: one line per boundary point of the contact faces; steps.csv: one per step and contact pair.
 #pragma once
 
 #include <string>
@@ -9,5 +9,8 @@ namespace cgcontact {
 
 /// SI units, pressure positive in compression, numbers that read back to the same double.
 void write_contact_csv(const Results& results, const std::string& file_name);
+
+/// Force on the first body of the pair (N), area (m^2), largest pressure (Pa).
+void write_steps_csv(const Results& results, const std::string& file_name);
 
 }  // namespace cgcontact

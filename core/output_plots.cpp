@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <tuple>
 
 #include "core/output_gnuplot.hpp"
 #include "core/output_stress_error.hpp"
@@ -119,12 +120,52 @@ void write_pressure_plot(const Results& results, const Scene& scene, GnuplotRuns
   runs.start("pressure", script, {"pressure.svg"});
 }
 
+/// Force, area and largest pressure of every contact pair against the number of the step.
+void write_steps_plot(const Results& results, GnuplotRuns& runs) {
+  const std::size_t num_pairs = results.steps.back().pairs.size();
+  double force = 0, pressure = 0;
+  std::string data, curves[3];
+  for (std::size_t p = 0; p < num_pairs; ++p) {
+    for (std::size_t k = 0; k < results.steps.size(); ++k) {
+      const PairFigures& pair = results.steps[k].pairs[p];
+      force = std::max(force, pair.force_on_first.norm());
+      pressure = std::max(pressure, pair.max_pressure);
+      fmt::format_to(std::back_inserter(data), "{} {} {} {}\n", k + 1, pair.force_on_first.norm(), pair.area,
+                     pair.max_pressure);
+    }
+    data += "\n\n";
+  }
+  const AxisUnit stress = stress_unit(pressure);
+  const AxisUnit newton = force >= 1e6 ? AxisUnit{1e-6, "MN"} : force >= 1e3 ? AxisUnit{1e-3, "kN"} : AxisUnit{1, "N"};
+  write_text(runs.directory() + "/plots/steps.dat", data);
+  const std::tuple<const char*, std::string, double> panels[] = {
+      {"force", newton.name, newton.factor}, {"area", "m^2", 1.0}, {"largest pressure", stress.name, stress.factor}};
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal svg size 1080,420 fixed noenhanced font 'sans-serif,13' background 'white'\n"
+      "set output '../steps.svg'\nset multiplot layout 1,3 title {}\nset border 3 lw 1 lc rgb '#404040'\n"
+      "set tics nomirror out\nset grid lc rgb '#e4e4e4' lw 1 dt 1\nset xlabel 'step'\nset xrange [0.5:{}]\n"
+      "set xtics {}\nset yrange [0:*]\nset key bottom right Left reverse\n",
+      gnuplot_text("Contact in steps: " + results.title), static_cast<double>(results.steps.size()) + 0.5,
+      1 + results.steps.size() / 12);
+  int column = 2;
+  for (const auto& [name, unit, factor] : panels) {
+    script += fmt::format("set ylabel '{} [{}]'\nplot ", name, unit);
+    for (std::size_t p = 0; p < num_pairs; ++p)
+      script += fmt::format("{}'steps.dat' index {} using 1:(${}*{}) with linespoints lw 2 pt 7 ps 0.6 title {}",
+                            p == 0 ? "" : ", ", p, column, factor, gnuplot_text(results.steps.back().pairs[p].name));
+    script += "\n";
+    ++column;
+  }
+  runs.start("steps", script + "unset multiplot\n", "steps.svg");
+}
+
 }  // namespace
 
 void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs) {
   std::filesystem::create_directory(runs.directory() + "/plots");
   write_pressure_plot(results, scene, runs);
   write_stress_error_plot(results, runs);
+  if (!results.steps.empty() && !results.pairs.empty()) write_steps_plot(results, runs);
 }
 
 }  // namespace cgcontact

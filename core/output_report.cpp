@@ -34,6 +34,21 @@ Json json_of(const PairFigures& pair) {
   return json;
 }
 
+Json json_of(const StepFigures& step) {
+  Json contact = Json::array();
+  for (const PairFigures& pair : step.pairs)
+    contact.push_back({{"name", pair.name},
+                       {"force", json_of(pair.force_on_first)},
+                       {"area", pair.area},
+                       {"max_pressure", pair.max_pressure}});
+  return {{"loads", step.step.loads},
+          {"displacements", step.step.displacements},
+          {"interference", step.step.interference},
+          {"outer_iterations", step.outer_iterations},
+          {"converged", step.converged},
+          {"contact", contact}};
+}
+
 void add_errors(const Results& results, Json& json) {
   json["estimated_error"] = {{"absolute", results.estimated_error}, {"relative", results.estimated_error_relative}};
   if (results.has_effectivity) {
@@ -66,6 +81,8 @@ void add_solution(const Results& results, Json& json) {
   json["diagnosis"] = results.diagnosis;
   json["contact"] = Json::array();
   for (const PairFigures& pair : results.pairs) json["contact"].push_back(json_of(pair));
+  if (!results.steps.empty()) json["steps"] = Json::array();
+  for (const StepFigures& step : results.steps) json["steps"].push_back(json_of(step));
   json["supports"] = Json::array();
   for (const SupportFigures& support : results.supports)
     json["supports"].push_back({{"face", support.face}, {"force", json_of(support.force)}});

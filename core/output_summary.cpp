@@ -73,6 +73,25 @@ Lines pair_table(const Results& results, std::size_t rows) {
   return lines;
 }
 
+/// The first pair over the steps; all of them are in steps.csv.
+Lines step_lines(const Results& results, std::size_t rows) {
+  Lines lines;
+  const std::size_t count = results.steps.size(), shown = count <= rows ? count : rows - 1;
+  for (std::size_t k = 0; k < shown; ++k) {
+    const StepFigures& s = results.steps[k];
+    std::string text = fmt::format("  step {} of {}:", k + 1, count);
+    if (!s.pairs.empty()) {
+      const PairFigures& pair = s.pairs.front();
+      const double force = pair.force_on_first.norm();
+      text += fmt::format(" {} {}, at most {}", cut(pair.name, 22), in_unit(force, force_unit(force), 4),
+                          in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 4));
+    }
+    lines.push_back(text + (s.converged ? "" : " NOT CONVERGED"));
+  }
+  if (shown < count) lines.push_back(fmt::format("  and {} more steps, see steps.csv", count - shown));
+  return lines;
+}
+
 /// "3 interior, 2 contact".
 std::string counts_text(const std::vector<std::pair<std::string, long long>>& counts) {
   std::string text;
@@ -142,7 +161,7 @@ Lines closing_lines(const Results& results, const std::string& directory) {
   namespace fs = std::filesystem;
   Lines lines;
   std::string others;
-  for (const char* name : {"report.html", "report.json", "scene.png", "contact.csv", "result.vtkhdf"})
+  for (const char* name : {"report.html", "report.json", "scene.png", "steps.csv", "contact.csv", "result.vtkhdf"})
     if (fs::exists(fs::path(directory) / name)) others += fmt::format(" {}", name);
   const std::string place = fmt::format("  results in {}:", directory);
   if (columns_of(place + others) <= screen_width)
@@ -167,6 +186,7 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   add("  size:       ", fmt::format("{} unknowns, {} cells ({} cut)", grouped(results.unknowns),
                                     grouped(results.cells.active), grouped(results.cells.cut)));
   add("  iterations: ", iterations_text(results));
+  if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
   if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
   add("  est. error: ", error_text(results));
   if (!results.pressure_errors.empty()) add("  true error of the pressure: ", reference_text(results));

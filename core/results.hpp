@@ -82,6 +82,14 @@ struct BodyBalance {
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
 };
 
+/// One step of several: what was on, how it was solved, its contact pairs (without estimated errors).
+struct StepFigures {
+  StepSpec step;
+  int outer_iterations = 0;
+  bool converged = false;
+  std::vector<PairFigures> pairs;
+};
+
 /// Relative L2 error of the pressure in a zone.
 struct ZoneError {
   std::string zone;
@@ -105,6 +113,7 @@ struct Results {
   std::string diagnosis;  ///< why not, if not
   std::vector<std::string> warnings;
   std::vector<PairFigures> pairs;
+  std::vector<StepFigures> steps;  ///< in order, the last one too; empty without [steps]
   std::vector<SupportFigures> supports;
   std::vector<BodyBalance> balance;                          ///< by body
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution

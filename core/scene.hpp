@@ -137,12 +137,20 @@ struct OutputSpec {
   std::optional<std::pair<Vec3, Vec3>> path;  ///< line for pressure.svg, m
 };
 
+/// What loads the bodies in one step, as parts of what the scene says.
+struct StepSpec {
+  double loads = 1;          ///< tractions, pressures and body forces
+  double displacements = 1;  ///< prescribed at supports
+  double interference = 1;   ///< of all contacts; overlap of the geometry is always there
+};
+
 struct Scene {
   std::string file, title;
   std::vector<BodySpec> bodies;
   std::vector<SupportSpec> supports;
   std::vector<LoadSpec> loads;
   std::vector<ContactSpec> contacts;
+  std::vector<StepSpec> steps;  ///< the last one is the scene itself; empty: that alone
   SolverSpec solver;
   RecoverySpec recovery;
   OutputSpec output;

@@ -357,7 +357,7 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 
 Scene SceneReader::read(const TomlCursor& root) {
   root.expect_keys(
-      {"title", "parameters", "body", "support", "load", "contact", "solver", "recovery", "output", "reference"});
+      {"title", "parameters", "body", "support", "load", "contact", "steps", "solver", "recovery", "output", "reference"});
   scene_.file = root.text().file;
   scene_.parameters = root.text().parameters;
   if (const auto title = root.find("title")) scene_.title = title->string();
@@ -365,6 +365,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   read_supports(root);
   read_loads(root);
   read_contacts(root);
+  if (const auto node = root.find("steps")) scene_.steps = read_steps(*node);
   if (const auto node = root.find("solver")) scene_.solver = read_solver(*node);
   if (const auto node = root.find("recovery")) scene_.recovery = read_recovery(*node);
   if (const auto node = root.find("output")) scene_.output = read_output(*node);

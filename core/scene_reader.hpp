@@ -39,6 +39,7 @@ class SceneReader {
 };
 
 // Sections without references to bodies' faces (scene_settings.cpp).
+std::vector<StepSpec> read_steps(const TomlCursor& node);
 SolverSpec read_solver(const TomlCursor& node);
 RecoverySpec read_recovery(const TomlCursor& node);
 OutputSpec read_output(const TomlCursor& node);

@@ -1,4 +1,6 @@
-/// Sections of the scene file that are plain settings: solver, recovery, output.
+/// Sections of the scene file that are plain settings: steps, solver, recovery, output.
+#include <fmt/format.h>
+
 #include "core/scene_reader.hpp"
 
 namespace cgcontact {
@@ -37,7 +39,43 @@ std::pair<Vec3, Vec3> read_path(const TomlCursor& node) {
   return {from, to};
 }
 
+/// Factors of one kind in all steps; the last one is 1.
+std::vector<double> read_factors(const TomlCursor& node) {
+  constexpr std::size_t most_steps = 1000;
+  Range range = Range::not_negative();
+  range.text = ">= 0, part of what the scene says";
+  std::vector<double> factors;
+  for (const TomlCursor& element : node.elements("factors, one for each step")) factors.push_back(element.number(range));
+  if (factors.empty() || factors.size() > most_steps)
+    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", most_steps));
+  if (factors.back() != 1) node.fail("does not end with 1", "a last step that is the scene itself: [.., 1]");
+  return factors;
+}
+
 }  // namespace
+
+std::vector<StepSpec> read_steps(const TomlCursor& node) {
+  node.expect_keys({"factors", "loads", "displacements", "interference"});
+  const std::pair<const char*, double StepSpec::*> kinds[] = {{"loads", &StepSpec::loads},
+                                                              {"displacements", &StepSpec::displacements},
+                                                              {"interference", &StepSpec::interference}};
+  const auto all = node.find("factors");
+  std::vector<StepSpec> steps;
+  const std::string allowed = "factors = [..] of everything, or some of loads, displacements, interference = [..]";
+  for (const auto& [key, member] : kinds) {
+    const auto own = node.find(key);
+    if (own && all) own->fail("stands beside factors", allowed);
+    if (!own && !all) continue;
+    const std::vector<double> factors = read_factors(own ? *own : *all);
+    if (!steps.empty() && steps.size() != factors.size())
+      own->fail(fmt::format("has {} factors, the list before it {}", factors.size(), steps.size()),
+                "one factor for each step");
+    steps.resize(factors.size());
+    for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*member = factors[k];
+  }
+  if (steps.empty()) node.fail("says no factors", allowed);
+  return steps;
+}
 
 SolverSpec read_solver(const TomlCursor& node) {
   node.expect_keys({"preconditioner", "tolerance", "max_outer_iterations", "linear_tolerance", "max_linear_iterations",

@@ -1,84 +1,12 @@
 /// Whole runs with bodies read from mesh files: the same results as with CSG bodies.
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-#include "tests/support/run_scene.hpp"
-#include "tests/support/triangle_shapes.hpp"
+#include "tests/support/scene_with_meshes.hpp"
 
 namespace cgcontact {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// A copy of a scene in a folder of its own, in which boxes of [[body]] sections are replaced by STL files in
-/// millimetres.
-class SceneWithMeshes {
- public:
-  explicit SceneWithMeshes(const std::string& scene) {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / (std::string("cgcontact_") + info->name());
-    fs::create_directories(folder_);
-    std::ostringstream text;
-    text << std::ifstream(fs::path(CGCONTACT_SOURCE_DIR) / "scenes" / scene).rdbuf();
-    text_ = text.str();
-    replace("\"data/", "\"" + std::string(CGCONTACT_SOURCE_DIR) + "/scenes/data/");
-  }
-  ~SceneWithMeshes() { fs::remove_all(folder_); }
-
-  /// The faces x- .. z+ get the names xm .. zp.
-  void replace_box(const std::string& body, const Vec3& min, const Vec3& max) {
-    write_stl(body + ".stl", test::box_soup(1000 * min, 1000 * max));
-    const std::size_t section = text_.find("name = \"" + body + "\""), start = text_.find("box = {", section);
-    const std::size_t end = text_.find("}}", start);
-    std::string mesh = "mesh = {file = \"" + body + ".stl\", unit = \"mm\", faces = [";
-    for (int k = 0; k < 3; ++k)
-      for (const int sign : {-1, 1}) {
-        const Vec3 n = sign * Vec3::Unit(k);
-        std::ostringstream face;
-        face << "{name = \""
-             << "xyz"[k] << (sign < 0 ? 'm' : 'p') << "\", normal = {axis = [" << n[0] << ", " << n[1] << ", " << n[2]
-             << "], angle = 1}}, ";
-        mesh += face.str();
-        replace(body + ".block." + "xyz"[k] + (sign < 0 ? "-" : "+"),
-                body + ".block." + "xyz"[k] + (sign < 0 ? "m" : "p"));
-      }
-    const std::size_t at = text_.find("box = {", section);
-    text_.replace(at, end - start + 1, mesh + "]}");
-  }
-
-  std::unique_ptr<test::SolvedScene> run(const std::vector<std::string>& overrides) const {
-    const std::string file = (folder_ / "scene.toml").string();
-    std::ofstream(file) << text_;
-    auto solved = std::make_unique<test::SolvedScene>();
-    solved->scene = read_scene(file, overrides);
-    solved->simulation = std::make_unique<Simulation>(solved->scene);
-    solved->simulation->run({});
-    return solved;
-  }
-
- private:
-  void replace(const std::string& from, const std::string& to) {
-    for (std::size_t at = text_.find(from); at != std::string::npos; at = text_.find(from, at + to.size()))
-      text_.replace(at, from.size(), to);
-  }
-  void write_stl(const std::string& name, const TriangleSoup& soup) const {
-    std::ofstream file(folder_ / name);
-    file.precision(17);
-    file << "solid block\n";
-    for (const Triangle& t : soup.triangles) {
-      file << "facet normal 0 0 0\nouter loop\n";
-      for (int p : t) file << "vertex " << soup.points[p].transpose() << "\n";
-      file << "endloop\nendfacet\n";
-    }
-    file << "endsolid block\n";
-  }
-
-  fs::path folder_;
-  std::string text_;
-};
+using test::SceneWithMeshes;
 
 // Proves that a block read from an STL file behaves as the CSG block: forces, pressures and counts of the paper's
 // scene, with one body replaced (mixed with CSG) and with both. 1e-9 of the largest: rounding through the active set

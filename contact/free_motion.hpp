@@ -1,0 +1,38 @@
+/// Rigid motions that neither supports nor closed contact resist. Frictionless contact resists nothing along its faces,
+/// so bodies that slide or spin freely are common: what loads drive has no solution, what none drives can be held.
+#pragma once
+
+#include <string>
+
+#include "contact/contact_pairs.hpp"
+
+namespace cgcontact {
+
+struct FreeMotions {
+  std::vector<Vec3> centre;  ///< of each body's grid, m
+  std::vector<double> size;  ///< m
+  /// Orthonormal columns; rows 6 b .. 6 b + 5 of body b: translation t, then rotation r; the displacement at x is
+  /// t + r x (x - centre) / size.
+  Eigen::MatrixXd modes;
+
+  bool empty() const { return modes.cols() == 0; }
+  /// Is there a motion without any rotation?
+  bool slides() const;
+};
+
+/// With the present state of the contact points. Motions that are resisted by less than `no_stiffness` of what is
+/// resisted most count as free.
+FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                              const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
+
+/// Those that the loads do work on: one column, or none.
+FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies);
+
+/// "body "ball" is free to move along (1.000, 0.000, 0.000) and to rotate about all axes"; of the body that moves most.
+std::string describe(const FreeMotions& free, const Scene& scene);
+
+/// As many held points as there are free motions, none of them redundant: they carry no force unless loads drive the
+/// motions. Their `support` is -1.
+std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyModel>& bodies);
+
+}  // namespace cgcontact

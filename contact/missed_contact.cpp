@@ -1,0 +1,67 @@
+#include "contact/missed_contact.hpp"
+
+#include <algorithm>
+
+#include "contact/postprocess.hpp"
+#include "core/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr std::size_t grain = 512;
+
+/// As far as the two bodies can be apart, m.
+double far(const Simulation& sim, int a, int b) {
+  const BodyModel &first = sim.bodies[a], &second = sim.bodies[b];
+  return box_distance(first, second) + 2 * (longest_extent(first) + longest_extent(second));
+}
+
+/// A contact as the solve saw it: of an automatic pair out of reach nothing but the bodies is left.
+ContactPair pair_of(const Simulation& sim, const ContactSpec& spec) {
+  for (const ContactPair& pair : sim.pairs)
+    if (pair.spec == &spec) return {pair.spec, pair.primary, pair.secondary, 0, pair.reach, pair.interference, {}, {}};
+  return {&spec, spec.first.body, spec.second.body, 0, {}, spec.interference, {}, {}};
+}
+
+/// Largest initial distance of the points beyond the pair's reach that lie inside the other body now, m; or 0.
+double missed_distance(const Simulation& sim, const ContactPair& seen) {
+  const BodyModel &primary = sim.bodies[seen.primary], &secondary = sim.bodies[seen.secondary];
+  ContactPair all = seen;
+  all.reach = {far(sim, seen.primary, seen.secondary), 0};
+  const BodyFace face(seen.face(seen.primary), primary);
+  const BoundaryPoints& boundary = primary.cut_cells.boundary;
+  std::vector<double> farthest(num_chunks(boundary.size(), grain), 0.0);
+  parallel_chunks(boundary.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+      if (!face.contains(p)) continue;
+      const Vec3 n = primary.normal(p);
+      const auto opposite = find_opposite(sim.bodies, all, seen.primary, primary.point(p), n);
+      if (!opposite || opposite->distance <= seen.reach.ahead) continue;
+      const auto moved = [&](int body, int cell, const Vec3& position) {
+        return displacement(sim, body, cell, cell_coordinates(sim.bodies[body].cut_cells, cell, position)).dot(n);
+      };
+      const double gap = opposite->distance - seen.interference +
+                         moved(seen.secondary, opposite->cell, opposite->position) -
+                         moved(seen.primary, boundary.cell[p], boundary.position[p]);
+      if (gap < -1e-6 * secondary.cut_cells.grid.cell_size)
+        farthest[chunk] = std::max(farthest[chunk], opposite->distance);
+    }
+  });
+  return farthest.empty() ? 0.0 : *std::max_element(farthest.begin(), farthest.end());
+}
+
+}  // namespace
+
+std::vector<double> missed_contact(const Simulation& sim) {
+  std::vector<double> reach;
+  bool any = false;
+  for (const ContactSpec& spec : sim.scene.contacts) {
+    const ContactPair pair = pair_of(sim, spec);
+    const double missed = spec.search_distance > 0 ? 0.0 : missed_distance(sim, pair);
+    any |= missed > 0;
+    reach.push_back(std::max(1.5 * missed, pair.reach.ahead));
+  }
+  return any ? reach : std::vector<double>();
+}
+
+}  // namespace cgcontact
