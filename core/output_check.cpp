@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "core/output_fields.hpp"
 #include "core/output_gnuplot.hpp"
@@ -364,9 +365,14 @@ void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
                                                 in_unit(cells.grid.cell_size, length_unit(cells.grid.cell_size)),
                                                 grouped(static_cast<long long>(cells.moments.size()))));
   }
-  for (const ContactSpec& contact : drawing.scene.contacts)
+  std::set<int> contacts;
+  for (const FaceRegion& region : drawing.faces.regions())
+    contacts.insert(region.contacts.begin(), region.contacts.end());
+  for (int c : contacts) {
+    const ContactSpec& contact = drawing.scene.contacts[c];
     legend.words(fmt::format("contact {}: {} and {}", contact.name, drawing.scene.bodies[contact.first.body].name,
                              drawing.scene.bodies[contact.second.body].name));
+  }
   legend.words("");
   legend.words("Colours of the faces below:");
   for (const auto& [role, name] : {std::pair<Role, const char*>{Role::support, "support (arrow: prescribed motion)"},

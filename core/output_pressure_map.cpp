@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t most_maps = 12;
 constexpr int long_side = 720;
-constexpr double thin_face = 0.15;  ///< ratio of the sides below which a face is drawn as a curve
+constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
 /// Of the largest pressure: below this the face is grey. On curved faces the recovered pressure where nothing touches
 /// is zero to a few thousandths only.
 constexpr double no_pressure = 0.005;
@@ -209,6 +209,7 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   script += fmt::format(
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
       left / width, (left + size[0]) / width, bottom / height, (bottom + size[1]) / height);
+  script += size[0] < 300 ? "set xtics rotate by -60\n" : "set xtics norotate\n";
   script += fmt::format("set key at screen {},{} right bottom horizontal Left reverse samplen 2.6\n",
                         (left + size[0]) / width, 12 / height);
   script += fmt::format("set cbrange [0:{}]\nset cblabel 'contact pressure (SPR-C) [{}]'\n", limit * stress.factor,
@@ -271,7 +272,8 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
   script += fmt::format("set output '../{}.png'\nset title {}\nset grid lc rgb '#e4e4e4' lw 1 dt 1\n", name,
                         title_text(results, face));
   script +=
-      "set key outside top right horizontal Left reverse samplen 2.6\nunset colorbox\nset lmargin -1\nset rmargin "
+      "set xtics norotate\nset key outside top right horizontal Left reverse samplen 2.6\nunset colorbox\nset lmargin "
+      "-1\nset rmargin "
       "-1\nset bmargin -1\nset tmargin -1\n";
   script += fmt::format("set xlabel '{} [{}]'\nset ylabel 'contact pressure (SPR-C) [{}]'\n",
                         axis == 0 ? chart.right_name() : chart.up_name(), length.name, stress.name);

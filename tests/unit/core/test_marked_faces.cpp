@@ -1,6 +1,6 @@
-#include "core/marked_faces.hpp"
-
 #include <gtest/gtest.h>
+
+#include "core/marked_faces.hpp"
 
 namespace cgcontact {
 namespace {
