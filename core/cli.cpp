@@ -130,6 +130,7 @@ class Parser {
   void take_set_variable(const std::string& text);
   std::vector<std::string> commands() const;
   std::string explain_extra() const;
+  std::string explain_option(const std::string& word, const CLI::App& command) const;
   const CLI::App& used() const;
 
   std::vector<Default> defaults_;
@@ -181,7 +182,8 @@ void Parser::describe_init() {
       add_command("init", CommandLine::init, "Write a commented scene to start from; it runs as it is", init_footer);
   InitOptions& options = line.init_options;
   init.add_option("FILE", options.file, "Scene to write [default: scene.toml, or as the surface, with .toml]")
-      ->type_name("");
+      ->type_name("")
+      ->check([](const std::string& value) { return value.empty() ? "is empty (allowed: a name in .toml)" : ""; }, "");
   add(init, "--stl", "FILE", "A closed surface (.stl, .obj or .ply) to be a body of the scene",
       [&options](const std::string& text) {
         if (text.empty()) throw InputError("is empty (allowed: an .stl, .obj or .ply file)");
@@ -320,13 +322,20 @@ std::string Parser::explain_extra() const {
   const auto is_option = [](const std::string& word) { return !word.empty() && word[0] == '-'; };
   const auto found = std::find_if(rest.begin(), rest.end(), is_option);
   if (found == rest.end()) return "unexpected argument \"" + (rest.empty() ? "" : rest[0]) + "\"";
-  const std::string option = found->substr(0, found->find('='));
-  const std::vector<std::string> known = option_names(used());
+  return explain_option(*found, used());
+}
+
+/// An option that the command, or the program before any command, does not have.
+std::string Parser::explain_option(const std::string& word, const CLI::App& command) const {
+  const std::string option = word.substr(0, word.find('='));
+  const std::vector<std::string> known = option_names(command);
   std::vector<std::string> owners;
-  for (const CLI::App* command : app.get_subcommands({}))
-    if (contains(option_names(*command), option)) owners.push_back(command->get_name());
+  for (const CLI::App* other : app.get_subcommands({}))
+    if (contains(option_names(*other), option)) owners.push_back(other->get_name());
+  if (&command == &app && !owners.empty())
+    return "the option \"" + option + "\" comes after its command (" + join(owners) + ")";
   const std::string hint = owners.empty() ? did_you_mean(option, known) : " (it belongs to " + join(owners) + ")";
-  return "unknown option \"" + option + "\"" + (&used() == &app ? "" : " of " + used().get_name()) + hint +
+  return "unknown option \"" + option + "\"" + (&command == &app ? "" : " of " + command.get_name()) + hint +
          " (allowed: " + join(known) + ")";
 }
 
@@ -342,6 +351,7 @@ std::string Parser::explain(const CLI::Error& error, int argc, const char* const
            (is_scene ? " (did you mean \"run " + first + "\"?)" : did_you_mean(first, similar)) +
            " (allowed: " + join(commands()) + ")";
   }
+  if (first[0] == '-' && !contains({"-h", "--help", "--version"}, first)) return explain_option(first, app);
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) return explain_extra();
   std::string text = error.what();
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) text = text.substr(0, text.find(':')) + " needs a value";

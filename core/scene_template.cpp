@@ -227,8 +227,10 @@ Layout lay_out(const PartOutline& part, int cells) {
   layout.plate_max = {center[0] + half[0], center[1] + half[1], part.max[2] + thickness};
 
   // Flat: a thousandth. Round, of radius r^2 / (2 end_height): so that the contact zone has a radius of some two cells.
-  const double wanted = 4 * h * h * 2 * end_height / (radius_of_end * radius_of_end);
-  layout.push = two_digits(top.flat ? 1e-3 * extent[2] : std::min(wanted, std::max(0.01 * extent[2], 0.4 * h)));
+  const double round = 4 * h * h * 2 * end_height / (radius_of_end * radius_of_end);
+  double push = std::min(round, std::max(0.01 * extent[2], 0.4 * h));
+  if (top.flat) push = 1e-3 * extent[2];
+  layout.push = two_digits(push);
   return layout;
 }
 
@@ -291,6 +293,10 @@ std::string scene_of_part(const InitOptions& options, const std::string& file, s
                                   : fs::absolute(options.surface).lexically_proximate(folder).string();
   told = part.note + "\n";
   if (!part.doubt.empty()) told += fmt::format("warning: {}: {}\n", options.surface, part.doubt);
+  if (!part.top.faces_outwards)
+    told +=
+        "warning: the part ends in a tip or a sharp edge at its top (z+), where the plate finds nothing that faces it: "
+        "turn the part (rotate, docs/scene.md) or press on another face\n";
   told += fmt::format("cells of {:.3g} m; the part has {} smooth face{}\n", layout.cell_size, part.parts.size(),
                       part.parts.size() == 1 ? "" : "s");
   return fmt::format(
