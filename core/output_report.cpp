@@ -92,10 +92,9 @@ void add_solution(const Results& results, Json& json) {
 std::string step_line(const Results& results, std::size_t k) {
   const StepFigures& s = results.steps[k];
   const bool alike = s.step.loads == s.step.displacements && s.step.loads == s.step.interference;
-  const std::string factors =
-      alike ? fmt::format("everything times {:g}", s.step.loads)
-            : fmt::format("loads times {:g}, displacements {:g}, interference {:g}", s.step.loads, s.step.displacements,
-                          s.step.interference);
+  const std::string factors = alike ? fmt::format("everything times {:g}", s.step.loads)
+                                    : fmt::format("loads times {:g}, displacements {:g}, interference {:g}",
+                                                  s.step.loads, s.step.displacements, s.step.interference);
   std::string text;
   for (const PairFigures& pair : s.pairs)
     text += fmt::format("{}{} {} on {} m^2, up to {}", text.empty() ? ": " : "; ", pair.name,
@@ -209,7 +208,8 @@ std::string summary(const Results& results, const std::string& directory) {
   for (const std::string& warning : results.warnings) text += fmt::format("  warning: {}\n", warning);
 
   std::string files;
-  for (const char* name : {"scene.png", "pressure.svg", "stress_error.svg", "steps.svg", "result.vtkhdf", "contact.csv", "steps.csv"})
+  for (const char* name :
+       {"scene.png", "pressure.svg", "stress_error.svg", "steps.svg", "result.vtkhdf", "contact.csv", "steps.csv"})
     if (std::filesystem::exists(std::filesystem::path(directory) / name)) files += fmt::format(" {}", name);
   text += fmt::format("  results in {}:{} report.json\n", directory, files);
   return text;
