@@ -90,8 +90,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
         pair.spec->name, scene.bodies[pair.primary].name, scene.bodies[pair.secondary].name, pair.points.size(),
         pair.groups.size(), area, smallest, largest);
   }
-  if (!scene.steps.empty())
-    text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
+  if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
   for (const std::string& warning : preparation.warnings) text += fmt::format("warning: {}\n", warning);
   text += fmt::format("{} unknowns in all, about {:.0f} MB of memory\n", unknowns,
                       static_cast<double>(expected_memory(preparation)) / 1e6);

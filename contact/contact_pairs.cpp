@@ -53,8 +53,8 @@ bool is_own_plane(const Solid& solid, const Plane& plane) {
   });
 }
 
-/// Planes of the other solid that cut a plane surface of this one within a cell, in the cell's grid coordinates: there a
-/// plane face of the other body may end, and with it the contact.
+/// Planes of the other solid that cut a plane surface of this one within a cell, in the cell's grid coordinates: there
+/// a plane face of the other body may end, and with it the contact.
 std::vector<Plane> other_face_borders(const BodyModel& body, const Index3& cell, int surface, const BodyModel& other) {
   const Surface& own = body.cut_cells.solid.surfaces()[surface];
   std::vector<Plane> planes;
@@ -222,19 +222,19 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
     for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
       if (a == b || box_distance(bodies[a], bodies[b]) > 0) continue;
       const CutCells& other = bodies[b].cut_cells;
-      const double limit =
-          overlap(a, b) + 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
+      const double limit = overlap(a, b) + 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
       parallel_for(bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
         const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
         if (!other.solid.contains(g)) return;
         const double depth = other.solid.distance_to_surfaces(g) * other.grid.cell_size;
         if (depth > limit)
-          throw InputError(scene.bodies[a].place, "\"" + scene.bodies[a].name + "\"",
-                           fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})",
-                                       scene.bodies[b].name, depth, x[0], x[1], x[2]),
-                           fmt::format("contact faces that overlap by up to {:g} m, a tenth of the smaller body, and by "
-                                       "less than the bodies' walls",
-                                       overlap_limit(bodies, a, b)));
+          throw InputError(
+              scene.bodies[a].place, "\"" + scene.bodies[a].name + "\"",
+              fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})", scene.bodies[b].name, depth,
+                          x[0], x[1], x[2]),
+              fmt::format("contact faces that overlap by up to {:g} m, a tenth of the smaller body, and by "
+                          "less than the bodies' walls",
+                          overlap_limit(bodies, a, b)));
       });
     }
 }
@@ -272,12 +272,12 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
   check_overlap(scene, bodies, pairs);
   for (const ContactPair& pair : pairs)
     if (pair.points.empty() && !pair.spec->automatic)
-      throw InputError(pair.spec->place, "\"" + pair.spec->name + "\"",
-                       "no point of the first face has the second face within reach",
-                       pair.spec->search_distance > 0
-                           ? fmt::format("faces closer than search_distance = {:g} m along the normal",
-                                         pair.spec->search_distance)
-                           : "faces that see each other along the normal");
+      throw InputError(
+          pair.spec->place, "\"" + pair.spec->name + "\"",
+          "no point of the first face has the second face within reach",
+          pair.spec->search_distance > 0
+              ? fmt::format("faces closer than search_distance = {:g} m along the normal", pair.spec->search_distance)
+              : "faces that see each other along the normal");
   const auto sees_nothing = [&](const ContactPair& pair) {
     double area = 0;
     for (const ContactGroup& group : pair.groups) area += group.area;

@@ -127,7 +127,8 @@ std::string describe(const FreeMotions& free, const Scene& scene) {
   Eigen::Index body = 0;
   for (Eigen::Index b = 1; b < free.modes.rows() / 6; ++b)
     if (free.modes.middleRows(6 * b, 6).norm() > free.modes.middleRows(6 * body, 6).norm() * (1 + 1e-6)) body = b;
-  const Eigen::MatrixXd translation = free.modes.middleRows(6 * body, 3), rotation = free.modes.middleRows(6 * body + 3, 3);
+  const Eigen::MatrixXd translation = free.modes.middleRows(6 * body, 3),
+                        rotation = free.modes.middleRows(6 * body + 3, 3);
   const Eigen::MatrixXd slide = translation * null_space(rotation);
   std::string text;
   if (slide.cols() > 0 && slide.norm() > 1e-6)

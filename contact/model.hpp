@@ -26,8 +26,8 @@ struct BodyModel {
   CutCells cut_cells;
   BoundaryData boundary;
   std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
-  double thickness = 0;       ///< cells: twice the volume over the area
-  double free_thickness = 0;  ///< the same over the area that no support holds
+  double thickness = 0;                     ///< cells: twice the volume over the area
+  double free_thickness = 0;                ///< the same over the area that no support holds
   bool is_thin() const { return thickness < 2; }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
   Vec3 normal(int boundary_point) const { return cut_cells.grid.rotation * cut_cells.boundary.normal[boundary_point]; }
@@ -66,9 +66,9 @@ double support_kappa(const Scene& scene, const BodyModel& body);
 struct SupportPoint {
   int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
   int body = 0, cell = 0;
-  Vec3 xi;           ///< cell coordinates
-  Vec3 direction;    ///< unit, global axes
-  Vec3 normal;       ///< outward, global axes
+  Vec3 xi;                ///< cell coordinates
+  Vec3 direction;         ///< unit, global axes
+  Vec3 normal;            ///< outward, global axes
   double weight = 0;      ///< m^2
   double prescribed = 0;  ///< displacement along the direction, m
   double value = 0;       ///< its part in the present step, m
@@ -88,8 +88,8 @@ Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& grid_posi
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
 
-/// Calls use(cell, xi, x, force) for the points of all tractions and body forces of the present step; x in m, force in N,
-/// global axes.
+/// Calls use(cell, xi, x, force) for the points of all tractions and body forces of the present step; x in m, force in
+/// N, global axes.
 void each_force(const BodyModel& body,
                 const std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>& use);
 

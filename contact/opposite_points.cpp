@@ -20,8 +20,7 @@ struct Line {
 };
 
 bool any_within(const std::vector<Crossing>& crossings, double low, double high) {
-  return std::any_of(crossings.begin(), crossings.end(),
-                     [=](const Crossing& c) { return c.t >= low && c.t <= high; });
+  return std::any_of(crossings.begin(), crossings.end(), [=](const Crossing& c) { return c.t >= low && c.t <= high; });
 }
 
 /// Is the body's boundary crossed at x + t n with low <= t <= high (m, and less the tolerances of these ends, cells)?
@@ -59,8 +58,8 @@ std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel
   const Line line(other, x, n);
   static thread_local std::vector<Crossing> crossings;
   crossings.clear();
-  solid.crossings(line.origin, line.direction,
-                  std::max(reach.ahead, reach.behind) / grid.cell_size + 2 * end_tolerance, crossings);
+  solid.crossings(line.origin, line.direction, std::max(reach.ahead, reach.behind) / grid.cell_size + 2 * end_tolerance,
+                  crossings);
   std::optional<OppositePoint> best;
   for (const Crossing& crossing : crossings) {
     if (crossing.t > reach.ahead / grid.cell_size || crossing.t < -reach.behind / grid.cell_size) continue;

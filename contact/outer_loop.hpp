@@ -46,8 +46,8 @@ struct OuterProblem {
   const Scales& scales;
 };
 
-/// Solves one system under changing loads, prescribed displacements and gaps (those of the bodies, supports and pairs at
-/// each call): the second and later calls start from the solution before, if that converged.
+/// Solves one system under changing loads, prescribed displacements and gaps (those of the bodies, supports and pairs
+/// at each call): the second and later calls start from the solution before, if that converged.
 class ContactSolver {
  public:
   explicit ContactSolver(const OuterProblem& problem);

@@ -135,8 +135,7 @@ void write_steps_plot(const Results& results, GnuplotRuns& runs) {
     }
     data += "\n\n";
   }
-  const AxisUnit stress = stress_unit(pressure);
-  const AxisUnit newton = force >= 1e6 ? AxisUnit{1e-6, "MN"} : force >= 1e3 ? AxisUnit{1e-3, "kN"} : AxisUnit{1, "N"};
+  const DisplayUnit stress = stress_unit(pressure), newton = force_unit(force);
   write_text(runs.directory() + "/plots/steps.dat", data);
   const std::tuple<const char*, std::string, double> panels[] = {
       {"force", newton.name, newton.factor}, {"area", "m^2", 1.0}, {"largest pressure", stress.name, stress.factor}};
@@ -156,7 +155,7 @@ void write_steps_plot(const Results& results, GnuplotRuns& runs) {
     script += "\n";
     ++column;
   }
-  runs.start("steps", script + "unset multiplot\n", "steps.svg");
+  runs.start("steps", script + "unset multiplot\n", {"steps.svg"});
 }
 
 }  // namespace

@@ -356,8 +356,8 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 }
 
 Scene SceneReader::read(const TomlCursor& root) {
-  root.expect_keys(
-      {"title", "parameters", "body", "support", "load", "contact", "steps", "solver", "recovery", "output", "reference"});
+  root.expect_keys({"title", "parameters", "body", "support", "load", "contact", "steps", "solver", "recovery",
+                    "output", "reference"});
   scene_.file = root.text().file;
   scene_.parameters = root.text().parameters;
   if (const auto title = root.find("title")) scene_.title = title->string();

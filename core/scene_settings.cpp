@@ -45,7 +45,8 @@ std::vector<double> read_factors(const TomlCursor& node) {
   Range range = Range::not_negative();
   range.text = ">= 0, part of what the scene says";
   std::vector<double> factors;
-  for (const TomlCursor& element : node.elements("factors, one for each step")) factors.push_back(element.number(range));
+  for (const TomlCursor& element : node.elements("factors, one for each step"))
+    factors.push_back(element.number(range));
   if (factors.empty() || factors.size() > most_steps)
     node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", most_steps));
   if (factors.back() != 1) node.fail("does not end with 1", "a last step that is the scene itself: [.., 1]");

@@ -54,7 +54,8 @@ class SceneWithMeshes {
     std::string selector;  ///< as in the scene file, "normal = {..}"; empty: selected by an earlier one of this name
   };
 
-  /// The shape of a body becomes a mesh "part" (soup in m), in the rest of the scene "body.csg" becomes "body.part.name".
+  /// The shape of a body becomes a mesh "part" (soup in m), in the rest of the scene "body.csg" becomes
+  /// "body.part.name".
   void replace_shape(const std::string& body, TriangleSoup soup, const std::vector<MeshFace>& faces) {
     for (Vec3& x : soup.points) x *= 1000;
     write_stl(body + ".stl", soup);
@@ -67,9 +68,9 @@ class SceneWithMeshes {
     const std::size_t section = text_.find("[body.shape]", body_at), value = text_.find("shape = {", body_at);
     const std::size_t start = std::min(section, value);
     const std::size_t end = section < value ? text_.find("\n[[", start) : text_.find("]}\n", start) + 2;
-    text_.replace(start, end - start,
-                  "shape = {name = \"part\", mesh = {file = \"" + body + ".stl\", unit = \"mm\", faces = [" + list +
-                      "]}}\n");
+    text_.replace(
+        start, end - start,
+        "shape = {name = \"part\", mesh = {file = \"" + body + ".stl\", unit = \"mm\", faces = [" + list + "]}}\n");
   }
 
   std::unique_ptr<SolvedScene> run(const std::vector<std::string>& overrides) const {

@@ -1,5 +1,5 @@
-/// Contact as it is found from the geometry: real overlaps and gaps of many cells, thin bodies, conforming faces, bodies
-/// that contact alone holds.
+/// Contact as it is found from the geometry: real overlaps and gaps of many cells, thin bodies, conforming faces,
+/// bodies that contact alone holds.
 #include <gtest/gtest.h>
 
 #include "tests/support/run_scene.hpp"
@@ -19,16 +19,16 @@ double mean_pressure(const Results& r) {
 }
 
 /// A shrink fit by overlap of the geometry, delta on the radius of 0.7 m, has the pressure of the one by the key
-/// `interference`; the radii differ by half of the overlap, so pressures differ by a small multiple of delta / R. Overlap up
-/// to 3 cells of the finer grid.
+/// `interference`; the radii differ by half of the overlap, so pressures differ by a small multiple of delta / R.
+/// Overlap up to 3 cells of the finer grid.
 TEST(Overlap, ShrinkFitOfRings) {
   for (const auto& [n, delta] : {std::pair("n=8", 1e-3), {"n=48", 0.05}}) {
     const std::string d = "delta=" + std::to_string(delta);
     const auto key = test::run_scene("scenes/rings.toml", {n, d});
-    const auto real = test::run_scene("scenes/rings.toml",
-                                      {n, d, "body.inner.shape.difference.0.intersection.1.cylinder.radius=b+delta/2",
-                                       "body.outer.shape.difference.1.cylinder.radius=b-delta/2",
-                                       "contact=[{automatic = true}]"});
+    const auto real =
+        test::run_scene("scenes/rings.toml",
+                        {n, d, "body.inner.shape.difference.0.intersection.1.cylinder.radius=b+delta/2",
+                         "body.outer.shape.difference.1.cylinder.radius=b-delta/2", "contact=[{automatic = true}]"});
     ASSERT_TRUE(real->results().converged) << real->results().diagnosis;
     EXPECT_EQ(real->results().active_points, real->results().pairs[0].points);
     const double ratio = mean_pressure(real->results()) / mean_pressure(key->results());
@@ -43,9 +43,9 @@ TEST(Overlap, ShrinkFitOfASphere) {
   const std::vector<std::string> common = {"n=8", "delta=" + std::to_string(delta)};
   const auto key = test::run_scene("scenes/sphere_in_shell.toml", common);
   auto overrides = common;
-  overrides.insert(overrides.end(), {"body.sphere.shape.intersection.1.sphere.radius=b+delta/2",
-                                     "body.shell.shape.difference.1.sphere.radius=b-delta/2",
-                                     "contact=[{automatic = true}]"});
+  overrides.insert(overrides.end(),
+                   {"body.sphere.shape.intersection.1.sphere.radius=b+delta/2",
+                    "body.shell.shape.difference.1.sphere.radius=b-delta/2", "contact=[{automatic = true}]"});
   const auto real = test::run_scene("scenes/sphere_in_shell.toml", overrides);
   ASSERT_TRUE(real->results().converged) << real->results().diagnosis;
   EXPECT_NEAR(mean_pressure(real->results()) / mean_pressure(key->results()), 1, 2 * delta / 0.7);
@@ -99,13 +99,13 @@ TEST(Gap, OfManyCells) {
   for (const ContactRow& row : r.contact_rows) EXPECT_NEAR(row.pressure_sprc / 1e9, 1, 1e-8);
 }
 
-/// Plates of one cell, found automatically: every point meets the face next to it, none the far side of the neighbour or
-/// the plate behind it.
+/// Plates of one cell, found automatically: every point meets the face next to it, none the far side of the neighbour
+/// or the plate behind it.
 TEST(ThinBodies, TheFarSideIsNeverMet) {
-  const Scene scene = read("tests/scenes/three_blocks.toml",
-                           {"body.a.shape.box={min = [0, 0, 0], max = [1, 1, 0.1]}",
-                            "body.b.shape.box={min = [0, 0, 0.1], max = [1, 1, 0.14]}",
-                            "body.c.shape.box={min = [0, 0, 0.14], max = [1, 1, 0.2]}"});
+  const Scene scene =
+      read("tests/scenes/three_blocks.toml", {"body.a.shape.box={min = [0, 0, 0], max = [1, 1, 0.1]}",
+                                              "body.b.shape.box={min = [0, 0, 0.1], max = [1, 1, 0.14]}",
+                                              "body.c.shape.box={min = [0, 0, 0.14], max = [1, 1, 0.2]}"});
   const Preparation p = prepare(scene);
   ASSERT_EQ(p.pairs.size(), 2u);  // a and c see nothing of each other
   for (const ContactPair& pair : p.pairs) {
@@ -125,8 +125,8 @@ TEST(ThinBodies, TheFarSideIsNeverMet) {
     }
 }
 
-/// A loose pin in a hole, held by contact alone: it carries its weight, faces in contact do not overlap, open ones have a
-/// gap; the arc of contact is found on a grid half as fine within a cell of either.
+/// A loose pin in a hole, held by contact alone: it carries its weight, faces in contact do not overlap, open ones have
+/// a gap; the arc of contact is found on a grid half as fine within a cell of either.
 TEST(PinInAHole, CarriesTheWeight) {
   double angle[2];
   for (const int fine : {0, 1}) {
@@ -148,8 +148,8 @@ TEST(PinInAHole, CarriesTheWeight) {
   EXPECT_NEAR(angle[0], angle[1], (1 / 20.0 + 1 / 40.0) / 0.5);
 }
 
-/// Approaches beyond what the pair sees at first: the run sees that and looks farther, with the result of a run that looks
-/// far enough from the start.
+/// Approaches beyond what the pair sees at first: the run sees that and looks farther, with the result of a run that
+/// looks far enough from the start.
 TEST(PinInAHole, SeesAsFarAsItHasTo) {
   const std::vector<std::string> heavy = {"clearance=0.2", "weight=4e11", "recovery.spr_c=false"};
   const auto solved = test::run_scene("tests/scenes/pin.toml", heavy);
@@ -163,11 +163,12 @@ TEST(PinInAHole, SeesAsFarAsItHasTo) {
     if (q.active) farthest = std::max(farthest, q.distance);
   ASSERT_GT(farthest, first) << "the case proves nothing";
   EXPECT_EQ(solved->results().active_points, far->results().active_points);
-  EXPECT_NEAR(solved->results().pairs[0].force_on_first.norm() / far->results().pairs[0].force_on_first.norm(), 1, 1e-5);
+  EXPECT_NEAR(solved->results().pairs[0].force_on_first.norm() / far->results().pairs[0].force_on_first.norm(), 1,
+              1e-5);
 }
 
-/// Two pairs hold a ball that nothing else holds; it may spin, which is held without any force, whichever body is coarser
-/// (that one's normals count).
+/// Two pairs hold a ball that nothing else holds; it may spin, which is held without any force, whichever body is
+/// coarser (that one's normals count).
 TEST(HeldByContact, BallInAGroove) {
   for (const char* ratio : {"ratio=1.2", "ratio=0.8"}) {
     const auto solved = test::run_scene("tests/scenes/ball_in_groove.toml", {ratio});
@@ -207,8 +208,8 @@ TEST(FreeMotion, SlidingAndDrivenSpinAreRefused) {
             std::string::npos)
       << spin;
   const std::string slide =
-      refusal("tests/scenes/ball_in_groove.toml", {"body.ball.shape.intersection.1.box.min=[-1, -1, -1]",
-                                                   "support.2.face=block.base.y+", "ratio=0.8"});
+      refusal("tests/scenes/ball_in_groove.toml",
+              {"body.ball.shape.intersection.1.box.min=[-1, -1, -1]", "support.2.face=block.base.y+", "ratio=0.8"});
   EXPECT_NE(slide.find("body \"ball\" is free to move along (0.000, 1.000, 0.000)"), std::string::npos) << slide;
 }
 

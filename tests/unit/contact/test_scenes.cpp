@@ -179,5 +179,49 @@ TEST(Hertz, PressureAtTheComputedForce) {
   EXPECT_NEAR(std::sqrt(4 * r.pairs[0].area / M_PI) / a, 1, 0.02);
 }
 
+/// Uniaxial strain under its own weight, linear in z: three bodies, grids that do not fit, contact found automatically.
+/// Measured at n = 8: error .0014, 8 times less than SPR, effectivity 1.16. Forces are exact: they are in equilibrium
+/// with the loads to the linear tolerance.
+TEST(Stack, CarriesWhatStandsOnIt) {
+  const auto solved = test::run_scene("scenes/stack.toml", {"n=8"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  ASSERT_EQ(r.pairs.size(), 2u);
+  EXPECT_NEAR(r.pairs[0].force_on_first.norm() / *solved->scene.reference.force, 1, 1e-7);
+  EXPECT_NEAR(r.pairs[1].force_on_first.norm() / (0.8 * (2e6 + 0.6e6)), 1, 1e-7);
+  const ZoneError& whole = test::zone(r, "whole");
+  EXPECT_LE(whole.sprc, 0.002);
+  EXPECT_GE(whole.spr / whole.sprc, 5);
+  EXPECT_GE(r.effectivity, 0.9);
+  EXPECT_LE(r.effectivity, 1.25);
+}
+
+/// Line contact on the facets of an STL file, four cells over half of the contact, against Hertz at the computed force.
+/// Measured: .021 over the whole face, .011 in the interior, 1e-4 outside; the plane of symmetry carries the part of
+/// the force that leans.
+TEST(Seat, IsHertzsLineContact) {
+  const auto solved = test::run_scene("scenes/seat.toml");
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_LE(test::zone(r, "whole").sprc, 0.03);
+  EXPECT_LE(test::zone(r, "interior").sprc, 0.02);
+  EXPECT_LE(test::zone(r, "outside").sprc, 1e-3);
+  EXPECT_LE((r.pairs[0].force_on_first + r.pairs[0].force_on_second).norm(), 1e-10 * r.pairs[0].force_on_first.norm());
+}
+
+/// Line contact that bends the bodies, three cells over half of it, against Hertz at the computed force; and half of the
+/// push before. Measured: .046 over the whole face, forces of 666 and 1411 N (a little less than proportional to the push:
+/// the contact is softer when it is small).
+TEST(Teeth, AreHertzsLineContact) {
+  const auto solved = test::run_scene("scenes/teeth.toml", {"h=3e-4", "steps.factors=[0.5, 1]"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_LE(test::zone(r, "whole").sprc, 0.06);
+  ASSERT_EQ(r.steps.size(), 2u);
+  const double half = r.steps[0].pairs[0].force_on_first.norm(), whole = r.steps[1].pairs[0].force_on_first.norm();
+  EXPECT_GT(half / whole, 0.45);
+  EXPECT_LT(half / whole, 0.5);
+}
+
 }  // namespace
 }  // namespace cgcontact

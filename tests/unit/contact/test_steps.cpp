@@ -1,5 +1,5 @@
-/// Loads in steps: frictionless contact at small strain does not depend on the path, so every step is what a run with its
-/// loads alone gives.
+/// Loads in steps: frictionless contact at small strain does not depend on the path, so every step is what a run with
+/// its loads alone gives.
 #include <gtest/gtest.h>
 
 #include "tests/support/run_scene.hpp"
@@ -34,7 +34,8 @@ TEST(StepsOfLoad, AreRunsOfTheirOwn) {
   expect_step(r.steps[2], final->results(), 1);
   EXPECT_NEAR(test::zone(r, "whole").sprc / test::zone(final->results(), "whole").sprc, 1, 1e-4);
   Scene scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/two_solids.toml", tight);
-  const std::string half[] = {"load.0.pressure=0.5*4e11*(0.01-z)*z", "load.0.traction=[0, 0, \"-0.5*10e11*(0.01-z)*z\"]"};
+  const std::string half[] = {"load.0.pressure=0.5*4e11*(0.01-z)*z",
+                              "load.0.traction=[0, 0, \"-0.5*10e11*(0.01-z)*z\"]"};
   overrides = tight;
   overrides.insert(overrides.end(), half, half + 2);
   for (std::size_t s = 0; s < scene.supports.size(); ++s)

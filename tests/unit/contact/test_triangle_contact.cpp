@@ -1,7 +1,7 @@
-/// The curved scenes with known answers, their bodies read from fine STL files: the pressure is that of the CSG bodies up
-/// to the error of the facets. Facets are a fraction of a cell, so that their ripple is averaged out over each boundary
-/// piece; what is left is a smaller (inscribed) surface on either side, and the mean depth of the facets that the edges
-/// of the pieces cut.
+/// The curved scenes with known answers, their bodies read from fine STL files: the pressure is that of the CSG bodies
+/// up to the error of the facets. Facets are a fraction of a cell, so that their ripple is averaged out over each
+/// boundary piece; what is left is a smaller (inscribed) surface on either side, and the mean depth of the facets that
+/// the edges of the pieces cut.
 #include <cmath>
 
 #include "tests/support/scene_with_meshes.hpp"
@@ -17,7 +17,9 @@ void add_quad(TriangleSoup& soup, int a, int b, int c, int d) {
 /// Quarter of a ring about z with its flat ends in the planes x = 0 and y = 0.
 TriangleSoup ring_quarter(double inner, double outer, double height, int facets) {
   TriangleSoup soup;
-  const auto point = [](int i, int corner) { return 4 * i + corner; };  // corners: inner low, outer low, outer high, inner high
+  const auto point = [](int i, int corner) {
+    return 4 * i + corner;
+  };  // corners: inner low, outer low, outer high, inner high
   for (int i = 0; i <= facets; ++i) {
     const double angle = 0.5 * M_PI * i / facets;
     const Vec3 e = i == 0 ? Vec3(1, 0, 0) : i == facets ? Vec3(0, 1, 0) : Vec3(std::cos(angle), std::sin(angle), 0);
@@ -51,7 +53,8 @@ class Octant {
         if (j < i) add((*this)(i, j), (*this)(i + 1, j + 1), (*this)(i, j + 1));
       }
   }
-  /// The points of its edge in the plane where coordinate k is zero, counterclockwise seen from the outside of the body.
+  /// The points of its edge in the plane where coordinate k is zero, counterclockwise seen from the outside of the
+  /// body.
   std::vector<int> edge(int k) const {
     std::vector<int> points;
     for (int s = 0; s <= n_; ++s)
@@ -122,10 +125,11 @@ void expect_like_csg(const Results& mesh, const Results& csg, double facet_error
   ASSERT_TRUE(mesh.converged) << mesh.diagnosis;
   const PairFigures &a = mesh.pairs[0], &b = csg.pairs[0];
   const double extra = test::zone(mesh, "whole").sprc - test::zone(csg, "whole").sprc;
-  std::printf("triangles against CSG: pressure error %.4f (CSG %.4f), force %+.4f, area %+.4f, maximum %+.4f; facets %.4f\n",
-              test::zone(mesh, "whole").sprc, test::zone(csg, "whole").sprc,
-              a.force_on_first.norm() / b.force_on_first.norm() - 1, a.area / b.area - 1,
-              a.max_pressure / b.max_pressure - 1, facet_error);
+  std::printf(
+      "triangles against CSG: pressure error %.4f (CSG %.4f), force %+.4f, area %+.4f, maximum %+.4f; facets %.4f\n",
+      test::zone(mesh, "whole").sprc, test::zone(csg, "whole").sprc,
+      a.force_on_first.norm() / b.force_on_first.norm() - 1, a.area / b.area - 1, a.max_pressure / b.max_pressure - 1,
+      facet_error);
   EXPECT_LE(extra, facet_error);
   EXPECT_NEAR(a.force_on_first.norm() / b.force_on_first.norm(), 1, facet_error);
   EXPECT_NEAR(a.area / b.area, 1, facet_error);
@@ -171,8 +175,8 @@ TEST(TriangleContact, SphereInShellIsThatOfCsg) {
   expect_like_csg(mesh->results(), csg->results(), (depth(facets[0]) + depth(facets[1])) / 1e-3);
 }
 
-/// A facet of a sphere on a plane changes the slope of the gap (0.1 at the edge of the contact) by L / R. With L = 1/160
-/// that is 6 % at the edges of the facets, averaged over four of them in each direction of a cell: 1 %, which is
+/// A facet of a sphere on a plane changes the slope of the gap (0.1 at the edge of the contact) by L / R. With L =
+/// 1/160 that is 6 % at the edges of the facets, averaged over four of them in each direction of a cell: 1 %, which is
 /// the error allowed.
 TEST(TriangleContact, HertzIsThatOfCsg) {
   const auto csg = test::run_scene("scenes/hertz.toml", {"n=20"});
