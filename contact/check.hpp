@@ -10,7 +10,4 @@ namespace cgcontact {
 /// Bodies with volume, faces, cells and unknowns; pairs; expected memory. A few lines per body.
 std::string describe(const Scene& scene, const Preparation& preparation);
 
-/// Expected peak memory of a run in bytes: a measured model.
-long long expected_memory(const Preparation& preparation);
-
 }  // namespace cgcontact

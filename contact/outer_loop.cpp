@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <limits>
 #include <set>
 
 #include "contact/boundary_stress.hpp"
+#include "contact/free_motion.hpp"
+#include "core/memory.hpp"
 #include "core/parallel.hpp"
 
 namespace cgcontact {
@@ -17,6 +21,8 @@ constexpr double inner_fraction = 0.005;
 constexpr double loosest_inner_tolerance = 1e-3;
 /// Forces below this part of the kappa terms, and stresses below this part of E u / h, are rounding.
 constexpr double no_force = 1e-10, no_stress = 1e-9;
+/// Of Young's moduli: worth a question where the linear solver gives up.
+constexpr double large_ratio = 1e7;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -56,6 +62,11 @@ class OuterLoop {
   long long update_active_set();
   double update_recovered_stress();
   long long count_active() const;
+  std::vector<std::string> open_pairs() const;
+  std::string describe_open_pairs() const;
+  std::string describe_cycle(int repeats) const;
+  std::string describe_linear_solve(const LinearSolveResult& solve) const;
+  LinearSolveResult solve_linear(double tolerance);
   void polish(OuterResult& result);
   void set_forces(OuterResult& result) const;
 
@@ -66,6 +77,8 @@ class OuterLoop {
   std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
   RealView u_, rhs_;
   double force_norm_ = 0;
+  std::string solver_error_;               // of Trilinos, where it gave up
+  std::vector<std::vector<int>> changes_;  // of the state of each point in the last iterations, per pair
 };
 
 OuterLoop::OuterLoop(OuterProblem& problem)
@@ -79,7 +92,10 @@ OuterLoop::OuterLoop(OuterProblem& problem)
     boundary_stress_.emplace_back(problem.system.meshes[b], problem.patches[b], cells[b]);
   load_ = make_load_vector(problem.bodies, problem.system, problem.scales);
   support_stress_.assign(problem.supports.size(), 0.0);
-  for (const ContactPair& pair : problem.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
+  for (const ContactPair& pair : problem.pairs) {
+    contact_stress_.emplace_back(pair.points.size(), 0.0);
+    changes_.emplace_back(pair.points.size(), 0);
+  }
   u_ = RealView("cgcontact::outer_loop::u", problem.system.num_dofs());
   rhs_ = RealView("cgcontact::outer_loop::rhs", problem.system.num_dofs());
 }
@@ -186,6 +202,7 @@ long long OuterLoop::update_active_set() {
       const double gap = pair.groups[point.group].initial_gap + change[first_group + point.group];
       const bool active = contact_stress_[k][q] * scales().stress - pair.stiffness * gap > 0;
       changed += active != point.active;
+      changes_[k][q] = std::max(0, changes_[k][q] + (active != point.active ? 2 : -1));
       point.active = active;
     }
     first_group += pair.groups.size();
@@ -234,14 +251,81 @@ long long OuterLoop::count_active() const {
   return active;
 }
 
+/// Names of the pairs without any closed point.
+std::vector<std::string> OuterLoop::open_pairs() const {
+  std::vector<std::string> names;
+  for (const ContactPair& pair : problem_.pairs)
+    if (std::none_of(pair.points.begin(), pair.points.end(), [](const ContactPoint& q) { return q.active; }))
+      names.push_back('"' + pair.spec->name + '"');
+  return names;
+}
+
+std::string OuterLoop::describe_open_pairs() const {
+  return fmt::format("contact {} has opened wholly, and nothing else holds the body", fmt::join(open_pairs(), ", "));
+}
+
+/// The pair most of whose points keep changing, and where they are.
+std::string OuterLoop::describe_cycle(int repeats) const {
+  std::size_t worst = 0;
+  std::vector<long long> count(changes_.size(), 0);
+  for (std::size_t k = 0; k < changes_.size(); ++k) {
+    count[k] = std::count_if(changes_[k].begin(), changes_[k].end(), [](int n) { return n > 1; });
+    if (count[k] > count[worst]) worst = k;
+  }
+  const ContactPair& pair = problem_.pairs[worst];
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (std::size_t q = 0; q < pair.points.size(); ++q) {
+    if (changes_[worst][q] <= 1) continue;
+    low = low.cwiseMin(pair.points[q].x);
+    high = high.cwiseMax(pair.points[q].x);
+  }
+  return fmt::format(
+      "the active set cycles ({} repeated states): {} of {} points of contact \"{}\" between ({:.4g}, {:.4g}, {:.4g}) "
+      "and "
+      "({:.4g}, {:.4g}, {:.4g}) m keep opening and closing; finer cells or another grid.offset of \"{}\" may help",
+      repeats, count[worst], pair.points.size(), pair.spec->name, low[0], low[1], low[2], high[0], high[1], high[2],
+      problem_.scene.bodies[pair.primary].name);
+}
+
+/// Trilinos throws where numbers are no longer finite; its messages have many lines.
+LinearSolveResult OuterLoop::solve_linear(double tolerance) {
+  try {
+    solver_.update();
+    return solver_.solve(rhs_, u_, tolerance, problem_.scene.solver.max_linear_iterations);
+  } catch (const std::exception& error) {
+    if (is_out_of_memory(error)) throw;
+    solver_error_ = error.what();
+    std::replace(solver_error_.begin(), solver_error_.end(), '\n', ' ');
+  }
+  LinearSolveResult failed;
+  failed.residual = std::numeric_limits<double>::quiet_NaN();
+  return failed;
+}
+
+std::string OuterLoop::describe_linear_solve(const LinearSolveResult& solve) const {
+  if (!solver_error_.empty()) return "the linear solver failed: " + solver_error_;
+  if (!std::isfinite(solve.residual))
+    return "numbers overflow: a load, a prescribed displacement or a modulus is out of all proportion";
+  std::string text = fmt::format(
+      "the linear solver stopped after {} iterations at a relative residual of {:.2e} "
+      "(solver.max_linear_iterations, solver.linear_tolerance)",
+      solve.iterations, solve.residual / force_norm_);
+  const auto softer = [](const BodySpec& a, const BodySpec& b) {
+    return a.material.youngs_modulus < b.material.youngs_modulus;
+  };
+  const auto [soft, stiff] = std::minmax_element(problem_.scene.bodies.begin(), problem_.scene.bodies.end(), softer);
+  const double ratio = stiff->material.youngs_modulus / soft->material.youngs_modulus;
+  if (ratio > large_ratio)
+    text +=
+        fmt::format("; E of \"{}\" is {:.1g} times that of \"{}\": is a unit wrong?", stiff->name, ratio, soft->name);
+  return text;
+}
+
 /// Last linear solve with the final state, so that the forces are in equilibrium to the linear tolerance.
 void OuterLoop::polish(OuterResult& result) {
-  const SolverSpec& solver = problem_.scene.solver;
   set_group_stiffness(problem_.system, group_stiffness());
   assemble_right_hand_side();
-  solver_.update();
-  const LinearSolveResult solve =
-      solver_.solve(rhs_, u_, solver.linear_tolerance * force_norm_, solver.max_linear_iterations);
+  const LinearSolveResult solve = solve_linear(problem_.scene.solver.linear_tolerance * force_norm_);
   result.linear_iterations.push_back(solve.iterations);
   set_forces(result);
 }
@@ -270,15 +354,15 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
   double outer_residual = 1;
   std::set<std::vector<bool>> seen;
   int repeats = 0;
+  bool was_free = false;
   for (int iteration = 1; iteration <= solver.max_outer_iterations; ++iteration) {
     OuterStep step;
     step.iteration = iteration;
     set_group_stiffness(problem_.system, group_stiffness());
     assemble_right_hand_side();
     const double inner = std::clamp(inner_fraction * outer_residual, solver.linear_tolerance, loosest_inner_tolerance);
-    solver_.update();
+    const LinearSolveResult solve = solve_linear(inner * force_norm_);
     result.preconditioner_setups = solver_.report().setups;
-    const LinearSolveResult solve = solver_.solve(rhs_, u_, inner * force_norm_, solver.max_linear_iterations);
     step.linear_iterations = solve.iterations;
     result.linear_iterations.push_back(solve.iterations);
     const auto stop = [&](const std::string& why) {
@@ -289,10 +373,7 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
       return result;
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
-      return stop(
-          fmt::format("the linear solver stopped after {} iterations at a relative residual of {:.2e} "
-                      "(solver.max_linear_iterations, solver.linear_tolerance)",
-                      solve.iterations, solve.residual / force_norm_));
+      return stop(was_free ? describe_open_pairs() : describe_linear_solve(solve));
     step.changed_points = update_active_set();
     step.residual = update_recovered_stress();
     step.active_points = count_active();
@@ -300,9 +381,13 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
     result.iterations = iteration;
     outer_residual = step.residual;
     progress(step);
-    if (step.active_points == 0 && step.changed_points > 0 && norm(load_) > 0 &&
-        !find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs).empty())
-      return stop("all contact has opened and nothing else holds the bodies");
+    // A pair may open for one iteration; a body that nothing holds in two does not come back.
+    const std::vector<std::string> opened = open_pairs();
+    const bool is_free = !opened.empty() && norm(load_) > 0 && (step.changed_points > 0 || was_free) &&
+                         !find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs).empty();
+    if (is_free && step.active_points == 0) return stop("all contact has opened and nothing else holds the bodies");
+    if (is_free && was_free) return stop(describe_open_pairs());
+    was_free = is_free;
     if (step.changed_points == 0 && step.residual < solver.tolerance) {
       result.converged = true;
       polish(result);
@@ -315,7 +400,7 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
   }
   polish(result);
   result.diagnosis = repeats > 2
-                         ? fmt::format("the active set cycles ({} repeated states)", repeats)
+                         ? describe_cycle(repeats)
                          : fmt::format(
                                "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, "
                                "solver.max_outer_iterations = {})",
@@ -327,59 +412,6 @@ OuterResult OuterLoop::run(const std::function<void(const OuterStep&)>& progress
 
 OuterResult solve_contact(OuterProblem& problem, const std::function<void(const OuterStep&)>& progress) {
   return OuterLoop(problem).run(progress);
-}
-
-std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
-                             const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
-  const std::size_t n = bodies.size();
-  std::vector<Vec3> centre(n, Vec3::Zero());
-  std::vector<double> size(n, 0.0);
-  for (std::size_t b = 0; b < n; ++b) {
-    const Grid& grid = bodies[b].cut_cells.grid;
-    centre[b] = grid.to_global(0.5 * Vec3(grid.num_cells[0], grid.num_cells[1], grid.num_cells[2]));
-    size[b] = grid.cell_size * *std::max_element(grid.num_cells.begin(), grid.num_cells.end());
-  }
-  // Rigid motion of body b: translation t and rotation r / size; u . d = t . d + (r x (x - c) / size) . d.
-  using Row = Eigen::Matrix<double, 12, 1>;  // of one body or two
-  using Matrix = Eigen::Matrix<double, 12, 12>;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6 * n, 6 * n);
-  const auto set = [&](Row& row, int place, int b, const Vec3& x, const Vec3& d) {
-    row.segment<3>(6 * place) = d;
-    row.segment<3>(6 * place + 3) = ((x - centre[b]) / size[b]).cross(d);
-  };
-  std::vector<Matrix> held(n, Matrix::Zero());
-  Row row = Row::Zero();
-  for (const SupportPoint& p : supports) {
-    const CutCells& cc = bodies[p.body].cut_cells;
-    const Index3& c = cc.cells[p.cell];
-    set(row, 0, p.body, cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones())), p.direction);
-    held[p.body].noalias() += p.weight / (size[p.body] * size[p.body]) * row * row.transpose();
-  }
-  for (std::size_t b = 0; b < n; ++b) A.block<6, 6>(6 * b, 6 * b) += held[b].topLeftCorner<6, 6>();
-  for (const ContactPair& pair : pairs) {
-    Matrix sum = Matrix::Zero();
-    for (const ContactPoint& q : pair.points) {
-      if (!q.active) continue;
-      set(row, 0, pair.primary, q.x, -q.normal);
-      set(row, 1, pair.secondary, q.x, q.normal);
-      sum.noalias() += q.weight / (size[pair.primary] * size[pair.primary]) * row * row.transpose();
-    }
-    const int body[2] = {pair.primary, pair.secondary};
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j) A.block<6, 6>(6 * body[i], 6 * body[j]) += sum.block<6, 6>(6 * i, 6 * j);
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  if (eigen.eigenvalues()[0] > 1e-9 * eigen.eigenvalues()[6 * n - 1]) return {};
-  const Eigen::VectorXd mode = eigen.eigenvectors().col(0);
-  Eigen::Index largest;
-  mode.cwiseAbs().maxCoeff(&largest);
-  const std::size_t body = largest / 6;
-  const bool rotation = largest % 6 >= 3;
-  Vec3 axis = mode.segment<3>(6 * body + (rotation ? 3 : 0)).normalized();
-  if (mode[largest] < 0) axis = -axis;
-  axis = (1000 * axis).array().round().matrix() / 1000 + Vec3::Zero();  // three digits, and no -0
-  return fmt::format("body \"{}\" is free to {} ({:.3f}, {:.3f}, {:.3f}): add a support or a contact that holds it",
-                     scene.bodies[body].name, rotation ? "rotate about" : "move along", axis[0], axis[1], axis[2]);
 }
 
 }  // namespace cgcontact

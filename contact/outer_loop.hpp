@@ -45,8 +45,4 @@ struct OuterProblem {
 
 OuterResult solve_contact(OuterProblem& problem, const std::function<void(const OuterStep&)>& progress);
 
-/// Names a rigid motion that neither supports nor closed contact resist; empty if there is none.
-std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
-                             const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs);
-
 }  // namespace cgcontact

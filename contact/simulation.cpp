@@ -5,13 +5,29 @@
 #include <algorithm>
 #include <chrono>
 
+#include "contact/condition_checks.hpp"
+#include "contact/free_motion.hpp"
+#include "contact/memory.hpp"
 #include "contact/postprocess.hpp"
 #include "contact/pressure_estimate.hpp"
 #include "contact/reference.hpp"
+#include "contact/small_strain.hpp"
 #include "core/resources.hpp"
 
 namespace cgcontact {
 namespace {
+
+/// Of the memory that is expected before the cells are known; the cells themselves take less than half.
+constexpr double surely_needed = 0.7;
+/// Cells; bodies one cell thick are meant to be so. Those held on both sides (plane strain) may be thinner.
+constexpr double nearly_one = 0.99;
+
+/// The shortest side of the bounding box along the grid's axes, cells.
+double thickness_on_grid(const BodySpec& body) {
+  Vec3 min, max;
+  body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max);
+  return (max - min).minCoeff() / body.cell_size;
+}
 
 /// Wall time of named phases.
 class PhaseClock {
@@ -43,11 +59,21 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
+void check_memory(const Scene& scene, const Preparation& preparation) {
+  std::vector<BodySize> sizes;
+  for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
+  check_memory(scene, sizes);
+}
+
 Preparation prepare(const Scene& scene) {
+  std::vector<BodySize> sizes;
+  for (const BodySpec& body : scene.bodies) sizes.push_back(estimate_size(body));
+  check_memory(scene, sizes, surely_needed);
   Preparation p;
   p.bodies = make_body_models(scene);
   p.supports = make_support_points(scene, p.bodies);
   p.pairs = make_contact_pairs(scene, p.bodies);
+  check_conditions(scene, p.bodies, p.pairs);
   // Contact points are all closed before the solve: a motion that is free even so is a mistake in the scene.
   const std::string motion = find_free_motion(scene, p.bodies, p.supports, p.pairs);
   if (!motion.empty()) throw InputError(scene.file + ": " + motion);
@@ -77,7 +103,14 @@ void Simulation::place_on_grids() {
           body.name, body.material.poisson_ratio));
   }
   Preparation p = prepare(scene);
+  check_memory(scene, p);
   bodies = std::move(p.bodies);
+  for (const BodyModel& body : bodies)
+    if (const double thickness = thickness_on_grid(*body.spec); thickness < nearly_one && body.free_thickness < 1)
+      results.warnings.push_back(
+          fmt::format("body \"{}\": its bounding box is {:.2g} cells thin: bending and the stress "
+                      "across it are not resolved, smaller cells are needed",
+                      body.spec->name, thickness));
   supports = std::move(p.supports);
   pairs = std::move(p.pairs);
 }
@@ -154,6 +187,8 @@ void Simulation::fill_results() {
   estimate_contact_errors(*this, results);
   fill_path(*this, results);
   fill_pressure_errors(*this, results);
+  if (outer.converged)
+    for (const std::string& warning : small_strain_warnings(*this)) results.warnings.push_back(warning);
 }
 
 }  // namespace cgcontact

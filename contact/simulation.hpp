@@ -25,7 +25,11 @@ struct Preparation {
   std::vector<SupportPoint> supports;
 };
 
+/// Throws InputError, also if the scene would clearly not fit into memory.
 Preparation prepare(const Scene& scene);
+
+/// Throws InputError if a run of the scene would not fit into memory.
+void check_memory(const Scene& scene, const Preparation& preparation);
 
 Scales make_scales(const Scene& scene);
 

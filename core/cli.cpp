@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/errors.hpp"
+#include "core/memory.hpp"
 #include "core/suggest.hpp"
 
 #ifndef CGCONTACT_VERSION
@@ -52,6 +53,13 @@ void add_common_options(CLI::App& command, CommandLine& line) {
                   "repeated")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  const auto take_limit = [&line](const std::string& text) {
+    parse_memory(text);
+    line.memory_limit = text;
+  };
+  add_parsed(command, "--memory-limit", take_limit,
+             "Refuse scenes that need more, e.g. 8GB, none [default: the memory that is free]")
+      ->type_name("SIZE");
 }
 
 void add_output_option(CLI::App& command, CommandLine& line, const std::string& description) {
@@ -116,7 +124,7 @@ std::string explain_extra(const CLI::App& app) {
   const auto is_option = [](const std::string& word) { return !word.empty() && word[0] == '-'; };
   const auto option = std::find_if(rest.begin(), rest.end(), is_option);
   if (option == rest.end()) return "unexpected argument \"" + (rest.empty() ? "" : rest[0]) + "\"";
-  std::vector<std::string> known = {"--set", "--help"};
+  std::vector<std::string> known = {"--set", "--memory-limit", "--help"};
   if (app.got_subcommand("run")) known.insert(known.end(), {"--out", "--threads"});
   if (app.got_subcommand("study"))
     known.insert(known.end(), {"--out", "--refine", "--vary", "--preconditioner", "--threads", "--backend", "--repeat",

@@ -16,6 +16,7 @@ struct CommandLine {
   std::string out;                     ///< output directory; empty: as the scene says
   int threads = 0;                     ///< 0: as the environment says
   std::vector<std::string> overrides;  ///< "key=value"
+  std::string memory_limit;            ///< as for parse_memory (core/memory.hpp); empty: what there is
   StudyOptions study_options;
 };
 
