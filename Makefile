@@ -5,15 +5,18 @@
 #   make test       build and run all tests
 #   make trilinos-openmp   build Trilinos with OpenMP into ~/.cache/cgcontact, for BACKEND=openmp (once; half an hour)
 #   make asan       the same with address and undefined-behaviour sanitizers
+#   make tsan       core/ with the thread sanitizer
+#   make fuzz       RUNS (100000) executions of each fuzz target with libFuzzer and sanitizers
 #   make install PREFIX=DIR   program, library and documents into DIR (default /usr/local)
 #   make docs       reference of the library in build/docs/html (needs doxygen, which it installs)
 #   make format     format the sources; format-check, tidy: complain only
 #   make clean      remove what these commands built
 
 BACKEND ?= serial
-ifeq ($(filter $(BACKEND),serial openmp asan),)
+ifeq ($(filter $(BACKEND),serial openmp asan tsan),)
   $(error BACKEND=$(BACKEND): expected serial or openmp)
 endif
+RUNS ?= 100000
 SCENE ?= scenes/two_solids.toml
 PREFIX ?= /usr/local
 OUT ?= out/$(basename $(notdir $(SCENE)))
@@ -25,8 +28,8 @@ folders := core kernels recovery contact perf tests
 sources = $(shell find $(folders) -name '*.[ch]pp')
 
 .NOTPARALLEL:
-.PHONY: all build configure demo test trilinos-openmp asan install docs format format-check tidy clean deps deps-test \
-  deps-docs deps-format
+.PHONY: all build configure demo test trilinos-openmp asan tsan fuzz install docs format format-check tidy clean deps \
+  deps-test deps-docs deps-format
 all: build
 
 deps:
@@ -59,6 +62,18 @@ trilinos-openmp:
 
 asan:
 	@$(MAKE) --no-print-directory test BACKEND=asan
+tsan:
+	@$(MAKE) --no-print-directory test BACKEND=tsan
+
+fuzz: deps
+	@scripts/install_dependencies.sh --fuzz
+	@cmake --preset fuzz --log-level=WARNING
+	@cmake --build --preset fuzz
+	@for target in scene triangles; do \
+	  mkdir -p build/fuzz/found_$$target && \
+	  build/fuzz/tests/fuzz/fuzz_$$target -runs=$(RUNS) -max_len=4096 -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=512 \
+	    -artifact_prefix=build/fuzz/$$target- build/fuzz/found_$$target tests/fuzz/seeds/$$target || exit 1; \
+	done
 
 install: build
 	@cmake --install $(build) --prefix $(PREFIX)
@@ -80,4 +95,4 @@ tidy: build
 	@$(CLANG_TIDY) -p $(build) --quiet --extra-arg=-Wno-unknown-warning-option $(shell find core kernels recovery contact -name '*.cpp')
 
 clean:
-	rm -rf build/serial build/openmp build/asan build/docs out
+	rm -rf build/serial build/openmp build/asan build/tsan build/fuzz build/docs out

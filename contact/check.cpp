@@ -3,21 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
+#include "contact/memory.hpp"
 #include "core/output_check.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// Active nodes of a body.
-long long count_nodes(const CutCells& cc) {
-  const Index3& n = cc.grid.num_cells;
-  std::vector<bool> seen(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1));
-  for (const Index3& c : cc.cells)
-    for (int a = 0; a < 8; ++a) seen[cc.grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})] = true;
-  return std::count(seen.begin(), seen.end(), true);
-}
 
 double volume(const CutCells& cc) {
   double sum = 0;
@@ -39,24 +32,13 @@ std::string describe_body(const BodyModel& body) {
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",
       body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio, volume(cc), total_area,
       cc.grid.num_cells[0], cc.grid.num_cells[1], cc.grid.num_cells[2], cc.grid.cell_size, active, cut,
-      3 * count_nodes(cc));
+      3 * static_cast<long long>(size_of(cc).nodes));
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   return text;
 }
 
 }  // namespace
-
-/// Fitted to 17 runs of the scenes of this repository on two threads, 2,000 to 50 million unknowns, plane and solid,
-/// with pictures: between 0.77 (plane) and 1.2 times the memory that they took. What grows like the surface weighs
-/// most.
-long long expected_memory(const Preparation& preparation) {
-  double bytes = 85e6;
-  for (const BodyModel& body : preparation.bodies)
-    bytes += 3 * 170.0 * static_cast<double>(count_nodes(body.cut_cells)) +
-             13e3 * static_cast<double>(body.cut_cells.moments.size());
-  return static_cast<long long>(bytes);
-}
 
 std::vector<std::string> draw(const Scene& scene, const Preparation& preparation, const std::string& directory) {
   std::vector<CheckedBody> bodies;
@@ -72,9 +54,11 @@ std::vector<std::string> draw(const Scene& scene, const Preparation& preparation
 std::string describe(const Scene& scene, const Preparation& preparation) {
   std::string text = fmt::format("{}: {}\n", scene.file, scene.title.empty() ? "(no title)" : scene.title);
   long long unknowns = 0;
+  std::vector<BodySize> sizes;
   for (const BodyModel& body : preparation.bodies) {
     text += describe_body(body);
-    unknowns += 3 * count_nodes(body.cut_cells);
+    sizes.push_back(size_of(body.cut_cells));
+    unknowns += 3 * static_cast<long long>(sizes.back().nodes);
   }
   text += fmt::format("{} support{}, {} load{}\n", scene.supports.size(), scene.supports.size() == 1 ? "" : "s",
                       scene.loads.size(), scene.loads.size() == 1 ? "" : "s");
@@ -92,8 +76,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   }
   if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
   for (const std::string& warning : preparation.warnings) text += fmt::format("warning: {}\n", warning);
-  text += fmt::format("{} unknowns in all, about {:.0f} MB of memory\n", unknowns,
-                      static_cast<double>(expected_memory(preparation)) / 1e6);
+  text += fmt::format("{} unknowns in all, about {:.0f} MB of memory\n", unknowns, expected_memory(sizes) / 1e6);
   return text;
 }
 

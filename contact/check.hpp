@@ -14,7 +14,4 @@ std::string describe(const Scene& scene, const Preparation& preparation);
 /// Draws the scene on its grids into `directory` (core/output_check.hpp); returns warnings.
 std::vector<std::string> draw(const Scene& scene, const Preparation& preparation, const std::string& directory);
 
-/// Expected peak memory of a run in bytes: a measured model.
-long long expected_memory(const Preparation& preparation);
-
 }  // namespace cgcontact

@@ -32,6 +32,7 @@ std::string direction_text(Vec3 axis) {
   axis.normalize();
   axis.cwiseAbs().maxCoeff(&largest);
   if (axis[largest] < 0) axis = -axis;
+  if ((axis - Vec3::Unit(largest)).norm() < 1e-3) return std::string(1, "xyz"[largest]);
   axis = (1000 * axis).array().round().matrix() / 1000 + Vec3::Zero();  // three digits, and no -0
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2]);
 }

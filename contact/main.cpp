@@ -1,8 +1,13 @@
 /// The program: reads the command line, begins, checks, runs or studies a scene, writes the results.
-/// Exit codes: 0 solved, 1 bad input, 2 did not converge (results still written and marked so).
+/// Exit codes: 0 solved, 1 bad input, 2 did not converge (results still written and marked so), 128 + number of the
+/// signal (130, 143, 129) stopped by SIGINT, SIGTERM, SIGHUP.
 #include <fmt/format.h>
 
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <filesystem>
 
@@ -10,6 +15,8 @@
 #include "contact/simulation.hpp"
 #include "contact/study.hpp"
 #include "core/cli.hpp"
+#include "core/interruption.hpp"
+#include "core/memory.hpp"
 #include "core/output.hpp"
 #include "core/output_summary.hpp"
 #include "core/output_text.hpp"
@@ -51,6 +58,7 @@ std::string command_text(char** argv) {
 
 int check(const Scene& scene, const CommandLine& options) {
   Progress progress(Progress::Mode::terminal_only);
+  const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
   const Preparation preparation = prepare(scene);
   std::vector<std::string> warnings;
@@ -60,6 +68,7 @@ int check(const Scene& scene, const CommandLine& options) {
   }
   progress.finish();
   fmt::print("{}", describe(scene, preparation));
+  check_memory(scene, preparation);
   for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
   if (!options.out.empty())
     fmt::print("drawn in {}: {}check_faces.vtkhdf, check_cells.vtkhdf\n", options.out,
@@ -73,8 +82,10 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   if (TrilinosScope::has_openmp()) restart_with_openmp_settings(options.threads, argv);
   // The affinity of this thread changes when OpenMP starts.
   const std::string threads_warning = too_many_threads(options);
+  set_interruption_note(directory + " is as it was");
   const TrilinosScope trilinos(options.threads);
   Progress progress;
+  const CleanUp clear_line([&] { progress.abandon(); });
   if (!threads_warning.empty()) progress.message("warning: " + threads_warning);
   ProgressCallbacks callbacks;
   callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
@@ -98,6 +109,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file too large for ulimit -f: an error that names the file
   int exit_code = 0;
   const auto options = parse_command_line(argc, argv, exit_code);
   if (!options) return exit_code;
@@ -106,18 +118,22 @@ int main(int argc, char** argv) {
       fmt::print("{}", init_scene(options->init_options));
       return 0;
     }
+    if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
     if (options->command == CommandLine::study) return run_study(*options);
+    const InterruptionWatch watch;
     const Scene scene = read_scene(options->scene, options->overrides);
-    return options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
+    exit_code = options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
+    if (std::fflush(stdout) != 0)
+      throw InputError(std::string("cannot write to standard output: ") + std::strerror(errno));
+    return exit_code;
   } catch (const InputError& error) {
     fmt::print(stderr, "cgcontact: {}\n", options->with_variables(error.what()));
   } catch (const std::exception& error) {
-    const bool out_of_memory = dynamic_cast<const std::bad_alloc*>(&error) ||
-                               std::string(error.what()).find("failed to allocate memory") != std::string::npos;
     fmt::print(stderr, "cgcontact: {}\n",
-               out_of_memory ? "out of memory: a larger cell_size is needed (cgcontact check says how much memory a "
-                               "scene takes)"
-                             : error.what());
+               is_out_of_memory(error)
+                   ? "out of memory: a larger cell_size is needed (cgcontact check says how much memory a "
+                     "scene takes)"
+                   : error.what());
   }
   return 1;
 }

@@ -4,10 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <limits>
 #include <set>
 
 #include "contact/boundary_stress.hpp"
 #include "contact/free_motion.hpp"
+#include "contact/free_pieces.hpp"
+#include "core/memory.hpp"
 #include "core/parallel.hpp"
 
 namespace cgcontact {
@@ -21,6 +25,8 @@ constexpr double no_force = 1e-10, no_stress = 1e-9;
 /// Motions that are resisted by less than this part of the rest are named when the solver fails: a body on one small
 /// curved contact is as good as free.
 constexpr double hardly_any_stiffness = 1e-3;
+/// Of Young's moduli: worth a question where the linear solver gives up.
+constexpr double large_ratio = 1e7;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -64,6 +70,10 @@ struct ContactSolver::Impl {
   double largest_displacement() const;
   double update_recovered_stress();
   long long count_active() const;
+  std::string describe_loss_of_contact() const;
+  std::string describe_cycle(int repeats) const;
+  std::string describe_linear_solve(const LinearSolveResult& solve) const;
+  LinearSolveResult solve_linear(double tolerance);
   void polish(OuterResult& result);
   void set_forces(OuterResult& result) const;
 
@@ -74,7 +84,9 @@ struct ContactSolver::Impl {
   std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
   RealView u_, rhs_;
   double force_norm_ = 0;
-  bool warm_ = false;  // is there a converged solution to start from?
+  bool warm_ = false;                      // is there a converged solution to start from?
+  std::string solver_error_;               // of Trilinos, where it gave up
+  std::vector<std::vector<int>> changes_;  // of the state of each point in the last iterations, per pair
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem)
@@ -95,7 +107,11 @@ void ContactSolver::Impl::forget() {
   Kokkos::deep_copy(u_, 0.0);
   support_stress_.assign(problem_.supports.size(), 0.0);
   contact_stress_.clear();
-  for (const ContactPair& pair : problem_.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
+  changes_.clear();
+  for (const ContactPair& pair : problem_.pairs) {
+    contact_stress_.emplace_back(pair.points.size(), 0.0);
+    changes_.emplace_back(pair.points.size(), 0);
+  }
 }
 
 /// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
@@ -222,6 +238,7 @@ long long ContactSolver::Impl::update_active_set() {
       for (std::size_t q = 0; q < pair.points.size(); ++q) {
         const bool active = pressure(q) > 0;
         changed += active != pair.points[q].active;
+        changes_[k][q] = std::max(0, changes_[k][q] + (active != pair.points[q].active ? 2 : -1));
         pair.points[q].active = active;
       }
     first_group += pair.groups.size();
@@ -277,14 +294,80 @@ long long ContactSolver::Impl::count_active() const {
   return active;
 }
 
+/// Why nothing holds a body any more.
+std::string ContactSolver::Impl::describe_loss_of_contact() const {
+  if (count_active() == 0) return "all contact has opened and nothing else holds the bodies";
+  std::vector<std::string> opened;
+  for (const ContactPair& pair : problem_.pairs)
+    if (std::none_of(pair.points.begin(), pair.points.end(), [](const ContactPoint& q) { return q.active; }))
+      opened.push_back('"' + pair.spec->name + '"');
+  return opened.empty()
+             ? "the contact that is left closed does not hold the bodies"
+             : fmt::format("contact {} has opened wholly, and nothing else holds the body", fmt::join(opened, ", "));
+}
+
+/// The pair most of whose points keep changing, and where they are.
+std::string ContactSolver::Impl::describe_cycle(int repeats) const {
+  std::size_t worst = 0;
+  std::vector<long long> count(changes_.size(), 0);
+  for (std::size_t k = 0; k < changes_.size(); ++k) {
+    count[k] = std::count_if(changes_[k].begin(), changes_[k].end(), [](int n) { return n > 1; });
+    if (count[k] > count[worst]) worst = k;
+  }
+  const ContactPair& pair = problem_.pairs[worst];
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (std::size_t q = 0; q < pair.points.size(); ++q) {
+    if (changes_[worst][q] <= 1) continue;
+    low = low.cwiseMin(pair.points[q].x);
+    high = high.cwiseMax(pair.points[q].x);
+  }
+  return fmt::format(
+      "the active set cycles ({} repeated states): {} of {} points of contact \"{}\" between ({:.4g}, {:.4g}, {:.4g}) "
+      "and "
+      "({:.4g}, {:.4g}, {:.4g}) m keep opening and closing; finer cells or another grid.offset of \"{}\" may help",
+      repeats, count[worst], pair.points.size(), pair.spec->name, low[0], low[1], low[2], high[0], high[1], high[2],
+      problem_.scene.bodies[pair.primary].name);
+}
+
+/// Trilinos throws where numbers are no longer finite; its messages have many lines.
+LinearSolveResult ContactSolver::Impl::solve_linear(double tolerance) {
+  try {
+    solver_.update();
+    return solver_.solve(rhs_, u_, tolerance, problem_.scene.solver.max_linear_iterations);
+  } catch (const std::exception& error) {
+    if (is_out_of_memory(error)) throw;
+    solver_error_ = error.what();
+    std::replace(solver_error_.begin(), solver_error_.end(), '\n', ' ');
+  }
+  LinearSolveResult failed;
+  failed.residual = std::numeric_limits<double>::quiet_NaN();
+  return failed;
+}
+
+std::string ContactSolver::Impl::describe_linear_solve(const LinearSolveResult& solve) const {
+  if (!solver_error_.empty()) return "the linear solver failed: " + solver_error_;
+  if (!std::isfinite(solve.residual))
+    return "numbers overflow: a load, a prescribed displacement or a modulus is out of all proportion";
+  std::string text = fmt::format(
+      "the linear solver stopped after {} iterations at a relative residual of {:.2e} "
+      "(solver.max_linear_iterations, solver.linear_tolerance)",
+      solve.iterations, solve.residual / force_norm_);
+  const auto softer = [](const BodySpec& a, const BodySpec& b) {
+    return a.material.youngs_modulus < b.material.youngs_modulus;
+  };
+  const auto [soft, stiff] = std::minmax_element(problem_.scene.bodies.begin(), problem_.scene.bodies.end(), softer);
+  const double ratio = stiff->material.youngs_modulus / soft->material.youngs_modulus;
+  if (ratio > large_ratio)
+    text +=
+        fmt::format("; E of \"{}\" is {:.1g} times that of \"{}\": is a unit wrong?", stiff->name, ratio, soft->name);
+  return text;
+}
+
 /// Last linear solve with the final state, so that the forces are in equilibrium to the linear tolerance.
 void ContactSolver::Impl::polish(OuterResult& result) {
-  const SolverSpec& solver = problem_.scene.solver;
   set_group_stiffness(problem_.system, group_stiffness());
   assemble_right_hand_side();
-  solver_.update();
-  const LinearSolveResult solve =
-      solver_.solve(rhs_, u_, solver.linear_tolerance * force_norm_, solver.max_linear_iterations);
+  const LinearSolveResult solve = solve_linear(problem_.scene.solver.linear_tolerance * force_norm_);
   result.linear_iterations.push_back(solve.iterations);
   set_forces(result);
 }
@@ -325,23 +408,22 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     set_group_stiffness(problem_.system, group_stiffness());
     assemble_right_hand_side();
     const double inner = std::clamp(inner_fraction * outer_residual, solver.linear_tolerance, loosest_inner_tolerance);
-    solver_.update();
+    const LinearSolveResult solve = solve_linear(inner * force_norm_);
     result.preconditioner_setups = solver_.report().setups;
-    const LinearSolveResult solve = solver_.solve(rhs_, u_, inner * force_norm_, solver.max_linear_iterations);
     step.linear_iterations = solve.iterations;
     result.linear_iterations.push_back(solve.iterations);
     const auto stop = [&](const std::string& why) {
       result.iterations = iteration;
       set_forces(result);
+      result.diagnosis = why;
       const FreeMotions driven = driven_motions(hardly_any_stiffness);
-      result.diagnosis = driven.empty() ? why : why + "; " + describe(driven, problem_.scene);
+      if (driven.empty()) return result;
+      const std::string free = find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs);
+      result.diagnosis += "; " + (free.empty() ? describe(driven, problem_.scene) : free);
       return result;
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
-      return stop(
-          fmt::format("the linear solver stopped after {} iterations at a relative residual of {:.2e} "
-                      "(solver.max_linear_iterations, solver.linear_tolerance)",
-                      solve.iterations, solve.residual / force_norm_));
+      return stop(describe_linear_solve(solve));
     step.changed_points = update_active_set();
     step.residual = update_recovered_stress();
     step.active_points = count_active();
@@ -350,9 +432,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     result.iterations = iteration;
     outer_residual = step.residual;
     progress(step);
-    if (step.changed_points > 0 && !driven_motions().empty())
-      return stop(step.active_points == 0 ? "all contact has opened and nothing else holds the bodies"
-                                          : "the contact that is left closed does not hold the bodies");
+    if (step.changed_points > 0 && !driven_motions().empty()) return stop(describe_loss_of_contact());
     if (step.changed_points == 0 && step.residual < solver.tolerance) {
       result.converged = warm_ = true;
       polish(result);
@@ -365,7 +445,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   }
   polish(result);
   result.diagnosis = repeats > 2
-                         ? fmt::format("the active set cycles ({} repeated states)", repeats)
+                         ? describe_cycle(repeats)
                          : fmt::format(
                                "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, "
                                "solver.max_outer_iterations = {})",

@@ -5,20 +5,33 @@
 #include <algorithm>
 #include <chrono>
 
+#include "contact/condition_checks.hpp"
 #include "contact/free_motion.hpp"
+#include "contact/free_pieces.hpp"
+#include "contact/memory.hpp"
 #include "contact/missed_contact.hpp"
 #include "contact/postprocess.hpp"
 #include "contact/pressure_estimate.hpp"
 #include "contact/reference.hpp"
+#include "contact/small_strain.hpp"
 #include "core/resources.hpp"
 
 namespace cgcontact {
 namespace {
 
-/// Beyond this part of E, pressures deform the bodies so much that small-strain theory is off by percents.
-constexpr double large_strain = 0.05;
+/// Of the memory that is expected before the cells are known; the cells themselves take less than half.
+constexpr double surely_needed = 0.7;
+/// Cells; bodies one cell thick are meant to be so. Those held on both sides (plane strain) may be thinner.
+constexpr double nearly_one = 0.99;
 /// A pair that has to see farther is solved again; so many times at most.
 constexpr int most_extensions = 5;
+
+/// The shortest side of the bounding box along the grid's axes, cells.
+double thickness_on_grid(const BodySpec& body) {
+  Vec3 min, max;
+  body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max);
+  return (max - min).minCoeff() / body.cell_size;
+}
 
 /// Wall time of named phases; a phase that comes again adds to its time.
 class PhaseClock {
@@ -56,27 +69,38 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
-/// Motions that are free although all contact is closed: sliding, and whatever the loads drive, is a mistake in the
-/// scene. A body that spins in its contact with nothing to drive it (ball, roller) is held: no force arises.
+/// Motions that are free although all contact is closed: pieces that nothing holds, sliding, and whatever the loads
+/// drive, are mistakes in the scene. A body that spins in its contact with nothing to drive it (ball, roller) is held:
+/// no force arises.
 void check_free_motions(const Scene& scene, Preparation& p) {
+  const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
   const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
-  if (free.empty()) return;
   const FreeMotions driven = driven_by_loads(free, p.bodies);
-  const char* const advice =
-      "add a support or a contact that holds it (frictionless contact resists nothing along its faces)";
   if (!driven.empty())
-    throw InputError(fmt::format("{}: {}, and the loads drive it: {}", scene.file, describe(driven, scene), advice));
-  if (free.slides()) throw InputError(fmt::format("{}: {}: {}", scene.file, describe(free, scene), advice));
+    throw InputError(fmt::format("{}: {}, and the loads drive it{}{}", scene.file, describe(driven, scene),
+                                 text.empty() ? "" : ": ", text));
+  if (!text.empty() && (free.empty() || free.slides())) throw InputError(scene.file + ": " + text);
+  if (free.empty()) return;
   p.warnings.push_back(describe(free, scene) +
                        ": no load drives this motion, it is held where it is, which takes no force");
   for (const SupportPoint& point : hold(free, p.bodies)) p.supports.push_back(point);
 }
 
+void check_memory(const Scene& scene, const Preparation& preparation) {
+  std::vector<BodySize> sizes;
+  for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
+  check_memory(scene, sizes);
+}
+
 Preparation prepare(const Scene& scene) {
+  std::vector<BodySize> sizes;
+  for (const BodySpec& body : scene.bodies) sizes.push_back(estimate_size(body));
+  check_memory(scene, sizes, surely_needed);
   Preparation p;
   p.bodies = make_body_models(scene);
   p.supports = make_support_points(scene, p.bodies);
   p.pairs = make_contact_pairs(scene, p.bodies);
+  check_conditions(scene, p.bodies, p.pairs);
   check_free_motions(scene, p);
   [[maybe_unused]] const Reference readable(scene, scene.reference);
   return p;
@@ -156,7 +180,14 @@ void Simulation::place_on_grids() {
           body.name, body.material.poisson_ratio));
   }
   Preparation p = prepare(scene);
+  check_memory(scene, p);
   bodies = std::move(p.bodies);
+  for (const BodyModel& body : bodies)
+    if (const double thickness = thickness_on_grid(*body.spec); thickness < nearly_one && body.free_thickness < 1)
+      results.warnings.push_back(
+          fmt::format("body \"{}\": its bounding box is {:.2g} cells thin: bending and the stress "
+                      "across it are not resolved, smaller cells are needed",
+                      body.spec->name, thickness));
   supports = std::move(p.supports);
   pairs = std::move(p.pairs);
   results.warnings.insert(results.warnings.end(), p.warnings.begin(), p.warnings.end());
@@ -233,30 +264,19 @@ void Simulation::choose_reference() {
   }
 }
 
-void Simulation::warn_about_strain() {
-  for (const PairFigures& pair : results.pairs)
-    for (const std::string& name : {pair.body_first, pair.body_second})
-      for (const BodySpec& body : scene.bodies)
-        if (body.name == name && pair.max_pressure > large_strain * body.material.youngs_modulus) {
-          results.warnings.push_back(
-              fmt::format("contact \"{}\": the pressure reaches {:.2g} times E of body \"{}\": strains are no longer "
-                          "small, and results are off by about as much",
-                          pair.name, pair.max_pressure / body.material.youngs_modulus, name));
-        }
-}
-
 void Simulation::fill_results() {
   fill_counts(*this, results);
   fill_contact_rows(*this, results);
   fill_pair_figures(*this, results);
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
-  warn_about_strain();
   fill_balance(*this, results);
   choose_reference();
   fill_body_fields(*this, results);
   estimate_contact_errors(*this, results);
   fill_path(*this, results);
   fill_pressure_errors(*this, results);
+  if (outer.converged)
+    for (const std::string& warning : small_strain_warnings(*this)) add_warning(warning);
 }
 
 }  // namespace cgcontact

@@ -26,7 +26,11 @@ struct Preparation {
   std::vector<std::string> warnings;
 };
 
+/// Throws InputError, also if the scene would clearly not fit into memory.
 Preparation prepare(const Scene& scene);
+
+/// Throws InputError if a run of the scene would not fit into memory.
+void check_memory(const Scene& scene, const Preparation& preparation);
 
 Scales make_scales(const Scene& scene);
 
@@ -65,7 +69,6 @@ struct Simulation {
   bool see_farther();
   void record_step(const StepSpec& step, bool is_last);
   void add_warning(const std::string& warning);
-  void warn_about_strain();
   void choose_reference();
 };
 

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "core/errors.hpp"
+#include "core/memory.hpp"
 #include "core/suggest.hpp"
 
 #ifndef CGCONTACT_VERSION
@@ -165,6 +166,13 @@ void Parser::add_scene(CLI::App& command) {
                                ->type_name("KEY=VALUE")
                                ->allow_extra_args(false);
   defaults_.push_back({set, set_variable, [this](const std::string& text) { take_set_variable(text); }});
+  add(command, "--memory-limit", "SIZE",
+      "Refuse scenes that need more, such as 8GB; none: refuse none [default: what is free] [environment: "
+      "CGCONTACT_MEMORY_LIMIT]",
+      [this](const std::string& text) {
+        parse_memory(text);
+        line.memory_limit = text;
+      });
 }
 
 void Parser::add_output(CLI::App& command, const std::string& description) {

@@ -25,6 +25,7 @@ struct CommandLine {
   std::string threads_given_by = "--threads";                         ///< or the variable of the environment
   std::vector<std::string> overrides;                                 ///< "key=value"
   std::vector<std::pair<std::string, std::string>> from_environment;  ///< variable, value: texts that were used
+  std::string memory_limit;  ///< as for parse_memory (core/memory.hpp); empty: what there is
   StudyOptions study_options;
   InitOptions init_options;
 

@@ -2,16 +2,21 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
+#include "core/interruption.hpp"
 #include "core/output_csv.hpp"
 #include "core/output_fields.hpp"
 #include "core/output_page.hpp"
@@ -55,25 +60,86 @@ bool is_mount_point(const fs::path& path) {
   return statx(AT_FDCWD, path.c_str(), 0, STATX_TYPE, &info) == 0 && (info.stx_attributes & STATX_ATTR_MOUNT_ROOT);
 }
 
+const char* const temporary_mark = ".tmp-";  ///< the number of the process follows
+const char* const aside_mark = ".old";       ///< an earlier result for the moment in which it is replaced
+
 /// Beside the target, so that one can be renamed to the other.
+std::string temporary_prefix(const fs::path& target) { return "." + target.filename().string() + temporary_mark; }
 fs::path temporary_name(const fs::path& target) {
-  return target.parent_path() / fmt::format(".{}.tmp-{}", target.filename().string(), getpid());
+  return target.parent_path() / (temporary_prefix(target) + std::to_string(getpid()));
+}
+
+/// Moves what is not in `ours` to another directory, unless something of that name is there.
+void keep_foreign_files(const fs::path& from, const std::vector<std::string>& ours, const fs::path& to) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(from, error)) {
+    const std::string name = entry.path().filename().string();
+    if (std::find(ours.begin(), ours.end(), name) != ours.end() || fs::exists(to / name)) continue;
+    fs::rename(entry.path(), to / name, error);
+  }
+}
+
+/// A directory that a run holds with a lock as long as it lives, also on another machine in front of the same disk.
+class DirectoryLock {
+ public:
+  explicit DirectoryLock(const fs::path& path) : file_(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    held_ = file_ >= 0 && flock(file_, LOCK_EX | LOCK_NB) == 0;
+  }
+  ~DirectoryLock() {
+    if (file_ >= 0) close(file_);
+  }
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
+  bool held() const { return held_; }
+
+ private:
+  int file_;
+  bool held_;
+};
+
+/// Removes what runs that were killed have left beside the target: those whose process has gone and whose lock is free.
+/// An earlier result that was about to be replaced returns to its place; files of the user in one go there.
+void remove_remains(const fs::path& target) {
+  const std::string prefix = temporary_prefix(target);
+  std::error_code error;
+  std::vector<fs::path> remains;
+  for (const fs::directory_entry& entry : fs::directory_iterator(target.parent_path(), error))
+    if (entry.path().filename().string().rfind(prefix, 0) == 0) remains.push_back(entry.path());
+  for (const fs::path& path : remains) {
+    const std::string rest = path.filename().string().substr(prefix.size());
+    char* end = nullptr;
+    const long process = std::strtol(rest.c_str(), &end, 10);
+    const bool aside = std::string(end) == aside_mark;
+    if (process <= 0 || (*end && !aside) || kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
+    const DirectoryLock lock(path);
+    if (!lock.held()) continue;
+    const bool complete = fs::exists(path / "report.json", error);
+    if (aside && complete && !fs::exists(target, error)) {
+      fs::rename(path, target, error);
+      continue;
+    }
+    if (complete && fs::is_directory(target, error))
+      keep_foreign_files(path, files_of_report((path / "report.json").string()), target);
+    fs::remove_all(path, error);
+  }
 }
 
 /// The directory everything is written to first; removed with its contents unless it has been moved away.
 class TemporaryDirectory {
  public:
-  explicit TemporaryDirectory(const fs::path& target) : path_(temporary_name(target)) {
+  explicit TemporaryDirectory(const fs::path& target)
+      : path_(temporary_name(target)), clean_up_(std::in_place, [this] { remove(); }) {
     std::error_code error;
     fs::create_directories(target.parent_path(), error);
-    fs::remove_all(path_, error);
+    remove();
     error.clear();
     fs::create_directory(path_, error);
     if (error) throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.message()));
+    lock_.emplace(path_);
   }
   ~TemporaryDirectory() {
-    std::error_code error;
-    fs::remove_all(path_, error);
+    clean_up_.reset();
+    remove();
   }
   TemporaryDirectory(const TemporaryDirectory&) = delete;
   TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
@@ -82,13 +148,21 @@ class TemporaryDirectory {
   std::string file(const std::string& name) const { return (path_ / name).string(); }
 
  private:
+  /// Other threads may be writing to it.
+  void remove() const {
+    std::error_code error;
+    for (int attempt = 0; attempt < 10 && fs::exists(path_, error); ++attempt) fs::remove_all(path_, error);
+  }
+
   fs::path path_;
+  std::optional<CleanUp> clean_up_;
+  std::optional<DirectoryLock> lock_;
 };
 
 /// Exchanges two directories in one step where the file system can, else in two.
 void exchange(const fs::path& a, const fs::path& b) {
   if (renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return;
-  const fs::path aside = a.string() + ".old";
+  const fs::path aside = a.string() + aside_mark;
   if (std::rename(b.c_str(), aside.c_str()) != 0)
     throw InputError(fmt::format("cannot replace {}: {}", b.string(), std::strerror(errno)));
   if (std::rename(a.c_str(), b.c_str()) != 0) {
@@ -108,12 +182,7 @@ void replace(const fs::path& written, const fs::path& target, const std::vector<
     return;
   }
   exchange(written, target);
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(written, error)) {
-    const std::string name = entry.path().filename().string();
-    if (std::find(old.begin(), old.end(), name) != old.end() || fs::exists(target / name)) continue;
-    fs::rename(entry.path(), target / name, error);
-  }
+  keep_foreign_files(written, old, target);
 }
 
 std::vector<DrawnBody> draw_bodies(const Results& results) {
@@ -190,6 +259,7 @@ std::vector<std::string> write_results(Results& results, const Scene& scene, con
   const fs::path target = absolute_directory(directory);
   const auto start = std::chrono::steady_clock::now();
   try {
+    remove_remains(target);
     const std::vector<std::string> old = old_files(target);
     const TemporaryDirectory temporary(target);
     PageParts parts = write_files(results, scene, temporary);
@@ -204,7 +274,10 @@ std::vector<std::string> write_results(Results& results, const Scene& scene, con
     results.peak_memory_bytes = std::max(results.peak_memory_bytes, peak_memory_bytes());
     if (scene.output.report) write_text(temporary.file("report.html"), page(results, parts));
     write_report(results, files, parts.warnings, temporary.file("report.json"));
-    replace(temporary.path(), target, old);
+    uninterrupted([&] {
+      replace(temporary.path(), target, old);
+      set_interruption_note("the results in " + directory + " are complete");
+    });
     return parts.warnings;
   } catch (const fs::filesystem_error& error) {
     throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.code().message()));

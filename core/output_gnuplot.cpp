@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
+#include <utility>
 
 #include "core/output_text.hpp"
 
@@ -44,17 +46,29 @@ int spawn_gnuplot(const std::string& folder, const std::string& script, const st
   return error;
 }
 
-/// Did the child end well?
-bool wait_for(pid_t child) {
+/// Did the child end well? It becomes 0 at the moment from which its number may be another process'.
+bool wait_for(pid_t& child) {
+  siginfo_t info{};
+  while (waitid(P_PID, child, &info, WEXITED | WNOWAIT) < 0 && errno == EINTR) {
+  }
   int status = 0;
-  while (waitpid(child, &status, 0) < 0)
-    if (errno != EINTR) return false;
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  bool ended = false;
+  uninterrupted([&] { ended = waitpid(std::exchange(child, 0), &status, 0) > 0; });
+  return ended && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace
 
+GnuplotRuns::GnuplotRuns(const std::string& directory) : directory_(directory), clean_up_([this] { kill_all(); }) {}
+
 GnuplotRuns::~GnuplotRuns() { finish(); }
+
+void GnuplotRuns::kill_all() {
+  for (const Run& run : runs_)
+    if (run.child > 0) kill(run.child, SIGKILL);
+  for (const Run& run : runs_)
+    if (run.child > 0) waitpid(run.child, nullptr, 0);
+}
 
 void GnuplotRuns::warn(const std::string& warning) {
   if (std::find(warnings_.begin(), warnings_.end(), warning) == warnings_.end()) warnings_.push_back(warning);
@@ -63,11 +77,14 @@ void GnuplotRuns::warn(const std::string& warning) {
 void GnuplotRuns::start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures) {
   const fs::path folder = fs::path(directory_) / "plots";
   write_text((folder / (name + ".gp")).string(), script);
-  pid_t child = 0;
-  const int error = spawn_gnuplot(folder.string(), name + ".gp", name + ".log", child);
-  if (error == 0)
-    runs_.push_back({name, pictures, child});
-  else if (error == ENOENT)
+  int error = 0;
+  uninterrupted([&] {
+    pid_t child = 0;
+    error = spawn_gnuplot(folder.string(), name + ".gp", name + ".log", child);
+    if (error == 0) runs_.push_back({name, pictures, child});
+  });
+  if (error == 0) return;
+  if (error == ENOENT)
     warn(
         "no pictures: the program gnuplot was not found (Debian package gnuplot-nox); its scripts and data are in "
         "the folder plots of the result");
@@ -76,7 +93,7 @@ void GnuplotRuns::start(const std::string& name, const std::string& script, cons
 }
 
 const std::vector<std::string>& GnuplotRuns::finish() {
-  for (const Run& run : runs_) {
+  for (Run& run : runs_) {
     const bool ended_well = wait_for(run.child);
     for (const std::string& name : run.pictures) {
       const fs::path picture = fs::path(directory_) / name;
@@ -87,7 +104,7 @@ const std::vector<std::string>& GnuplotRuns::finish() {
       warn(fmt::format("no {0}: gnuplot failed on plots/{1}.gp, its messages are in plots/{1}.log", name, run.name));
     }
   }
-  runs_.clear();
+  uninterrupted([&] { runs_.clear(); });
   return warnings_;
 }
 

@@ -5,13 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "core/interruption.hpp"
+
 namespace cgcontact {
 
 /// The pictures of one result directory: each run of gnuplot starts as soon as its data are written and goes on beside
 /// the program. Scripts and data lie in the folder `plots` of the directory.
 class GnuplotRuns {
  public:
-  explicit GnuplotRuns(const std::string& directory) : directory_(directory) {}
+  explicit GnuplotRuns(const std::string& directory);
   ~GnuplotRuns();
   GnuplotRuns(const GnuplotRuns&) = delete;
   GnuplotRuns& operator=(const GnuplotRuns&) = delete;
@@ -27,11 +29,14 @@ class GnuplotRuns {
   struct Run {
     std::string name;
     std::vector<std::string> pictures;
-    int child;
+    int child;  ///< 0: it has ended
   };
+  void kill_all();
+
   const std::string directory_;
   std::vector<Run> runs_;
   std::vector<std::string> warnings_;
+  const CleanUp clean_up_;
 };
 
 /// Colour of a value in [0,1], from blue to red; channels in [0,1].

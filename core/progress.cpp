@@ -44,6 +44,7 @@ Progress::Progress(Mode mode, std::ostream& stream) : mode_(resolve(mode)), stre
 /// A phase that is still running was ended by an error: it is not reported as done.
 Progress::~Progress() {
   stop_updating();
+  const std::lock_guard lock(mutex_);
   clear_line();
 }
 
@@ -69,8 +70,8 @@ void Progress::linear_iteration(int iteration, double residual) {
 }
 
 void Progress::message(const std::string& text) {
-  if (mode_ == Mode::silent) return;
   const std::lock_guard lock(mutex_);
+  if (mode_ == Mode::silent) return;
   clear_line();
   stream_ << text << std::endl;
   update_line();
@@ -78,8 +79,15 @@ void Progress::message(const std::string& text) {
 
 void Progress::finish() {
   stop_updating();
+  const std::lock_guard lock(mutex_);
   end_phase();
   clear_line();
+}
+
+void Progress::abandon() {
+  const std::lock_guard lock(mutex_);
+  clear_line();
+  mode_ = Mode::silent;
 }
 
 void Progress::end_phase() {

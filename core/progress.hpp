@@ -35,6 +35,8 @@ class Progress {
   void message(const std::string& text);
   /// Ends the last phase and clears the updating line.
   void finish();
+  /// Clears the updating line and says nothing from now on; for another thread that ends the program.
+  void abandon();
 
   /// Seconds of each phase, in order of first appearance; a phase that ran several times is summed.
   const std::vector<std::pair<std::string, double>>& times_s() const { return times_s_; }

@@ -10,9 +10,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <thread>
 #include <vector>
+
+#include "core/control_groups.hpp"
 
 namespace cgcontact {
 namespace {
@@ -87,30 +88,16 @@ long long peak_memory_bytes() {
 
 double cpu_quota(const std::string& groups, const std::string& root) {
   double smallest = 0;
-  std::istringstream lines(groups);
-  for (std::string line; std::getline(lines, line);) {  // number:controllers:/group
-    const std::size_t first = line.find(':'), second = line.find(':', first + 1);
-    if (second == std::string::npos) continue;
-    const std::string controllers = line.substr(first + 1, second - first - 1);
-    const bool version_2 = controllers.empty();
-    if (!version_2 && ("," + controllers + ",").find(",cpu,") == std::string::npos) continue;
-    const std::string mount = version_2 ? root : root + "/" + controllers;
-    // Every group above limits as well. In a container the group's own directory may be the mount itself.
-    for (std::string group = line.substr(second + 1);; group.resize(group.rfind('/'))) {
-      while (!group.empty() && group.back() == '/') group.pop_back();
-      const double quota = quota_of_group(mount + group, version_2);
-      if (quota > 0 && (smallest == 0 || quota < smallest)) smallest = quota;
-      if (group.find('/') == std::string::npos) break;
-    }
-  }
+  each_control_group(groups, root, "cpu", [&](const std::string& directory, bool version_2) {
+    const double quota = quota_of_group(directory, version_2);
+    if (quota > 0 && (smallest == 0 || quota < smallest)) smallest = quota;
+  });
   return smallest;
 }
 
 int available_threads() {
   const int threads = threads_by_affinity();
-  std::ifstream file("/proc/self/cgroup");
-  const std::string groups{std::istreambuf_iterator<char>(file), {}};
-  const double quota = cpu_quota(groups, "/sys/fs/cgroup");
+  const double quota = cpu_quota(own_control_groups(), "/sys/fs/cgroup");
   // Rounded down: threads wait for each other, and one that has used up its time holds up all.
   return quota > 0 ? std::min(threads, std::max(1, static_cast<int>(quota))) : threads;
 }

@@ -13,6 +13,8 @@ namespace cgcontact {
 
 namespace {
 
+constexpr std::size_t most_steps = 20;
+
 /// One --set option.
 struct Override {
   std::string source;              ///< "--set key=value", shown in error messages
@@ -47,6 +49,7 @@ Override parse_override(const std::string& text) {
     if (result.steps.back().empty()) result.fail("", "the key has an empty part", "dotted.key=value");
     begin = end + 1;
   }
+  if (result.steps.size() > most_steps) result.fail("", "the key has too many parts", "keys of a scene");
   return result;
 }
 

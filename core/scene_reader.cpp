@@ -14,7 +14,9 @@ namespace cgcontact {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double most_cells = 2e9;  // cell indices are 32-bit integers
+constexpr double most_cells = 2e9;      // cell indices are 32-bit integers
+constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
+constexpr std::size_t most_parameters = 1000;
 
 /// The elements of an optional array of tables.
 std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::string& key) {
@@ -51,8 +53,14 @@ Material read_material(const TomlCursor& node) {
   poisson.max = 0.5;
   poisson.min_allowed = poisson.max_allowed = false;
   poisson.text = "-1 < nu < 0.5; at 0.5 the material is incompressible and its bulk modulus E/(3(1-2nu)) infinite";
+  Range modulus;  // beyond it forces overflow
+  modulus.min = 1e-9;
+  modulus.max = 1e21;
+  modulus.text = "1e-9 to 1e21 Pa";
   Material material;
-  material.youngs_modulus = node.at("E", "> 0 Pa").number(Range::positive("Pa"));
+  const TomlCursor youngs_modulus = node.at("E", "> 0 Pa");
+  youngs_modulus.number(Range::positive("Pa"));
+  material.youngs_modulus = youngs_modulus.number(modulus);
   material.poisson_ratio = node.at("nu", "-1 < nu < 0.5").number(poisson);
   return material;
 }
@@ -67,10 +75,18 @@ double read_cell_size(const TomlCursor& body, const Solid& solid) {
   if (solid.triangles() && size > extent.maxCoeff())
     node.fail(fmt::format("is more than the whole body, which is {:.3g} m long: is the unit of the mesh right?",
                           extent.maxCoeff()));
+  const std::string lengths = fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent[0], extent[1], extent[2]);
   if ((extent / size + Vec3::Ones()).prod() > most_cells) {
-    const double least = std::cbrt(extent.prod() / most_cells);
-    node.fail("makes more than 2e9 cells", fmt::format("about {:.2g} m or more", least));
+    const double least = std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(most_cells);
+    node.fail("makes more than 2e9 cells of a body of " + lengths, fmt::format("about {:.2g} m or more", least));
   }
+  if (size > extent.maxCoeff())
+    node.fail("is more than the whole body, which is " + lengths, fmt::format("<= {:.3g} m", extent.maxCoeff()));
+  const double distance = min.cwiseAbs().cwiseMax(max.cwiseAbs()).maxCoeff();
+  if (distance > farthest_cells * size)
+    node.fail(
+        fmt::format("the body is {:.3g} m from the origin: rounding there is not small against the cells", distance),
+        fmt::format(">= {:.2g} m, or a body nearer to the origin", distance / farthest_cells));
   return size;
 }
 
@@ -109,6 +125,8 @@ void check_unique(const TomlCursor& node, const std::string& name, std::set<std:
 
 Constants read_parameters(const TomlCursor& table) {
   if (!table.is_table()) table.expect_keys({"name = number"});
+  if (table.entries().size() > most_parameters)
+    table.fail("has too many parameters", fmt::format("at most {}", most_parameters));
   Constants known = table.text().parameters;
   std::set<std::string> in_progress;
   for (const auto& entry : table.entries()) read_parameter(table, entry.first, known, in_progress);
@@ -328,6 +346,21 @@ void SceneReader::add_automatic_contacts(const TomlCursor& node) {
   }
 }
 
+double SceneReader::longest_side(int body) const {
+  Vec3 min, max;
+  scene_.bodies[body].solid.bounding_box(min, max);
+  return (max - min).maxCoeff();
+}
+
+/// The same two faces in an earlier pair would carry the pressure twice.
+void SceneReader::check_new_pair(const TomlCursor& node, const ContactSpec& contact) const {
+  const auto id = [](const FaceRef& face) { return std::make_pair(face.body, face.face.name); };
+  for (const ContactSpec& earlier : scene_.contacts)
+    if (!earlier.automatic &&
+        std::minmax(id(earlier.first), id(earlier.second)) == std::minmax(id(contact.first), id(contact.second)))
+      node.at("faces").fail("is the pair \"" + earlier.name + "\" again", "every two faces once");
+}
+
 void SceneReader::read_contacts(const TomlCursor& root) {
   std::set<std::string> seen;
   std::vector<TomlCursor> ordered = optional_elements(root, "contact");
@@ -341,14 +374,22 @@ void SceneReader::read_contacts(const TomlCursor& root) {
   std::stable_partition(ordered.begin(), ordered.end(), [&](const TomlCursor& node) { return !is_automatic(node); });
   for (const TomlCursor& node : ordered) {
     const std::size_t first = scene_.contacts.size();
-    if (is_automatic(node))
+    if (is_automatic(node)) {
       add_automatic_contacts(node);
-    else
-      scene_.contacts.push_back(read_contact(node));
+    } else {
+      ContactSpec contact = read_contact(node);
+      check_new_pair(node, contact);
+      scene_.contacts.push_back(std::move(contact));
+    }
     for (std::size_t k = first; k < scene_.contacts.size(); ++k) {
       ContactSpec& contact = scene_.contacts[k];
       check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
-      if (const auto value = node.find("interference")) contact.interference = value->number(Range::any("m"));
+      if (const auto value = node.find("interference")) {
+        contact.interference = value->number(Range::any("m"));
+        const double longest = std::min(longest_side(contact.first.body), longest_side(contact.second.body));
+        if (std::abs(contact.interference) > longest)
+          value->fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
+      }
       if (const auto value = node.find("search_distance"))
         contact.search_distance = value->number(Range::not_negative("m"));
     }

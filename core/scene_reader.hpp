@@ -28,7 +28,9 @@ class SceneReader {
   void read_loads(const TomlCursor& root);
   void read_contacts(const TomlCursor& root);
   ContactSpec read_contact(const TomlCursor& node) const;
+  void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
   void add_automatic_contacts(const TomlCursor& node);
+  double longest_side(int body) const;
   FaceRef resolve_face(const TomlCursor& node) const;
   int body_index(const std::string& name) const;
   std::vector<std::string> body_names() const;

@@ -16,6 +16,21 @@ Range fraction() {
   return range;
 }
 
+Range from_to(double min, double max, const std::string& text) {
+  Range range;
+  range.min = min;
+  range.max = max;
+  range.text = text;
+  return range;
+}
+
+/// Relative residuals that double precision can reach.
+Range tolerance() {
+  Range range = from_to(1e-15, 1, ">= 1e-15 and < 1");
+  range.max_allowed = false;
+  return range;
+}
+
 /// One degree for all patches, or a table by class of patch.
 RecoveryDegree read_degree(const TomlCursor& node) {
   RecoveryDegree degree;
@@ -83,12 +98,12 @@ SolverSpec read_solver(const TomlCursor& node) {
                     "kappa", "ghost_penalty"});
   SolverSpec solver;
   if (const auto value = node.find("preconditioner")) solver.preconditioner = value->one_of({"multigrid", "muelu"});
-  if (const auto value = node.find("tolerance")) solver.tolerance = value->number(fraction());
+  if (const auto value = node.find("tolerance")) solver.tolerance = value->number(tolerance());
   if (const auto value = node.find("max_outer_iterations")) solver.max_outer_iterations = value->integer(1, 1000);
-  if (const auto value = node.find("linear_tolerance")) solver.linear_tolerance = value->number(fraction());
+  if (const auto value = node.find("linear_tolerance")) solver.linear_tolerance = value->number(tolerance());
   if (const auto value = node.find("max_linear_iterations")) solver.max_linear_iterations = value->integer(1, 1000000);
-  if (const auto value = node.find("kappa")) solver.kappa = value->number(Range::positive());
-  if (const auto value = node.find("ghost_penalty")) solver.ghost_penalty = value->number(Range::not_negative());
+  if (const auto value = node.find("kappa")) solver.kappa = value->number(from_to(1e-3, 1e6, "1e-3 to 1e6"));
+  if (const auto value = node.find("ghost_penalty")) solver.ghost_penalty = value->number(from_to(0, 1e3, "0 to 1000"));
   return solver;
 }
 

@@ -12,7 +12,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t longest_value = 80;
 constexpr double degree = 3.14159265358979323846 / 180;
 
 std::string with_unit(const std::string& text, const std::string& unit) {
@@ -74,10 +73,7 @@ SourcePlace TomlCursor::place() const {
   return place;
 }
 
-std::string TomlCursor::value() const {
-  const std::string text = node_->is_array_of_tables() ? "[...]" : as_toml(*node_);
-  return text.size() > longest_value ? text.substr(0, longest_value - 3) + "..." : text;
-}
+std::string TomlCursor::value() const { return node_->is_array_of_tables() ? "[...]" : as_toml(*node_); }
 
 void TomlCursor::fail(const std::string& problem, const std::string& allowed) const {
   throw InputError(place(), value(), problem, allowed);

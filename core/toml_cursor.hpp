@@ -47,7 +47,7 @@ class TomlCursor {
   const std::string& key() const { return key_; }
   const SceneText& text() const { return *text_; }
   SourcePlace place() const;
-  /// The value as TOML, shortened.
+  /// The value as TOML.
   std::string value() const;
   [[noreturn]] void fail(const std::string& problem, const std::string& allowed = {}) const;
 

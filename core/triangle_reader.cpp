@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <cstdint>
 #include <cstring>
@@ -25,14 +26,17 @@ constexpr std::size_t stl_header = 84, stl_facet = 50;
 }
 
 std::string read_bytes(const std::string& file) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(file, ignored)) fail(file, 0, "there is no such file");
-  if (!std::filesystem::is_regular_file(file, ignored)) fail(file, 0, "is not a file but a folder or device");
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    fail(file, 0, error ? "the file cannot be read: " + error.message() : "there is no such file");
+  if (!std::filesystem::is_regular_file(file, error)) fail(file, 0, "is not a file but a folder or device");
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) fail(file, 0, "the file cannot be read: " + error.message());
   std::ifstream stream(file, std::ios::binary);
-  std::string text(std::filesystem::file_size(file), '\0');
+  if (!stream) fail(file, 0, std::string("the file cannot be read: ") + std::strerror(errno));
+  std::string text(size, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream) fail(file, 0, "the file cannot be read");
-  if (text.empty()) fail(file, 0, "the file is empty");
+  if (!stream) fail(file, 0, std::string("the file cannot be read: ") + std::strerror(errno));
   return text;
 }
 
@@ -144,7 +148,8 @@ TriangleSoup read_stl_text(const std::string& file, const std::string& text) {
       soup.line.push_back(facet_line);
       corners = -1;
     } else if (key != "solid" && key != "endsolid" && key != "outer" && key != "endloop") {
-      fail(file, reader.line(), fmt::format("\"{}\" is no word of an STL file", word),
+      fail(file, reader.line(),
+           fmt::format("\"{}\" is no word of an STL file{}", word, reader.rest().empty() ? ": is it truncated?" : ""),
            "solid, facet, outer, vertex, endloop, endfacet, endsolid");
     }
   }
@@ -192,6 +197,7 @@ TriangleSoup read_stl(const std::string& file, const std::string& bytes) {
 }
 
 TriangleSoup read_obj(const std::string& file, const std::string& text) {
+  if (text.find('\0') != std::string::npos) fail(file, 0, "is not a text (UTF-8 or ASCII), as OBJ files are");
   TriangleSoup soup;
   LineReader reader(file, text);
   int faces = 0;
@@ -241,6 +247,11 @@ class PlyReader {
   TriangleSoup read() {
     read_header();
     bytes_ = reader_.rest();
+    for (const PlyElement& element : elements_) {
+      if (element.properties.empty() && element.count > 0)
+        fail(file_, 0, fmt::format("the elements \"{}\" have no properties", element.name));
+      if (element.count > bytes_.size()) fail(file_, 0, truncated(element));
+    }
     for (const PlyElement& element : elements_)
       for (std::size_t i = 0; i < element.count; ++i) read_item(element, static_cast<int>(i) + 1);
     return std::move(soup_);
@@ -297,14 +308,19 @@ class PlyReader {
           if (property.name == std::string(1, static_cast<char>('x' + k))) x[k] = v;
         continue;
       }
-      const auto count = static_cast<std::size_t>(value(property.count_type, element));
+      const double count = value(property.count_type, element);
+      if (!(count >= 0 && count == std::floor(count)))
+        fail(file_, line_of_item(), fmt::format("{} {}: {} is no length of a list", element.name, number, count));
       const bool used = property.name == "vertex_indices" || property.name == "vertex_index";
-      for (std::size_t i = 0; i < count; ++i) {
+      for (double i = 0; i < count; ++i) {
         const double v = value(property.type, element);
-        if (used) corners.push_back(v >= 0 && v < 2e9 ? static_cast<int>(v) : -1);
+        if (!used) continue;
+        if (!(v >= 0 && v < 2e9 && v == std::floor(v)))
+          fail(file_, line_of_item(), fmt::format("face {} refers to vertex {}", number, v));
+        corners.push_back(static_cast<int>(v));
       }
     }
-    const int line = format_ == "ascii" ? reader_.line() : 0;
+    const int line = line_of_item();
     if (element.name == "vertex") {
       if (!x.allFinite()) fail(file_, line, fmt::format("vertex {} has a coordinate that is not finite", number));
       soup_.points.push_back(x);
@@ -313,6 +329,8 @@ class PlyReader {
     }
   }
 
+  int line_of_item() const { return format_ == "ascii" ? reader_.line() : 0; }
+
   std::string truncated(const PlyElement& element) const {
     return fmt::format("the file ends before its {} elements \"{}\": is it truncated?", element.count, element.name);
   }
@@ -320,9 +338,10 @@ class PlyReader {
   double value(const std::string& type, const PlyElement& element) {
     if (format_ == "ascii") {
       if (word_.empty()) word_ = reader_.next_word();
+      if (word_.empty()) fail(file_, reader_.line(), "a number is missing in this line");
       double v = 0;
       const auto [end, error] = std::from_chars(word_.data(), word_.data() + word_.size(), v);
-      if (word_.empty() || error != std::errc() || end != word_.data() + word_.size())
+      if (error != std::errc() || end != word_.data() + word_.size())
         fail(file_, reader_.line(), fmt::format("\"{}\" is no number", word_));
       word_ = {};
       return v;
@@ -352,6 +371,14 @@ class PlyReader {
   std::string_view bytes_, word_;
   TriangleSoup soup_;
 };
+
+/// Throws if the name does not end like one of the formats.
+std::string extension_of(const std::string& file) {
+  const std::string extension = lower(std::filesystem::path(file).extension().string());
+  if (extension != ".stl" && extension != ".obj" && extension != ".ply")
+    fail(file, 0, "unknown kind of file \"" + extension + "\"", ".stl, .obj, .ply");
+  return extension;
+}
 
 }  // namespace
 
@@ -384,10 +411,13 @@ int merge_equal_points(TriangleSoup& soup) {
 }
 
 TriangleSoup read_triangles(const std::string& file) {
-  const std::string extension = lower(std::filesystem::path(file).extension().string());
-  if (extension != ".stl" && extension != ".obj" && extension != ".ply")
-    fail(file, 0, "unknown kind of file \"" + extension + "\"", ".stl, .obj, .ply");
-  const std::string bytes = read_bytes(file);
+  extension_of(file);
+  return parse_triangles(file, read_bytes(file));
+}
+
+TriangleSoup parse_triangles(const std::string& file, const std::string& bytes) {
+  const std::string extension = extension_of(file);
+  if (bytes.empty()) fail(file, 0, "the file is empty");
   TriangleSoup soup = extension == ".stl"   ? read_stl(file, bytes)
                       : extension == ".obj" ? read_obj(file, bytes)
                                             : PlyReader(file, bytes).read();

@@ -13,6 +13,9 @@ namespace cgcontact {
 /// divided into triangles. Throws InputError with file, line (of text) or facet, and what is wrong.
 TriangleSoup read_triangles(const std::string& file);
 
+/// The same from the contents of a file of that name.
+TriangleSoup parse_triangles(const std::string& file, const std::string& bytes);
+
 /// Points with equal coordinates become one; returns how many went.
 int merge_equal_points(TriangleSoup& soup);
 

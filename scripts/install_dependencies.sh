@@ -5,6 +5,7 @@
 #   scripts/install_dependencies.sh --test     what the tests use as well
 #   scripts/install_dependencies.sh --docs     doxygen as well
 #   scripts/install_dependencies.sh --format   clang-format as well
+#   scripts/install_dependencies.sh --fuzz     clang with libFuzzer as well
 #   scripts/install_dependencies.sh --trilinos what build_trilinos_openmp.sh uses as well
 set -euo pipefail
 
@@ -22,8 +23,9 @@ for option in "$@"; do
     --test) packages+=(python3 python3-numpy python3-vtk9 groff-base) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
+    --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;
     --trilinos) packages+=(dpkg-dev xz-utils libblas-dev liblapack-dev) ;;
-    *) echo "usage: $0 [--test] [--docs] [--format] [--trilinos]" >&2; exit 1 ;;
+    *) echo "usage: $0 [--test] [--docs] [--format] [--fuzz] [--trilinos]" >&2; exit 1 ;;
   esac
 done
 

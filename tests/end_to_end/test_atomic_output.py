@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 180
+# timeout: 300
 """The output directory is the old result or the new one, never half of one, and never somebody else's files."""
 import math
 import os
@@ -132,6 +132,54 @@ class FailedWrites(unittest.TestCase):
                 self.assertIn("cannot write", errors[0])
                 self.assertEqual(contents("disk"), before)
                 self.assertEqual(os.listdir("disk"), ["results"])
+
+    def test_full_disk(self):
+        """Small file systems in memory, full at the first file or at a later one: the error names file and reason."""
+        unshare = ["unshare", "--mount", *([] if os.geteuid() == 0 else ["--map-root-user"])]
+        if subprocess.run([*unshare, "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True, check=False).returncode:
+            self.skipTest("no file system can be mounted here")
+        pathlib.Path("small").mkdir()
+        script = """set -e
+          mount -t tmpfs -o size="$1" none small
+          "$2" run "$3" --set n=4 --set output.vtk=false --set output.plots=false --out small/results >/dev/null 2>&1
+          (cd small/results && sha256sum *) >before
+          set +e; "$2" run "$3" --set n=10 --out small/results >/dev/null 2>messages; echo $? >code; set -e
+          (cd small/results && sha256sum *) | cmp - before
+          [ "$(ls -A small)" = results ]"""
+        for size in ("16k", "64k", "200k", "300k", "400k"):
+            with self.subTest(size=size):
+                done = subprocess.run([*unshare, "bash", "-c", script, "_", size, harness.PROGRAM, scene("two_solids")],
+                                      capture_output=True, text=True, check=False)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                self.assertEqual(pathlib.Path("code").read_text(), "1\n")
+                message = pathlib.Path("messages").read_text().splitlines()[-1]
+                self.assertRegex(message, r"^cgcontact: cannot write .*/small/\.results\.tmp-\d+/.*: No space left on device$")
+
+    def test_limit_of_file_size_as_a_shell_sets_it(self):
+        """ulimit -f: the signal that comes with it does not end the program without a word."""
+        failed = subprocess.run(["bash", "-c", 'ulimit -f 2; exec "$@"', "_", harness.PROGRAM, "run", scene("two_solids"),
+                                 "--out", "limited", "--set", "n=8"], capture_output=True, text=True, check=False)
+        self.assertEqual(failed.returncode, 1, failed.stderr)
+        self.assertRegex(failed.stderr.splitlines()[-1], "^cgcontact: cannot write .*: File too large$")
+        self.assertFalse(os.path.exists("limited"))
+
+    def test_directories_that_change_during_the_run(self):
+        """The output directory and what it lies in may go while the program computes; the scene's need not be writable."""
+        pathlib.Path("readonly").mkdir()
+        pathlib.Path("readonly", "scene.toml").write_text(scene("two_solids").read_text().replace('"data/', f'"{harness.SOURCE}/scenes/data/'))
+        pathlib.Path("readonly").chmod(0o555)
+        self.assertEqual(run("gone/results").code, 0)
+        command = [harness.PROGRAM, "run", "readonly/scene.toml", "--out", "gone/results", "--set", "n=40"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            for line in process.stderr:
+                if line.startswith("operator"):
+                    break
+            subprocess.run(["rm", "-r", "gone"], check=True)
+            _, err = process.communicate()
+        self.assertEqual(process.returncode, 0, err)
+        for file in report("gone/results")["files"]:
+            self.assertTrue(pathlib.Path("gone/results", file).exists(), file)
+        pathlib.Path("readonly").chmod(0o755)
 
 
 def limit_files(size):

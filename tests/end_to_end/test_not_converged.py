@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 120
+# timeout: 240
 """A run that does not converge ends with exit code 2, says why, and still writes results, marked so."""
 import unittest
 
@@ -41,8 +41,31 @@ class NotConverged(unittest.TestCase):
         self.assertEqual(outcome.code, 2, outcome.err)
         written = report("off")
         self.assertIn("all contact has opened", written["diagnosis"])
-        self.assertIn('body "upper" is free to move along (0.000, 0.000, 1.000)', written["diagnosis"])
+        self.assertIn('body "upper" is free to move along z: add a support', written["diagnosis"])
+        self.assertIn('{face = "upper.block.z+", symmetry = true}', written["diagnosis"])
         self.assertLess(sum(written["linear_iterations"]), 100)
+
+    def test_one_of_two_contacts_opens(self):
+        """The upper of three blocks is pulled off while the others stay closed: the contact and the body are named."""
+        outcome = cgcontact("run", harness.SOURCE / "tests/scenes/three_blocks.toml", "--out", "blocks",
+                            *settings(load__0__pressure=-1e6, body__b__body_force="[0, 0, -1e7]"))
+        self.assertEqual(outcome.code, 2, outcome.err)
+        diagnosis = report("blocks")["diagnosis"]
+        self.assertIn('contact "b-c" has opened wholly, and nothing else holds the body', diagnosis)
+        self.assertIn('body "c" is free to move along z', diagnosis)
+        self.assertIn('{face = "c.box.z+", symmetry = true}', diagnosis)
+
+    def test_numbers_that_overflow(self):
+        """A load beyond all measure is said to be the reason; the report is valid JSON."""
+        outcome = cgcontact("run", scene("patch_test"), "--out", "overflow", *settings(load__0__pressure=1e300))
+        self.assertEqual(outcome.code, 2, outcome.err)
+        self.assertIn("numbers overflow: a load", report("overflow")["diagnosis"])
+
+    def test_linear_solver_with_moduli_far_apart(self):
+        """Where the linear solver gives up, moduli that are out of proportion are named beside the residual."""
+        written = self.not_converged("two_solids_3d", "relative residual", n=8, solver__max_linear_iterations=1,
+                                     body__upper__material__E=1e20)
+        self.assertRegex(written["diagnosis"], r'E of "upper" is [\d.e+]+ times that of "lower": is a unit wrong')
 
     def test_a_good_run_replaces_a_bad_one(self):
         """Exit code, report and summary of a run that converges say so, also in the directory of one that did not."""
@@ -52,6 +75,28 @@ class NotConverged(unittest.TestCase):
         self.assertTrue(outcome.out.startswith("solved"), outcome.out)
         written = report("results")
         self.assertEqual((written["converged"], written["diagnosis"]), (True, ""))
+
+
+class BeyondSmallStrain(unittest.TestCase):
+    def warnings(self, **values):
+        outcome = cgcontact("run", scene("patch_test"), "--out", "strained", *settings(**values))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        return [text for text in report("strained")["warnings"] if "small strain" in text]
+
+    def test_modulus_in_gigapascal(self):
+        """E = 200 instead of 200e9: both the strain (p/E in the patch test) and the pressure are named with their place."""
+        self.assertEqual(self.warnings(), [])
+        found = self.warnings(body__lower__material__E=200, body__upper__material__E=200, p=30)
+        self.assertEqual(len(found), 2, found)
+        for name, text in zip(("lower", "upper"), found):
+            for part in (f'body "{name}"', "strain 15 % at (", "contact pressure 30 Pa, 15 % of E, at (", "wrong unit"):
+                self.assertIn(part, text)
+
+    def test_limit_of_strain(self):
+        """5 %: uniform pressure of 4.9 % of E is silent, 5.1 % is not."""
+        moduli = {"body__lower__material__E": 1e9, "body__upper__material__E": 1e9}
+        self.assertEqual(self.warnings(p=4.9e7, **moduli), [])
+        self.assertIn("strain 5.1 %", " ".join(self.warnings(p=5.1e7, **moduli)))
 
 
 if __name__ == "__main__":

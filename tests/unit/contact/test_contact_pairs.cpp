@@ -67,8 +67,7 @@ TEST(FreeMotion, IsNamed) {
     simulation.run({});
     FAIL() << "a free body was accepted";
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("\"upper\" is free to move along (1.000, 0.000, 0.000)"),
-              std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("\"upper\" is free to move along x: add a support"), std::string::npos)
         << error.what();
   }
 }

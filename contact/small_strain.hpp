@@ -1,0 +1,15 @@
+/// Is the result within what the theory of small strain and small sliding covers?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/simulation.hpp"
+
+namespace cgcontact {
+
+/// One warning for each body whose strain, displacement or contact pressure is too large, with the largest value and
+/// its place. Limits: principal strain 5 %, displacement 10 % of the body, contact pressure a tenth of E.
+std::vector<std::string> small_strain_warnings(const Simulation& simulation);
+
+}  // namespace cgcontact

@@ -1,0 +1,44 @@
+/// The user stops the program (SIGINT, SIGTERM, SIGHUP): what it has begun is cleared away, then it ends with one
+/// message and exit code 128 + number of the signal.
+#pragma once
+
+#include <functional>
+#include <list>
+#include <string>
+#include <thread>
+
+namespace cgcontact {
+
+/// As long as it lives, those of the signals that are not ignored run all clean-ups (the latest first) on a thread of
+/// its own, while the other threads go on, and end the program. A second signal ends it at once. There can be one.
+class InterruptionWatch {
+ public:
+  InterruptionWatch();
+  ~InterruptionWatch();
+  InterruptionWatch(const InterruptionWatch&) = delete;
+  InterruptionWatch& operator=(const InterruptionWatch&) = delete;
+
+ private:
+  std::thread thread_;
+};
+
+/// Something that an interruption has to do, which must not throw; it is forgotten when this object goes. Once the
+/// clean-ups have begun, a thread that makes or destroys one waits for the end of the program.
+class CleanUp {
+ public:
+  explicit CleanUp(std::function<void()> action);
+  ~CleanUp();
+  CleanUp(const CleanUp&) = delete;
+  CleanUp& operator=(const CleanUp&) = delete;
+
+ private:
+  std::list<std::function<void()>>::iterator place_;
+};
+
+/// Runs a step that is done wholly or not at all: an interruption waits for its end, or comes before it.
+void uninterrupted(const std::function<void()>& step);
+
+/// What the message of an interruption says after "stopped by SIGINT"; for use within uninterrupted().
+void set_interruption_note(const std::string& note);
+
+}  // namespace cgcontact

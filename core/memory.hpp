@@ -1,0 +1,33 @@
+/// How much memory this process may use.
+#pragma once
+
+#include <exception>
+#include <string>
+
+namespace cgcontact {
+
+struct MemoryBudget {
+  double bytes = 0;    ///< that can still be used; infinite if nothing limits
+  std::string source;  ///< what limits it, for messages
+};
+
+/// The least of: memory that the system has available (swap not counted), what the control group of this process and
+/// those above it leave, and its limit of address space (ulimit -v). The environment variable CGCONTACT_MEMORY_LIMIT
+/// (as for parse_memory; set by --memory-limit) takes the place of all of them.
+MemoryBudget memory_budget();
+
+/// "8GB", "512 MB", "8e9", "16GiB", "none" (infinite): bytes. Throws InputError.
+double parse_memory(const std::string& text);
+
+/// "1.4 GB", "85 MB".
+std::string memory_text(double bytes);
+
+/// std::bad_alloc, or what Kokkos throws in its place.
+bool is_out_of_memory(const std::exception& error);
+
+/// What a control group and those above it leave, bytes; infinite without a limit. `groups` is the text of
+/// /proc/self/cgroup, `root` the place where the hierarchies are mounted; versions 1 and 2. File caches of the group
+/// count as free.
+double group_memory(const std::string& groups, const std::string& root);
+
+}  // namespace cgcontact

@@ -1,0 +1,122 @@
+#!/usr/bin/python3
+# timeout: 300
+"""A scene that does not fit into memory is refused before anything large is made, with the cell size that fits."""
+import os
+import re
+import resource
+import subprocess
+import unittest
+
+import harness
+from harness import cgcontact, scene, settings
+
+GB = 1e9
+
+
+def limit_address_space(size):
+    resource.setrlimit(resource.RLIMIT_AS, (int(size), int(size)))
+
+
+def limited(arguments, size):
+    """The program with an address space of so many bytes."""
+    return subprocess.run([harness.PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          preexec_fn=lambda: limit_address_space(size), check=False, timeout=200)
+
+
+def in_bytes(text):
+    number, unit = text.split()
+    return float(number) * {"MB": 1e6, "GB": 1e9}[unit]
+
+
+class Memory(unittest.TestCase):
+    MESSAGE = re.compile(r"needs about ([\d.e+]+ [MG]B) of memory, and there are ([\d.e+]+ [MG]B) \((.*)\); "
+                         r"cells larger by ([\d.]+) would fit: (.*); --memory-limit overrides this")
+
+    def refused(self, *arguments, environment=None):
+        outcome = cgcontact(*arguments, environment=environment)
+        self.assertEqual(outcome.code, 1, outcome.err)
+        self.assertEqual(len(outcome.errors()), 1, outcome.err)
+        found = self.MESSAGE.search(outcome.errors()[0])
+        self.assertTrue(found, outcome.err)
+        return outcome, found
+
+    def test_refused_early_with_what_fits(self):
+        """A limit of 1 GB and a scene of far more: run and check refuse it at once; the cell size that they name fits."""
+        for command in (["run", "--out", "results"], ["check"]):
+            with self.subTest(command=command[0]):
+                outcome, found = self.refused(command[0], scene("two_solids_3d"), *command[1:], *settings(n=400),
+                                              "--memory-limit", "1GB")
+                self.assertEqual(in_bytes(found[2]), 1 * GB)
+                self.assertGreater(in_bytes(found[1]), 20 * GB)
+                self.assertIn("--memory-limit", found[3])
+                self.assertEqual(len(re.findall(r'[\d.e-]+ m for "(?:lower|upper)"', found[5])), 2)
+                self.assertLess(outcome.seconds, 30 if harness.SLOW_BUILD else 5)
+                self.assertEqual(outcome.out, "")
+        self.assertFalse(os.path.exists("results"))
+        fits = int(400 / float(found[4]))
+        outcome = cgcontact("check", scene("two_solids_3d"), *settings(n=fits), "--memory-limit", "1GB")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        used = in_bytes(re.search(r"about ([\d.]+ MB) of memory", outcome.out)[1])
+        print(f"n = {fits} of 1 GB: {used / GB:.2f} GB", flush=True)
+        self.assertGreater(used, 0.5 * GB, "the advice does not waste memory")
+
+    def test_the_estimate_before_the_cells_is_near_that_from_the_cells(self):
+        """What is refused before the cells are made would have been refused afterwards as well (surely: with 0.7 of it)."""
+        for name, n in (("two_solids_3d", 40), ("hertz", 25), ("sphere_in_shell", 24), ("rings", 64), ("rail", None)):
+            with self.subTest(scene=name):
+                values = settings(n=n) if n else []
+                exact = cgcontact("check", scene(name), *values, "--memory-limit", "none")
+                self.assertEqual(exact.code, 0, exact.err)
+                from_cells = float(re.search(r"about ([\d.]+) MB of memory", exact.out)[1]) * 1e6
+                outcome = cgcontact("check", scene(name), *values, "--memory-limit", f"{0.5 * from_cells:.0f}")
+                before = in_bytes(re.search(r"needs about ([\d.e+]+ [MG]B)", outcome.err)[1])
+                print(f"{name}: {before / from_cells:.2f}", flush=True)
+                self.assertEqual((outcome.code, outcome.out), (1, ""))
+                self.assertGreater(before, 0.7 * from_cells)
+                self.assertLess(0.7 * before, from_cells)
+
+    def test_nearly_fitting_scenes_are_refused_when_the_cells_are_known(self):
+        """check still describes a scene that needs a little more than there is, then refuses it."""
+        exact = cgcontact("check", scene("two_solids_3d"), *settings(n=24))
+        needed = float(re.search(r"about ([\d.]+) MB of memory", exact.out)[1])
+        outcome, _ = self.refused("check", scene("two_solids_3d"), *settings(n=24), "--memory-limit", f"{0.95 * needed:.0f}MB")
+        self.assertEqual(outcome.out, exact.out)
+        self.refused("run", scene("two_solids_3d"), *settings(n=24), "--memory-limit", f"{0.95 * needed:.0f}MB")
+        self.assertFalse(os.path.exists("out"))
+
+    def test_limits_of_the_system(self):
+        """ulimit -v is found; the environment variable and --memory-limit replace what is found."""
+        refused = limited(["check", scene("two_solids_3d"), *settings(n=400)], 3 * GB)
+        self.assertEqual(refused.returncode, 1, refused.stderr)
+        self.assertIn("ulimit -v", refused.stderr)
+        outcome, found = self.refused("check", scene("two_solids_3d"), *settings(n=400),
+                                      environment={"CGCONTACT_MEMORY_LIMIT": "2 GB"})
+        self.assertEqual(in_bytes(found[2]), 2 * GB)
+        self.refused("check", scene("two_solids_3d"), *settings(n=400), "--memory-limit", "2GB",
+                     environment={"CGCONTACT_MEMORY_LIMIT": "none"})
+        impossible = cgcontact("check", scene("rings"), "--memory-limit", "1MB")
+        self.assertEqual(impossible.code, 1)
+        self.assertIn("no cell size fits", impossible.err)
+
+    @unittest.skipIf(harness.SLOW_BUILD, "the address sanitizer reserves terabytes of address space")
+    def test_out_of_memory_all_the_same(self):
+        """Where the check is overridden, running out of memory is one message, and nothing is written."""
+        failed = limited(["run", scene("two_solids_3d"), "--out", "results", *settings(n=80), "--memory-limit", "none"],
+                         0.9 * GB)
+        self.assertEqual(failed.returncode, 1, failed.stderr)
+        self.assertIn("cgcontact: out of memory", failed.stderr.splitlines()[-1])
+        self.assertFalse(os.path.exists("results"))
+
+    def test_nonsense(self):
+        """What is no amount of memory is quoted."""
+        for text in ("", "lots", "-1GB", "0", "nan", "1e400GB", "8 GX"):
+            with self.subTest(text=text):
+                outcome = cgcontact("check", scene("rings"), "--memory-limit", text)
+                self.assertEqual(outcome.code, 1)
+                self.assertEqual(len(outcome.err.splitlines()), 1)
+                for part in ("--memory-limit", f'"{text}"', "8GB"):
+                    self.assertIn(part, outcome.err)
+
+
+if __name__ == "__main__":
+    harness.main()
