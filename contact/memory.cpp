@@ -13,6 +13,8 @@ namespace {
 
 /// Cells of the coarse grid from which sizes are estimated.
 constexpr double coarse_cells = 1 << 17;
+/// Of the available memory, for the cell size that is advised: sizes scale with the cells to so much.
+constexpr double safe_part = 0.8;
 
 double num_cells(const Grid& grid) {
   return static_cast<double>(grid.num_cells[0]) * grid.num_cells[1] * grid.num_cells[2];
@@ -84,7 +86,7 @@ std::vector<BodySize> coarsened(std::vector<BodySize> bodies, double factor) {
 /// Empty if no cells are large enough.
 std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodies, double available) {
   double factor = 1;
-  while (factor < 1e4 && expected_memory(coarsened(bodies, factor)) > available) factor *= 1.02;
+  while (factor < 1e4 && expected_memory(coarsened(bodies, factor)) > safe_part * available) factor *= 1.02;
   if (factor >= 1e4) return {};
   factor = std::ceil(10 * factor) / 10;
   std::string text = fmt::format("cells larger by {:.1f} would fit:", factor);
