@@ -209,9 +209,9 @@ TEST(Seat, IsHertzsLineContact) {
   EXPECT_LE((r.pairs[0].force_on_first + r.pairs[0].force_on_second).norm(), 1e-10 * r.pairs[0].force_on_first.norm());
 }
 
-/// Line contact that bends the bodies, three cells over half of it, against Hertz at the computed force; and half of the
-/// push before. Measured: .046 over the whole face, forces of 666 and 1411 N (a little less than proportional to the push:
-/// the contact is softer when it is small).
+/// Line contact that bends the bodies, three cells over half of it, against Hertz at the computed force; and half of
+/// the push before. Measured: .046 over the whole face, forces of 666 and 1411 N (a little less than proportional to
+/// the push: the contact is softer when it is small).
 TEST(Teeth, AreHertzsLineContact) {
   const auto solved = test::run_scene("scenes/teeth.toml", {"h=3e-4", "steps.factors=[0.5, 1]"});
   const Results& r = solved->results();
