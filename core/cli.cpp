@@ -167,8 +167,7 @@ void Parser::add_scene(CLI::App& command) {
                                ->allow_extra_args(false);
   defaults_.push_back({set, set_variable, [this](const std::string& text) { take_set_variable(text); }});
   add(command, "--memory-limit", "SIZE",
-      "Refuse scenes that need more, such as 8GB; none: refuse none [default: what is free] [environment: "
-      "CGCONTACT_MEMORY_LIMIT]",
+      "Refuse what needs more [default: what is free] [environment: CGCONTACT_MEMORY_LIMIT]",
       [this](const std::string& text) {
         parse_memory(text);
         line.memory_limit = text;
@@ -255,8 +254,7 @@ Parser::Parser() {
   add_scene(check);
   check
       .add_option("-o,--out", line.out,
-                  "Draw it too: check.png and files for ParaView in this directory [default: "
-                  "nothing is written]")
+                  "Draw it too: check.png and files for ParaView go there [default: nothing is written]")
       ->type_name("DIR")
       ->check(not_empty, "");
   describe_study();

@@ -231,6 +231,25 @@ std::string pairs_section(const Results& results) {
                rows);
 }
 
+std::string steps_section(const Results& results, const PageParts& parts) {
+  std::vector<std::string> rows;
+  for (std::size_t k = 0; k < results.steps.size(); ++k) {
+    const StepFigures& s = results.steps[k];
+    const std::string step = name_cell(fmt::format("{}{}", k + 1, s.converged ? "" : " (did not converge)")) +
+                             cell(fmt::format("{:g}", s.step.loads)) + cell(fmt::format("{:g}", s.step.displacements)) +
+                             cell(fmt::format("{:g}", s.step.interference));
+    for (const PairFigures& pair : s.pairs)
+      rows.push_back(step + cell(html_text(pair.name)) + cell(force(pair.force_on_first.norm())) +
+                     cell(stress(pair.max_pressure)) + cell(figure(pair.area, area_unit(pair.area))));
+    if (s.pairs.empty()) rows.push_back(step + cell("") + cell("") + cell("") + cell(""));
+  }
+  if (rows.empty()) return "";
+  return table({"Step", "loads times", "displacements times", "interference times", "Pair", "Force", "Max. pressure",
+                "Area"},
+               rows) +
+         picture(parts.directory, "steps.svg", "Force, area and largest pressure over the steps", "");
+}
+
 std::string maps_section(const Results& results, const PageParts& parts) {
   std::string text;
   for (const PressureMap& map : parts.pressure_maps)
@@ -424,6 +443,7 @@ std::string page(const Results& results, const PageParts& parts) {
   text += section("reliability", "How accurate is this?", reliability(results));
   text += section("picture", "Deformed bodies", picture(parts.directory, "scene.png", "Deformed bodies", ""));
   text += section("contact", "Contact", pairs_section(results));
+  text += section("steps", "Steps", steps_section(results, parts));
   text += section("pressure", "Pressure on the contact face", maps_section(results, parts));
   text += section("profile", "Pressure along the path", profile_section(parts));
   text += section("reference", "Against the reference", reference_section(results));

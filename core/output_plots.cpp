@@ -123,22 +123,23 @@ void write_pressure_plot(const Results& results, const Scene& scene, GnuplotRuns
 /// Force, area and largest pressure of every contact pair against the number of the step.
 void write_steps_plot(const Results& results, GnuplotRuns& runs) {
   const std::size_t num_pairs = results.steps.back().pairs.size();
-  double force = 0, pressure = 0;
-  std::string data, curves[3];
+  double force = 0, pressure = 0, area = 0;
+  std::string data;
   for (std::size_t p = 0; p < num_pairs; ++p) {
     for (std::size_t k = 0; k < results.steps.size(); ++k) {
       const PairFigures& pair = results.steps[k].pairs[p];
       force = std::max(force, pair.force_on_first.norm());
       pressure = std::max(pressure, pair.max_pressure);
+      area = std::max(area, pair.area);
       fmt::format_to(std::back_inserter(data), "{} {} {} {}\n", k + 1, pair.force_on_first.norm(), pair.area,
                      pair.max_pressure);
     }
     data += "\n\n";
   }
-  const DisplayUnit stress = stress_unit(pressure), newton = force_unit(force);
+  const DisplayUnit stress = stress_unit(pressure), newton = force_unit(force), square = area_unit(area);
   write_text(runs.directory() + "/plots/steps.dat", data);
   const std::tuple<const char*, std::string, double> panels[] = {
-      {"force", newton.name, newton.factor}, {"area", "m^2", 1.0}, {"largest pressure", stress.name, stress.factor}};
+      {"force", newton.name, newton.factor}, {"area", square.name, square.factor}, {"largest pressure", stress.name, stress.factor}};
   std::string script = fmt::format(
       "set encoding utf8\nset terminal svg size 1080,420 fixed noenhanced font 'sans-serif,13' background 'white'\n"
       "set output '../steps.svg'\nset multiplot layout 1,3 title {}\nset border 3 lw 1 lc rgb '#404040'\n"

@@ -94,7 +94,7 @@ class BadCommandLine(BadInput):
                 (["check"], ["SCENE is required"]),
                 (["run", good, good], ["unexpected argument"]),
                 (["run", good, "--thread", "1"], ["did you mean \"--threads\"?"]),
-                (["check", good, "--out", "x"], ["unknown option \"--out\""]),
+                (["init", "--out", "x"], ["unknown option \"--out\""]),
                 (["run", good, "--out"], ["--out needs a value"]),
                 (["run", good, "--out", ""], ["--out", "empty"]),
                 (["run", good, "--set"], ["--set needs a value"])):

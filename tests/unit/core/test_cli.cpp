@@ -144,7 +144,7 @@ TEST(CommandLine, mistakes_give_one_line_and_exit_code_1) {
       {{"run", "a.toml", "--thread", "2"}, "did you mean \"--threads\"?"},
       {{"run", "a.toml", "--threads", "0"}, "--threads: \"0\" is not a number of threads"},
       {{"run", "a.toml", "--threads", "2x"}, "an integer from 1 to 4096"},
-      {{"check", "a.toml", "--out", "x"}, "unknown option \"--out\""},
+      {{"init", "--out", "x"}, "unknown option \"--out\""},
       {{"study"}, "SCENE is required"},
       {{"study", "a.toml", "--vary", "n="}, "--vary: \"\" is an empty list"},
       {{"study", "a.toml", "--vary", "n=1", "--refine", "2"}, "--refine excludes --vary"},
