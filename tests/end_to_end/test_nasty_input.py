@@ -86,7 +86,7 @@ SCENES = {
     "ghost_penalty_huge": (GOOD + "[solver]\nghost_penalty = 1e9\n", ["ghost_penalty", "0 to 1000"]),
     # Contact and supports.
     "swapped_faces": (changed('"lower.block.z+", "upper.block.z-"', '"lower.block.z-", "upper.block.z+"'),
-                      ["contact[0] = \"lower-upper\"", "within reach", "0.42 m"]),
+                      ["contact[0] = \"lower-upper\"", "within reach", "see each other"]),
     "faces_that_never_meet": (changed("min = [0, 0, 1], max = [1, 1, 2]", "min = [5, 0, 1], max = [6, 1, 2]"),
                               ["contact[0] = \"lower-upper\"", "within reach"]),
     "same_pair_twice": (GOOD + '[[contact]]\nname = "again"\nfaces = ["upper.block.z-", "lower.block.z+"]\n',
