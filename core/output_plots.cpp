@@ -138,8 +138,9 @@ void write_steps_plot(const Results& results, GnuplotRuns& runs) {
   }
   const DisplayUnit stress = stress_unit(pressure), newton = force_unit(force), square = area_unit(area);
   write_text(runs.directory() + "/plots/steps.dat", data);
-  const std::tuple<const char*, std::string, double> panels[] = {
-      {"force", newton.name, newton.factor}, {"area", square.name, square.factor}, {"largest pressure", stress.name, stress.factor}};
+  const std::tuple<const char*, std::string, double> panels[] = {{"force", newton.name, newton.factor},
+                                                                 {"area", square.name, square.factor},
+                                                                 {"largest pressure", stress.name, stress.factor}};
   std::string script = fmt::format(
       "set encoding utf8\nset terminal svg size 1080,420 fixed noenhanced font 'sans-serif,13' background 'white'\n"
       "set output '../steps.svg'\nset multiplot layout 1,3 title {}\nset border 3 lw 1 lc rgb '#404040'\n"

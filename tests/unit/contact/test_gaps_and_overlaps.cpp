@@ -204,9 +204,7 @@ std::string refusal(const std::string& scene, const std::vector<std::string>& ov
 /// What is really free is named: what loads drive, and what slides.
 TEST(FreeMotion, SlidingAndDrivenSpinAreRefused) {
   const std::string spin = refusal("tests/scenes/ball_in_groove.toml", {"spin=1e6", "ratio=1.2"});
-  EXPECT_NE(spin.find("body \"ball\" is free to rotate about y, and the loads drive it"),
-            std::string::npos)
-      << spin;
+  EXPECT_NE(spin.find("body \"ball\" is free to rotate about y, and the loads drive it"), std::string::npos) << spin;
   const std::string slide =
       refusal("tests/scenes/ball_in_groove.toml",
               {"body.ball.shape.intersection.1.box.min=[-1, -1, -1]", "support.2.face=block.base.y+", "ratio=0.8"});
