@@ -76,11 +76,13 @@ class Interrupted(unittest.TestCase):
         old = contents("stopped/results")
         random.seed(1)
         found = {"old": 0, "new": 0, "stopped": 0}
-        for moment in range(3 * MOMENTS):
+        for moment in range(9 * MOMENTS):  # more where a busy machine lets many signals come too early or too late
+            if moment >= 3 * MOMENTS and min(found["stopped"], found["old"]) > MOMENTS:
+                break
             number = list(STOPPED)[moment % 3]
             with self.subTest(signal=number, moment=moment):
                 with start(command("stopped/results"), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
-                    time.sleep(seconds * math.sqrt((moment + random.random()) / (3 * MOMENTS)))
+                    time.sleep(seconds * math.sqrt((moment % (3 * MOMENTS) + random.random()) / (3 * MOMENTS)))
                     process.send_signal(number)
                     out, err = process.communicate(timeout=60)
                 errors = [line for line in err.splitlines() if line.startswith("cgcontact:")]
@@ -99,10 +101,12 @@ class Interrupted(unittest.TestCase):
                         self.assertEqual(out, "")
                 else:
                     self.assertIn(process.returncode, (0, -number), err)
+                if process.returncode == 0:
+                    seconds *= 0.8  # the run was over: it takes less than was measured
                 if which == "new":
                     self.write_old_result("stopped/results")
                     old = contents("stopped/results")
-        print(f"{3 * MOMENTS} moments of {seconds:.2f} s: {found}", flush=True)
+        print(f"moments in {seconds:.2f} s: {found}", flush=True)
         self.assertGreater(found["stopped"], MOMENTS)
         self.assertGreater(found["old"], MOMENTS)
 
