@@ -25,7 +25,7 @@ struct PageParts {
 };
 
 /// A whole page in HTML 5 that is well-formed XML too, without scripts and without references to anything outside.
-/// Figures are <data value="..."> elements with the value in SI; what differs between two runs of the same scene
+/// Figures are `data value="..."` elements with the value in SI; what differs between two runs of the same scene
 /// (times, memory, date, command) has the class "run".
 std::string page(const Results& results, const PageParts& parts);
 
