@@ -27,16 +27,6 @@ Eigen::MatrixXd rotations(const Eigen::MatrixXd& modes) {
   return rows;
 }
 
-std::string direction_text(Vec3 axis) {
-  Eigen::Index largest;
-  axis.normalize();
-  axis.cwiseAbs().maxCoeff(&largest);
-  if (axis[largest] < 0) axis = -axis;
-  if ((axis - Vec3::Unit(largest)).norm() < 1e-3) return std::string(1, "xyz"[largest]);
-  axis = (1000 * axis).array().round().matrix() / 1000 + Vec3::Zero();  // three digits, and no -0
-  return fmt::format("({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2]);
-}
-
 /// The directions that the columns of a 3 x k matrix span: "along (..)", "in the plane normal to (..)", ...
 std::string span_text(const Eigen::MatrixXd& columns, const char* one, const char* two, const char* three) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(columns, Eigen::ComputeFullU);
@@ -62,6 +52,16 @@ std::pair<Eigen::Matrix<double, 6, 1>, double> load_on(const BodyModel& body, co
 
 }  // namespace
 
+std::string direction_text(Vec3 axis) {
+  Eigen::Index largest;
+  axis.normalize();
+  axis.cwiseAbs().maxCoeff(&largest);
+  if (axis[largest] < 0) axis = -axis;
+  if ((axis - Vec3::Unit(largest)).norm() < 1e-3) return std::string(1, "xyz"[largest]);
+  axis = (1000 * axis).array().round().matrix() / 1000 + Vec3::Zero();  // three digits, and no -0
+  return fmt::format("({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2]);
+}
+
 bool FreeMotions::slides() const { return null_space(rotations(modes)).cols() > 0; }
 
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
@@ -83,9 +83,7 @@ FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::v
   std::vector<Matrix> held(n, Matrix::Zero());
   Row row = Row::Zero();
   for (const SupportPoint& p : supports) {
-    const CutCells& cc = bodies[p.body].cut_cells;
-    const Index3& c = cc.cells[p.cell];
-    set(row, 0, p.body, cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones())), p.direction);
+    set(row, 0, p.body, global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     held[p.body].noalias() += p.weight / (free.size[p.body] * free.size[p.body]) * row * row.transpose();
   }
   for (std::size_t b = 0; b < n; ++b) A.block<6, 6>(6 * b, 6 * b) += held[b].topLeftCorner<6, 6>();

@@ -28,6 +28,9 @@ FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::v
 /// Those that the loads do work on: one column, or none.
 FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies);
 
+/// "y" for a direction along an axis, else three components.
+std::string direction_text(Vec3 direction);
+
 /// "body "ball" is free to move along (1.000, 0.000, 0.000) and to rotate about all axes"; of the body that moves most.
 std::string describe(const FreeMotions& free, const Scene& scene);
 

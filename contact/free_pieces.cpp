@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "contact/free_motion.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -63,16 +65,6 @@ struct Pieces {
 };
 
 std::string as_text(const Vec3& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]); }
-
-/// "x" along an axis, else three components.
-std::string direction_text(Vec3 d) {
-  Eigen::Index largest;
-  d.cwiseAbs().maxCoeff(&largest);
-  if (d[largest] < 0) d = -d;
-  if ((d - Vec3::Unit(largest)).norm() < negligible) return std::string(1, "xyz"[largest]);
-  d = (1000 * d).array().round().matrix() / 1000 + Vec3::Zero();  // no -0
-  return fmt::format("({:.3f}, {:.3f}, {:.3f})", d[0], d[1], d[2]);
-}
 
 std::string motion_text(const Piece& piece, const Motion& m) {
   const Vec3 t = m.head<3>(), r = m.tail<3>() / piece.size();
@@ -145,10 +137,7 @@ class FreeMotion {
  private:
   void add_support(const SupportPoint& p) {
     const int piece = pieces_.of_cell[p.body][p.cell];
-    const CutCells& cc = bodies_[p.body].cut_cells;
-    const Index3& c = cc.cells[p.cell];
-    const Vec3 x = cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (p.xi + Vec3::Ones()));
-    const Motion q = pieces_.list[piece].row(x, p.direction);
+    const Motion q = pieces_.list[piece].row(global_position(bodies_[p.body].cut_cells, p.cell, p.xi), p.direction);
     const double size = pieces_.list[piece].size();
     stiffness_.block<6, 6>(6 * piece, 6 * piece).noalias() += p.weight / (size * size) * q * q.transpose();
   }

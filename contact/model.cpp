@@ -66,8 +66,7 @@ void each_body_force(const BodyModel& body, const UseForce& use) {
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 5, weights);
     for (int q = 0; q < 125; ++q) {
       const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
-      const Index3& c = cc.cells[e];
-      const Vec3 x = cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
+      const Vec3 x = global_position(cc, static_cast<int>(e), xi);
       use(static_cast<int>(e), xi, x, factor * weights[q] * body.boundary.body_force_at(x));
     }
   }
@@ -162,6 +161,11 @@ double support_kappa(const Scene& scene, const BodyModel& body) {
 Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& x) {
   const Index3& c = cut_cells.cells[cell];
   return 2 * (x - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+}
+
+Vec3 global_position(const CutCells& cut_cells, int cell, const Vec3& xi) {
+  const Index3& c = cut_cells.cells[cell];
+  return cut_cells.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
 }
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {

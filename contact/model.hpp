@@ -86,6 +86,9 @@ std::vector<BodyModel> make_body_models(const Scene& scene);
 /// Cell coordinates in [-1,1]^3 of a point in grid coordinates (may lie slightly outside for re-homed points).
 Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& grid_position);
 
+/// Where cell coordinates are: global axes, m.
+Vec3 global_position(const CutCells& cut_cells, int cell, const Vec3& xi);
+
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
 
 /// Calls use(cell, xi, x, force) for the points of all tractions and body forces of the present step; x in m, force in

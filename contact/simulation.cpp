@@ -74,13 +74,12 @@ Scales make_scales(const Scene& scene) {
 /// no force arises.
 void check_free_motions(const Scene& scene, Preparation& p) {
   const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
+  if (text.empty()) return;
   const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
   const FreeMotions driven = driven_by_loads(free, p.bodies);
   if (!driven.empty())
-    throw InputError(fmt::format("{}: {}, and the loads drive it{}{}", scene.file, describe(driven, scene),
-                                 text.empty() ? "" : ": ", text));
-  if (!text.empty() && (free.empty() || free.slides())) throw InputError(scene.file + ": " + text);
-  if (free.empty()) return;
+    throw InputError(fmt::format("{}: {}, and the loads drive it: {}", scene.file, describe(driven, scene), text));
+  if (free.empty() || free.slides()) throw InputError(scene.file + ": " + text);
   p.warnings.push_back(describe(free, scene) +
                        ": no load drives this motion, it is held where it is, which takes no force");
   for (const SupportPoint& point : hold(free, p.bodies)) p.supports.push_back(point);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
+#include "kernels/hex.hpp"
 
 namespace cgcontact {
 namespace {
@@ -50,17 +51,16 @@ BodyExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealV
       const Vec3 xi = centroid(cc, static_cast<int>(e));
       Mat3 gradient = Mat3::Zero();  // m per m, grid axes
       Vec3 displacement = Vec3::Zero();
+      double N[8], dN[8][3];
+      hex_shape(xi.data(), N);
+      hex_gradient(xi.data(), dN);
       for (int a = 0; a < 8; ++a) {
-        const Vec3 sign(a & 1 ? 1 : -1, a & 2 ? 1 : -1, a & 4 ? 1 : -1);
-        const Vec3 f = 0.5 * (Vec3::Ones() + sign.cwiseProduct(xi));
-        const Vec3 slope = sign.cwiseProduct(Vec3(f[1] * f[2], f[0] * f[2], f[0] * f[1])) / cc.grid.cell_size;
         Vec3 v;
         for (int i = 0; i < 3; ++i) v[i] = length_scale * u(3 * mesh.cell_nodes[e][a] + i);
-        gradient += v * slope.transpose();
-        displacement += f.prod() * v;
+        gradient += v * Vec3(dN[a][0], dN[a][1], dN[a][2]).transpose() / cc.grid.cell_size;
+        displacement += N[a] * v;
       }
-      const Index3& c = cc.cells[e];
-      const Vec3 x = cc.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
+      const Vec3 x = global_position(cc, static_cast<int>(e), xi);
       const Mat3 strain = 0.5 * (gradient + gradient.transpose());
       // The Frobenius norm bounds the principal strains; it is found without them.
       if (strain.norm() > found[chunk].strain.value)

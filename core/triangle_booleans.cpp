@@ -318,19 +318,6 @@ class Faceting {
   double error_ = 0;
 };
 
-/// target[i]: the point that point i is one with.
-std::vector<int> weld(const std::vector<Vec3>& points, double distance) {
-  std::vector<int> order(points.size()), target(points.size());
-  std::iota(order.begin(), order.end(), 0);
-  target = order;
-  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return points[i][0] < points[j][0]; });
-  for (std::size_t i = 0; i < order.size(); ++i)
-    for (std::size_t j = i + 1; j < order.size() && points[order[j]][0] - points[order[i]][0] <= distance; ++j)
-      if (target[order[j]] == order[j] && (points[order[j]] - points[order[i]]).norm() <= distance)
-        target[order[j]] = target[order[i]];
-  return target;
-}
-
 /// The surface in double precision, checked like one from a file.
 Solid to_solid(const Operand& result, const std::vector<std::string>& names) {
   TriangleSoup soup;
@@ -340,19 +327,13 @@ Solid to_solid(const Operand& result, const std::vector<std::string>& names) {
     point_of[v] = static_cast<int>(soup.points.size());
     soup.points.emplace_back(CGAL::to_double(x.x()), CGAL::to_double(x.y()), CGAL::to_double(x.z()));
   }
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (const Vec3& x : soup.points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const std::vector<int> target = weld(soup.points, one_point * (high - low).norm());
   const FaceNumbers numbers = result.numbers();
   std::vector<int> face;
   for (const Mesh::Face_index f : result.mesh.faces()) {
     Triangle triangle;
     int k = 0;
     for (const Mesh::Vertex_index v : result.mesh.vertices_around_face(result.mesh.halfedge(f)))
-      triangle[k++] = target[point_of[v]];
+      triangle[k++] = point_of[v];
     soup.triangles.push_back(triangle);
     soup.number.push_back(static_cast<int>(face.size()) + 1);
     face.push_back(numbers[f]);
@@ -360,6 +341,9 @@ Solid to_solid(const Operand& result, const std::vector<std::string>& names) {
   }
   if (face.empty())
     throw InputError(std::string("the result is empty: the shapes do not overlap, or one holds the other"));
+  std::vector<int> all(soup.points.size());
+  std::iota(all.begin(), all.end(), 0);
+  soup.merge(std::move(all), one_point * soup.diagonal());
   repair_and_check(soup, "the combined surface");
   NamedTriangles faces;
   faces.names = names;

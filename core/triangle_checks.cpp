@@ -72,27 +72,7 @@ int merge_near_points(TriangleSoup& soup) {
   if (rim.empty()) return 0;
   std::sort(rim.begin(), rim.end());
   rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
-  Vec3 low = soup.points[0], high = low;
-  for (const Vec3& x : soup.points) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  const double tolerance = merge_distance * (high - low).norm();
-  std::stable_sort(rim.begin(), rim.end(), [&](int a, int b) { return soup.points[a][0] < soup.points[b][0]; });
-  std::vector<int> target(soup.points.size());
-  std::iota(target.begin(), target.end(), 0);
-  int merged = 0;
-  for (std::size_t i = 0; i < rim.size(); ++i) {
-    if (target[rim[i]] != rim[i]) continue;
-    for (std::size_t j = i + 1; j < rim.size() && soup.points[rim[j]][0] - soup.points[rim[i]][0] <= tolerance; ++j) {
-      if (target[rim[j]] != rim[j] || (soup.points[rim[j]] - soup.points[rim[i]]).norm() > tolerance) continue;
-      target[rim[j]] = rim[i];
-      ++merged;
-    }
-  }
-  for (Triangle& t : soup.triangles)
-    for (int& p : t) p = target[p];
-  return merged;
+  return soup.merge(std::move(rim), merge_distance * soup.diagonal());
 }
 
 /// The longest edge of a triangle without area; -1 if it has one.

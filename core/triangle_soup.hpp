@@ -18,6 +18,11 @@ struct TriangleSoup {
   std::string place(int triangle) const;
   /// Keeps the triangles whose entry is not zero.
   void keep(const std::vector<char>& kept);
+  /// Of the box about all points.
+  double diagonal() const;
+  /// Merges those of some points that are nearer to each other than a distance; returns how many went. Triangles may
+  /// collapse.
+  int merge(std::vector<int> candidates, double distance);
 };
 
 }  // namespace cgcontact

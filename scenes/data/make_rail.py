@@ -6,6 +6,8 @@ foot to the crown without level steps, so that the ends can be divided into stri
 """
 import math
 
+import ascii_stl
+
 LENGTH = 48.0
 
 
@@ -46,13 +48,7 @@ def triangles(half):
 
 def main():
     half = [(y if y > 1e-9 else 0.0, z) for y, z in right_half()]
-    print("solid rail")
-    for triangle in triangles(half):
-        print("facet normal 0 0 0\n outer loop")
-        for point in triangle:
-            print("  vertex " + " ".join(f"{c + 0.0:.6g}" for c in point))
-        print(" endloop\nendfacet")
-    print("endsolid rail")
+    ascii_stl.write("rail", triangles(half), 6)
 
 
 if __name__ == "__main__":

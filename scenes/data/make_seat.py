@@ -6,6 +6,8 @@ facets in the groove, finer than the cells. x = 0 is the plane of symmetry, the 
 """
 import math
 
+import ascii_stl
+
 RADIUS = 40.0               # of the groove
 WIDTH, DEPTH = 14.0, 14.0   # of the half, x and z below the groove
 THICKNESS = 0.5             # along y
@@ -32,13 +34,7 @@ def triangles():
 
 
 def main():
-    print("solid seat")
-    for triangle in triangles():
-        print("facet normal 0 0 0\n outer loop")
-        for point in triangle:
-            print("  vertex " + " ".join(f"{c:.9g}" for c in point))
-        print(" endloop\nendfacet")
-    print("endsolid seat")
+    ascii_stl.write("seat", triangles(), 9)
 
 
 if __name__ == "__main__":
