@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <unordered_map>
 #include <utility>
+
+#include "core/triangle_pieces.hpp"
 
 namespace cgcontact {
 
@@ -18,10 +21,6 @@ constexpr double max_sagitta = 0.008;
 constexpr double on_tolerance = 1e-10;
 /// Of cells that a curved patch of triangles crosses.
 constexpr int patch_subdivision = 2;
-/// Nearer to a curved patch than this its chords decide, farther away the patch itself.
-constexpr double max_sagitta_of_patch = 0.03;
-/// Cells: how far beyond a face of a piece the inside of a triangle surface is asked for.
-constexpr double beyond = 1e-3;
 /// Pieces below this volume (cell units) are rounding only.
 constexpr double min_volume = 1e-25;
 
@@ -41,11 +40,17 @@ struct EdgeHash {
   }
 };
 
+struct PointHash {
+  std::size_t operator()(const Vec3& x) const {
+    std::size_t hash = 0;
+    for (int k = 0; k < 3; ++k) hash = hash * 0x9e3779b97f4a7c15ull ^ std::hash<double>()(x[k]);
+    return hash ^ (hash >> 29);
+  }
+};
+
 /// Corners of a hexahedron in VTK order, and its faces with outward orientation.
 constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 constexpr int face[6][4] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}};
-/// The tetrahedra around the diagonal 0-6: one for each order in which the axes can be walked.
-constexpr int kuhn[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 3, 2, 6}, {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
 
 double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return (b - a).cross(c - a).dot(d - a) / 6;
@@ -53,9 +58,9 @@ double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec
 
 class Clipper {
  public:
-  /// `solid`: the body or a part of it. Where that is bounded by triangles, `removed` may be taken away from it.
-  Clipper(const CutCells& cut_cells, const Solid& solid, const Solid* removed = nullptr);
+  explicit Clipper(const CutCells& cut_cells);
   ClippedMesh run();
+  ClippedMesh run_boundary();
 
  private:
   void clip_cell(int active);
@@ -67,6 +72,7 @@ class Clipper {
   void emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces);
 
   std::vector<int> surfaces_near(const Vec3& centre, double half_size, const std::vector<int>& candidates) const;
+  void set_far_sides(const Vec3& centre, const std::vector<int>& surfaces);
   bool is_inside(const Vec3& centroid) const;
   bool is_inside_beyond(const std::array<int, 3>& points, int surface);
   int add_point(const Vec3& x);
@@ -78,18 +84,17 @@ class Clipper {
   template <class Points>
   void set_sides(const Points& points, const std::vector<int>& surfaces);
   void drop_inner_triangles();
+  void add_triangles();
   void drop_unused_points();
 
   const CutCells& cut_cells_;
   const Solid& solid_;
-  const Solid* const removed_;
   const TriangleSurface* const triangles_;
-  std::vector<Surface> surfaces_;  ///< of the solid, then those of what is removed
-  bool whole_body_;
-  bool uncrossed_ = true;  ///< nothing is taken away from the cell in work
+  const std::vector<Surface>& surfaces_;
   int subdivision_ = 1;
   std::vector<int> all_surfaces_;
   std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
+  std::vector<int> cube_surfaces_;  ///< those that come near the cube in work
   int active_ = -1;                 ///< the cell in work
   std::vector<char> inner_side_;    ///< sides of the piece in work
   /// Point p counts as on another side than it measures for fixed_sides_[fixed_begin_[p] .. fixed_begin_[p + 1]]:
@@ -104,14 +109,8 @@ class Clipper {
   ClippedMesh mesh_;
 };
 
-Clipper::Clipper(const CutCells& cut_cells, const Solid& solid, const Solid* removed)
-    : cut_cells_(cut_cells),
-      solid_(solid),
-      removed_(removed),
-      triangles_(solid.triangles()),
-      surfaces_(solid.surfaces()),
-      whole_body_(&solid == &cut_cells.solid && !removed) {
-  if (removed) surfaces_.insert(surfaces_.end(), removed->surfaces().begin(), removed->surfaces().end());
+Clipper::Clipper(const CutCells& cut_cells)
+    : cut_cells_(cut_cells), solid_(cut_cells.solid), triangles_(solid_.triangles()), surfaces_(solid_.surfaces()) {
   inner_side_.assign(surfaces_.size(), 0);
   const Index3& n = cut_cells.grid.num_cells;
   nodes_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), -1);
@@ -130,16 +129,21 @@ Clipper::Clipper(const CutCells& cut_cells, const Solid& solid, const Solid* rem
 ClippedMesh Clipper::run() {
   for (std::size_t active = 0; active < cut_cells_.cells.size(); ++active) clip_cell(static_cast<int>(active));
   drop_inner_triangles();
+  if (triangles_) add_triangles();
   drop_unused_points();
+  return std::move(mesh_);
+}
+
+ClippedMesh Clipper::run_boundary() {
+  if (!triangles_) return run();
+  add_triangles();
   return std::move(mesh_);
 }
 
 /// The candidates that may cross a cube. Of the patches of a triangle surface those with a triangle there.
 std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
                                         const std::vector<int>& candidates) const {
-  const double half_diagonal = half_size * std::sqrt(3.0);
   std::vector<int> near;
-  const int num_patches = triangles_ ? static_cast<int>(solid_.surfaces().size()) : 0;
   if (triangles_) {
     const Vec3 reach = Vec3::Constant(half_size + on_tolerance), low = centre - reach, high = centre + reach;
     triangles_->tree().visit(
@@ -149,36 +153,28 @@ std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
         [&](int t) { near.push_back(triangles_->patch(t)); });
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
+    return near;
   }
+  const double half_diagonal = half_size * std::sqrt(3.0);
   for (int s : candidates)
-    if (s >= num_patches && std::abs(surfaces_[s].signed_distance(centre)) <= half_diagonal + on_tolerance)
-      near.push_back(s);
+    if (std::abs(surfaces_[s].signed_distance(centre)) <= half_diagonal + on_tolerance) near.push_back(s);
   return near;
 }
 
-/// Is the piece in work inside? By its sides of the surfaces; where a flat patch of triangles is nearest, by its
-/// centroid.
+/// Is the piece in work inside? Of a CSG solid its expression says so. Patches of triangles that all have the piece on
+/// the same side do; otherwise the nearest triangle.
 bool Clipper::is_inside(const Vec3& centroid) const {
   if (!triangles_) return solid_.evaluate(inner_side_);
-  const TriangleSurface::Foot foot = triangles_->nearest(centroid);
-  const int patch = triangles_->patch(foot.triangle);
-  const bool is_cut = std::find(cell_surfaces_.begin(), cell_surfaces_.end(), patch) != cell_surfaces_.end();
-  const bool inside = surfaces_[patch].kind == Surface::Kind::patch && is_cut && foot.distance < max_sagitta_of_patch
-                          ? inner_side_[patch] != 0
-                          : (centroid - foot.point).dot(foot.normal) <= 0;
-  if (!inside || !removed_) return inside;
-  const auto first = inner_side_.begin() + static_cast<std::ptrdiff_t>(solid_.surfaces().size());
-  return !removed_->evaluate(std::vector<char>(first, inner_side_.end()));
+  const auto inner = [&](int s) { return inner_side_[s] != 0; };
+  const bool any = std::any_of(cube_surfaces_.begin(), cube_surfaces_.end(), inner);
+  const bool all = std::all_of(cube_surfaces_.begin(), cube_surfaces_.end(), inner);
+  return any == all ? any : triangles_->contains(centroid);
 }
 
 /// Does the body go on beyond a face of the piece in work that lies on a surface?
 bool Clipper::is_inside_beyond(const std::array<int, 3>& points, int surface) {
-  const bool of_triangles = triangles_ && surface < static_cast<int>(solid_.surfaces().size());
-  if (of_triangles && surfaces_[surface].kind == Surface::Kind::patch) return false;
-  const Vec3 &a = mesh_.points[points[0]], &b = mesh_.points[points[1]], &c = mesh_.points[points[2]];
-  const Vec3 centroid = (a + b + c) / 3;
-  if (of_triangles) return triangles_->contains(centroid + beyond * (b - a).cross(c - a).normalized());
   inner_side_[surface] = !inner_side_[surface];
+  const Vec3 centroid = (mesh_.points[points[0]] + mesh_.points[points[1]] + mesh_.points[points[2]]) / 3;
   const bool inside = is_inside(centroid);
   inner_side_[surface] = !inner_side_[surface];
   return inside;
@@ -190,17 +186,8 @@ void Clipper::clip_cell(int active) {
   const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
   const std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
   cell_surfaces_ = triangles_ ? near : all_surfaces_;
-  const int first = triangles_ ? static_cast<int>(solid_.surfaces().size()) : 0;
-  for (int s = first; s < static_cast<int>(surfaces_.size()); ++s)
-    inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
-
-  uncrossed_ = whole_body_;
-  if (removed_ && std::none_of(near.begin(), near.end(), [&](int s) { return s >= first; })) {
-    const auto removed_sides = inner_side_.begin() + first;
-    if (removed_->evaluate(std::vector<char>(removed_sides, inner_side_.end()))) return;
-    uncrossed_ = true;
-  }
-  const bool full = uncrossed_ && cut_cells_.cut_of_active[active] < 0;
+  set_far_sides(centre, all_surfaces_);
+  const bool full = cut_cells_.cut_of_active[active] < 0;
   const bool curved = std::any_of(near.begin(), near.end(), [&](int s) {
     return surfaces_[s].max_curvature() > 0 || surfaces_[s].kind == Surface::Kind::patch;
   });
@@ -215,13 +202,20 @@ void Clipper::clip_cell(int active) {
       }
 }
 
+/// Sides of the surfaces that do not come near; patches of triangles that do not are not asked for theirs.
+void Clipper::set_far_sides(const Vec3& centre, const std::vector<int>& surfaces) {
+  if (triangles_) return;
+  for (int s : surfaces) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
+}
+
 /// Cube of `size` fine units at `fine`, inside one active cell.
 void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vector<int>& surfaces) {
   const double length = static_cast<double>(size) / max_subdivision;
   const Vec3 centre = Vec3(fine[0], fine[1], fine[2]) / max_subdivision + Vec3::Constant(length / 2);
-  for (int s : surfaces) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
-  const std::vector<int> near = surfaces_near(centre, length / 2, surfaces);
-  const bool full = uncrossed_ && cut_cells_.cut_of_active[active] < 0;
+  set_far_sides(centre, surfaces);
+  cube_surfaces_ = surfaces_near(centre, length / 2, surfaces);
+  const std::vector<int>& near = cube_surfaces_;
+  const bool full = cut_cells_.cut_of_active[active] < 0;
   if (near.empty() && !full && !is_inside(centre)) return;
 
   Hexahedron points;
@@ -241,7 +235,8 @@ void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vec
     if (full || is_inside(centre)) emit_hexahedron(points, near);
     return;
   }
-  for (const auto& t : kuhn) clip_tetrahedron({points[t[0]], points[t[1]], points[t[2]], points[t[3]]}, near);
+  for (const auto& t : tetrahedra_of_hexahedron)
+    clip_tetrahedron({points[t[0]], points[t[1]], points[t[2]], points[t[3]]}, near);
 }
 
 void Clipper::clip_tetrahedron(const Tetrahedron& tetrahedron, const std::vector<int>& surfaces) {
@@ -324,8 +319,9 @@ void Clipper::emit_hexahedron(const Hexahedron& hexahedron, const std::vector<in
   }
 }
 
-/// Adds a face of the piece in work if it lies on a surface and the body ends there.
+/// Adds a face of the piece in work if it lies on a surface and the body ends there. (Triangles are drawn themselves.)
 void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces) {
+  if (triangles_) return;
   for (int s : surfaces) {
     if (side(points[0], s) != 0 || side(points[1], s) != 0 || side(points[2], s) != 0) continue;
     if (is_inside_beyond(points, s)) continue;
@@ -406,6 +402,33 @@ int Clipper::side(int point, int surface) const {
   return side_by_distance(distance(point, surface));
 }
 
+/// The triangles of the surface themselves, in their pieces cell by cell.
+void Clipper::add_triangles() {
+  std::map<std::pair<Index3, int>, int> adopter;  // of the pieces of a patch in a cell without volume
+  for (const Adoption& adoption : cut_cells_.adoptions)
+    adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
+  std::unordered_map<Vec3, int, PointHash> number;
+  for (int t = 0; t < static_cast<int>(triangles_->triangles().size()); ++t) {
+    const int patch = triangles_->patch(t);
+    each_piece_of_triangle(*triangles_, t, [&](const Index3& cell, const SurfacePolygon& piece) {
+      active_ = cut_cells_.find(cell);
+      if (active_ < 0) {
+        const auto adopted = adopter.find({cell, patch});
+        if (adopted == adopter.end()) return;  // of no area
+        active_ = adopted->second;
+      }
+      std::array<int, SurfacePolygon::max_corners> corners;
+      for (int i = 0; i < piece.n; ++i) {
+        const auto [entry, added] = number.try_emplace(piece.x[i], static_cast<int>(mesh_.points.size()));
+        if (added) add_point(piece.x[i]);
+        corners[i] = entry->second;
+      }
+      for (int i = 2; i < piece.n; ++i)
+        mesh_.boundary.push_back({{corners[0], corners[i - 1], corners[i]}, active_, patch});
+    });
+  }
+}
+
 /// A triangle that belongs to two pieces lies inside the body (chords of a curved surface).
 void Clipper::drop_inner_triangles() {
   std::vector<std::pair<std::array<int, 3>, std::size_t>> order;
@@ -431,6 +454,8 @@ void Clipper::drop_unused_points() {
     for (int p : h) number[p] = 0;
   for (const auto& t : mesh_.tetrahedra)
     for (int p : t) number[p] = 0;
+  for (const auto& b : mesh_.boundary)
+    for (int p : b.points) number[p] = 0;
   int count = 0;
   for (std::size_t p = 0; p < number.size(); ++p)
     if (number[p] == 0) {
@@ -450,13 +475,9 @@ void Clipper::drop_unused_points() {
 
 }  // namespace
 
-ClippedMesh clip_cells(const CutCells& cut_cells) { return Clipper(cut_cells, cut_cells.solid).run(); }
+ClippedMesh clip_cells(const CutCells& cut_cells) { return Clipper(cut_cells).run(); }
 
-ClippedMesh clip_cells(const CutCells& cut_cells, const Solid& removed) {
-  if (cut_cells.solid.triangles()) return Clipper(cut_cells, cut_cells.solid, &removed).run();
-  const Solid part = Solid::subtract(cut_cells.solid, removed);
-  return Clipper(cut_cells, part).run();
-}
+ClippedMesh clip_boundary(const CutCells& cut_cells) { return Clipper(cut_cells).run_boundary(); }
 
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point) {
   const Index3& c = cut_cells.cells[active_cell];

@@ -16,6 +16,10 @@ struct BoundaryTriangle {
   int surface;  ///< index into the surfaces of the clipped solid
 };
 
+/// The six tetrahedra around the diagonal 0-6 of a hexahedron: one for each order in which the axes can be walked.
+constexpr int tetrahedra_of_hexahedron[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 3, 2, 6},
+                                                {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
+
 /// Points are shared between the cells that touch them, so that fields that are continuous in the body stay so.
 struct ClippedMesh {
   std::vector<Vec3> points;                    ///< grid coordinates
@@ -39,17 +43,16 @@ struct ClippedMesh {
 /// - A vertex closer to a surface than 1e-10 lies on it and never causes a cut. A piece whose vertices all lie on a
 ///   surface is on the side of its centroid. Pieces of no volume are dropped, cells filled to less than 1e-10 with
 ///   them.
-/// - A patch of a triangle surface is a surface whose distance is that to the plane of its nearest triangle; whether a
-/// piece
-///   is inside is asked of its centroid. Faces that are flat and their edges are exact, triangles smaller than the
-///   pieces are not resolved.
+/// - The boundary of a body of triangles is those triangles, divided along the grid planes. Its tetrahedra end where
+/// the
+///   distances to the planes of the nearest triangles of the patches are zero: close to the boundary, exact at flat
+///   faces.
 /// - Surfaces that only bulge into an edge or face without passing between two vertices are not seen: the mesh of a
 ///   curved body is second-order accurate, that of a planar one exact.
 ClippedMesh clip_cells(const CutCells& cut_cells);
 
-/// The same for the body without another solid (CSG, grid coordinates), for example the body cut open by a plane;
-/// surfaces of that solid are numbered after those of the body.
-ClippedMesh clip_cells(const CutCells& cut_cells, const Solid& removed);
+/// The boundary alone: the same without cells where they are not needed to find it.
+ClippedMesh clip_boundary(const CutCells& cut_cells);
 
 /// Cell coordinates in [-1,1]^3 of a point (grid coordinates) in an active cell; clamped to the cell.
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point);

@@ -452,7 +452,7 @@ Drawing make_drawing(const Scene& scene, const std::vector<CheckedBody>& bodies,
   parallel_for(bodies.size(), 1, [&](std::size_t b) {
     BodyFields fields;
     fields.cut_cells = bodies[b].cut_cells;
-    drawing.drawn[b] = draw_body(fields);
+    drawing.drawn[b] = draw_body(fields, clip_boundary(*fields.cut_cells));
     drawing.region_of_triangle[b] =
         regions_of_triangles(faces, static_cast<int>(b), drawing.drawn[b], *bodies[b].cut_cells);
   });

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/cut_open.hpp"
 #include "core/output_gnuplot.hpp"
 #include "core/output_render.hpp"
 #include "core/output_text.hpp"
@@ -177,20 +178,15 @@ std::optional<ContactPlace> contact_inside(const Results& results, const Box& bo
 }
 
 /// The bodies without the quarter towards the viewer around the contact.
-std::vector<DrawnBody> cut_open(const Results& results, const ContactPlace& place, const Vec3& eye) {
-  std::vector<DrawnBody> drawn;
-  for (const BodyFields& body : results.bodies) {
-    const CutCells& cut_cells = *body.cut_cells;
-    const Vec3 centre = cut_cells.grid.to_grid(place.centre);
-    std::vector<Solid> halves;  // the sides towards the viewer
-    for (int k = 0; k < 3; ++k) {
-      if (k == place.axis) continue;
-      const Vec3 towards_viewer = cut_cells.grid.rotation.transpose() * (Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0));
-      halves.push_back(Solid::half_space(centre, -towards_viewer, "cut"));
-    }
-    drawn.push_back(draw_body(body, clip_cells(cut_cells, Solid::intersect(halves[0], halves[1]))));
+std::vector<DrawnBody> cut_open(const std::vector<DrawnBody>& bodies, const ContactPlace& place, const Vec3& eye) {
+  std::array<Vec3, 2> towards_viewer;
+  for (int i = 0; i < 2; ++i) {
+    const int k = (place.axis + 1 + i) % 3;
+    towards_viewer[i] = Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0);
   }
-  return drawn;
+  std::vector<DrawnBody> open;
+  for (const DrawnBody& body : bodies) open.push_back(cut_open(body, place.centre, towards_viewer));
+  return open;
 }
 
 Vec3 drawn_position(const DrawnBody& body, int point, double exaggeration) {
@@ -276,7 +272,7 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
     look_along_axis(view.thin_axis, view.camera);
   } else {
     look_from_corner(bodies, view.camera);
-    if (const auto place = contact_inside(results, view.box)) opened = cut_open(results, *place, view.camera.eye);
+    if (const auto place = contact_inside(results, view.box)) opened = cut_open(bodies, *place, view.camera.eye);
   }
   const std::vector<DrawnBody>& drawn = opened.empty() ? bodies : opened;
   choose_colours(drawn, view);

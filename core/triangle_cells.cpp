@@ -122,7 +122,9 @@ TriangleCells::TriangleCells(const TriangleSurface& surface) : surface_(surface)
   const int n = static_cast<int>(surface.triangles().size());
   entries_.reserve(2 * surface.triangles().size());
   for (int t = 0; t < n; ++t)
-    each_cell_of_triangle(surface, t, [&](const Index3& cell) { entries_.push_back({code(cell), t}); });
+    each_piece_of_triangle(surface, t, [&](const Index3& cell, const SurfacePolygon&) {
+      entries_.push_back({code(cell), t});
+    });
   std::sort(entries_.begin(), entries_.end(),
             [](const Entry& a, const Entry& b) { return std::tie(a.cell, a.triangle) < std::tie(b.cell, b.triangle); });
   for (std::size_t i = 0; i < entries_.size(); ++i)

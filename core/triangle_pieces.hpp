@@ -43,9 +43,9 @@ void split_at(const SurfacePolygon& polygon, int axis, double value, SurfacePoly
 /// The part of a triangle in a cell; no corners if there is none.
 SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const Index3& cell);
 
-/// Calls use(cell) for all cells that hold a piece of the triangle.
+/// Calls use(cell, piece) for all cells that hold a piece of the triangle.
 template <class Use>
-void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const Use& use);
+void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use);
 
 /// As cell_boundary_points (core/cell_pieces.hpp), from the given triangles. The pieces of a patch in a cell are
 /// grouped by plane: up to 8 planes get the full rule on every plane, up to 32 one of degree 2, more one of degree 1,
@@ -73,7 +73,7 @@ void split_into_cells(const SurfacePolygon& polygon, int axis, const Vec3& norma
     if (axis > 0)
       split_into_cells(piece, axis - 1, normal, cell, use);
     else
-      use(static_cast<const Index3&>(cell));
+      use(static_cast<const Index3&>(cell), piece);
     if (!is_last) rest = above;
   }
 }
@@ -81,7 +81,7 @@ void split_into_cells(const SurfacePolygon& polygon, int axis, const Vec3& norma
 }  // namespace triangle_pieces
 
 template <class Use>
-void each_cell_of_triangle(const TriangleSurface& surface, int triangle, const Use& use) {
+void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use) {
   Index3 cell{0, 0, 0};
   triangle_pieces::split_into_cells(triangle_polygon(surface, triangle), 2, surface.normal(triangle), cell, use);
 }

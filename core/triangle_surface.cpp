@@ -54,7 +54,7 @@ TriangleSurface::TriangleSurface(std::vector<Vec3> points, std::vector<Triangle>
   topology->patch = std::move(patch);
   topology->face_names = std::move(face_names);
   topology_ = topology;
-  tree_ = TriangleTree(points_, topology_->triangles);
+  tree_ = TriangleTree(points_, topology_->triangles, topology_->patch);
   find_normals();
 }
 
@@ -91,7 +91,7 @@ TriangleSurface::Foot TriangleSurface::nearest(const Vec3& x, int patch, double 
   int best_feature = 0;
   double least = limit * limit;
   tree_.visit_nearest(
-      x, [&] { return least; },
+      x, patch, [&] { return least; },
       [&](int t) {
         if (patch >= 0 && topology_->patch[t] != patch) return;
         int feature = 0;
@@ -147,7 +147,7 @@ int TriangleSurface::nearest_facing(const Vec3& x, const Vec3& n) const {
   int best = -1;
   double least = 1e300;
   tree_.visit_nearest(
-      x, [&] { return least * least; },
+      x, -1, [&] { return least * least; },
       [&](int t) {
         int feature = 0;
         const Vec3 point = nearest_on_triangle(x, corner(t, 0), corner(t, 1), corner(t, 2), feature);

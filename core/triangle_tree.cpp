@@ -12,7 +12,8 @@ constexpr int leaf_size = 4;
 
 }  // namespace
 
-TriangleTree::TriangleTree(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
+TriangleTree::TriangleTree(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
+                           const std::vector<int>& group) {
   const int n = static_cast<int>(triangles.size());
   std::vector<Vec3> centre(n);
   for (int t = 0; t < n; ++t) centre[t] = points[triangles[t][0]] + points[triangles[t][1]] + points[triangles[t][2]];
@@ -28,7 +29,10 @@ TriangleTree::TriangleTree(const std::vector<Vec3>& points, const std::vector<Tr
     tasks.pop_back();
     const int number = static_cast<int>(topology->nodes.size());
     if (parent >= 0) topology->nodes[parent].right = number;
-    topology->nodes.push_back({-1, begin, end});
+    topology->nodes.push_back({-1, begin, end, group.empty() ? 0 : group[topology->order[begin]]});
+    if (std::any_of(topology->order.begin() + begin, topology->order.begin() + end,
+                    [&](int t) { return !group.empty() && group[t] != topology->nodes[number].group; }))
+      topology->nodes[number].group = -1;
     if (end - begin <= leaf_size) continue;
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
     for (int i = begin; i < end; ++i) {

@@ -17,7 +17,9 @@ using Triangle = std::array<int, 3>;
 class TriangleTree {
  public:
   TriangleTree() = default;
-  TriangleTree(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
+  /// `group`: of every triangle, >= 0; none: all are of one group.
+  TriangleTree(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
+               const std::vector<int>& group = {});
 
   /// The same tree for moved points.
   void refit(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles);
@@ -44,9 +46,9 @@ class TriangleTree {
   }
 
   /// Calls use(triangle) for triangles that may be nearer to x than sqrt(limit()), nearer boxes first; use may lower
-  /// the limit.
+  /// the limit. Boxes without a triangle of the group (-1: any) are passed over.
   template <class Limit, class Use>
-  void visit_nearest(const Vec3& x, const Limit& limit, const Use& use) const {
+  void visit_nearest(const Vec3& x, int group, const Limit& limit, const Use& use) const {
     std::pair<double, int> stack[max_depth];
     int size = 0;
     stack[size++] = {squared_distance(0, x), 0};
@@ -54,6 +56,7 @@ class TriangleTree {
       const auto [distance, n] = stack[--size];
       if (distance > limit()) continue;
       const Node& node = topology_->nodes[n];
+      if (group >= 0 && node.group >= 0 && node.group != group) continue;
       if (node.right < 0) {
         for (int i = node.begin; i < node.end; ++i) use(topology_->order[i]);
         continue;
@@ -73,6 +76,7 @@ class TriangleTree {
   /// A leaf has right < 0; the left child follows its parent.
   struct Node {
     int right, begin, end;
+    int group;  ///< of all its triangles, -1: of several
   };
   struct Topology {
     std::vector<int> order;  ///< triangles, those of a leaf together
