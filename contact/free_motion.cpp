@@ -9,8 +9,8 @@ namespace {
 
 /// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9.
 constexpr double no_load = 1e-7;
-/// Boundary points of a body among which the held ones are chosen.
-constexpr std::size_t most_candidates = 300;
+/// Boundary points among which the held ones are chosen: of all bodies, but at least so many of each.
+constexpr std::size_t most_candidates = 3000, fewest_candidates = 12;
 
 /// Columns that span the null space of a matrix whose singular values are of order 1 or zero.
 Eigen::MatrixXd null_space(const Eigen::MatrixXd& A) {
@@ -38,13 +38,12 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
   return three;
 }
 
-/// Forces and moments of the loads on the motions of one body, N, and the sum of the forces' magnitudes.
-std::pair<Eigen::Matrix<double, 6, 1>, double> load_on(const BodyModel& body, const Vec3& centre, double size) {
-  Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
+/// Work of the loads on the motions of one body, N, and the sum of the forces' magnitudes.
+std::pair<RigidMotion, double> load_on(const BodyModel& body, const RigidPiece& piece) {
+  RigidMotion sum = RigidMotion::Zero();
   double magnitude = 0;
   each_force(body, [&](int, const Vec3&, const Vec3& x, const Vec3& force) {
-    sum.head<3>() += force;
-    sum.tail<3>() += ((x - centre) / size).cross(force);
+    sum += piece.row(x, force);
     magnitude += force.norm();
   });
   return {sum, magnitude};
@@ -66,44 +65,10 @@ bool FreeMotions::slides() const { return null_space(rotations(modes)).cols() > 
 
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness) {
-  const std::size_t n = bodies.size();
+  RigidPieces pieces = whole_bodies(bodies);
   FreeMotions free;
-  for (const BodyModel& body : bodies) {
-    const Grid& grid = body.cut_cells.grid;
-    free.centre.push_back(grid.to_global(0.5 * Vec3(grid.num_cells[0], grid.num_cells[1], grid.num_cells[2])));
-    free.size.push_back(grid.cell_size * *std::max_element(grid.num_cells.begin(), grid.num_cells.end()));
-  }
-  using Row = Eigen::Matrix<double, 12, 1>;  // of one body or two
-  using Matrix = Eigen::Matrix<double, 12, 12>;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(6 * n, 6 * n);
-  const auto set = [&](Row& row, int place, int b, const Vec3& x, const Vec3& d) {
-    row.segment<3>(6 * place) = d;
-    row.segment<3>(6 * place + 3) = ((x - free.centre[b]) / free.size[b]).cross(d);
-  };
-  std::vector<Matrix> held(n, Matrix::Zero());
-  Row row = Row::Zero();
-  for (const SupportPoint& p : supports) {
-    set(row, 0, p.body, global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-    held[p.body].noalias() += p.weight / (free.size[p.body] * free.size[p.body]) * row * row.transpose();
-  }
-  for (std::size_t b = 0; b < n; ++b) A.block<6, 6>(6 * b, 6 * b) += held[b].topLeftCorner<6, 6>();
-  for (const ContactPair& pair : pairs) {
-    Matrix sum = Matrix::Zero();
-    for (const ContactPoint& q : pair.points) {
-      if (!q.active) continue;
-      const double size = free.size[pair.primary];
-      set(row, 0, pair.primary, q.x, -q.normal);
-      set(row, 1, pair.secondary, q.x, q.normal);
-      sum.noalias() += q.weight / (size * size) * row * row.transpose();
-    }
-    const int body[2] = {pair.primary, pair.secondary};
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j) A.block<6, 6>(6 * body[i], 6 * body[j]) += sum.block<6, 6>(6 * i, 6 * j);
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  Eigen::Index count = 0;
-  while (count < A.cols() && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[A.cols() - 1]) ++count;
-  free.modes = eigen.eigenvectors().leftCols(count);
+  free.modes = free_rigid_motions(pieces, bodies, supports, pairs, no_stiffness);
+  free.bodies = std::move(pieces.list);
   return free;
 }
 
@@ -113,7 +78,7 @@ FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel
   Eigen::VectorXd load(free.modes.rows());
   double magnitude = 0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const auto [sum, size] = load_on(bodies[b], free.centre[b], free.size[b]);
+    const auto [sum, size] = load_on(bodies[b], free.bodies[b]);
     load.segment<6>(6 * b) = sum;
     magnitude += size;
   }
@@ -140,17 +105,18 @@ std::string describe(const FreeMotions& free, const Scene& scene) {
 
 std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyModel>& bodies) {
   std::vector<SupportPoint> candidates;
+  const std::size_t per_body = std::max(fewest_candidates, most_candidates / bodies.size());
   std::vector<Eigen::VectorXd> rows;  // of each candidate: its displacement in every motion
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
     const BodyModel& body = bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
-    const std::size_t stride = 1 + boundary.size() / most_candidates;
+    const std::size_t stride = 1 + boundary.size() / per_body;
     const double h = body.cut_cells.grid.cell_size;
     for (std::size_t p = 0; p < boundary.size(); p += stride)
       for (int k = 0; k < 3; ++k) {
-        const Vec3 d = Vec3::Unit(k), arm = (body.point(static_cast<int>(p)) - free.centre[b]) / free.size[b];
-        rows.push_back(free.modes.middleRows(6 * b, 3).transpose() * d +
-                       free.modes.middleRows(6 * b + 3, 3).transpose() * arm.cross(d));
+        const Vec3 d = Vec3::Unit(k);
+        rows.push_back(free.modes.middleRows<6>(6 * b).transpose() *
+                       free.bodies[b].row(body.point(static_cast<int>(p)), d));
         SupportPoint point;
         point.body = b;
         point.cell = boundary.cell[p];

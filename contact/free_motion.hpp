@@ -4,16 +4,13 @@
 
 #include <string>
 
-#include "contact/contact_pairs.hpp"
+#include "contact/rigid_motion.hpp"
 
 namespace cgcontact {
 
 struct FreeMotions {
-  std::vector<Vec3> centre;  ///< of each body's grid, m
-  std::vector<double> size;  ///< m
-  /// Orthonormal columns; rows 6 b .. 6 b + 5 of body b: translation t, then rotation r; the displacement at x is
-  /// t + r x (x - centre) / size.
-  Eigen::MatrixXd modes;
+  std::vector<RigidPiece> bodies;
+  Eigen::MatrixXd modes;  ///< orthonormal columns; rows 6 b .. 6 b + 5: RigidMotion of body b
 
   bool empty() const { return modes.cols() == 0; }
   /// Is there a motion without any rotation?

@@ -13,7 +13,4 @@ namespace cgcontact {
 std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs);
 
-/// Number of the connected piece of every active cell (joined by common faces), from 0.
-std::vector<int> find_pieces(const CutCells& cut_cells, int& count);
-
 }  // namespace cgcontact

@@ -324,14 +324,12 @@ void SceneReader::add_automatic_contacts(const TomlCursor& node) {
   if (node.find("faces") || node.find("name"))
     node.fail("automatic pairs take no faces and no name", "automatic = true");
   if (scene_.bodies.size() < 2) node.fail("automatic contact needs at least two bodies", "two or more [[body]]");
-  const auto joined = [this](int a, int b) {
-    return std::any_of(scene_.contacts.begin(), scene_.contacts.end(), [a, b](const ContactSpec& contact) {
-      return std::minmax(contact.first.body, contact.second.body) == std::minmax(a, b);
-    });
-  };
+  std::set<std::pair<int, int>> joined;
+  for (const ContactSpec& contact : scene_.contacts)
+    joined.insert(std::minmax(contact.first.body, contact.second.body));
   for (int b = 1; b < static_cast<int>(scene_.bodies.size()); ++b) {
     for (int a = 0; a < b; ++a) {
-      if (joined(a, b)) continue;
+      if (joined.count({a, b}) > 0) continue;
       ContactSpec contact;
       contact.place = node.place();
       contact.name = scene_.bodies[a].name + "-" + scene_.bodies[b].name;
