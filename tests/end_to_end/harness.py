@@ -95,7 +95,13 @@ def largest_difference(first, second):
     if set(reports[0]) != set(reports[1]):
         return float("inf"), f"parts of the reports: {sorted(set(reports[0]) ^ set(reports[1]))}"
     parts = re.compile(r"\.(force|moment)(\.\w+)?\[\d+\]$|\.(pressure_error)\[")
-    kind = {name: parts.search(name) and (parts.search(name).group(1) or parts.search(name).group(3)) for name in reports[0]}
+    balance = re.compile(r"\.balance\[\d+\]\.(loads|supports|contact)\[")
+
+    def kind_of(name):
+        part = parts.search(name)
+        return "force" if balance.match(name) else part and (part.group(1) or part.group(3))
+
+    kind = {name: kind_of(name) for name in reports[0]}
     largest = {}
     for name, value in reports[0].items():
         if kind[name] and not isinstance(value, str):
