@@ -78,6 +78,31 @@ Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const Resistanc
   return eigen.eigenvectors().leftCols(count);
 }
 
+/// Number of the connected piece of every active cell (joined by common faces), from 0.
+std::vector<int> find_pieces(const CutCells& cut_cells, int& count) {
+  std::vector<int> piece(cut_cells.cells.size(), -1), waiting;
+  count = 0;
+  for (std::size_t start = 0; start < piece.size(); ++start) {
+    if (piece[start] >= 0) continue;
+    piece[start] = count;
+    waiting.push_back(static_cast<int>(start));
+    while (!waiting.empty()) {
+      const Index3 cell = cut_cells.cells[waiting.back()];
+      waiting.pop_back();
+      for (int f = 0; f < 6; ++f) {
+        Index3 next = cell;
+        next[f / 2] += f % 2 == 0 ? -1 : 1;
+        const int neighbour = cut_cells.find(next);
+        if (neighbour < 0 || piece[neighbour] >= 0) continue;
+        piece[neighbour] = count;
+        waiting.push_back(neighbour);
+      }
+    }
+    ++count;
+  }
+  return piece;
+}
+
 /// The `count` pieces of a body, given by their numbers in it.
 void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int> piece_of_cell, int count,
                 RigidPieces& pieces) {
@@ -115,30 +140,6 @@ RigidPieces separate_pieces(const std::vector<BodyModel>& bodies) {
     add_pieces(bodies, static_cast<int>(b), std::move(piece_of_cell), count, pieces);
   }
   return pieces;
-}
-
-std::vector<int> find_pieces(const CutCells& cut_cells, int& count) {
-  std::vector<int> piece(cut_cells.cells.size(), -1), waiting;
-  count = 0;
-  for (std::size_t start = 0; start < piece.size(); ++start) {
-    if (piece[start] >= 0) continue;
-    piece[start] = count;
-    waiting.push_back(static_cast<int>(start));
-    while (!waiting.empty()) {
-      const Index3 cell = cut_cells.cells[waiting.back()];
-      waiting.pop_back();
-      for (int f = 0; f < 6; ++f) {
-        Index3 next = cell;
-        next[f / 2] += f % 2 == 0 ? -1 : 1;
-        const int neighbour = cut_cells.find(next);
-        if (neighbour < 0 || piece[neighbour] >= 0) continue;
-        piece[neighbour] = count;
-        waiting.push_back(neighbour);
-      }
-    }
-    ++count;
-  }
-  return piece;
 }
 
 Eigen::MatrixXd free_rigid_motions(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,

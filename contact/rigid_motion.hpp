@@ -35,9 +35,6 @@ RigidPieces whole_bodies(const std::vector<BodyModel>& bodies);
 /// Bodies may consist of pieces that nothing joins.
 RigidPieces separate_pieces(const std::vector<BodyModel>& bodies);
 
-/// Number of the connected piece of every active cell (joined by common faces), from 0.
-std::vector<int> find_pieces(const CutCells& cut_cells, int& count);
-
 /// Basis (orthonormal columns; rows 6 k .. 6 k + 5: motion of piece k) of the motions that are resisted by less than
 /// `no_stiffness` of what is resisted most among the pieces that contact joins; with the present state of the contact
 /// points.

@@ -30,8 +30,8 @@ TriangleTree::TriangleTree(const std::vector<Vec3>& points, const std::vector<Tr
     const int number = static_cast<int>(topology->nodes.size());
     if (parent >= 0) topology->nodes[parent].right = number;
     topology->nodes.push_back({-1, begin, end, group.empty() ? 0 : group[topology->order[begin]]});
-    if (std::any_of(topology->order.begin() + begin, topology->order.begin() + end,
-                    [&](int t) { return !group.empty() && group[t] != topology->nodes[number].group; }))
+    if (!group.empty() && std::any_of(topology->order.begin() + begin, topology->order.begin() + end,
+                                      [&](int t) { return group[t] != topology->nodes[number].group; }))
       topology->nodes[number].group = -1;
     if (end - begin <= leaf_size) continue;
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
