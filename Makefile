@@ -5,7 +5,7 @@
 #   make test       build and run all tests
 #   make trilinos-openmp   build Trilinos with OpenMP into ~/.cache/cgcontact, for BACKEND=openmp (once; half an hour)
 #   make asan       the same with address and undefined-behaviour sanitizers
-#   make tsan       core/ with the thread sanitizer
+#   make tsan       BACKEND=openmp with the thread sanitizer (clang; needs make trilinos-openmp)
 #   make fuzz       RUNS (100000) executions of each fuzz target with libFuzzer and sanitizers
 #   make install PREFIX=DIR   program, library and documents into DIR (default /usr/local)
 #   make docs       reference of the library in build/docs/html (needs doxygen, which it installs)
@@ -63,6 +63,7 @@ trilinos-openmp:
 asan:
 	@$(MAKE) --no-print-directory test BACKEND=asan
 tsan:
+	@scripts/install_dependencies.sh --tsan
 	@$(MAKE) --no-print-directory test BACKEND=tsan
 
 fuzz: deps

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <set>
 
+#include "contact/active_set_history.hpp"
 #include "contact/boundary_stress.hpp"
 #include "contact/free_motion.hpp"
 #include "contact/free_pieces.hpp"
@@ -27,6 +27,9 @@ constexpr double no_force = 1e-10, no_stress = 1e-9;
 constexpr double hardly_any_stiffness = 1e-3;
 /// Of Young's moduli: worth a question where the linear solver gives up.
 constexpr double large_ratio = 1e7;
+/// Iterations over which the pace of the residual is taken; the default of kappa is 10.
+constexpr std::size_t pace = 4;
+constexpr double small_kappa = 1;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -66,12 +69,12 @@ struct ContactSolver::Impl {
   std::vector<double> group_force(bool with_displacement) const;
   std::vector<double> group_stiffness() const;
   std::vector<double> group_gap_change() const;
-  long long update_active_set();
+  void update_active_set();
   double largest_displacement() const;
   double update_recovered_stress();
   long long count_active() const;
   std::string describe_loss_of_contact() const;
-  std::string describe_cycle(int repeats) const;
+  std::string describe_residual(const OuterResult& result) const;
   std::string describe_linear_solve(const LinearSolveResult& solve) const;
   LinearSolveResult solve_linear(double tolerance);
   void polish(OuterResult& result);
@@ -84,9 +87,8 @@ struct ContactSolver::Impl {
   std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
   RealView u_, rhs_;
   double force_norm_ = 0;
-  bool warm_ = false;                      // is there a converged solution to start from?
-  std::string solver_error_;               // of Trilinos, where it gave up
-  std::vector<std::vector<int>> changes_;  // of the state of each point in the last iterations, per pair
+  bool warm_ = false;         // is there a converged solution to start from?
+  std::string solver_error_;  // of Trilinos, where it gave up
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem)
@@ -107,11 +109,7 @@ void ContactSolver::Impl::forget() {
   Kokkos::deep_copy(u_, 0.0);
   support_stress_.assign(problem_.supports.size(), 0.0);
   contact_stress_.clear();
-  changes_.clear();
-  for (const ContactPair& pair : problem_.pairs) {
-    contact_stress_.emplace_back(pair.points.size(), 0.0);
-    changes_.emplace_back(pair.points.size(), 0);
-  }
+  for (const ContactPair& pair : problem_.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
 }
 
 /// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
@@ -218,12 +216,11 @@ std::vector<double> ContactSolver::Impl::group_gap_change() const {
   return change;
 }
 
-/// Active where p* - kappa E/h gap > 0 (p* of the previous iterate); returns the number of points that changed. Where
-/// all of a pair is rounding of kappa E/h times the displacements (bodies that touch without force) nothing changes.
-long long ContactSolver::Impl::update_active_set() {
+/// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
+/// the displacements (bodies that touch without force) nothing changes.
+void ContactSolver::Impl::update_active_set() {
   const std::vector<double> change = group_gap_change();
   const double moved = largest_displacement() * scales().length;
-  long long changed = 0;
   std::size_t first_group = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     ContactPair& pair = problem_.pairs[k];
@@ -235,15 +232,9 @@ long long ContactSolver::Impl::update_active_set() {
     double largest = 0;
     for (std::size_t q = 0; q < pair.points.size(); ++q) largest = std::max(largest, std::abs(pressure(q)));
     if (!(largest < no_force * pair.stiffness * moved))
-      for (std::size_t q = 0; q < pair.points.size(); ++q) {
-        const bool active = pressure(q) > 0;
-        changed += active != pair.points[q].active;
-        changes_[k][q] = std::max(0, changes_[k][q] + (active != pair.points[q].active ? 2 : -1));
-        pair.points[q].active = active;
-      }
+      for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
     first_group += pair.groups.size();
   }
-  return changed;
 }
 
 /// Scales::length.
@@ -306,27 +297,21 @@ std::string ContactSolver::Impl::describe_loss_of_contact() const {
              : fmt::format("contact {} has opened wholly, and nothing else holds the body", fmt::join(opened, ", "));
 }
 
-/// The pair most of whose points keep changing, and where they are.
-std::string ContactSolver::Impl::describe_cycle(int repeats) const {
-  std::size_t worst = 0;
-  std::vector<long long> count(changes_.size(), 0);
-  for (std::size_t k = 0; k < changes_.size(); ++k) {
-    count[k] = std::count_if(changes_[k].begin(), changes_[k].end(), [](int n) { return n > 1; });
-    if (count[k] > count[worst]) worst = k;
+/// Where the iteration stood when it was cut off.
+std::string ContactSolver::Impl::describe_residual(const OuterResult& result) const {
+  const SolverSpec& solver = problem_.scene.solver;
+  const std::vector<double>& r = result.residuals;
+  std::string text = fmt::format(
+      "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, solver.max_outer_iterations = {})", r.back(),
+      result.iterations, solver.tolerance, solver.max_outer_iterations);
+  if (r.size() > pace) {
+    const double factor = std::pow(r.back() / r[r.size() - 1 - pace], 1.0 / pace);
+    text += factor < 1 ? fmt::format("; it fell by a factor {:.2g} per iteration", factor) : "; it does not fall";
   }
-  const ContactPair& pair = problem_.pairs[worst];
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (std::size_t q = 0; q < pair.points.size(); ++q) {
-    if (changes_[worst][q] <= 1) continue;
-    low = low.cwiseMin(pair.points[q].x);
-    high = high.cwiseMax(pair.points[q].x);
-  }
-  return fmt::format(
-      "the active set cycles ({} repeated states): {} of {} points of contact \"{}\" between ({:.4g}, {:.4g}, {:.4g}) "
-      "and "
-      "({:.4g}, {:.4g}, {:.4g}) m keep opening and closing; finer cells or another grid.offset of \"{}\" may help",
-      repeats, count[worst], pair.points.size(), pair.spec->name, low[0], low[1], low[2], high[0], high[1], high[2],
-      problem_.scene.bodies[pair.primary].name);
+  if (solver.kappa < small_kappa)
+    text += fmt::format("; solver.kappa = {:g} is small: this iteration converges the faster the larger it is",
+                        solver.kappa);
+  return text;
 }
 
 /// Trilinos throws where numbers are no longer finite; its messages have many lines.
@@ -400,8 +385,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   }
   warm_ = false;
   double outer_residual = 1;
-  std::set<std::vector<bool>> seen;
-  int repeats = 0;
+  ActiveSetHistory history(problem_.pairs);
   for (int iteration = 1; iteration <= solver.max_outer_iterations; ++iteration) {
     OuterStep step;
     step.iteration = iteration;
@@ -424,7 +408,8 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
       return stop(describe_linear_solve(solve));
-    step.changed_points = update_active_set();
+    update_active_set();
+    step.changed_points = history.record(problem_.pairs);
     step.residual = update_recovered_stress();
     step.active_points = count_active();
     result.residuals.push_back(step.residual);
@@ -438,18 +423,9 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
       polish(result);
       return result;
     }
-    std::vector<bool> state;
-    for (const ContactPair& pair : problem_.pairs)
-      for (const ContactPoint& q : pair.points) state.push_back(q.active);
-    if (step.changed_points > 0 && !seen.insert(state).second) ++repeats;
   }
   polish(result);
-  result.diagnosis = repeats > 2
-                         ? describe_cycle(repeats)
-                         : fmt::format(
-                               "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, "
-                               "solver.max_outer_iterations = {})",
-                               outer_residual, result.iterations, solver.tolerance, solver.max_outer_iterations);
+  result.diagnosis = history.cycles() ? history.describe(problem_.pairs) : describe_residual(result);
   return result;
 }
 

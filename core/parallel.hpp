@@ -7,10 +7,6 @@
 #include <cstddef>
 #include <exception>
 #include <mutex>
-#ifdef CGCONTACT_STD_THREADS
-#include <thread>
-#include <vector>
-#endif
 
 namespace cgcontact {
 
@@ -43,21 +39,6 @@ class FirstError {
   std::exception_ptr error_;
 };
 
-#ifdef CGCONTACT_STD_THREADS
-/// In the place of OpenMP for the thread sanitizer, which knows nothing of how OpenMP's runtime makes threads wait.
-template <class Run>
-void run_on_std_threads(long long chunks, const Run& run) {
-  std::atomic<long long> next{0};
-  const auto work = [&] {
-    for (long long c = next++; c < chunks; c = next++) run(c);
-  };
-  std::vector<std::thread> others(chunks > 1 ? 3 : 0);
-  for (std::thread& other : others) other = std::thread(work);
-  work();
-  for (std::thread& other : others) other.join();
-}
-#endif
-
 /// Calls body(chunk, begin, end) for all chunks of [0, n).
 template <class Body>
 void parallel_chunks(std::size_t n, std::size_t grain, const Body& body) {
@@ -69,14 +50,10 @@ void parallel_chunks(std::size_t n, std::size_t grain, const Body& body) {
       body(static_cast<std::size_t>(c), begin, begin + grain < n ? begin + grain : n);
     });
   };
-#ifdef CGCONTACT_STD_THREADS
-  run_on_std_threads(chunks, run);
-#else
 #ifdef _OPENMP
 #pragma omp parallel for schedule(dynamic) if (chunks > 1)
 #endif
   for (long long c = 0; c < chunks; ++c) run(c);
-#endif
   error.rethrow();
 }
 

@@ -154,6 +154,19 @@ inline void add_three(Real* to, const Real* v) {
 
 namespace detail {
 
+/// Lane i: that of number indices[i] in a, then b.
+template <class V, class M>
+inline V shuffle(const V& a, const V& b, const M& indices) {
+#ifdef __clang__
+  constexpr int count = sizeof(M) / sizeof(indices[0]);
+  V v = {};
+  for (int i = 0; i < count; ++i) v[i] = indices[i] < count ? a[indices[i]] : b[indices[i] - count];
+  return v;
+#else
+  return __builtin_shuffle(a, b, indices);
+#endif
+}
+
 /// Index tables of (de)interleaving three components; constant data.
 template <class Real>
 struct Interleave {
@@ -206,8 +219,8 @@ template <class Real>
 inline void split_components(const Vector<Real> v[3], Vector<Real> u[3]) {
   constexpr const auto& t = detail::interleave<Real>;
   for (int c = 0; c < 3; ++c)
-    u[c] = __builtin_shuffle(__builtin_shuffle(v[0], v[1], detail::mask<Real>(t.split_low[c])), v[2],
-                             detail::mask<Real>(t.split_high[c]));
+    u[c] = detail::shuffle(detail::shuffle(v[0], v[1], detail::mask<Real>(t.split_low[c])), v[2],
+                           detail::mask<Real>(t.split_high[c]));
 }
 
 /// One vector per component -> three vectors of interleaved components.
@@ -215,8 +228,8 @@ template <class Real>
 inline void join_components(const Vector<Real> u[3], Vector<Real> v[3]) {
   constexpr const auto& t = detail::interleave<Real>;
   for (int c = 0; c < 3; ++c)
-    v[c] = __builtin_shuffle(__builtin_shuffle(u[0], u[1], detail::mask<Real>(t.join_low[c])), u[2],
-                             detail::mask<Real>(t.join_high[c]));
+    v[c] = detail::shuffle(detail::shuffle(u[0], u[1], detail::mask<Real>(t.join_low[c])), u[2],
+                           detail::mask<Real>(t.join_high[c]));
 }
 
 /// r[i] lane l <-> r[l % 8] lane i (+ 8 in the upper half): its own inverse.
@@ -228,15 +241,15 @@ inline void transpose8(Vector<Real> r[8]) {
       if (i >> s & 1) continue;
       const int j = i + (1 << s);
       const Vector<Real> a = r[i], b = r[j];
-      r[i] = __builtin_shuffle(a, b, detail::mask<Real>(t.low[s]));
-      r[j] = __builtin_shuffle(a, b, detail::mask<Real>(t.high[s]));
+      r[i] = detail::shuffle(a, b, detail::mask<Real>(t.low[s]));
+      r[j] = detail::shuffle(a, b, detail::mask<Real>(t.high[s]));
     }
 }
 
 /// Lower eight lanes of a, then lower eight lanes of b (float only).
 inline Vector<float> join_halves(const Vector<float>& a, const Vector<float>& b) {
   constexpr Lanes<float>::Mask halves = {0, 1, 2, 3, 4, 5, 6, 7, 16, 17, 18, 19, 20, 21, 22, 23};
-  return __builtin_shuffle(a, b, halves);
+  return detail::shuffle(a, b, halves);
 }
 
 }  // namespace cgcontact

@@ -6,6 +6,7 @@
 #   scripts/install_dependencies.sh --docs     doxygen as well
 #   scripts/install_dependencies.sh --format   clang-format as well
 #   scripts/install_dependencies.sh --fuzz     clang with libFuzzer as well
+#   scripts/install_dependencies.sh --tsan     clang with its OpenMP and thread sanitizer as well
 #   scripts/install_dependencies.sh --trilinos what build_trilinos_openmp.sh uses as well
 set -euo pipefail
 
@@ -24,8 +25,9 @@ for option in "$@"; do
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
     --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;
+    --tsan) packages+=(clang-14 libclang-rt-14-dev libomp-14-dev) ;;
     --trilinos) packages+=(dpkg-dev xz-utils libblas-dev liblapack-dev) ;;
-    *) echo "usage: $0 [--test] [--docs] [--format] [--fuzz] [--trilinos]" >&2; exit 1 ;;
+    *) echo "usage: $0 [--test] [--docs] [--format] [--fuzz] [--tsan] [--trilinos]" >&2; exit 1 ;;
   esac
 done
 

@@ -84,11 +84,15 @@ class Memory(unittest.TestCase):
         self.refused("run", scene("two_solids_3d"), *settings(n=24), "--memory-limit", f"{0.95 * needed:.0f}MB")
         self.assertFalse(os.path.exists("out"))
 
-    def test_limits_of_the_system(self):
-        """ulimit -v is found; the environment variable and --memory-limit replace what is found."""
+    @unittest.skipIf(harness.SLOW_BUILD, "sanitizers reserve terabytes of address space")
+    def test_limit_of_the_address_space(self):
+        """ulimit -v is found."""
         refused = limited(["check", scene("two_solids_3d"), *settings(n=400)], 3 * GB)
         self.assertEqual(refused.returncode, 1, refused.stderr)
         self.assertIn("ulimit -v", refused.stderr)
+
+    def test_what_replaces_the_limits_of_the_system(self):
+        """The environment variable and --memory-limit replace what is found."""
         outcome, found = self.refused("check", scene("two_solids_3d"), *settings(n=400),
                                       environment={"CGCONTACT_MEMORY_LIMIT": "2 GB"})
         self.assertEqual(in_bytes(found[2]), 2 * GB)
@@ -98,7 +102,7 @@ class Memory(unittest.TestCase):
         self.assertEqual(impossible.code, 1)
         self.assertIn("no cell size fits", impossible.err)
 
-    @unittest.skipIf(harness.SLOW_BUILD, "the address sanitizer reserves terabytes of address space")
+    @unittest.skipIf(harness.SLOW_BUILD, "sanitizers reserve terabytes of address space")
     def test_out_of_memory_all_the_same(self):
         """Where the check is overridden, running out of memory is one message, and nothing is written."""
         failed = limited(["run", scene("two_solids_3d"), "--out", "results", *settings(n=80), "--memory-limit", "none"],

@@ -1,0 +1,76 @@
+// What is said of an active set that does not come to rest. The states are made by hand: no scene is known whose active
+// set cycles.
+#include <gtest/gtest.h>
+
+#include "contact/active_set_history.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Two pairs, of four and of six points at x = 0, 1, 2, ... on y = number of the pair, all closed.
+std::vector<ContactPair> two_pairs(const ContactSpec& first, const ContactSpec& second) {
+  std::vector<ContactPair> pairs(2);
+  pairs[0].spec = &first;
+  pairs[1].spec = &second;
+  for (int k = 0; k < 2; ++k)
+    for (int q = 0; q < 4 + 2 * k; ++q) {
+      ContactPoint point;
+      point.x = {double(q), double(k), 0};
+      pairs[k].points.push_back(point);
+    }
+  return pairs;
+}
+
+class ActiveSetHistoryTest : public testing::Test {
+ protected:
+  ActiveSetHistoryTest() {
+    first_.name = "first";
+    second_.name = "second";
+    pairs_ = two_pairs(first_, second_);
+  }
+  ContactSpec first_, second_;
+  std::vector<ContactPair> pairs_;
+};
+
+TEST_F(ActiveSetHistoryTest, CountsChangesOfAllPairs) {
+  ActiveSetHistory history(pairs_);
+  EXPECT_EQ(history.record(pairs_), 0);
+  pairs_[0].points[1].active = pairs_[1].points[0].active = pairs_[1].points[5].active = false;
+  EXPECT_EQ(history.record(pairs_), 3);
+  EXPECT_EQ(history.record(pairs_), 0);
+}
+
+/// A zone that shrinks point by point and rests never has a state twice.
+TEST_F(ActiveSetHistoryTest, AShrinkingZoneIsNoCycle) {
+  ActiveSetHistory history(pairs_);
+  for (ContactPoint& point : pairs_[1].points) {
+    point.active = false;
+    EXPECT_EQ(history.record(pairs_), 1);
+  }
+  for (int i = 0; i < 10; ++i) history.record(pairs_);
+  EXPECT_FALSE(history.cycles());
+}
+
+/// Cycles of two and of three states are found; the message names the pair, how many of its points and where they are,
+/// and not the point of the other pair that changed once, long ago.
+TEST_F(ActiveSetHistoryTest, CyclesAreFoundAndPlaced) {
+  for (const int period : {2, 3}) {
+    std::vector<ContactPair> pairs = pairs_;
+    ActiveSetHistory history(pairs);
+    pairs[0].points[3].active = false;
+    history.record(pairs);
+    for (int i = 0; i < 3 * period; ++i) {
+      pairs[1].points[2].active = i % period == 0;
+      pairs[1].points[4].active = i % period != 0;
+      history.record(pairs);
+    }
+    EXPECT_TRUE(history.cycles()) << period;
+    const std::string text = history.describe(pairs);
+    for (const char* part :
+         {"the active set cycles (", "2 of 6 points of contact \"second\"", "between (2, 1, 0) and (4, 1, 0) m"})
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace cgcontact
