@@ -14,16 +14,13 @@ namespace {
 /// Width of the Gaussian of the local mean, cells of the coarser body of the pair; beyond three widths nothing counts.
 constexpr double mean_width = 1, mean_reach = 3;
 
-/// Uncertainty of the place of an edge, cells of the coarser body: recovery/edge_fit.hpp scatters by that.
-constexpr double edge_shift = 0.015;
-
 /// So near to an edge, cells of the coarser body, the solution's zone of whole groups spoils the transmitted pressure.
 constexpr double edge_reach = 1.5;
 
 /// The edge's square-root term around a row.
 struct EdgeAtRow {
   double inside = 1e300;  ///< distance from the edge, m
-  double change = 0;      ///< of the terms when the edge moves by a given distance, Pa
+  double change = 0;      ///< of the terms when the edge moves by its expected error, Pa
 };
 
 /// The mean of transmitted less recovered pressure around a place. The rows of a cell count as one, at their centroid.
@@ -72,8 +69,7 @@ class LocalMean {
   PointBuckets buckets_;
 };
 
-/// `shift`: m.
-EdgeAtRow edge_at_row(const Simulation& sim, const ContactRow& row, double shift) {
+EdgeAtRow edge_at_row(const Simulation& sim, const ContactRow& row) {
   EdgeAtRow result;
   const RecoveredField& field = sim.sprc[row.body];
   if (!field.edge) return result;
@@ -89,8 +85,8 @@ EdgeAtRow edge_at_row(const Simulation& sim, const ContactRow& row, double shift
     const ContactEdge& edge = term->edge;
     const double s = edge.inside(position);
     result.inside = std::min(result.inside, s / edge.scale * h);
-    result.change += N[a] * std::abs(term->factor) * std::abs(edge.root(s + shift / h * edge.scale) - edge.root(s)) *
-                     sim.scales.stress;
+    result.change += N[a] * std::abs(term->factor) *
+                     std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * sim.scales.stress;
   }
   return result;
 }
@@ -104,7 +100,7 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     const double h = sim.bodies[pair.primary].cut_cells.grid.cell_size;  // the coarser body
     std::vector<EdgeAtRow> edges(rows.size());
     parallel_for(rows.size(), 128, [&](std::size_t i) {
-      if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(sim, rows[i], edge_shift * h);
+      if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(sim, rows[i]);
     });
     const LocalMean mean(rows, edges, static_cast<int>(p), mean_width * h, edge_reach * h);
     const double force_error = std::pow(results.estimated_error_relative, 2);

@@ -54,17 +54,21 @@ def main():
     options = arguments()
     for scene in options.scenes:
         generator, ratios = random.Random(options.seed), []
-        print(f"{scene}\n{'n':>5} {'offset':>6} {'true %':>8} {'estimate %':>10} {'ratio':>6} {'effectivity':>11}")
+        print(f"{scene}\n{'n':>5} {'offset':>6} {'SPR %':>8} {'true %':>8} {'estimate %':>10} {'ratio':>6} {'effectivity':>11}")
         chosen = [[], *(offsets(scene, generator) for _ in range(options.offsets))]
         for n in options.sizes.split(","):
+            errors = []
             for number, offset in enumerate(chosen):
                 report = run(options.program, scene, [f"n={n}", *options.set, *offset])
-                true = report["pressure_error"][0]["sprc"]
+                spr, true = (report["pressure_error"][0][key] for key in ("spr", "sprc"))
+                errors.append(true)
                 estimate = report["contact"][0]["pressure_error_estimate"]
                 ratios.append(estimate / true)
                 effectivity = report.get("effectivity")
-                print(f"{n:>5} {number:>6} {100 * true:8.3f} {100 * estimate:10.3f} {ratios[-1]:6.2f}"
+                print(f"{n:>5} {number:>6} {100 * spr:8.3f} {100 * true:8.3f} {100 * estimate:10.3f} {ratios[-1]:6.2f}"
                       f" {effectivity or math.nan:11.3f}", flush=True)
+            print(f"{n:>5}   mean {100 * sum(errors) / len(errors):17.3f}, worst {100 * max(errors):.3f}, "
+                  f"ratios' mean {math.exp(sum(map(math.log, ratios[-len(errors):])) / len(errors)):.2f}", flush=True)
         mean = math.exp(sum(map(math.log, ratios)) / len(ratios))
         print(f"ratio: {min(ratios):.2f} to {max(ratios):.2f}, geometric mean {mean:.2f}\n")
 

@@ -32,7 +32,8 @@ struct ContactLink {
   Vec3 other_position;  ///< grid coordinates of the other body
   double distance = 0;  ///< m, from this point along the outward normal to the other body
   bool active = false;
-  double pressure = 0;  ///< Pa, what the solution transmits here: constant over the closed points of a group
+  double pressure = 0;         ///< Pa, what the solution transmits here: constant over the closed points of a group
+  double spread_pressure = 0;  ///< Pa, the same force over all points of the group: so it acts on the bodies
 };
 
 /// Boundary of one body: its default quadrature points with what is known there.

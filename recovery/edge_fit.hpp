@@ -15,9 +15,11 @@ namespace cgcontact {
 /// What a contact point transmits; global axes.
 struct TransmittedForce {
   int pair, cell;  ///< active cell of the coarser body
+  int image;       ///< in which planes of symmetry it is mirrored, a bit each; 0: it is no image
   bool closed;
   Vec3 position, normal;  ///< m; outward unit normal of one of the bodies
   double area, force;     ///< m^2; N, compression positive
+  double spread_force;    ///< N, where the group's force is spread over all its points, closed or not
 };
 
 struct EdgeFit {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "core/parallel.hpp"
+#include "recovery/narrow_edges.hpp"
 
 namespace cgcontact {
 namespace {
@@ -17,64 +17,11 @@ constexpr int rounds = 3;
 
 /// Samples count with exp(-(distance / (smoothing width))^2 / 2), and not at all beyond reach widths.
 constexpr double smoothing = 1.5, reach = 4 * smoothing;
+/// What the place of an edge may be off, cells; the scatter below is that of its places.
+constexpr double expected_error = 0.015;
 /// Scatter of the first guesses and of the places that the forces give, and what slope and curvature against the mean
 /// direction are expected to be; cells.
 constexpr double guess_scatter = 0.2, place_scatter = 0.02, expected_slope = 0.2;
-
-/// Contact points of the pairs that one body has the coarser cells of.
-class ContactZone {
- public:
-  ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index)
-      : cell_size_(bodies[index].mesh->cut_cells->grid.cell_size), buckets_(edge_fit_reach * cell_size_) {
-    const Grid& grid = bodies[index].mesh->cut_cells->grid;
-    for (const ContactLink& link : bodies[index].boundary->links) {
-      const double other = bodies[link.other_body].mesh->cut_cells->grid.cell_size;
-      if (other > cell_size_ || (other == cell_size_ && link.other_body < static_cast<int>(index))) continue;
-      buckets_.add(grid.to_global(link.position), static_cast<int>(forces_.size()));
-      forces_.push_back({link.pair, link.cell, link.active, grid.to_global(link.position), grid.rotation * link.normal,
-                         link.weight, link.weight * link.pressure});
-    }
-  }
-  double cell_size() const { return cell_size_; }
-  const std::vector<TransmittedForce>& forces() const { return forces_; }
-
-  /// The points of a pair on a face turned like n, within so many cells of x.
-  std::vector<const TransmittedForce*> forces_near(int pair, const Vec3& x, const Vec3& n, double cells) const {
-    std::vector<const TransmittedForce*> found;
-    const double square = std::pow(cells * cell_size_, 2);
-    buckets_.each_near(x, [&](int i) {
-      const TransmittedForce& f = forces_[i];
-      if (f.pair == pair && f.normal.dot(n) > 0.5 && (f.position - x).squaredNorm() < square) found.push_back(&f);
-    });
-    return found;
-  }
-
-  /// The closed points of every cell and pair, as one point with their mean place and normal.
-  std::vector<TransmittedForce> closed_cells() const {
-    std::map<std::pair<int, int>, TransmittedForce> cells;
-    for (const TransmittedForce& f : forces_) {
-      if (!f.closed) continue;
-      TransmittedForce& whole =
-          cells.try_emplace({f.cell, f.pair}, TransmittedForce{f.pair, f.cell, true, Vec3::Zero(), Vec3::Zero(), 0, 0})
-              .first->second;
-      whole.area += f.area;
-      whole.position += f.area * f.position;
-      whole.normal += f.area * f.normal;
-    }
-    std::vector<TransmittedForce> closed;
-    for (auto& [key, whole] : cells) {
-      whole.position /= whole.area;
-      whole.normal.normalize();
-      closed.push_back(whole);
-    }
-    return closed;
-  }
-
- private:
-  double cell_size_;
-  std::vector<TransmittedForce> forces_;
-  PointBuckets buckets_;
-};
 
 /// The line that parts the closed from the open points within two cells of x best: least squares of +1 and -1 by a
 /// linear function on the face, both sorts counting alike. False if there is only one sort or no line parts them.
@@ -233,12 +180,14 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     if (s.pair == pair && distance < nearest) first = &s, nearest = distance;
   });
   if (!first) return false;
+  if (first->narrow) return first->narrow->edge_near(x, first->origin, piece);
   Vec3 foot = first->origin;
   const auto each_weighted = [&](const auto& use) {
     buckets_.each_near(foot, [&](int i) {
       const EdgeSample& s = samples_[i];
       const double distance = (s.origin - foot).norm() / width_;
-      if (s.pair == pair && distance < reach) use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
+      if (s.pair == pair && !s.narrow && distance < reach)
+        use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
     });
   };
   // Mean directions about the nearest sample; the foot of x on the edge.
@@ -275,6 +224,7 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   piece.curvature = -c[2] / width_;
   piece.inverse_width = inverse_width / sum;
   piece.factor = factor / sum;
+  piece.place_error = expected_error * width_;
   return true;
 }
 
@@ -287,11 +237,15 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
     const auto closed = zone.closed_cells();
     std::vector<EdgeSample> samples(closed.size());
     parallel_for(closed.size(), grain, [&](std::size_t i) {
-      if (!guess_edge(zone, closed[i], samples[i])) samples[i].pair = -1;
+      samples[i].cell = static_cast<int>(i);
+      if (closed[i].image || !guess_edge(zone, closed[i], samples[i])) samples[i].pair = -1;
     });
     keep_found(samples);
+    measure_widths(zone, samples);
+    const std::vector<EdgeSample> narrow = take_narrow_edges(zone, closed, scales.stress, samples);
     for (int round = 0; round < rounds && !samples.empty(); ++round)
       place_edges(zone, scales, round == 0 ? guess_scatter : place_scatter, samples);
+    samples.insert(samples.end(), narrow.begin(), narrow.end());
     if (!samples.empty()) width = std::max(width, zone.cell_size());
     all.insert(all.end(), samples.begin(), samples.end());
   }

@@ -202,6 +202,7 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
   edge.along = grid.rotation.transpose() * piece.along;
   edge.curvature = piece.curvature * grid.cell_size;
   edge.inverse_width = piece.inverse_width * grid.cell_size;
+  edge.place_error = piece.place_error / grid.cell_size;
   const Vec3 x = grid.to_grid(face_point), n = grid.rotation.transpose() * normal;
   const Solid& solid = mesh.cut_cells->solid;
   edge.surface = solid.surfaces()[solid.surface_at(x, n)].near(x);

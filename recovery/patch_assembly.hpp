@@ -80,9 +80,11 @@ struct EdgePiece {
   double curvature = 0;        ///< 1/m, negative around a convex zone
   double inverse_width = 0;    ///< of the zone across the edge, 1/m; 0: not known
   double factor = 0;           ///< of the term, Scales::stress per square root of a metre
+  double place_error = 0;      ///< expected, across the edge, m
+  /// Distance from the edge of the zone, or from the opposite one if that is nearer; negative outside; m.
   double inside(const Vec3& x) const {
-    const double t = along.dot(x - origin);
-    return closed.dot(x - origin) + 0.5 * curvature * t * t;
+    const double t = along.dot(x - origin), s = closed.dot(x - origin) + 0.5 * curvature * t * t;
+    return 2 * s * inverse_width > 1 ? 1 / inverse_width - s : s;
   }
 };
 

@@ -129,7 +129,7 @@ TEST(FoundEdges, DrawTheCircleThatTheSamplesLieOn) {
     const double angle = 0.05 * i;
     const Vec3 out(std::cos(angle), std::sin(angle), 0);
     const Vec3 skew(std::cos(angle + 0.1 * (i % 3 - 1)), std::sin(angle + 0.1 * (i % 3 - 1)), 0);
-    samples.push_back({2, radius * out, -skew, i % 2 ? Vec3(0, 0, -1) : Vec3(0, 0, 1), 0, -0.5});
+    samples.push_back({2, i, radius * out, -skew, i % 2 ? Vec3(0, 0, -1) : Vec3(0, 0, 1), 0, -0.5});
   }
   const FoundEdges edges(samples, width, 0.02);
   for (double angle : {0.3, 1.0, 2.2, 4.0})
@@ -169,8 +169,8 @@ std::vector<TransmittedForce> pressed_face(double radius, double width, double a
         force += pressure(place((q % fine + 0.5) / fine, (q / fine + 0.5) / fine)) / (fine * fine);
       for (int q = 0; q < 9; ++q) {
         const double weight = gauss.weight[q % 3] * gauss.weight[q / 3];
-        forces.push_back({0, 100 * j + i, force > 0, place(gauss.node[q % 3], gauss.node[q / 3]), Vec3::UnitZ(), weight,
-                          7 * force * weight});
+        forces.push_back({0, 100 * j + i, 0, force > 0, place(gauss.node[q % 3], gauss.node[q / 3]), Vec3::UnitZ(),
+                          weight, 7 * force * weight, 7 * force * weight});
       }
     }
   return forces;
