@@ -3,7 +3,7 @@
 
   perf/error_figures.py [--program build/serial/cgcontact] [--seed 11] [--offsets 4] [--sizes 8,16] [SCENE ...]
 
-Default scenes: all with a reference but Hertz, whose sizes are others: scenes/hertz.toml --sizes 25 --set L=0.3. The first
+Default scenes: all with a reference but Hertz, whose sizes are others: scenes/hertz.toml --sizes 8,16,25 --set L=0.5. The first
 offset is the scene's own.
 """
 import argparse
