@@ -13,7 +13,7 @@ namespace cgcontact {
 ///   solution, their scatter averages out): what is wrong with the mean of both bodies. Places near an edge of the
 ///   zone, where the transmitted pressure itself is spoilt, take the mean of those farther inside;
 /// - the change of the edge's square-root term when the edge moves by what its place may be off: the other two hardly
-/// see it;
+///   see it;
 /// - the pressure times the force estimate: what is wrong with the solution's forces.
 /// The pair's pressure estimate is the L2 norm of that relative to that of the pressure. Its force estimate is the
 /// square of the relative error of the energy norm: the force is a functional of the solution, and its error the

@@ -19,6 +19,8 @@ constexpr int rounds = 3;
 constexpr double smoothing = 1.5, reach = 4 * smoothing;
 /// What the place of an edge may be off, cells; the scatter below is that of its places.
 constexpr double expected_error = 0.015;
+/// How far outside a zone that is fitted as a whole (recovery/narrow_edges.hpp) its edge is known, widths.
+constexpr double outside_narrow = 2.5;
 /// Scatter of the first guesses and of the places that the forces give, and what slope and curvature against the mean
 /// direction are expected to be; cells.
 constexpr double guess_scatter = 0.2, place_scatter = 0.02, expected_slope = 0.2;
@@ -180,7 +182,9 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     if (s.pair == pair && distance < nearest) first = &s, nearest = distance;
   });
   if (!first) return false;
-  if (first->narrow) return first->narrow->edge_near(x, first->origin, piece);
+  // Farther outside there may be another zone, one without edges.
+  if (first->narrow)
+    return first->narrow->edge_near(x, first->origin, piece) && piece.inside(x) > -outside_narrow * width_;
   Vec3 foot = first->origin;
   const auto each_weighted = [&](const auto& use) {
     buckets_.each_near(foot, [&](int i) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "core/parallel.hpp"
 
@@ -36,7 +35,7 @@ bool is_hertzian(const NarrowZone& zone, double inverse_width) {
 class NarrowZones {
  public:
   NarrowZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed)
-      : zone_(zone), closed_(closed), h_(zone.cell_size()), buckets_(narrow_zone_reach * h_) {
+      : closed_(closed), h_(zone.cell_size()), buckets_(narrow_zone_reach * h_) {
     for (std::size_t i = 0; i < closed.size(); ++i)
       index_[{closed[i].pair, closed[i].cell, closed[i].image}] = static_cast<int>(i);
     for (const auto* list : {&zone.forces(), &zone.images()})
@@ -134,7 +133,6 @@ class NarrowZones {
     }
   }
 
-  const ContactZone& zone_;
   const std::vector<TransmittedForce>& closed_;
   double h_;
   std::vector<const TransmittedForce*> points_;

@@ -12,8 +12,8 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// What the moments do not determine (across a plate of one cell) is small.
 constexpr double ridge = 1e-4;
-/// Area on the wrong side of the fitted edge, of the closed area: zones of one cell's radius are half border.
-constexpr double largest_mismatch = 0.5;
+/// Mean distance between the fitted edge and the border of the closed points, cells; contact groups are whole cells.
+constexpr double largest_mismatch = 0.35;
 /// Of the gradient, per closed area.
 constexpr double converged = 1e-8;
 constexpr int sweeps = 3, max_iterations = 40;
@@ -138,7 +138,7 @@ bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const V
   double wrong = 0;
   for (const ZonePoint& p : points)
     if (p.closed != (q.dot(p.terms) > 0)) wrong += p.area;
-  if (wrong > largest_mismatch * closed_area) return false;
+  if (wrong > largest_mismatch * 2 * std::sqrt(M_PI * closed_area)) return false;  // of a circle's edge
   zone.misfit = fourth_moment_misfit(points, q);
   zone.coefficients = std::pow(unit / (cell_size * cell_size * stress_unit), 2) * q;
   return true;

@@ -15,6 +15,10 @@ constexpr double closed_fraction = 0.25;
 /// Closed patches whose contact face begins closer than this to the edge (own cells) carry its term as well.
 constexpr double edge_reach = 2;
 
+/// The edge is about half a cell (the coarser one) off the border of the closed points; if by more than this it is not
+/// that of the patch.
+constexpr double contradiction = 0.75;
+
 /// Of contact points equally far from a place (cell units squared) the first counts, whatever the rounding.
 constexpr double same_distance = 1e-9;
 
@@ -233,12 +237,16 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
   EdgePiece piece;
   const Vec3 x = grid_.to_global(centroid), n = grid_.rotation * normal.normalized();
   if (!edges.near(state.pair, x, piece)) return plain;
-  double least = 1e300, most = -1e300;
+  double least = 1e300, most = -1e300, most_closed = -1e300;
   each_link([&](const ContactLink& link) {
     const double inside = piece.inside(grid_.to_global(link.position)) / grid_.cell_size;
     least = std::min(least, inside);
     most = std::max(most, inside);
+    if (link.active) most_closed = std::max(most_closed, inside);
   });
+  // The edge of another zone, or none.
+  const double far = contradiction * std::max(1.0, other_grid.cell_size / grid_.cell_size);
+  if (state.closed_area > 0 ? most_closed < -far : least > far) return plain;
   if (most <= 0) return ContactMode::open;
   if (least > edge_reach || problem.has_edge) return least > 0 ? ContactMode::closed : plain;
   problem.has_edge = true;

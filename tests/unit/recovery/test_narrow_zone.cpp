@@ -102,14 +102,14 @@ TEST(NarrowZone, ImagesCompleteAQuarter) {
   EXPECT_LT((fitted.coefficients - expected.coefficients).norm(), 1e-8 * expected.coefficients.norm());
 }
 
-/// The misfit tells Hertz's profile from a hollow one (a punch), a flat and a pointed one (a cone).
+/// The misfit, or a border that is not that of the closed points, tells Hertz's profile from a hollow one (a punch), a
+/// flat and a pointed one (a cone).
 TEST(NarrowZone, OtherProfilesAreNoticed) {
   const Ellipse circle{Vec3(0.2, 0.1, 0), 3, 3, 0, 1};
   const auto misfit = [&](const auto& profile) {
     NarrowZone fitted;
     const auto forces = forces_under(circle, 1, profile);
-    EXPECT_TRUE(fit_narrow_zone(pointers(forces), Vec3::Zero(), Vec3::UnitZ(), 1, 1, fitted));
-    return fitted.misfit;
+    return fit_narrow_zone(pointers(forces), Vec3::Zero(), Vec3::UnitZ(), 1, 1, fitted) ? fitted.misfit : 1e300;
   };
   EXPECT_LT(misfit(hertz), 0.003);
   EXPECT_GT(misfit([](double s) { return std::sqrt((1 - s) * (0.2 + s)); }), 0.012);
