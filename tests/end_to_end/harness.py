@@ -14,6 +14,7 @@ import time
 import unittest
 
 SLOW_BUILD = "CGCONTACT_SANITIZED" in os.environ  # with sanitizers: times and memory mean nothing
+THREAD_SANITIZER = os.environ.get("CGCONTACT_SANITIZED") == "thread"
 PROGRAM = ""
 SOURCE = pathlib.Path()
 
@@ -32,7 +33,7 @@ class Outcome:
         return [line for line in self.err.splitlines() if line.startswith("cgcontact:")]
 
 
-def cgcontact(*arguments, cwd=None, timeout=120, program=None, environment=None):
+def cgcontact(*arguments, cwd=None, timeout=1200 if SLOW_BUILD else 120, program=None, environment=None):
     """Runs the program to its end; environment: variables on top of our own."""
     start = time.monotonic()
     done = subprocess.run([program or PROGRAM, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL, timeout=timeout,

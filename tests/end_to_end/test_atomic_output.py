@@ -116,6 +116,7 @@ class RefusedDirectories(unittest.TestCase):
 
 
 class FailedWrites(unittest.TestCase):
+    @unittest.skipIf(harness.THREAD_SANITIZER, "the thread sanitizer keeps its own memory in files")
     def test_a_write_that_fails(self):
         """Files that cannot be written (a limit stands for a full disk): exit code 1, the old result is whole."""
         pathlib.Path("disk").mkdir()
@@ -156,6 +157,7 @@ class FailedWrites(unittest.TestCase):
                 message = pathlib.Path("messages").read_text().splitlines()[-1]
                 self.assertRegex(message, r"^cgcontact: cannot write .*/small/\.results\.tmp-\d+/.*: No space left on device$")
 
+    @unittest.skipIf(harness.THREAD_SANITIZER, "the thread sanitizer keeps its own memory in files")
     def test_limit_of_file_size_as_a_shell_sets_it(self):
         """ulimit -f: the signal that comes with it does not end the program without a word."""
         failed = subprocess.run(["bash", "-c", 'ulimit -f 2; exec "$@"', "_", harness.PROGRAM, "run", scene("two_solids"),
