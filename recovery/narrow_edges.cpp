@@ -11,10 +11,9 @@ namespace {
 
 /// Zones narrower than that (cells) may count as a whole, and so do closed cells that near to such an edge.
 constexpr double narrow_width = 14, narrow_reach = 5;
-/// They do where the edge has a radius below that or the zone is a strip narrower than that, cells. Elsewhere
-/// recovery/edge_fit.hpp is better: two_solids.toml, n = 8 and 16 (4.2 and 8.4 cells across), six random offsets, 3.1
-/// and 1.5 instead of 4.7 and 2.0 %.
-constexpr double round_radius = 8, narrow_strip = 3.5;
+/// They do where the edge has a radius below that, cells. Elsewhere recovery/edge_fit.hpp is better: two_solids.toml, n
+/// = 8 and 16 (4.2 and 8.4 cells across), six random offsets, 3.1 and 1.5 instead of 4.7 and 2.0 %.
+constexpr double round_radius = 8;
 /// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells.
 constexpr double connected = 1.8;
 /// Nothing is said about the edges of zones narrower than that, cells.
@@ -192,10 +191,10 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
       open += zones.has_open_points(closed[c].pair, piece.origin - outside * h * piece.closed);
       part.edges.emplace_back(c, piece);
     }
-    part.counts_as_whole = round || inverse_width * narrow_strip * h > 1;
+    part.counts_as_whole = round;
     if (inverse_width * narrowest * h > 1) return;
     if (static_cast<double>(open) < open_fraction * static_cast<double>(part.edges.size())) return;
-    if (!round || is_hertzian(fitted, inverse_width)) part.fitted = std::make_shared<NarrowZone>(fitted);
+    if (is_hertzian(fitted, inverse_width)) part.fitted = std::make_shared<NarrowZone>(fitted);
   });
   std::vector<char> taken(closed.size(), 0);
   std::vector<EdgeSample> edges;

@@ -83,10 +83,12 @@ bool match_moments(std::vector<ZonePoint>& points, double closed_area, Vec6& q) 
     for (int iteration = 0;; ++iteration) {
       Mat6 derivative;
       const Vec6 g = missing(q, &derivative);
-      if (g.norm() < converged * closed_area) break;
-      if (iteration == max_iterations) return false;
       const Vec6 step = -derivative.ldlt().solve(g);
-      if (!step.allFinite()) return false;
+      if (iteration == max_iterations || !step.allFinite()) return false;
+      if (g.norm() < converged * closed_area) {
+        q += step;  // the last digits, alike on any number of threads
+        break;
+      }
       double length = 1;
       while (length > 1e-4 && missing(q + length * step, nullptr).dot(step) > 0.1 * std::abs(g.dot(step))) length /= 2;
       q += length * step;
@@ -158,14 +160,14 @@ bool NarrowZone::edge_near(const Vec3& x, const Vec3& start, EdgePiece& piece) c
     n = g / steep;
     t = {-n[1], n[0]};
   };
-  for (int iteration = 0; iteration < 20; ++iteration) {
+  for (int iteration = 0; iteration < 60; ++iteration) {  // to the last digits: whatever the start, the same place
     set_directions();
     if (!(steep > 0)) return false;
     const double bend = std::abs(second_derivative(coefficients, t)) / steep, longest = 0.5 / std::max(bend, 0.5);
     const double across = std::clamp(-coefficients.dot(terms(p)) / steep, -1.0, 1.0);
     const double along = std::clamp(0.5 * t.dot(aim - p), -longest, longest);
     p += across * n + along * t;
-    if (std::abs(across) < 1e-6 && std::abs(along) < 1e-3) break;
+    if (std::abs(across) < 1e-13 && std::abs(along) < 1e-13) break;
   }
   set_directions();
   if (!(std::abs(coefficients.dot(terms(p))) < 0.05 * steep)) return false;
