@@ -13,7 +13,7 @@ namespace cgcontact {
 class ActiveSetHistory {
  public:
   /// Begins with the present state of the pairs.
-  explicit ActiveSetHistory(const std::vector<ContactPair>& pairs = {});
+  explicit ActiveSetHistory(const std::vector<ContactPair>& pairs);
   /// Takes note of the state after an iteration; returns how many points have another one than before it.
   long long record(const std::vector<ContactPair>& pairs);
   /// Iterations that changed the active set to one that it was before. An iteration that converges has none or one by

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/gauss_rules.hpp"
+#include "recovery/smooth_fall.hpp"
 
 namespace cgcontact {
 namespace {
@@ -17,10 +18,8 @@ constexpr double exact_from = 0.5, exact_to = 1.5;
 constexpr double zone_deficit = 0.035;
 constexpr double largest_shift = 1;
 
-/// 1 for x <= 0, 0 for x >= 1, smooth.
-double fall(double x) { return x <= 0 ? 1 : x >= 1 ? 0 : 1 - x * x * (3 - 2 * x); }
-double exact_part(double s) { return fall((s - exact_from) / (exact_to - exact_from)); }
-double weight(double s, int sum) { return fall((s - plateau) / (ends[sum] - plateau)); }
+double exact_part(double s) { return smooth_fall((s - exact_from) / (exact_to - exact_from)); }
+double weight(double s, int sum) { return smooth_fall((s - plateau) / (ends[sum] - plateau)); }
 /// Sums of forces and of the square root over the area around an assumed edge.
 class EdgeSums {
  public:
@@ -59,7 +58,8 @@ class EdgeSums {
     const double x = piece.closed.dot(d), t = piece.along.dot(d), c = convexity_, towards = 1 - c * x;
     if (!(towards > 0)) return;  // beyond the centre
     const double s = (2 * x - c * (x * x + t * t)) / (1 + std::hypot(towards, c * t));
-    const double along = fall(std::abs(t / towards) / breadth), area = along * f.area, far = area * (1 - exact_part(s));
+    const double along = smooth_fall(std::abs(t / towards) / breadth), area = along * f.area,
+                 far = area * (1 - exact_part(s));
     for (int k = 0; k < 2; ++k) force_[k] += along * f.force * weight(s, k);
     coverage_ += area * std::max(1 - std::abs(s - 1), 0.0);
     if (far > 0 && s < ends[1]) points_.push_back({s, {far * weight(s, 0), far * weight(s, 1)}});

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recovery/smooth_fall.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -111,8 +113,7 @@ double fourth_moment_misfit(const std::vector<ZonePoint>& points, const Vec6& q)
 }  // namespace
 
 double narrow_zone_weight(double distance) {
-  const double x = (distance - narrow_zone_full) / (narrow_zone_reach - narrow_zone_full);
-  return x <= 0 ? 1 : x >= 1 ? 0 : 1 - x * x * (3 - 2 * x);
+  return smooth_fall((distance - narrow_zone_full) / (narrow_zone_reach - narrow_zone_full));
 }
 
 bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const Vec3& centre, const Vec3& normal,

@@ -179,12 +179,9 @@ TEST(Hertz, PressureAtTheComputedForce) {
   EXPECT_NEAR(std::sqrt(4 * r.pairs[0].area / M_PI) / a, 1, 0.02);
 }
 
-/// Uniaxial strain under its own weight, linear in z: three bodies, grids that do not fit, contact found automatically.
-/// Measured at n = 8: error .0014, 8 times less than SPR, effectivity 1.16. Forces are exact: they are in equilibrium
-/// with the loads to the linear tolerance.
 /// Contact on few cells, 1.6 to 4 over the radius: never worse than SPR, and from 2.4 on at least twice as good; the
-/// estimate is within 2.5 (measured with random offsets, docs/recovery.md: 13, 6.4, 3.6 and 2.4 % in the mean, worst
-/// 18, 9, 5 and 4 %). Before zones counted as a whole these were 54, 33, 21 and 7 %.
+/// estimate is within 2.5 (docs/recovery.md: 19, 5.9, 2.9 and 2.1 % in the mean over random offsets; here measured 12,
+/// 6.7, 3.9 and 2.5 %). Before zones counted as a whole the means were 69, 32, 17 and 7 %.
 TEST(Hertz, OnFewCells) {
   struct Case {
     const char* n;
@@ -246,6 +243,9 @@ TEST(TwoBumps, ZonesDoNotSpoilEachOther) {
     }
 }
 
+/// Uniaxial strain under its own weight, linear in z: three bodies, grids that do not fit, contact found automatically.
+/// Measured at n = 8: error .0014, 8 times less than SPR, effectivity 1.16. Forces are exact: they are in equilibrium
+/// with the loads to the linear tolerance.
 TEST(Stack, CarriesWhatStandsOnIt) {
   const auto solved = test::run_scene("scenes/stack.toml", {"n=8"});
   const Results& r = solved->results();
