@@ -225,8 +225,10 @@ void Simulation::recover() {
   update_contact_links(pairs, bodies, group_force);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    const RecoveredField field{Subset(mesh.num_nodes),
-                               CoefficientView("cgcontact::simulation::recovered", mesh.num_nodes)};
+    const RecoveredField field{
+        Subset(mesh.num_nodes),
+        CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::simulation::recovered"),
+                        mesh.num_nodes)};
     const int singular = recover_all(mesh, patches[b], outer.u, field);
     if (singular > 0)
       add_warning(std::to_string(singular) + " patches of body \"" + bodies[b].spec->name +

@@ -1,5 +1,6 @@
 #include "recovery/edge_fit.hpp"
 
+#include <array>
 #include <cmath>
 
 #include "core/gauss_rules.hpp"
@@ -31,17 +32,21 @@ class EdgeSums {
   bool pressed() const { return force_[0] > 0 && force_[1] > 0 && coverage_ > 0; }
   double force(int sum) const { return force_[sum]; }
 
-  /// Of the unit square root whose edge lies `shift` outside.
-  double root(int sum, double shift) const {
+  /// Both sums of the unit square root whose edge lies `shift` outside.
+  std::array<double, 2> roots(double shift) const {
     const GaussRule& rule = gauss_rule(16);
-    double near = 0, far = 0;
+    double near[2] = {}, far[2] = {};
     const double length = exact_to + shift;
     for (std::size_t i = 0; i < rule.node.size(); ++i) {
       const double q = rule.node[i], inside = length * q * q, s = inside - shift;
-      near += rule.weight[i] * 2 * q * length * root_at(inside) * exact_part(s) * weight(s, sum) * (1 - convexity_ * s);
+      const double root = rule.weight[i] * 2 * q * length * root_at(inside) * exact_part(s);
+      for (int k = 0; k < 2; ++k) near[k] += root * weight(s, k) * (1 - convexity_ * s);
     }
-    for (const Point& p : points_) far += p.area[sum] * root_at(p.inside + shift);
-    return coverage_ * near + far;
+    for (const Point& p : points_) {
+      const double root = root_at(p.inside + shift);
+      for (int k = 0; k < 2; ++k) far[k] += p.area[k] * root;
+    }
+    return {coverage_ * near[0] + far[0], coverage_ * near[1] + far[1]};
   }
 
  private:
@@ -77,7 +82,10 @@ EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForc
   const EdgeSums sums(piece, forces, cell_size);
   if (!sums.pressed()) return fit;
   // Farther outside the nearer sum has the larger share.
-  const auto excess = [&](double shift) { return sums.root(0, shift) / sums.root(1, shift); };
+  const auto excess = [&](double shift) {
+    const std::array<double, 2> roots = sums.roots(shift);
+    return roots[0] / roots[1];
+  };
   const double share = sums.force(0) / sums.force(1);
   double low = -largest_shift, high = largest_shift, below = excess(low) - share, above = excess(high) - share;
   if (!(below < 0 && above > 0)) return fit;
@@ -96,7 +104,7 @@ EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForc
     }
   }
   fit.shift += zone_deficit;
-  fit.strength = sums.force(1) / sums.root(1, fit.shift) / std::sqrt(cell_size);
+  fit.strength = sums.force(1) / sums.roots(fit.shift)[1] / std::sqrt(cell_size);
   fit.found = true;
   return fit;
 }

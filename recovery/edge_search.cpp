@@ -25,11 +25,14 @@ constexpr double outside_narrow = 2.5;
 /// direction are expected to be; cells.
 constexpr double guess_scatter = 0.2, place_scatter = 0.02, expected_slope = 0.2;
 
-/// The line that parts the closed from the open points within two cells of x best: least squares of +1 and -1 by a
+/// Cells around a place whose points say where the edge may be.
+constexpr double guess_reach = 2;
+
+/// The line that parts the closed from the open points around x best: least squares of +1 and -1 by a
 /// linear function on the face, both sorts counting alike. False if there is only one sort or no line parts them.
 bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSample& sample) {
   const double h = zone.cell_size();
-  const auto points = zone.forces_near(sample.pair, x, n, 2);
+  const auto points = zone.forces_near(sample.pair, x, n, guess_reach);
   double area[2] = {};  // open, closed
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
   for (const TransmittedForce* f : points) area[f->closed] += f->area;
@@ -239,10 +242,15 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
   for (std::size_t b = 0; b < bodies.size() && options.contact_edge; ++b) {
     const ContactZone zone(bodies, b);
     const auto closed = zone.closed_cells();
+    PointBuckets open(guess_reach * zone.cell_size());
+    for (std::size_t i = 0; i < zone.forces().size(); ++i)
+      if (!zone.forces()[i].closed) open.add(zone.forces()[i].position, static_cast<int>(i));
     std::vector<EdgeSample> samples(closed.size());
     parallel_for(closed.size(), grain, [&](std::size_t i) {
       samples[i].cell = static_cast<int>(i);
-      if (closed[i].image || !guess_edge(zone, closed[i], samples[i])) samples[i].pair = -1;
+      bool inner = true;
+      open.each_near(closed[i].position, [&](int) { inner = false; });
+      if (inner || closed[i].image || !guess_edge(zone, closed[i], samples[i])) samples[i].pair = -1;
     });
     keep_found(samples);
     measure_widths(zone, samples);

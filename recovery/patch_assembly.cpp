@@ -256,32 +256,31 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
   return least > 0 ? ContactMode::closed : ContactMode::edge;
 }
 
-PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace,
-                                     std::vector<PatchRow>& rows) const {
-  return assemble(node, edges, degrees_[node], workspace, rows);
+void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
+                             PatchProblem& problem) const {
+  assemble(node, edges, degrees_[node], workspace, rows, problem);
 }
 
-PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int degree, PatchWorkspace& workspace,
-                                     std::vector<PatchRow>& rows) const {
+void PatchAssembly::assemble(int node, const EdgeMap* edges, int degree, PatchWorkspace& workspace,
+                             std::vector<PatchRow>& rows, PatchProblem& problem) const {
   const PatchSet& patches = *body_.patches;
   const int* cells = patches.cells.data() + patches.begin[node];
   const int num_cells = patches.begin[node + 1] - patches.begin[node];
-  PatchProblem problem;
+  problem = {};
   problem.node = node;
   problem.first_row = rows.size();
   fit_cells(body_, node, degree, options_.quadratic_rings, workspace.own);
-  problem.fit[0] = own_fit(node, degree, workspace.own);
   PatchFit& own = problem.fit[0];
+  own_fit(node, degree, workspace.own, own);
   const auto lowered = [&] {
-    PatchProblem linear = assemble(node, edges, 1, workspace, rows);
-    linear.status = std::max(linear.status, PatchStatus::degree_lowered);
-    linear.lowered = true;
-    return linear;
+    assemble(node, edges, 1, workspace, rows, problem);
+    problem.status = std::max(problem.status, PatchStatus::degree_lowered);
+    problem.lowered = true;
   };
   if (!own.regular) {
     if (degree == 2) return lowered();
     problem.status = PatchStatus::singular;
-    return problem;
+    return;
   }
   interior_values(body_, own, problem.interior[0].data());
   std::vector<ConstraintGroup>& groups = workspace.groups;
@@ -304,7 +303,7 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int degree,
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }
   if (coupled) {
-    problem.fit[1] = auxiliary_fit(node, *coupled, degree, workspace.auxiliary);
+    auxiliary_fit(node, *coupled, degree, workspace.auxiliary, problem.fit[1]);
     if (degree == 2 && !problem.fit[1].regular) return lowered();
     problem.coupled = problem.fit[1].regular;
     problem.pair = coupled->pair;
@@ -368,7 +367,6 @@ PatchProblem PatchAssembly::assemble(int node, const EdgeMap* edges, int degree,
         subtract_term_of_row(problem.edge[0], problem.factor, own, rows[r]);
   }
   problem.num_rows = static_cast<int>(rows.size() - problem.first_row);
-  return problem;
 }
 
 }  // namespace cgcontact

@@ -137,7 +137,8 @@ class PatchAssembly {
   Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
 
   /// The patch of a node, its rows appended to `rows`. `edges` may be null: edges are then not looked for.
-  PatchProblem assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows) const;
+  void assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
+                PatchProblem& problem) const;
   /// Contact points by pair in the patch of a node.
   void pair_states(int node, std::vector<PairState>& states) const;
   const RecoveryBody& body() const { return body_; }
@@ -147,16 +148,16 @@ class PatchAssembly {
 
  private:
   enum class ContactMode { open, closed, edge, unclear };
-  PatchProblem assemble(int node, const EdgeMap* edges, int degree, PatchWorkspace& workspace,
-                        std::vector<PatchRow>& rows) const;
+  void assemble(int node, const EdgeMap* edges, int degree, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
+                PatchProblem& problem) const;
   void interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const;
   /// An edge (global axes, m) seen from a body; `unit`: m.
   ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
                         double unit) const;
   ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
                            PatchProblem& problem) const;
-  PatchFit own_fit(int node, int degree, const std::vector<int>& cells) const;
-  PatchFit auxiliary_fit(int node, const PairState& state, int degree, std::vector<int>& cells) const;
+  void own_fit(int node, int degree, const std::vector<int>& cells, PatchFit& fit) const;
+  void auxiliary_fit(int node, const PairState& state, int degree, std::vector<int>& cells, PatchFit& fit) const;
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,

@@ -191,31 +191,29 @@ double fit_variance(const BodyMesh& mesh, const AuxiliaryCells& near, const std:
   return std::max(square - fitted, least * square) / volume;
 }
 
-PatchFit PatchAssembly::own_fit(int n, int degree, const std::vector<int>& cells) const {
+void PatchAssembly::own_fit(int n, int degree, const std::vector<int>& cells, PatchFit& fit) const {
   const Index3& node = body_.mesh->nodes[n];
-  PatchFit fit;
   fit.centre = Vec3(node[0], node[1], node[2]);
   if (degree == 2) {
     fit_quadratic(*body_.mesh, quadratic_[index_], cells, fit);
-    return fit;
+    return;
   }
   double m[num_terms][num_terms];
   gather_mass(*body_.mesh, *body_.patches, cells.data(), static_cast<int>(cells.size()), fit.centre.data(), m);
   fit.mass = to_matrix(m);
   fit.a = Eigen::Map<const Eigen::Matrix<double, 6 * num_terms, 1>>(body_.field.at(n));
   fit.regular = cholesky(m);
-  return fit;
 }
 
 /// Fit over whole active cells of the other body under the patch's contact points, down to the auxiliary depth
 /// (equation 13); with degree 2 over two rings the cells around those as well.
-PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, int degree, std::vector<int>& cells) const {
+void PatchAssembly::auxiliary_fit(int node, const PairState& state, int degree, std::vector<int>& cells,
+                                  PatchFit& fit) const {
   const RecoveryBody& other = bodies_[state.other_body];
   const AuxiliaryCells& auxiliary = auxiliary_[state.other_body];
   const CutCells& cc = *other.mesh->cut_cells;
   const Mat3 to_other = cc.grid.rotation.transpose() * grid_.rotation;
   const PatchSet& patches = *body_.patches;
-  PatchFit fit;
   fit.centre = Vec3::Zero();
   cells.clear();
   for (int p = patches.begin[node]; p < patches.begin[node + 1]; ++p)
@@ -244,10 +242,10 @@ PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, int degr
   }
   double volume = 0;
   for (int c : cells) volume += cc.volume_fraction(c);
-  if (volume < least_auxiliary_volume) return fit;
+  if (volume < least_auxiliary_volume) return;
   if (degree == 2) {
     fit_quadratic(*other.mesh, quadratic_[state.other_body], cells, fit);
-    return fit;
+    return;
   }
   PatchSums sums = gather_patch(*other.mesh, *other.patches, cells.data(), static_cast<int>(cells.size()),
                                 fit.centre.data(), auxiliary.stress, auxiliary.cells);
@@ -258,7 +256,6 @@ PatchFit PatchAssembly::auxiliary_fit(int node, const PairState& state, int degr
     cholesky_solve(sums.m, sums.H[k]);
     for (int t = 0; t < num_terms; ++t) fit.a[num_terms * k + t] = sums.H[k][t];
   }
-  return fit;
 }
 
 }  // namespace cgcontact

@@ -58,7 +58,7 @@ class PatchBatch {
     rows_.reserve(patches * usual_rows);
   }
 
-  void add(int node) { problems_.push_back(assembly_.assemble(node, edges_, workspace_, rows_)); }
+  void add(int node) { assembly_.assemble(node, edges_, workspace_, rows_, problems_.emplace_back()); }
   void solve() {
     solve_all<1, 1>();
     solve_all<1, 2>();

@@ -47,7 +47,8 @@ bool fit_patch(PatchSums& sums, double* a) {
 
 RecoveredField part_of(const RecoveredField& field, Subset nodes) {
   RecoveredField part{std::move(nodes), {}};
-  part.values = CoefficientView("cgcontact::spr::part", part.nodes.size());
+  part.values =
+      CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::spr::part"), part.nodes.size());
   for (int row = 0; row < part.nodes.size(); ++row)
     std::copy_n(field.at(part.nodes.number(row)), 6 * num_terms, &part.values(row, 0, 0));
   return part;
@@ -213,15 +214,18 @@ int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressV
 int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
                 int nodes_per_part) {
   int singular = 0;
+  CellStressView buffer;
   for (int begin = 0; begin < mesh.num_nodes; begin += nodes_per_part) {
     const int end = std::min(begin + nodes_per_part, mesh.num_nodes);
     const RecoveredField part_of_field{
         Subset::range(begin, end, mesh.num_nodes),
         Kokkos::subview(field.values, std::make_pair(begin, end), Kokkos::ALL, Kokkos::ALL)};
     const Subset cells = cells_of_patches(mesh, patches, part_of_field.nodes);
-    const CellStressView stress("cgcontact::spr::cell_stress", cells.size());
-    integrate_cell_stress(mesh, patches, cells, u, stress);
-    singular += fit_patches(mesh, patches, stress, cells, part_of_field);
+    if (static_cast<int>(buffer.extent(0)) < cells.size())
+      buffer =
+          CellStressView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::spr::cell_stress"), cells.size());
+    integrate_cell_stress(mesh, patches, cells, u, buffer);
+    singular += fit_patches(mesh, patches, buffer, cells, part_of_field);
   }
   return singular;
 }
