@@ -1,5 +1,7 @@
 #include "contact/missed_contact.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "contact/postprocess.hpp"
@@ -9,6 +11,9 @@ namespace cgcontact {
 namespace {
 
 constexpr std::size_t grain = 512;
+
+/// Overlap that is more than rounding, cells.
+constexpr double least_overlap = 1e-6;
 
 /// As far as the two bodies can be apart, m.
 double far(const Simulation& sim, int a, int b) {
@@ -43,7 +48,7 @@ double missed_distance(const Simulation& sim, const ContactPair& seen) {
       const double gap = opposite->distance - seen.interference +
                          moved(seen.secondary, opposite->cell, opposite->position) -
                          moved(seen.primary, boundary.cell[p], boundary.position[p]);
-      if (gap < -1e-6 * secondary.cut_cells.grid.cell_size)
+      if (gap < -least_overlap * secondary.cut_cells.grid.cell_size)
         farthest[chunk] = std::max(farthest[chunk], opposite->distance);
     }
   });
@@ -62,6 +67,25 @@ std::vector<double> missed_contact(const Simulation& sim) {
     reach.push_back(std::max(1.5 * missed, pair.reach.ahead));
   }
   return any ? reach : std::vector<double>();
+}
+
+std::vector<std::string> missed_contact_warnings(const Simulation& sim) {
+  std::vector<std::string> warnings;
+  for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
+    const PairFigures& figures = sim.results.pairs[p];
+    if (figures.active_points > 0) continue;
+    const double h = sim.bodies[sim.pairs[p].primary].cut_cells.grid.cell_size;  // the coarser body
+    const ContactRow* deepest = nullptr;
+    for (const ContactRow& row : sim.results.contact_rows)
+      if (row.pair == static_cast<int>(p) && row.gap < (deepest ? deepest->gap : -least_overlap * h)) deepest = &row;
+    if (!deepest) continue;
+    const Vec3& x = deepest->x;
+    warnings.push_back(fmt::format(
+        "contact \"{}\": no force is transmitted although the faces overlap by up to {:.2g} m at ({:.4g}, "
+        "{:.4g}, {:.4g}) m: the contact zone is smaller than a cell, smaller cells than {:.3g} m are needed",
+        figures.name, -deepest->gap, x[0], x[1], x[2], h));
+  }
+  return warnings;
 }
 
 }  // namespace cgcontact

@@ -1,4 +1,4 @@
-/// After the solve: have faces met that no contact pair sees?
+/// After the solve: have faces met that no contact pair sees, or that no closed contact point tells of?
 #pragma once
 
 #include "contact/simulation.hpp"
@@ -8,5 +8,9 @@ namespace cgcontact {
 /// For each contact of the scene, m: how far it has to see, so that the points that lie inside the other body after the
 /// deformation belong to it. Empty if there are none. Contacts with a search_distance of their own are left alone.
 std::vector<double> missed_contact(const Simulation& sim);
+
+/// A sentence for each pair of sim.results without a closed point whose faces overlap all the same: contact is decided
+/// by the mean gap of pieces of cells, so that a zone smaller than these is lost.
+std::vector<std::string> missed_contact_warnings(const Simulation& sim);
 
 }  // namespace cgcontact

@@ -277,7 +277,8 @@ void Simulation::fill_results() {
   fill_path(*this, results);
   fill_pressure_errors(*this, results);
   if (outer.converged)
-    for (const std::string& warning : small_strain_warnings(*this)) add_warning(warning);
+    for (const auto& warnings : {small_strain_warnings(*this), missed_contact_warnings(*this)})
+      for (const std::string& warning : warnings) add_warning(warning);
 }
 
 }  // namespace cgcontact

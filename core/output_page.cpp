@@ -69,8 +69,7 @@ std::string count(long long n) { return fmt::format("<data value=\"{}\">{}</data
 
 /// Nobody wants to read the digits of rounding.
 std::string percent(double fraction) {
-  return figure(fraction,
-                std::abs(fraction) < rounding ? "below 1e-7&#160;%" : fmt::format("{:.2g}&#160;%", 100 * fraction));
+  return figure(fraction, std::abs(fraction) < rounding ? "below 1e-7&#160;%" : percent_number(fraction) + "&#160;%");
 }
 
 std::string stress(double pa) { return figure(pa, stress_unit(std::abs(pa)), 4); }

@@ -54,7 +54,7 @@ std::string in_unit(double value, const DisplayUnit& unit, int digits) {
 }
 
 /// "0.41 %"; estimates below rounding are zero.
-std::string percent(double fraction) { return fmt::format("{:.2g} %", fraction < 1e-9 ? 0.0 : 100 * fraction); }
+std::string percent(double fraction) { return percent_number(fraction < 1e-9 ? 0.0 : fraction) + " %"; }
 
 Lines pair_table(const Results& results, std::size_t rows) {
   Lines lines{fmt::format("  {:<22}{:>12}{:>9}{:>14}{:>9}{:>12}", "contact pair", "force", "error", "max pressure",
@@ -63,10 +63,11 @@ Lines pair_table(const Results& results, std::size_t rows) {
   for (std::size_t k = 0; k < shown; ++k) {
     const PairFigures& pair = results.pairs[k];
     const double force = pair.force_on_first.norm();
+    const auto error = [&pair](double estimate) { return pair.active_points > 0 ? percent(estimate) : "-"; };
     lines.push_back(fmt::format("  {}{:>12}{:>9}{:>14}{:>9}{:>12}", cut(pair.name, 22),
-                                in_unit(force, force_unit(force), 5), percent(pair.force_error_estimate),
+                                in_unit(force, force_unit(force), 5), error(pair.force_error_estimate),
                                 in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 5),
-                                percent(pair.pressure_error_estimate), in_unit(pair.area, area_unit(pair.area), 4)));
+                                error(pair.pressure_error_estimate), in_unit(pair.area, area_unit(pair.area), 4)));
   }
   if (shown < results.pairs.size())
     lines.push_back(fmt::format("  and {} more pairs, see the report", results.pairs.size() - shown));

@@ -157,6 +157,12 @@ DisplayUnit force_unit(double largest) {
 
 std::string short_number(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
 
+std::string percent_number(double fraction) {
+  const double percent = 100 * fraction;
+  if (percent > 9999) return "over 9999";
+  return percent < 99.5 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
+}
+
 std::string scaled(double value, const std::string& unit, int digits) {
   static const char* const prefixes[] = {"n", "u", "m", "", "k", "M", "G", "T"};
   int power = 0;

@@ -98,6 +98,7 @@ std::unique_ptr<Blocks> make_blocks() {
   add_body("lower", blocks->lower, results);
   add_body("upper, \"second\"", blocks->upper, results);
   PairFigures pair;
+  pair.active_points = 1;
   pair.name = "interface";
   pair.body_first = results.bodies[0].name;
   pair.body_second = results.bodies[1].name;
@@ -417,6 +418,8 @@ TEST_F(output, the_summary_has_units_and_errors_and_says_what_to_open) {
        {"12 N", "0.4 %", "9.4591 MPa", "5 %", "26.46 mm^2", "stress 6.4 % of the energy norm", "all 10 %"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   EXPECT_NE(text.find("open next: " + out_ + "/report.html\n"), std::string::npos) << text;
+  results.pairs[0].active_points = 0;  // nothing is transmitted: no relative errors
+  EXPECT_EQ(summary(results, out_).find("0.4 %"), std::string::npos);
 }
 
 TEST(output_text, numbers_for_people) {
@@ -424,6 +427,10 @@ TEST(output_text, numbers_for_people) {
   EXPECT_EQ(scaled(0, "N"), "0 N");
   EXPECT_EQ(scaled(-0.0123, "N"), "-12.3 mN");
   EXPECT_EQ(short_number(1.23456e-7), "1.235e-07");
+  EXPECT_EQ(percent_number(0.0041234), "0.41");
+  EXPECT_EQ(percent_number(0.9949), "99");
+  EXPECT_EQ(percent_number(11.2), "1120");
+  EXPECT_EQ(percent_number(1e5), "over 9999");
 }
 
 }  // namespace
