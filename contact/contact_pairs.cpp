@@ -302,10 +302,10 @@ void set_interference(ContactPair& pair, double interference) {
 
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
                           const BodyMesh& mesh) {
-  constexpr int reach = 3, width = 2 * reach + 1;
+  constexpr int reach = 3;
   const BodyModel& model = bodies[body];
   const CutCells& cc = model.cut_cells;
-  std::vector<char> marked(mesh.num_nodes, 0);
+  std::vector<Index3> cells;
   std::vector<BodyFace> faces;
   for (const ContactPair& pair : pairs)
     if (pair.primary == body || pair.secondary == body) faces.emplace_back(pair.face(body), model);
@@ -317,14 +317,13 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
         std::any_of(faces.begin(), faces.end(), [&](const BodyFace& face) { return face.contains(p); });
     if (!on_face) continue;
     last = cell;
-    const Index3& c = cc.cells[cell];
-    for (int n = 0; n < width * width * width; ++n) {
-      const int near =
-          cc.find({c[0] + n % width - reach, c[1] + n / width % width - reach, c[2] + n / width / width - reach});
-      if (near < 0) continue;
-      for (int node : mesh.cell_nodes[near]) marked[node - mesh.first_node] = 1;
-    }
+    cells.push_back(cc.cells[cell]);
   }
+  std::vector<char> near(cc.cells.size(), 0), marked(mesh.num_nodes, 0);
+  mark_around(cc, std::move(cells), reach, near);
+  for (std::size_t c = 0; c < near.size(); ++c)
+    if (near[c])
+      for (int node : mesh.cell_nodes[c]) marked[node - mesh.first_node] = 1;
   return Subset(marked);
 }
 

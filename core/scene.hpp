@@ -113,7 +113,7 @@ struct RecoverySpec {
   int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
   double patch_volume = 1;       ///< cells: smaller patches grow
   bool inverse_variance = true;  ///< weights of the two bodies in a coupled patch
-  int rings = 1;                 ///< rings of cells around a node that polynomials of degree 2 are fitted to
+  int rings = 0;                 ///< of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
 };
 
 /// Pressure along a line on a contact face, and what it is compared with.

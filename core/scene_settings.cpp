@@ -132,7 +132,7 @@ RecoverySpec read_recovery(const TomlCursor& node) {
   if (const auto value = node.find("inverse_variance")) recovery.inverse_variance = value->boolean();
   if (const auto value = node.find("points_per_face")) recovery.points_per_face = read_points_per_face(*value);
   if (const auto value = node.find("patch_volume")) recovery.patch_volume = value->number(volume);
-  if (const auto value = node.find("rings")) recovery.rings = value->integer(1, 2);
+  if (const auto value = node.find("rings")) recovery.rings = value->integer(0, 4);
   if (const auto value = node.find("degree")) recovery.degree = read_degree(*value);
   return recovery;
 }

@@ -2,6 +2,7 @@
 
 #include "core/parallel.hpp"
 #include "recovery/corner_differences.hpp"
+#include "recovery/lane_math.hpp"
 
 namespace cgcontact {
 namespace {
@@ -32,41 +33,65 @@ CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u) {
   };
 }
 
-QuadraticCells integrate_quadratic(const BodyMesh& mesh, const CellStress& stress, Subset cells) {
+StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress, Subset cells) {
   const CutCells& cc = *mesh.cut_cells;
-  QuadraticCells near{std::move(cells), {}, {}};
-  near.moments.resize(1 + cc.moments.size());
-  near.moments[0] = quartic_moments(full_cell_moments());
-  parallel_for(cc.moments.size(), grain, [&](std::size_t c) { near.moments[1 + c] = quartic_moments(cc.moments[c]); });
-  near.integrals.resize(near.cells.size());
-  parallel_for(near.integrals.size(), grain, [&](std::size_t row) {
-    const int cell = near.cells.number(static_cast<int>(row));
-    near.integrals[row] = stress(cell) * quadratic_mass(near.moments_of(cc, cell));
+  StressIntegrals out{std::move(cells), {}, {}, {}, {}};
+  const std::size_t size = out.cells.size();
+  int count = 1;
+  out.moments_of_row.resize(size);
+  for (std::size_t row = 0; row < size; ++row)
+    out.moments_of_row[row] = cc.cut_of_active[out.cells.number(static_cast<int>(row))] < 0 ? 0 : count++;
+  out.moments.resize(count);
+  out.moments[0] = quartic_moments(full_cell_moments());
+  const QuadraticMass full = quadratic_mass(out.moments[0]);
+  out.stress.resize(size);
+  out.square.resize(size);
+  parallel_for(size, grain, [&](std::size_t row) {
+    const int cell = out.cells.number(static_cast<int>(row)), place = out.moments_of_row[row];
+    const CellPolynomial polynomial = stress(cell);
+    CellPolynomial integrals;
+    if (place == 0) {
+      integrals = polynomial * full;
+    } else {
+      out.moments[place] = quartic_moments(cc.moments[cc.cut_of_active[cell]]);
+      integrals = polynomial * quadratic_mass(out.moments[place]);
+    }
+    out.stress[row] << integrals, Eigen::Matrix<double, 2, Polynomial<2>::num_terms>::Zero();
+    out.square[row] = integrals.cwiseProduct(polynomial).sum();
   });
-  return near;
+  return out;
 }
 
-QuadraticSums gather_quadratic(const BodyMesh& mesh, const QuadraticCells& near, const int* cells, int num_cells,
+QuadraticSums gather_quadratic(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
                                const double centre[3]) {
   const CutCells& cc = *mesh.cut_cells;
-  QuarticMoments sum{};
-  QuadraticSums sums;
-  sums.right.setZero();
-  for (int c = 0; c < num_cells; ++c) {
-    const Index3& cell = cc.cells[cells[c]];
-    const double d[3] = {cell[0] + 0.5 - centre[0], cell[1] + 0.5 - centre[1], cell[2] + 0.5 - centre[2]};
-    QuarticMoments moments = near.moments_of(cc, cells[c]);
-    shift_moments(d, moments);
-    for (int m = 0; m < num_quartics; ++m) sum[m] += moments[m];
-    const CellPolynomial& h = near.integrals[near.cells.row(cells[c])];
-    for (int k = 0; k < 6; ++k) {
-      double shifted[Polynomial<2>::num_terms];
-      shift_terms(d, h.row(k).data(), shifted);
-      for (int t = 0; t < Polynomial<2>::num_terms; ++t) sums.right(k, t) += shifted[t];
+  using Real = Vector<double>;  // a cell per lane
+  constexpr int lanes = Lanes<double>::count;
+  constexpr QuarticMoments nothing{};
+  Real sum[num_quartics] = {}, moments[num_quartics], shift[3] = {};
+  const double* from[lanes];
+  PaddedPolynomial right = PaddedPolynomial::Zero();
+  for (int begin = 0; begin < num_cells; begin += lanes) {
+    for (int l = 0; l < lanes; ++l) {
+      from[l] = nothing.data();
+      if (begin + l >= num_cells) continue;
+      const Index3& cell = cc.cells[cells[begin + l]];
+      const int row = integrals.cells.row(cells[begin + l]);
+      const double d[3] = {cell[0] + 0.5 - centre[0], cell[1] + 0.5 - centre[1], cell[2] + 0.5 - centre[2]};
+      for (int k = 0; k < 3; ++k) set_lane(shift[k], l, d[k]);
+      from[l] = integrals.moments[integrals.moments_of_row[row]].data();
+      const PaddedPolynomial& stress = integrals.stress[row];
+      shift_terms(
+          d, [&](int t) { return stress.col(t); }, [&](int t, const auto& value) { right.col(t) += value; });
     }
+    gather(from, num_quartics, moments);
+    shift_moments(shift, moments);
+    for (int m = 0; m < num_quartics; ++m) sum[m] += moments[m];
   }
-  sums.mass = quadratic_mass(sum);
-  return sums;
+  QuarticMoments whole{};
+  for (int m = 0; m < num_quartics; ++m)
+    for (int l = 0; l < lanes; ++l) whole[m] += lane(sum[m], l);
+  return {quadratic_mass(whole), right.topRows<6>()};
 }
 
 }  // namespace cgcontact

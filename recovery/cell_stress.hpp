@@ -12,7 +12,10 @@ namespace cgcontact {
 
 /// Component, term of Polynomial<2> about the centre of a cell, cell units; stresses in units of Scales::stress, grid
 /// axes.
-using CellPolynomial = Eigen::Matrix<double, 6, Polynomial<2>::num_terms, Eigen::RowMajor>;
+using CellPolynomial = Eigen::Matrix<double, 6, Polynomial<2>::num_terms>;
+
+/// The same with two idle components: the components of a term are one vector of the processor.
+using PaddedPolynomial = Eigen::Matrix<double, 8, Polynomial<2>::num_terms>;
 
 /// The stress over each active cell of one body. May be called by several threads at once.
 using CellStress = std::function<CellPolynomial(int cell)>;
@@ -20,25 +23,26 @@ using CellStress = std::function<CellPolynomial(int cell)>;
 /// sigma_h; u: displacements of all bodies (host).
 CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u);
 
-/// Integrals of the ten terms of Polynomial<2> times the stress over some cells of a body.
-struct QuadraticCells {
+/// Integrals over some cells of a body, for polynomials of degree 1 (their first four terms) and 2.
+struct StressIntegrals {
   Subset cells{0};
-  std::vector<CellPolynomial> integrals;  ///< by row of `cells`, about the centre of the cell
-  std::vector<QuarticMoments> moments;    ///< 0: full cells, 1 + c: cut cell c
+  std::vector<PaddedPolynomial> stress;  ///< the ten terms times the stress, about the centre of the cell; by row
+  std::vector<double> square;            ///< stress : stress, cell units; by row
+  std::vector<QuarticMoments> moments;   ///< of a full cell, then of the cut cells of the subset
+  std::vector<int> moments_of_row;       ///< row -> place in `moments`
 
-  const QuarticMoments& moments_of(const CutCells& cut_cells, int cell) const {
-    return moments[1 + cut_cells.cut_of_active[cell]];
-  }
+  /// Whether the integrals over a cell are known.
+  bool hold(int cell) const { return cells.row(cell) >= 0; }
 };
 
-QuadraticCells integrate_quadratic(const BodyMesh& mesh, const CellStress& stress, Subset cells);
+StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress, Subset cells);
 
 /// Sums over a patch, shifted to its centre (grid coordinates): mass matrix and right-hand sides by component.
 struct QuadraticSums {
   QuadraticMass mass;
   CellPolynomial right;
 };
-QuadraticSums gather_quadratic(const BodyMesh& mesh, const QuadraticCells& near, const int* cells, int num_cells,
+QuadraticSums gather_quadratic(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
                                const double centre[3]);
 
 }  // namespace cgcontact

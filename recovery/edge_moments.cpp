@@ -10,11 +10,18 @@ struct EdgePoints {
   Row weight;
   std::array<Row, 3> position;  ///< grid coordinates
 
+  static Row weights_of(const Moments& moments) {
+    Row weights;
+    fitted_weights(moments, n, weights.data());
+    for (double& w : weights) w /= 8;
+    return weights;
+  }
+
   EdgePoints(const CutCells& cc, int c) {
+    static const Row full = weights_of(full_cell_moments());
     const int cut = cc.cut_of_active[c];
-    fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weight.data());
+    weight = cut < 0 ? full : weights_of(cc.moments[cut]);
     for (int q = 0; q < size; ++q) {
-      weight[q] /= 8;
       for (int d = 0, stride = n * n; d < 3; ++d, stride /= n) {
         const int i = q / stride % n;
         position[d][q] = cc.cells[c][d] + 0.5 * (Gauss3::point[i] + 1);
@@ -78,10 +85,9 @@ Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const B
                                                                          int num_cells, const Vec3& centre,
                                                                          const ContactEdge& edge) {
   constexpr int T = Polynomial<degree>::num_terms, N = EdgePoints::size;
-  Eigen::Matrix<double, 6 * T, 1> moments = Eigen::Matrix<double, 6 * T, 1>::Zero();
   const bool plane = edge.surface.kind == Surface::Kind::plane;
   std::array<EdgePoints::Row, 6> term;
-  double terms[T][N];
+  double sum[6][T] = {};
   for (int i = 0; i < num_cells; ++i) {
     const EdgePoints points(*mesh.cut_cells, cells[i]);
     if (plane)
@@ -92,16 +98,13 @@ Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const B
       double d[3], p[T];
       for (int k = 0; k < 3; ++k) d[k] = points.position[k][q] - centre[k];
       Polynomial<degree>::terms(d, p);
-      for (int t = 0; t < T; ++t) terms[t][q] = points.weight[q] * p[t];
-    }
-    for (int k = 0; k < 6; ++k)
-      for (int t = 0; t < T; ++t) {
-        double sum = 0;
-        for (int q = 0; q < N; ++q) sum += term[k][q] * terms[t][q];
-        moments[T * k + t] += sum;
+      for (int k = 0; k < 6; ++k) {
+        const double value = points.weight[q] * term[k][q];
+        for (int t = 0; t < T; ++t) sum[k][t] += value * p[t];
       }
+    }
   }
-  return moments;
+  return Eigen::Map<const Eigen::Matrix<double, 6 * T, 1>>(sum[0]);
 }
 
 template Eigen::Matrix<double, 6 * Polynomial<1>::num_terms, 1> edge_moments<1>(const BodyMesh&, const int*, int,

@@ -175,6 +175,10 @@ FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double sca
   }
 }
 
+bool FoundEdges::has(int pair) const {
+  return std::any_of(samples_.begin(), samples_.end(), [pair](const EdgeSample& s) { return s.pair == pair; });
+}
+
 bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   if (samples_.empty()) return false;
   const EdgeSample* first = nullptr;

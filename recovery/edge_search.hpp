@@ -25,6 +25,7 @@ class FoundEdges : public EdgeMap {
   /// width: m, the largest coarser cells of the pairs; scatter of the samples across the edge: widths.
   FoundEdges(std::vector<EdgeSample> samples, double width, double scatter);
   bool near(int pair, const Vec3& x, EdgePiece& piece) const override;
+  bool has(int pair) const override;
 
  private:
   std::vector<EdgeSample> samples_;

@@ -34,12 +34,20 @@ bool is_hertzian(const NarrowZone& zone, double inverse_width) {
 class NarrowZones {
  public:
   NarrowZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed)
-      : closed_(closed), h_(zone.cell_size()), buckets_(narrow_zone_reach * h_) {
-    for (std::size_t i = 0; i < closed.size(); ++i)
+      : closed_(closed),
+        h_(zone.cell_size()),
+        buckets_(narrow_zone_reach * h_),
+        closed_buckets_(narrow_zone_reach * h_),
+        open_buckets_(0.5 * narrow_width * h_) {
+    for (std::size_t i = 0; i < closed.size(); ++i) {
       index_[{closed[i].pair, closed[i].cell, closed[i].image}] = static_cast<int>(i);
+      closed_buckets_.add(closed[i].position, static_cast<int>(i));
+    }
     for (const auto* list : {&zone.forces(), &zone.images()})
       for (const TransmittedForce& f : *list) {
-        buckets_.add(f.position, static_cast<int>(points_.size()));
+        const int number = static_cast<int>(points_.size());
+        buckets_.add(f.position, number);
+        if (!f.closed) open_buckets_.add(f.position, number);
         points_.push_back(&f);
       }
     connect();
@@ -47,7 +55,8 @@ class NarrowZones {
 
   int component(int cell) const { return component_[cell]; }
 
-  /// Closed cells, no images, in zones in which no edge was guessed, or near a sample whose zone is narrow.
+  /// Closed cells, no images, near open points in zones in which no edge was guessed, or near a sample whose zone is
+  /// narrow.
   std::vector<int> candidates(const std::vector<EdgeSample>& samples) const {
     std::vector<char> guessed(closed_.size(), 0);
     std::vector<const EdgeSample*> narrow;
@@ -60,7 +69,7 @@ class NarrowZones {
     }
     std::vector<int> cells;
     for (std::size_t i = 0; i < closed_.size() && !closed_[i].image; ++i) {
-      bool found = !guessed[component_[i]];
+      bool found = !guessed[component_[i]] && has_open_points(closed_[i].pair, closed_[i].position, 0.5 * narrow_width);
       near.each_near(closed_[i].position, [&](int k) {
         found = found || (narrow[k]->pair == closed_[i].pair &&
                           (narrow[k]->origin - closed_[i].position).norm() < narrow_reach * h_);
@@ -76,23 +85,24 @@ class NarrowZones {
     for (int step = 0; step < 4; ++step) {
       Vec3 position = Vec3::Zero(), normals = Vec3::Zero();
       double area = 0;
-      for (const int i : members_[component_[cell]]) {
+      closed_buckets_.each_near(x, [&](int i) {
+        if (component_[i] != component_[cell]) return;
         const double w = narrow_zone_weight((closed_[i].position - x).norm() / h_) * closed_[i].area;
         area += w;
         position += w * closed_[i].position;
         normals += w * closed_[i].normal;
-      }
+      });
       x = position / area;
       normal = normals.normalized();
     }
     return {x, normal};
   }
 
-  bool has_open_points(int pair, const Vec3& x) const {
+  /// Within so many cells, at most half of narrow_width.
+  bool has_open_points(int pair, const Vec3& x, double cells) const {
     bool found = false;
-    buckets_.each_near(x, [&](int i) {
-      const TransmittedForce& f = *points_[i];
-      found = found || (!f.closed && f.pair == pair && (f.position - x).norm() < around * h_);
+    open_buckets_.each_near(x, [&](int i) {
+      found = found || (points_[i]->pair == pair && (points_[i]->position - x).norm() < cells * h_);
     });
     return found;
   }
@@ -114,19 +124,20 @@ class NarrowZones {
     PointBuckets cells(connected * h_);
     for (std::size_t i = 0; i < closed_.size(); ++i) cells.add(closed_[i].position, static_cast<int>(i));
     component_.assign(closed_.size(), -1);
+    std::vector<int> members;
     for (std::size_t i = 0; i < closed_.size(); ++i) {
       if (component_[i] >= 0) continue;
-      const int number = static_cast<int>(members_.size());
-      members_.emplace_back(1, static_cast<int>(i));
+      const int number = static_cast<int>(i);
+      members.assign(1, number);
       component_[i] = number;
-      for (std::size_t next = 0; next < members_[number].size(); ++next) {
-        const TransmittedForce& from = closed_[members_[number][next]];
+      for (std::size_t next = 0; next < members.size(); ++next) {
+        const TransmittedForce& from = closed_[members[next]];
         cells.each_near(from.position, [&](int k) {
           if (component_[k] >= 0 || closed_[k].pair != from.pair ||
               (closed_[k].position - from.position).norm() > connected * h_)
             return;
           component_[k] = number;
-          members_[number].push_back(k);
+          members.push_back(k);
         });
       }
     }
@@ -136,9 +147,10 @@ class NarrowZones {
   double h_;
   std::vector<const TransmittedForce*> points_;
   PointBuckets buckets_;                     // of points_
+  PointBuckets closed_buckets_;              // of closed_
+  PointBuckets open_buckets_;                // of the open ones of points_
   std::map<std::array<int, 3>, int> index_;  // pair, cell, image -> closed cell
-  std::vector<int> component_;               // of closed cells
-  std::vector<std::vector<int>> members_;    // closed cells of components
+  std::vector<int> component_;               // of closed cells: the first cell of their zone
 };
 
 /// A fit with the closed cells that share it.
@@ -176,7 +188,8 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
   parallel_for(parts.size(), 1, [&](std::size_t i) {
     Part& part = parts[i];
     NarrowZone fitted;
-    if (!zones.fit(part.cells.front(), part.middle, part.normal, stress_unit, fitted)) {
+    const bool fits = zones.fit(part.cells.front(), part.middle, part.normal, stress_unit, fitted);
+    if (fitted.coefficients.isZero()) {
       part.counts_as_whole = true;
       return;
     }
@@ -188,11 +201,11 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
       if (!fitted.edge_near(closed[c].position, closed[c].position, piece)) continue;
       round = round || piece.curvature * round_radius * h < -1;
       inverse_width = std::max(inverse_width, piece.inverse_width);
-      open += zones.has_open_points(closed[c].pair, piece.origin - outside * h * piece.closed);
+      open += zones.has_open_points(closed[c].pair, piece.origin - outside * h * piece.closed, around);
       part.edges.emplace_back(c, piece);
     }
     part.counts_as_whole = round;
-    if (inverse_width * narrowest * h > 1) return;
+    if (!fits || inverse_width * narrowest * h > 1) return;
     if (static_cast<double>(open) < open_fraction * static_cast<double>(part.edges.size())) return;
     if (is_hertzian(fitted, inverse_width)) part.fitted = std::make_shared<NarrowZone>(fitted);
   });

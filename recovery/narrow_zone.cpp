@@ -122,6 +122,7 @@ bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const V
   zone.normal = normal;
   std::tie(zone.axis[0], zone.axis[1]) = tangents(normal);
   zone.cell_size = cell_size;
+  zone.coefficients.setZero();
   std::vector<ZonePoint> points;
   double closed_area = 0, force = 0;
   for (const TransmittedForce* f : forces) {
@@ -141,10 +142,9 @@ bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const V
   double wrong = 0;
   for (const ZonePoint& p : points)
     if (p.closed != (q.dot(p.terms) > 0)) wrong += p.area;
-  if (wrong > largest_mismatch * 2 * std::sqrt(M_PI * closed_area)) return false;  // of a circle's edge
   zone.misfit = fourth_moment_misfit(points, q);
   zone.coefficients = std::pow(unit / (cell_size * cell_size * stress_unit), 2) * q;
-  return true;
+  return wrong <= largest_mismatch * 2 * std::sqrt(M_PI * closed_area);  // of a circle's edge
 }
 
 bool NarrowZone::edge_near(const Vec3& x, const Vec3& start, EdgePiece& piece) const {

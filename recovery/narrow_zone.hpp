@@ -27,8 +27,8 @@ struct NarrowZone {
 constexpr double narrow_zone_full = 6, narrow_zone_reach = 9;
 double narrow_zone_weight(double distance);
 
-/// The zone with the moments up to the second of the forces around `centre`; stress_unit: Pa. False if there is none,
-/// or none whose closed and open parts are about those of the points.
+/// The zone with the moments up to the second of the forces around `centre`; stress_unit: Pa. False if there is none
+/// (coefficients zero), or none whose closed and open parts are about those of the points.
 bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const Vec3& centre, const Vec3& normal,
                      double cell_size, double stress_unit, NarrowZone& zone);
 

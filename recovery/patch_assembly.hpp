@@ -6,6 +6,7 @@
 #include "recovery/boundary_data.hpp"
 #include "recovery/cell_stress.hpp"
 #include "recovery/constraints.hpp"
+#include "recovery/contact_cells.hpp"
 #include "recovery/contact_edge.hpp"
 #include "recovery/patch_problem.hpp"
 #include "recovery/spr.hpp"
@@ -17,8 +18,8 @@ struct RecoveryOptions {
   double auxiliary_depth = 0.5;  ///< cells of the other body
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
   RecoveryDegree degree = {};    ///< of the polynomials
-  int quadratic_rings = 1;       ///< rings of cells around a node that polynomials of degree 2 are fitted to
-  int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
+  int quadratic_rings = 0;  ///< rings of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
+  int points_per_face = 0;  ///< 1, 3 or 6 constraint points; 0: by the degree
   bool inverse_variance = true;  ///< the bodies of a coupled patch count with the inverse variance of their misfits
 
   /// Degree 2: a tenth, the rows of the curvature of a traction are weak ones although not redundant
@@ -35,34 +36,20 @@ struct RecoveryBody {
   CellStress stress = {};  ///< what is fitted beside `field`; empty: sigma_h of the displacements
 };
 
-/// Integrals of sigma_h over the cells of one body that auxiliary patches may consist of.
-struct AuxiliaryCells {
-  Subset cells;
-  CellStressView stress;
-  std::vector<double> square;  ///< integral of sigma_h : sigma_h over each, cell units
-};
+/// Cells that the polynomial of a node is fitted to, ascending: its patch, and so many rings of cells around the node.
+void fit_cells(const RecoveryBody& body, int node, PatchPolynomial polynomial, std::vector<int>& cells);
 
-/// Cells near the closed contact points, as far as the auxiliary depth and two cells more.
-AuxiliaryCells auxiliary_cells(const RecoveryBody& body, const CellStress& stress, double depth);
-
-/// Degree that is asked for at every node of a body. Automatic at the contact: 2 in patches with closed points where
-/// both bodies are at least four cells thick in all directions of their grids (docs/recovery.md).
-std::vector<char> node_degrees(const std::vector<RecoveryBody>& bodies, std::size_t index,
-                               const RecoveryDegree& degree);
-
-/// Cells that the polynomial of a node is fitted to, ascending: its patch, for degree 2 with so many rings of cells.
-void fit_cells(const RecoveryBody& body, int node, int degree, int rings, std::vector<int>& cells);
-
-/// Integrals over all cells that polynomials of degree 2 are fitted to; empty if there are none.
-QuadraticCells quadratic_cells(const RecoveryBody& body, const std::vector<char>& degrees, const CellStress& stress,
-                               const AuxiliaryCells& auxiliary, const RecoveryOptions& options);
+/// Integrals over all cells near the closed contact points (as far as the auxiliary depth and two cells more), which
+/// auxiliary patches may consist of, and over those that polynomials of degree 2 are fitted to.
+StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<PatchPolynomial>& polynomials,
+                                 const CellStress& stress, const RecoveryOptions& options);
 
 /// Whether a patch holds points of a contact face, closed or open.
 bool touches_contact(const RecoveryBody& body, int node);
 
 /// Mean square of what a fit leaves of sigma_h; not less than the part of it that rounding may leave of a good fit.
-/// 0 if some of the cells are not among those near the contact.
-double fit_variance(const BodyMesh& mesh, const AuxiliaryCells& near, const std::vector<int>& cells,
+/// 0 if the integrals over some of the cells are not known.
+double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, const std::vector<int>& cells,
                     const PatchFit& fit);
 
 /// Contact points of one pair inside a patch.
@@ -94,7 +81,15 @@ class EdgeMap {
   virtual ~EdgeMap() = default;
   /// The edge of a pair near x (m, global axes); false if there is none in reach.
   virtual bool near(int pair, const Vec3& x, EdgePiece& piece) const = 0;
+  /// Whether any edges of a pair were found.
+  virtual bool has(int pair) const = 0;
 };
+
+/// The polynomial of every node of a body. Automatic at the contact: degree 2 in patches with closed points where both
+/// bodies are at least four cells thick in all directions of their grids, over as many rings as suit that thickness and
+/// the edge of the contact zone if that is near; `edges` may be null. Elsewhere one ring.
+std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                                               const EdgeMap* edges, const RecoveryOptions& options);
 
 /// Memory that is used again for patch after patch.
 struct PatchWorkspace {
@@ -102,6 +97,7 @@ struct PatchWorkspace {
   std::vector<PairState> states;
   std::vector<char> modes;          ///< of states
   std::vector<int> own, auxiliary;  ///< cells that the polynomials are fitted to
+  std::vector<char> box;            ///< marks of the cells in a box
 };
 
 /// What assembling one patch gives; its rows are appended to a list of many patches.
@@ -127,9 +123,10 @@ struct PatchProblem {
 /// Assembles the patches of one body.
 class PatchAssembly {
  public:
-  PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<AuxiliaryCells>& auxiliary,
-                const std::vector<QuadraticCells>& quadratic, const std::vector<std::vector<char>>& degrees, int index,
-                const Scales& scales, const RecoveryOptions& options);
+  /// `integrals`, `polynomials`: by body.
+  PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
+                const std::vector<std::vector<PatchPolynomial>>& polynomials, int index, const Scales& scales,
+                const RecoveryOptions& options);
 
   /// Eight full cells without contact: only equilibrium is known there.
   bool is_interior(int node) const;
@@ -148,8 +145,8 @@ class PatchAssembly {
 
  private:
   enum class ContactMode { open, closed, edge, unclear };
-  void assemble(int node, const EdgeMap* edges, int degree, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
-                PatchProblem& problem) const;
+  void assemble(int node, const EdgeMap* edges, PatchPolynomial polynomial, PatchWorkspace& workspace,
+                std::vector<PatchRow>& rows, PatchProblem& problem) const;
   void interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const;
   /// An edge (global axes, m) seen from a body; `unit`: m.
   ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
@@ -157,22 +154,23 @@ class PatchAssembly {
   ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
                            PatchProblem& problem) const;
   void own_fit(int node, int degree, const std::vector<int>& cells, PatchFit& fit) const;
-  void auxiliary_fit(int node, const PairState& state, int degree, std::vector<int>& cells, PatchFit& fit) const;
+  void auxiliary_fit(int node, const PairState& state, PatchPolynomial polynomial, PatchWorkspace& workspace,
+                     PatchFit& fit) const;
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
                    const PairState& state, ContactMode mode, std::vector<PatchRow>& rows) const;
 
   const std::vector<RecoveryBody>& bodies_;
-  const std::vector<AuxiliaryCells>& auxiliary_;  ///< by body
-  const std::vector<QuadraticCells>& quadratic_;  ///< by body
+  const std::vector<StressIntegrals>& integrals_;  ///< by body
   const RecoveryBody& body_;
-  const std::vector<char>& degrees_;  ///< by node
+  const std::vector<PatchPolynomial>& polynomials_;  ///< by node
   int index_;
   const Grid& grid_;
   const Scales& scales_;
   const RecoveryOptions& options_;
   const BoundaryPieces pieces_;
+  const ContactCells contact_;
 };
 
 }  // namespace cgcontact

@@ -28,6 +28,12 @@ constexpr int num_patch_statuses = 7;
 constexpr const char* patch_status_names[num_patch_statuses] = {
     "exact", "truncated", "degree_lowered", "conflicting", "uncoupled", "edge_unclear", "singular"};
 
+/// What the polynomial of a node is to be.
+struct PatchPolynomial {
+  char degree = 1;
+  char rings = 1;  ///< of cells around the node that it is fitted to; degree 1: one
+};
+
 /// One constraint at a point: sum over the bodies of weight : sigma(centre + place) = value.
 struct PatchRow {
   double weight[2][6] = {};  ///< of xx, yy, zz, xy, yz, zx; own body, auxiliary body (zero: no part)

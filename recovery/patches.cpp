@@ -112,6 +112,24 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size
 
 }  // namespace
 
+void mark_around(const CutCells& cc, std::vector<Index3> cells, int reach, std::vector<char>& marked) {
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<Index3> grown;
+    grown.reserve(cells.size() * (2 * reach + 1));
+    for (Index3 c : cells) {
+      c[axis] -= reach;
+      for (int s = -reach; s <= reach; ++s, ++c[axis]) grown.push_back(c);
+    }
+    std::sort(grown.begin(), grown.end());
+    grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
+    cells = std::move(grown);
+  }
+  for (const Index3& c : cells) {
+    const int cell = cc.find(c);
+    if (cell >= 0) marked[cell] = 1;
+  }
+}
+
 PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
   const CutCells& cc = *mesh.cut_cells;
   PatchSet set;

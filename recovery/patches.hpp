@@ -33,4 +33,7 @@ struct PatchSet {
 /// least_volume: cells; smaller patches are joined with a neighbour's.
 PatchSet make_patches(const BodyMesh& mesh, double least_volume = 1);
 
+/// Marks the active cells at most `reach` cells away from any of the given ones along every axis.
+void mark_around(const CutCells& cut_cells, std::vector<Index3> cells, int reach, std::vector<char>& marked);
+
 }  // namespace cgcontact

@@ -227,21 +227,20 @@ void add(const RecoveryCounts& from, RecoveryCounts& to) {
 ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u,
                                         const Scales& scales, const RecoveryOptions& options) {
   ConstrainedRecovery recovery;
-  std::vector<AuxiliaryCells> auxiliary;
-  std::vector<QuadraticCells> quadratic;
-  std::vector<std::vector<char>> degrees;
+  std::vector<StressIntegrals> integrals;
+  std::vector<std::vector<PatchPolynomial>> polynomials;
+  const FoundEdges edges = find_contact_edges(bodies, scales, options);
+  const EdgeMap* const used_edges = options.contact_edge ? &edges : nullptr;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const RecoveryBody& body = bodies[b];
     const CellStress stress = body.stress ? body.stress : stress_of_displacements(*body.mesh, u);
-    auxiliary.push_back(auxiliary_cells(body, stress, options.auxiliary_depth));
-    degrees.push_back(node_degrees(bodies, b, options.degree));
-    quadratic.push_back(quadratic_cells(body, degrees.back(), stress, auxiliary.back(), options));
+    polynomials.push_back(patch_polynomials(bodies, b, used_edges, options));
+    integrals.push_back(integrate_stress(body, polynomials.back(), stress, options));
   }
   std::vector<PatchAssembly> assemblies;
   assemblies.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    assemblies.emplace_back(bodies, auxiliary, quadratic, degrees, static_cast<int>(b), scales, options);
-  const FoundEdges edges = find_contact_edges(bodies, scales, options);
+    assemblies.emplace_back(bodies, integrals, polynomials, static_cast<int>(b), scales, options);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
@@ -259,8 +258,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
     recovery.counts.statuses[static_cast<int>(PatchStatus::exact)] += num_interior;
     std::vector<ChunkResult> chunks(num_chunks(others.size(), grain));
     parallel_chunks(others.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      recover_chunk(assembly, options.contact_edge ? &edges : nullptr, options, &others[begin], end - begin, states,
-                    chunks[chunk]);
+      recover_chunk(assembly, used_edges, options, &others[begin], end - begin, states, chunks[chunk]);
     });
     EdgeTerms terms;
     QuadraticTerms quadratic_terms;

@@ -103,6 +103,27 @@ void cell_stress_integrals(const UnitElasticity& law, double factor, const doubl
   }
 }
 
+/// Of a full cell, whose only moments up to degree 3 that are not zero are its volume and 1/12 of the squares: each
+/// coordinate meets the term of the derivative that is linear in it.
+void full_cell_stress_integrals(const UnitElasticity& law, double factor, const double u[8][3],
+                                double out[6][num_terms]) {
+  double h[8][3];
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) h[a][i] = u[a][i];
+  corner_differences(h);
+  for (int t = 0; t < num_terms; ++t) {
+    double g[3][3] = {}, s[6];
+    for (int j = 0; j < 3; ++j) {
+      if (t == 1 + j) continue;
+      const int term = t == 0 ? 0 : t - 1 < j ? t : t - 1;  // of the other two coordinates
+      const double weight = corner_scale[term] * (t == 0 ? 1 : 1. / 12);
+      for (int i = 0; i < 3; ++i) g[i][j] = weight * h[corner_difference[j][term]][i];
+    }
+    law.stress(g, s);
+    for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
+  }
+}
+
 void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const Subset& cells, const RealView& u,
                            const CellStressView& out) {
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
@@ -112,7 +133,11 @@ void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const 
     for (int a = 0; a < 8; ++a)
       for (int i = 0; i < 3; ++i) corner[a][i] = host(3 * mesh.cell_nodes[cell][a] + i);
     double integrals[6][num_terms];
-    cell_stress_integrals(mesh.law, mesh.stress_factor(), corner, patches.moments_of(*mesh.cut_cells, cell), integrals);
+    if (mesh.cut_cells->cut_of_active[cell] < 0)
+      full_cell_stress_integrals(mesh.law, mesh.stress_factor(), corner, integrals);
+    else
+      cell_stress_integrals(mesh.law, mesh.stress_factor(), corner, patches.moments_of(*mesh.cut_cells, cell),
+                            integrals);
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t) out(row, k, t) = integrals[k][t];
   });

@@ -103,11 +103,11 @@ struct Recovered {
     if (force) boundary.body_force_at = [this](const Vec3& x) { return u.body_force(x); };
     const CellStress stress = [this](int cell) { return expanded(cell); };
     const Subset cells(static_cast<int>(cc.cells.size()));
-    const QuadraticCells integrals = integrate_quadratic(mesh, stress, cells);
+    const StressIntegrals integrals = integrate_stress(mesh, stress, cells);
     CellStressView linear("linear", cells.size());
     for (int e = 0; e < cells.size(); ++e)
       for (int k = 0; k < 6; ++k)
-        for (int t = 0; t < num_terms; ++t) linear(e, k, t) = integrals.integrals[e](k, t);
+        for (int t = 0; t < num_terms; ++t) linear(e, k, t) = integrals.stress[e](k, t);
     fit_patches(mesh, patches, linear, cells, field);
     RecoveryOptions options;
     options.degree = {degree, degree, degree};
@@ -223,14 +223,14 @@ TEST(CellStress, IntegralsOfDisplacements) {
   const BodyMesh& mesh = system.meshes[0];
   const RealView u = test::random_vector(system.num_dofs(), 3);
   const Subset cells(static_cast<int>(cc.cells.size()));
-  const QuadraticCells integrals = integrate_quadratic(mesh, stress_of_displacements(mesh, u), cells);
+  const StressIntegrals integrals = integrate_stress(mesh, stress_of_displacements(mesh, u), cells);
   for (int e = 0; e < cells.size(); ++e) {
     double weights[125], corner[8][3];
     fitted_weights(cc.cut_of_active[e] < 0 ? full_cell_moments() : cc.moments[cc.cut_of_active[e]], 5, weights);
     for (int a = 0; a < 8; ++a)
       for (int i = 0; i < 3; ++i) corner[a][i] = u(3 * mesh.cell_nodes[e][a] + i);
     CellPolynomial sum = CellPolynomial::Zero();
-    double largest = 0;
+    double largest = 0, square = 0;
     for (int q = 0; q < 125; ++q) {
       const double xi[3] = {Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]};
       const double d[3] = {xi[0] / 2, xi[1] / 2, xi[2] / 2};
@@ -239,10 +239,12 @@ TEST(CellStress, IntegralsOfDisplacements) {
       Polynomial<2>::terms(d, p);
       for (int k = 0; k < 6; ++k) {
         largest = std::max(largest, std::abs(mesh.stress_factor() * s[k]));
+        square += weights[q] / 8 * std::pow(mesh.stress_factor() * s[k], 2);
         for (int t = 0; t < 10; ++t) sum(k, t) += mesh.stress_factor() * weights[q] / 8 * s[k] * p[t];
       }
     }
-    EXPECT_LT((sum - integrals.integrals[e]).cwiseAbs().maxCoeff(), 1e-13 * largest);
+    EXPECT_LT((sum - integrals.stress[e].topRows<6>()).cwiseAbs().maxCoeff(), 1e-13 * largest);
+    EXPECT_NEAR(square, integrals.square[e], 1e-13 * largest * largest);
   }
 }
 
@@ -254,13 +256,14 @@ TEST(QuarticMoments, Shifted) {
   for (int t = 0; t < 10; ++t) {
     double unit[10] = {}, column[10];
     unit[t] = 1;
-    shift_terms(d, unit, column);
+    shift_terms(
+        d, [&](int s) { return unit[s]; }, [&](int s, double value) { column[s] = value; });
     for (int s = 0; s < 10; ++s) shift(s, t) = column[s];
   }
   for (const Moments& cell : cc.moments) {
     QuarticMoments moments = quartic_moments(cell);
     const QuadraticMass expected = shift * quadratic_mass(moments) * shift.transpose();
-    shift_moments(d, moments);
+    shift_moments(d, moments.data());
     EXPECT_LT((quadratic_mass(moments) - expected).norm(), 1e-14 * expected.norm());
   }
 }

@@ -60,6 +60,26 @@ TEST(PlainTwins, CellStressIntegrals) {
   }
 }
 
+TEST(PlainTwins, CellsAround) {
+  const Case c;
+  std::vector<Index3> some;
+  for (std::size_t e = 0; e < c.cc.cells.size(); e += 37) some.push_back(c.cc.cells[e]);
+  std::vector<char> marked(c.cc.cells.size(), 0);
+  mark_around(c.cc, some, 2, marked);
+  int count = 0;
+  for (std::size_t e = 0; e < c.cc.cells.size(); ++e) {
+    const bool near = std::any_of(some.begin(), some.end(), [&](const Index3& at) {
+      int most = 0;
+      for (int d = 0; d < 3; ++d) most = std::max(most, std::abs(at[d] - c.cc.cells[e][d]));
+      return most <= 2;
+    });
+    EXPECT_EQ(marked[e] != 0, near);
+    count += near;
+  }
+  EXPECT_GT(count, 100);
+  EXPECT_LT(count, static_cast<int>(c.cc.cells.size()));
+}
+
 /// All patches, the full ones with the general fit, and only some of them.
 TEST(PlainTwins, PatchFits) {
   const Case c;
