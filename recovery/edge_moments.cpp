@@ -3,35 +3,45 @@
 namespace cgcontact {
 namespace {
 
-/// Points per direction of a cell, all points; they run along the rows, so that loops over them are vectorised.
+/// Full cells farther than that from the edge (cells) take eight points instead of 27: the root is smooth there.
+constexpr double smooth_from = 2;
+
+struct Gauss2 {
+  static constexpr double point[2] = {-0.57735026918962576, 0.57735026918962576};
+  static constexpr double weight[2] = {1, 1};
+};
+
+/// Points of a cell; they run along the rows, so that loops over them are vectorised.
+template <int n>
 struct EdgePoints {
-  static constexpr int n = 3, size = n * n * n;
+  using Gauss = std::conditional_t<n == 2, Gauss2, Gauss3>;
+  static constexpr int size = n * n * n;
   using Row = std::array<double, size>;
   Row weight;
   std::array<Row, 3> position;  ///< grid coordinates
 
-  static Row weights_of(const Moments& moments) {
-    Row weights;
-    fitted_weights(moments, n, weights.data());
-    for (double& w : weights) w /= 8;
-    return weights;
-  }
-
   EdgePoints(const CutCells& cc, int c) {
-    static const Row full = weights_of(full_cell_moments());
     const int cut = cc.cut_of_active[c];
-    weight = cut < 0 ? full : weights_of(cc.moments[cut]);
     for (int q = 0; q < size; ++q) {
-      for (int d = 0, stride = n * n; d < 3; ++d, stride /= n) {
-        const int i = q / stride % n;
-        position[d][q] = cc.cells[c][d] + 0.5 * (Gauss3::point[i] + 1);
+      const int place[3] = {q / (n * n), q / n % n, q % n};
+      weight[q] = 1. / 8;
+      for (int d = 0; d < 3; ++d) {
+        weight[q] *= Gauss::weight[place[d]];
+        position[d][q] = cc.cells[c][d] + 0.5 * (Gauss::point[place[d]] + 1);
       }
+    }
+    if constexpr (n == 3) {
+      if (cut < 0) return;
+      fitted_weights(cc.moments[cut], n, weight.data());
+      for (double& w : weight) w /= 8;
     }
   }
 };
 
 /// Components of the term at all points; ContactEdge::stress for a plane face, vectorised.
-void set_plane_term(const EdgePoints& points, const ContactEdge& edge, std::array<EdgePoints::Row, 6>& term) {
+template <int n>
+void set_plane_term(const EdgePoints<n>& points, const ContactEdge& edge,
+                    std::array<typename EdgePoints<n>::Row, 6>& term) {
   const Vec3 in = -edge.orientation * edge.surface.direction;
   const Vec3 closed = edge.closed - edge.closed.dot(in) * in, along = edge.along - edge.along.dot(in) * in;
   const double start = edge.closed.dot(edge.origin), middle = edge.along.dot(edge.origin),
@@ -61,11 +71,34 @@ void set_plane_term(const EdgePoints& points, const ContactEdge& edge, std::arra
   }
 }
 
-void set_term(const EdgePoints& points, const ContactEdge& edge, std::array<EdgePoints::Row, 6>& term) {
+template <int n>
+void set_term(const EdgePoints<n>& points, const ContactEdge& edge, std::array<typename EdgePoints<n>::Row, 6>& term) {
   for (int q = 0; q < points.size; ++q) {
     double s[6];
     edge.stress(Vec3(points.position[0][q], points.position[1][q], points.position[2][q]), s);
     for (int k = 0; k < 6; ++k) term[k][q] = s[k];
+  }
+}
+
+/// Adds the integrals over one cell.
+template <int degree, int n>
+void add_cell(const CutCells& cc, int cell, const Vec3& centre, const ContactEdge& edge,
+              double sum[6][Polynomial<degree>::num_terms]) {
+  constexpr int T = Polynomial<degree>::num_terms;
+  const EdgePoints<n> points(cc, cell);
+  std::array<typename EdgePoints<n>::Row, 6> term;
+  if (edge.surface.kind == Surface::Kind::plane)
+    set_plane_term(points, edge, term);
+  else
+    set_term(points, edge, term);
+  for (int q = 0; q < points.size; ++q) {
+    double d[3], p[T];
+    for (int k = 0; k < 3; ++k) d[k] = points.position[k][q] - centre[k];
+    Polynomial<degree>::terms(d, p);
+    for (int k = 0; k < 6; ++k) {
+      const double value = points.weight[q] * term[k][q];
+      for (int t = 0; t < T; ++t) sum[k][t] += value * p[t];
+    }
   }
 }
 
@@ -84,25 +117,16 @@ template <int degree>
 Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const BodyMesh& mesh, const int* cells,
                                                                          int num_cells, const Vec3& centre,
                                                                          const ContactEdge& edge) {
-  constexpr int T = Polynomial<degree>::num_terms, N = EdgePoints::size;
-  const bool plane = edge.surface.kind == Surface::Kind::plane;
-  std::array<EdgePoints::Row, 6> term;
+  constexpr int T = Polynomial<degree>::num_terms;
+  const CutCells& cc = *mesh.cut_cells;
   double sum[6][T] = {};
   for (int i = 0; i < num_cells; ++i) {
-    const EdgePoints points(*mesh.cut_cells, cells[i]);
-    if (plane)
-      set_plane_term(points, edge, term);
+    const Index3& at = cc.cells[cells[i]];
+    const double inside = edge.inside(Vec3(at[0] + 0.5, at[1] + 0.5, at[2] + 0.5)) / edge.scale;
+    if (cc.cut_of_active[cells[i]] < 0 && std::abs(inside) > smooth_from)
+      add_cell<degree, 2>(cc, cells[i], centre, edge, sum);
     else
-      set_term(points, edge, term);
-    for (int q = 0; q < N; ++q) {
-      double d[3], p[T];
-      for (int k = 0; k < 3; ++k) d[k] = points.position[k][q] - centre[k];
-      Polynomial<degree>::terms(d, p);
-      for (int k = 0; k < 6; ++k) {
-        const double value = points.weight[q] * term[k][q];
-        for (int t = 0; t < T; ++t) sum[k][t] += value * p[t];
-      }
-    }
+      add_cell<degree, 3>(cc, cells[i], centre, edge, sum);
   }
   return Eigen::Map<const Eigen::Matrix<double, 6 * T, 1>>(sum[0]);
 }

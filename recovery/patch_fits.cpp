@@ -1,7 +1,6 @@
 /// The fits of a patch before constraints, and the integrals they are made of.
 #include <algorithm>
 
-#include "core/parallel.hpp"
 #include "recovery/patch_assembly.hpp"
 
 namespace cgcontact {
@@ -16,8 +15,6 @@ constexpr double least_auxiliary_volume = 0.25;
 /// A patch carries quadratic polynomials if every term keeps this part of its square when the terms before it are taken
 /// out: a plate 0.4 cells thick beside the node has 1e-3.
 constexpr double least_pivot = 1e-3;
-
-constexpr std::size_t grain = 64;
 
 void sort_unique(std::vector<int>& cells) {
   std::sort(cells.begin(), cells.end());
