@@ -166,17 +166,10 @@ FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double sca
       buckets_(reach * width) {
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     // All normals of a pair point the same way.
-    for (std::size_t k = 0; k < i; ++k)
-      if (samples_[k].pair == samples_[i].pair) {
-        if (samples_[k].normal.dot(samples_[i].normal) < 0) samples_[i].normal *= -1;
-        break;
-      }
+    const std::size_t first = first_of_pair_.try_emplace(samples_[i].pair, i).first->second;
+    if (samples_[first].normal.dot(samples_[i].normal) < 0) samples_[i].normal *= -1;
     buckets_.add(samples_[i].origin, static_cast<int>(i));
   }
-}
-
-bool FoundEdges::has(int pair) const {
-  return std::any_of(samples_.begin(), samples_.end(), [pair](const EdgeSample& s) { return s.pair == pair; });
 }
 
 bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {

@@ -3,6 +3,7 @@
 /// few cells (recovery/narrow_edges.hpp) the edge that the zone's moments give. Evidence: docs/recovery.md.
 #pragma once
 
+#include <map>
 #include <memory>
 
 #include "core/point_buckets.hpp"
@@ -25,10 +26,11 @@ class FoundEdges : public EdgeMap {
   /// width: m, the largest coarser cells of the pairs; scatter of the samples across the edge: widths.
   FoundEdges(std::vector<EdgeSample> samples, double width, double scatter);
   bool near(int pair, const Vec3& x, EdgePiece& piece) const override;
-  bool has(int pair) const override;
+  bool has(int pair) const override { return first_of_pair_.count(pair) > 0; }
 
  private:
   std::vector<EdgeSample> samples_;
+  std::map<int, std::size_t> first_of_pair_;  ///< pair -> sample
   double width_, ridge_;
   PointBuckets buckets_;
 };

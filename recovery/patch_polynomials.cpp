@@ -56,13 +56,13 @@ int cells_across_contact(const std::vector<RecoveryBody>& bodies, const Recovery
 }
 
 /// In a zone with edges their distance counts, in one without the thickness of the bodies.
-int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, int cells_across) {
+int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, int across) {
   const Grid& grid = body.mesh->cut_cells->grid;
   const Index3& at = body.mesh->nodes[node];
   const Vec3 x = grid.to_global(Vec3(at[0], at[1], at[2]));
   const PatchSet& patches = *body.patches;
-  int pair = -1, rings = rings_of_thickness(cells_across);
-  bool first = true;
+  int pair = -1;
+  bool has_edges = false;
   for (int p = patches.begin[node]; p < patches.begin[node + 1]; ++p)
     for (int l : body.boundary->links_of_cell[patches.cells[p]]) {
       if (body.boundary->links[l].pair == pair) continue;
@@ -71,11 +71,10 @@ int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, i
       EdgePiece piece;
       const bool wide = edges.near(pair, x, piece) && piece.inside(x) <= edge_width * grid.cell_size &&
                         std::abs(piece.curvature) * wide_radius * grid.cell_size < 1;
-      const int beside = wide ? 2 : 1;
-      rings = first ? beside : std::min(rings, beside);
-      first = false;
+      if (!wide) return 1;
+      has_edges = true;
     }
-  return rings;
+  return has_edges ? 2 : rings_of_thickness(across);
 }
 
 }  // namespace

@@ -103,6 +103,8 @@ void cell_stress_integrals(const UnitElasticity& law, double factor, const doubl
   }
 }
 
+namespace {
+
 /// Of a full cell, whose only moments up to degree 3 that are not zero are its volume and 1/12 of the squares: each
 /// coordinate meets the term of the derivative that is linear in it.
 void full_cell_stress_integrals(const UnitElasticity& law, double factor, const double u[8][3],
@@ -123,6 +125,8 @@ void full_cell_stress_integrals(const UnitElasticity& law, double factor, const 
     for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
   }
 }
+
+}  // namespace
 
 void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const Subset& cells, const RealView& u,
                            const CellStressView& out) {

@@ -45,6 +45,13 @@ TEST(Degree, TwoRingsBesideAStraightEdgeOneBesideARoundOne) {
                    test::zone(test::run_scene("scenes/hertz.toml", one)->results(), "whole").sprc);
 }
 
+/// Two cells over half of a straight zone that is like no ellipse. Measured: 0.027; without the term of the edge 0.11.
+TEST(Degree, StraightNarrowZonesKeepTheirEdges) {
+  const auto solved = test::run_scene("scenes/two_solids_3d.toml", {"n=8", "body.0.grid.offset=[0.185, 0.512, 0.63]",
+                                                                    "body.1.grid.offset=[0.793, 0.094, 0.303]"});
+  EXPECT_LT(test::zone(solved->results(), "whole").sprc, 0.04);
+}
+
 /// Chosen without being asked where both bodies are thick; a plate one cell thick keeps degree 1 (docs/recovery.md).
 TEST(Degree, IsTwoAtTheContactOfThickBodiesOnly) {
   const auto thick = test::run_scene("scenes/sphere_in_shell.toml", {"n=8"});
