@@ -3,7 +3,7 @@
 
 #include <array>
 #include <cmath>
-#include <map>
+#include <unordered_map>
 #include <vector>
 
 #include "core/types.hpp"
@@ -29,6 +29,13 @@ class PointBuckets {
 
  private:
   using Bucket = std::array<long long, 3>;
+  struct Hash {
+    std::size_t operator()(const Bucket& key) const {
+      std::size_t hash = 0;
+      for (const long long k : key) hash = (hash ^ static_cast<std::size_t>(k)) * 0x9E3779B97F4A7C15u;
+      return hash ^ hash >> 32;
+    }
+  };
   Bucket bucket(const Vec3& x) const {
     Bucket key;
     for (int d = 0; d < 3; ++d) key[d] = static_cast<long long>(std::floor(x[d] / size_));
@@ -36,7 +43,7 @@ class PointBuckets {
   }
 
   double size_;
-  std::map<Bucket, std::vector<int>> buckets_;
+  std::unordered_map<Bucket, std::vector<int>, Hash> buckets_;
 };
 
 }  // namespace cgcontact

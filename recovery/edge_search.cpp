@@ -138,7 +138,6 @@ void keep_found(std::vector<EdgeSample>& samples) {
 
 /// Moves all samples to where the forces put the edge; those without such a place are dropped.
 void place_edges(const ContactZone& zone, const Scales& scales, double scatter, std::vector<EdgeSample>& samples) {
-  measure_widths(zone, samples);
   const FoundEdges edges(samples, zone.cell_size(), scatter);
   parallel_for(samples.size(), grain, [&](std::size_t i) {
     EdgeSample& sample = samples[i];
@@ -252,8 +251,10 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
     keep_found(samples);
     measure_widths(zone, samples);
     const std::vector<EdgeSample> narrow = take_narrow_edges(zone, closed, scales.stress, samples);
-    for (int round = 0; round < rounds && !samples.empty(); ++round)
+    for (int round = 0; round < rounds && !samples.empty(); ++round) {
+      if (round > 0) measure_widths(zone, samples);
       place_edges(zone, scales, round == 0 ? guess_scatter : place_scatter, samples);
+    }
     samples.insert(samples.end(), narrow.begin(), narrow.end());
     if (!samples.empty()) width = std::max(width, zone.cell_size());
     all.insert(all.end(), samples.begin(), samples.end());

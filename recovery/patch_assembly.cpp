@@ -266,7 +266,6 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   const PatchSet& patches = *body_.patches;
   const int* cells = patches.cells.data() + patches.begin[node];
   const int num_cells = patches.begin[node + 1] - patches.begin[node];
-  problem = {};
   problem.node = node;
   problem.first_row = rows.size();
   const int degree = polynomial.degree;
@@ -274,6 +273,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   PatchFit& own = problem.fit[0];
   own_fit(node, degree, workspace.own, own);
   const auto lowered = [&] {
+    problem = PatchProblem();
     assemble(node, edges, PatchPolynomial{}, workspace, rows, problem);
     problem.status = std::max(problem.status, PatchStatus::degree_lowered);
     problem.lowered = true;

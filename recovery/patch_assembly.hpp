@@ -117,6 +117,7 @@ struct PatchProblem {
   double factor = 0;
   bool loose = false;  ///< after the solution: not all rows are met
 
+  PatchProblem() {}  // not "= default", which zeroes 4 kB of matrices first
   int degree() const { return fit[0].degree; }
 };
 
@@ -133,7 +134,8 @@ class PatchAssembly {
   /// What div sigma must be at a place (grid coordinates of a body), per cell unit.
   Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
 
-  /// The patch of a node, its rows appended to `rows`. `edges` may be null: edges are then not looked for.
+  /// The patch of a node into a new `problem`, its rows appended to `rows`. `edges` may be null: edges are then not
+  /// looked for.
   void assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
                 PatchProblem& problem) const;
   /// Contact points by pair in the patch of a node.
