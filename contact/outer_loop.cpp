@@ -69,8 +69,9 @@ struct ContactSolver::Impl {
   std::vector<double> group_force(bool with_displacement) const;
   std::vector<double> group_stiffness() const;
   std::vector<double> group_gap_change() const;
+  void set_rigid_parts_aside();
+  double rigid_displacement(const SupportPoint& p) const;
   void update_active_set();
-  double largest_displacement() const;
   double update_recovered_stress();
   long long count_active() const;
   std::string describe_loss_of_contact() const;
@@ -85,8 +86,10 @@ struct ContactSolver::Impl {
   std::vector<BoundaryStress> boundary_stress_;
   std::vector<double> load_, support_stress_;        // system units; units Scales::stress
   std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
-  RealView u_, rhs_;
-  double force_norm_ = 0;
+  RealView u_, rhs_;                                 // u_: without the rigid parts
+  RigidParts rigid_parts_;
+  std::vector<double> rigid_gap_change_;  // m, of each contact group
+  double force_norm_ = 0, kappa_norm_ = 0;
   bool warm_ = false;         // is there a converged solution to start from?
   std::string solver_error_;  // of Trilinos, where it gave up
 };
@@ -95,7 +98,8 @@ ContactSolver::Impl::Impl(const OuterProblem& problem)
     : problem_(problem),
       solver_(problem.system,
               problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid,
-              free_thickness(problem.bodies)) {
+              free_thickness(problem.bodies)),
+      rigid_parts_(problem.system.meshes, problem.scales) {
   const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
   boundary_stress_.reserve(cells.size());
   for (std::size_t b = 0; b < cells.size(); ++b)
@@ -107,6 +111,9 @@ ContactSolver::Impl::Impl(const OuterProblem& problem)
 /// Back to no displacement and no stress.
 void ContactSolver::Impl::forget() {
   Kokkos::deep_copy(u_, 0.0);
+  rigid_parts_.forget();
+  rigid_gap_change_.assign(problem_.system.group_rows.size(), 0.0);
+  kappa_norm_ = 0;
   support_stress_.assign(problem_.supports.size(), 0.0);
   contact_stress_.clear();
   for (const ContactPair& pair : problem_.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
@@ -157,7 +164,8 @@ void ContactSolver::Impl::assemble_right_hand_side() {
     const SupportPoint& p = problem_.supports[s];
     const Vec3 d = problem_.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
     const double stress_force = support_stress_[s] * p.weight / area_scale;
-    const double value_force = to_stiffness(support_stiffness(p), p.weight) * p.value / scales().length;
+    const double value = p.value - rigid_displacement(p);
+    const double value_force = to_stiffness(support_stiffness(p), p.weight) * value / scales().length;
     double N[8];
     hex_shape(p.xi.data(), N);
     for (int a = 0; a < 8; ++a)
@@ -174,20 +182,21 @@ void ContactSolver::Impl::assemble_right_hand_side() {
   for (std::size_t row = 0; row < force.size(); ++row)
     for (const auto& [dof, value] : problem_.system.group_rows[row].entries) f[dof] += value * force[row];
   for (std::size_t i = 0; i < f.size(); ++i) f[i] += values[i];
-  // Without forces (no load yet, or a motion without stress) rounding of the kappa terms is all there is to measure by.
-  force_norm_ = forces > 0 ? std::max(forces, no_force * norm(f)) : 1e-2 * norm(f);
+  // Without forces (no load yet, or a motion without stress) rounding of the kappa terms is all there is to measure by:
+  // what they were before rigid motions were set aside.
+  kappa_norm_ = std::max(kappa_norm_, norm(f));
+  force_norm_ = forces > 0 ? std::max(forces, no_force * kappa_norm_) : 1e-2 * kappa_norm_;
   auto host = Kokkos::create_mirror_view(rhs_);
   for (std::size_t i = 0; i < f.size(); ++i) host(i) = f[i];
   Kokkos::deep_copy(rhs_, host);
 }
 
 /// Force of each group, sum over its closed points of w (p* - kappa E/h gap): with the gap of the current displacement,
-/// or with the initial gap only (the right-hand side).
+/// or without that of the deformation (the right-hand side).
 std::vector<double> ContactSolver::Impl::group_force(bool with_displacement) const {
   std::vector<double> forces;
   const double area_scale = scales().length * scales().length;
-  const std::vector<double> change =
-      with_displacement ? group_gap_change() : std::vector<double>(problem_.system.group_rows.size(), 0.0);
+  const std::vector<double> change = with_displacement ? group_gap_change() : rigid_gap_change_;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
     for (const ContactGroup& g : pair.groups) {
@@ -211,16 +220,33 @@ std::vector<double> ContactSolver::Impl::group_gap_change() const {
   for (const GroupRow& row : problem_.system.group_rows) {
     double sum = 0;
     for (const auto& [dof, value] : row.entries) sum += value * u(dof);
-    change.push_back(sum * scales().length);
+    change.push_back(sum * scales().length + rigid_gap_change_[change.size()]);
   }
   return change;
+}
+
+/// From u_ into rigid_parts_, and what follows for the gaps.
+void ContactSolver::Impl::set_rigid_parts_aside() {
+  rigid_parts_.set_aside(u_);
+  const std::vector<GroupRow>& rows = problem_.system.group_rows;
+  parallel_for(rows.size(), grain, [&](std::size_t r) {
+    double sum = 0;
+    for (const auto& [dof, value] : rows[r].entries) sum += value * rigid_parts_.at_dof(dof);
+    rigid_gap_change_[r] = sum;
+  });
+}
+
+/// Along the support's direction, m.
+double ContactSolver::Impl::rigid_displacement(const SupportPoint& p) const {
+  return p.direction.dot(
+      rigid_parts_.of_bodies()[p.body].at(global_position(problem_.bodies[p.body].cut_cells, p.cell, p.xi)));
 }
 
 /// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
 /// the displacements (bodies that touch without force) nothing changes.
 void ContactSolver::Impl::update_active_set() {
   const std::vector<double> change = group_gap_change();
-  const double moved = largest_displacement() * scales().length;
+  const double moved = rigid_parts_.largest_displacement(u_) * scales().length;
   std::size_t first_group = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     ContactPair& pair = problem_.pairs[k];
@@ -235,13 +261,6 @@ void ContactSolver::Impl::update_active_set() {
       for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
     first_group += pair.groups.size();
   }
-}
-
-/// Scales::length.
-double ContactSolver::Impl::largest_displacement() const {
-  double largest = 0;
-  for (std::size_t i = 0; i < u_.extent(0); ++i) largest = std::max(largest, std::abs(u_(i)));
-  return largest;
 }
 
 /// New sigma* at supports and contact; returns the relative change (area-weighted, L2).
@@ -270,7 +289,7 @@ double ContactSolver::Impl::update_recovered_stress() {
     });
   }
   // A motion without stress: what is recovered is rounding of E u / h, not a stress to converge to.
-  const double largest = largest_displacement();
+  const double largest = rigid_parts_.largest_displacement(u_);
   double area = 0, stiffest = 0;
   for (const SupportPoint& p : problem_.supports) area += p.weight;
   for (const BodyMesh& mesh : problem_.system.meshes) stiffest = std::max(stiffest, mesh.stress_factor());
@@ -351,6 +370,7 @@ std::string ContactSolver::Impl::describe_linear_solve(const LinearSolveResult& 
 /// Last linear solve with the final state, so that the forces are in equilibrium to the linear tolerance.
 void ContactSolver::Impl::polish(OuterResult& result) {
   set_group_stiffness(problem_.system, group_stiffness());
+  set_rigid_parts_aside();
   assemble_right_hand_side();
   const LinearSolveResult solve = solve_linear(problem_.scene.solver.linear_tolerance * force_norm_);
   result.linear_iterations.push_back(solve.iterations);
@@ -359,12 +379,13 @@ void ContactSolver::Impl::polish(OuterResult& result) {
 
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
+  result.rigid_parts = rigid_parts_.of_bodies();
   result.group_force = group_force(true);
   result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, load_);
   for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
     const SupportPoint& p = problem_.supports[s];
     const Vec3 d = problem_.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
-    double N[8], displacement = 0;
+    double N[8], displacement = rigid_displacement(p) / scales().length;
     hex_shape(p.xi.data(), N);
     for (int a = 0; a < 8; ++a)
       for (int i = 0; i < 3; ++i)
@@ -390,6 +411,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     OuterStep step;
     step.iteration = iteration;
     set_group_stiffness(problem_.system, group_stiffness());
+    set_rigid_parts_aside();
     assemble_right_hand_side();
     const double inner = std::clamp(inner_fraction * outer_residual, solver.linear_tolerance, loosest_inner_tolerance);
     const LinearSolveResult solve = solve_linear(inner * force_norm_);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "contact/contact_pairs.hpp"
+#include "contact/rigid_part.hpp"
 #include "kernels/linear_solver.hpp"
 
 namespace cgcontact {
@@ -22,7 +23,8 @@ struct OuterStep {
 };
 
 struct OuterResult {
-  RealView u;  ///< displacements of all bodies, Scales::length; the next call overwrites them
+  RealView u;  ///< displacements of all bodies less their rigid parts, Scales::length; the next call overwrites them
+  std::vector<RigidPart> rigid_parts;  ///< of each body
   int iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> residuals;

@@ -22,6 +22,7 @@ Sym3 to_global(const Simulation& sim, int body, const double s[6]) {
   return voigt(R * tensor(local) * R.transpose());
 }
 
+/// Without the body's rigid part.
 void corner_displacements(const Simulation& sim, int body, int cell, double out[8][3]) {
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) out[a][i] = sim.outer.u(3 * sim.system.meshes[body].cell_nodes[cell][a] + i);
@@ -174,9 +175,11 @@ Vec3 displacement(const Simulation& sim, int body, int cell, const Vec3& xi) {
   double u[8][3], N[8];
   corner_displacements(sim, body, cell, u);
   hex_shape(xi.data(), N);
+  const CutCells& cut_cells = sim.bodies[body].cut_cells;
   Vec3 sum = Vec3::Zero();
   for (int a = 0; a < 8; ++a) sum += N[a] * Vec3(u[a][0], u[a][1], u[a][2]);
-  return sim.scales.length * (sim.bodies[body].cut_cells.grid.rotation * sum);
+  return sim.scales.length * (cut_cells.grid.rotation * sum) +
+         sim.outer.rigid_parts[body].at(global_position(cut_cells, cell, xi));
 }
 
 void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,

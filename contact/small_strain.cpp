@@ -43,14 +43,16 @@ Vec3 centroid(const CutCells& cc, int e) {
 }
 
 /// At the centroid of every cell.
-BodyExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, double length_scale) {
+BodyExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
+                           double length_scale) {
   const std::size_t cells = cc.cells.size();
   std::vector<BodyExtremes> found(num_chunks(cells, grain));
   parallel_chunks(cells, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const Vec3 xi = centroid(cc, static_cast<int>(e));
       Mat3 gradient = Mat3::Zero();  // m per m, grid axes
-      Vec3 displacement = Vec3::Zero();
+      const Vec3 x = global_position(cc, static_cast<int>(e), xi);
+      Vec3 displacement = cc.grid.rotation.transpose() * rigid_part.at(x);
       double N[8], dN[8][3];
       hex_shape(xi.data(), N);
       hex_gradient(xi.data(), dN);
@@ -60,7 +62,6 @@ BodyExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealV
         gradient += v * Vec3(dN[a][0], dN[a][1], dN[a][2]).transpose() / cc.grid.cell_size;
         displacement += N[a] * v;
       }
-      const Vec3 x = global_position(cc, static_cast<int>(e), xi);
       const Mat3 strain = 0.5 * (gradient + gradient.transpose());
       // The Frobenius norm bounds the principal strains; it is found without them.
       if (strain.norm() > found[chunk].strain.value)
@@ -86,7 +87,8 @@ std::vector<std::string> small_strain_warnings(const Simulation& sim) {
   for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
     const CutCells& cc = sim.bodies[b].cut_cells;
     const BodySpec& spec = *sim.bodies[b].spec;
-    const BodyExtremes extremes = find_extremes(cc, sim.system.meshes[b], sim.outer.u, sim.scales.length);
+    const BodyExtremes extremes =
+        find_extremes(cc, sim.system.meshes[b], sim.outer.u, sim.outer.rigid_parts[b], sim.scales.length);
     Largest pressure;
     for (const ContactRow& row : sim.results.contact_rows)
       if (row.body == static_cast<int>(b)) pressure.add(row.pressure_sprc, row.x);

@@ -99,6 +99,7 @@ void run(const Scene& scene) {
   std::vector<double> load;
   phase("load vector", [&] { load = make_load_vector(sim.bodies, sim.system, sim.scales); });
   phase("(displacement)", [&] { sim.outer.u = made_up_displacement(sim); });
+  sim.outer.rigid_parts.resize(sim.bodies.size());
   made_up_contact(sim);
   sim.outer.group_force.assign(sim.system.group_rows.size(), 0.0);
   sim.outer.support_stress.assign(sim.supports.size(), 0.0);
