@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -15,6 +16,10 @@ namespace {
 
 constexpr std::size_t num_columns = 14;
 constexpr std::size_t fewest_points = 3;  ///< for a fit
+/// The nearest ones are used: all within a cell smooth the steep end of a contact zone away. Beyond their farthest one
+/// the weight ends by so much.
+constexpr std::size_t most_points = 6;
+constexpr double margin = 1.25;
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields;
@@ -74,7 +79,7 @@ double FacePressure::nearest(int body, const Vec3& x) const {
 }
 
 double FacePressure::operator()(int body, const Vec3& x) const {
-  std::vector<std::pair<int, double>> near;  // row, weight
+  std::vector<std::pair<double, int>> nearby;  // distance, row
   const Bucket centre = bucket(body, x);
   for (int i = -1; i <= 1; ++i)
     for (int j = -1; j <= 1; ++j)
@@ -82,11 +87,17 @@ double FacePressure::operator()(int body, const Vec3& x) const {
         const auto found = buckets_.find({centre[0], centre[1] + i, centre[2] + j, centre[3] + k});
         if (found == buckets_.end()) continue;
         for (const int r : found->second) {
-          const double distance = (rows_[r].x - x).norm() / reach_;
-          if (distance < 1) near.emplace_back(r, std::pow(1 - distance, 2));
+          const double distance = (rows_[r].x - x).norm();
+          if (distance < reach_) nearby.emplace_back(distance, r);
         }
       }
-  if (near.size() < fewest_points) return nearest(body, x);
+  if (nearby.size() < fewest_points) return nearest(body, x);
+  const std::size_t count = std::min(nearby.size(), most_points);
+  std::partial_sort(nearby.begin(), nearby.begin() + static_cast<std::ptrdiff_t>(count), nearby.end());
+  nearby.resize(count);
+  const double radius = std::max(margin * nearby.back().first, 1e-9 * reach_);  // points may coincide
+  std::vector<std::pair<int, double>> near;  // row, weight
+  for (const auto& [distance, r] : nearby) near.emplace_back(r, std::pow(1 - distance / radius, 2));
   // Mean, and the gradient about it.
   double sum = 0, mean = 0;
   Vec3 middle = Vec3::Zero();
@@ -101,14 +112,14 @@ double FacePressure::operator()(int body, const Vec3& x) const {
   Eigen::VectorXd values(near.size());
   for (std::size_t k = 0; k < near.size(); ++k) {
     const auto& [r, weight] = near[k];
-    matrix.row(k) = weight / reach_ * (rows_[r].x - middle);
+    matrix.row(k) = weight / radius * (rows_[r].x - middle);
     values[k] = weight * (rows_[r].pressure_sprc - mean);
   }
   // The smallest gradient: the points of a flat face say nothing about the direction across it.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX3d> decomposition;
   decomposition.setThreshold(1e-3);
   decomposition.compute(matrix);
-  return mean + Vec3(decomposition.solve(values)).dot(x - middle) / reach_;
+  return mean + Vec3(decomposition.solve(values)).dot(x - middle) / radius;
 }
 
 }  // namespace cgcontact

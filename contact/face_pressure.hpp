@@ -13,10 +13,10 @@ namespace cgcontact {
 /// Rows of a contact.csv; body, x, weight and pressures only. Throws InputError if it is none.
 std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& scene);
 
-/// The SPR-C pressure between the given points: weighted linear fit to those nearby.
+/// The SPR-C pressure between the given points: weighted linear fit to the nearest ones.
 class FacePressure {
  public:
-  /// `reach`: size of the neighbourhood, m; a cell of the run.
+  /// `reach`: no point farther away counts, m; a cell of the run.
   FacePressure(std::vector<ContactRow> rows, double reach);
   /// Pa, at a point on the face of a body that has rows.
   double operator()(int body, const Vec3& x) const;
