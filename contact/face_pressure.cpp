@@ -96,7 +96,7 @@ double FacePressure::operator()(int body, const Vec3& x) const {
   std::partial_sort(nearby.begin(), nearby.begin() + static_cast<std::ptrdiff_t>(count), nearby.end());
   nearby.resize(count);
   const double radius = std::max(margin * nearby.back().first, 1e-9 * reach_);  // points may coincide
-  std::vector<std::pair<int, double>> near;  // row, weight
+  std::vector<std::pair<int, double>> near;                                     // row, weight
   for (const auto& [distance, r] : nearby) near.emplace_back(r, std::pow(1 - distance / radius, 2));
   // Mean, and the gradient about it.
   double sum = 0, mean = 0;
