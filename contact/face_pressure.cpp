@@ -16,10 +16,11 @@ namespace {
 
 constexpr std::size_t num_columns = 14;
 constexpr std::size_t fewest_points = 3;  ///< for a fit
-/// The nearest ones are used: all within a cell smooth the steep end of a contact zone away. Beyond their farthest one
-/// the weight ends by so much.
+/// Beside the end of a contact zone all within a cell would smooth it away. Beyond the farthest one the weight ends by
+/// so much.
 constexpr std::size_t most_points = 6;
 constexpr double margin = 1.25;
+constexpr double open_below = 1e-9;  ///< of the largest pressure: SPR-C leaves 1e-10 of it outside
 
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields;
@@ -58,6 +59,9 @@ std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& 
 }
 
 FacePressure::FacePressure(std::vector<ContactRow> rows, double reach) : rows_(std::move(rows)), reach_(reach) {
+  double largest = 0;
+  for (const ContactRow& row : rows_) largest = std::max(largest, std::abs(row.pressure_sprc));
+  open_ = open_below * largest;
   for (int r = 0; r < static_cast<int>(rows_.size()); ++r) buckets_[bucket(rows_[r].body, rows_[r].x)].push_back(r);
 }
 
@@ -65,6 +69,23 @@ FacePressure::Bucket FacePressure::bucket(int body, const Vec3& x) const {
   Bucket key{body, 0, 0, 0};
   for (int k = 0; k < 3; ++k) key[k + 1] = static_cast<long long>(std::floor(x[k] / reach_));
   return key;
+}
+
+std::vector<FacePressure::Neighbour> FacePressure::neighbours(int body, const Vec3& x) const {
+  std::vector<Neighbour> found;
+  const Bucket centre = bucket(body, x);
+  for (int i = -1; i <= 1; ++i)
+    for (int j = -1; j <= 1; ++j)
+      for (int k = -1; k <= 1; ++k) {
+        const auto cube = buckets_.find({centre[0], centre[1] + i, centre[2] + j, centre[3] + k});
+        if (cube == buckets_.end()) continue;
+        for (const int r : cube->second) {
+          const double distance = (rows_[r].x - x).norm();
+          if (distance < reach_) found.push_back({distance, r});
+        }
+      }
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 double FacePressure::nearest(int body, const Vec3& x) const {
@@ -78,48 +99,50 @@ double FacePressure::nearest(int body, const Vec3& x) const {
   return pressure;
 }
 
-double FacePressure::operator()(int body, const Vec3& x) const {
-  std::vector<std::pair<double, int>> nearby;  // distance, row
-  const Bucket centre = bucket(body, x);
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j)
-      for (int k = -1; k <= 1; ++k) {
-        const auto found = buckets_.find({centre[0], centre[1] + i, centre[2] + j, centre[3] + k});
-        if (found == buckets_.end()) continue;
-        for (const int r : found->second) {
-          const double distance = (rows_[r].x - x).norm();
-          if (distance < reach_) nearby.emplace_back(distance, r);
-        }
-      }
-  if (nearby.size() < fewest_points) return nearest(body, x);
-  const std::size_t count = std::min(nearby.size(), most_points);
-  std::partial_sort(nearby.begin(), nearby.begin() + static_cast<std::ptrdiff_t>(count), nearby.end());
-  nearby.resize(count);
-  const double radius = std::max(margin * nearby.back().first, 1e-9 * reach_);  // points may coincide
-  std::vector<std::pair<int, double>> near;                                     // row, weight
-  for (const auto& [distance, r] : nearby) near.emplace_back(r, std::pow(1 - distance / radius, 2));
+FacePressure::Linear FacePressure::fit(const std::vector<Neighbour>& points, int power) const {
+  const double radius = std::max(margin * points.back().first, 1e-9 * reach_);  // points may coincide
+  const auto weight = [&](const Neighbour& point) { return std::pow(1 - point.first / radius, 2); };
+  const auto value = [&](const Neighbour& point) { return std::pow(rows_[point.second].pressure_sprc, power); };
   // Mean, and the gradient about it.
-  double sum = 0, mean = 0;
-  Vec3 middle = Vec3::Zero();
-  for (const auto& [r, weight] : near) {
-    sum += weight * weight;
-    mean += weight * weight * rows_[r].pressure_sprc;
-    middle += weight * weight * rows_[r].x;
+  double sum = 0;
+  Linear linear;
+  for (const Neighbour& point : points) {
+    const double w = std::pow(weight(point), 2);
+    sum += w;
+    linear.mean += w * value(point);
+    linear.middle += w * rows_[point.second].x;
   }
-  mean /= sum;
-  middle /= sum;
-  Eigen::MatrixX3d matrix(near.size(), 3);
-  Eigen::VectorXd values(near.size());
-  for (std::size_t k = 0; k < near.size(); ++k) {
-    const auto& [r, weight] = near[k];
-    matrix.row(k) = weight / radius * (rows_[r].x - middle);
-    values[k] = weight * (rows_[r].pressure_sprc - mean);
+  linear.mean /= sum;
+  linear.middle /= sum;
+  Eigen::MatrixX3d matrix(points.size(), 3);
+  Eigen::VectorXd values(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    matrix.row(k) = weight(points[k]) / radius * (rows_[points[k].second].x - linear.middle);
+    values[k] = weight(points[k]) * (value(points[k]) - linear.mean);
   }
   // The smallest gradient: the points of a flat face say nothing about the direction across it.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX3d> decomposition;
   decomposition.setThreshold(1e-3);
   decomposition.compute(matrix);
-  return mean + Vec3(decomposition.solve(values)).dot(x - middle) / radius;
+  linear.gradient = decomposition.solve(values) / radius;
+  return linear;
+}
+
+double FacePressure::operator()(int body, const Vec3& x) const {
+  std::vector<Neighbour> points = neighbours(body, x);
+  if (points.size() < fewest_points) return nearest(body, x);
+  const auto is_open = [&](const Neighbour& point) { return std::abs(rows_[point.second].pressure_sprc) <= open_; };
+  const auto open = std::find_if(points.begin(), points.end(), is_open);
+  const auto closed = std::find_if_not(points.begin(), points.end(), is_open);
+  if (open != points.end() && closed != points.end()) {
+    const Vec3 &inside = rows_[closed->second].x, &outside = rows_[open->second].x;
+    std::vector<Neighbour> zone = neighbours(body, inside);
+    zone.erase(std::remove_if(zone.begin(), zone.end(), is_open), zone.end());
+    const Linear square = fit(zone, 2);
+    if (square(outside) < square(inside) / 2) return std::sqrt(std::max(0.0, square(x)));
+  }
+  points.resize(std::min(points.size(), most_points));
+  return fit(points, 1)(x);
 }
 
 }  // namespace cgcontact
