@@ -48,15 +48,6 @@ void remove_leftovers(const fs::path& folder) {
   for (const fs::path& path : leftovers) fs::remove_all(path);
 }
 
-/// The solved run with the smallest cells, or null.
-const StudyRow* finest_row(const Study& study) {
-  const StudyRow* finest = nullptr;
-  for (const StudyRow& row : study.rows)
-    if (row.status == StudyRow::Status::solved && (!finest || row.cell_size < finest->cell_size * (1 - 1e-9)))
-      finest = &row;
-  return finest;
-}
-
 class StudyRunner {
  public:
   explicit StudyRunner(const CommandLine& line);

@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 const char* const files[] = {"study.csv", "study.json", "error_time.svg", "error_unknowns.svg"};
+constexpr double much_finer = 2 * (1 - 1e-9);  ///< cells over those of the study's own reference (docs/study.md)
 
 struct Column {
   std::string name;
@@ -219,6 +220,19 @@ std::string error_table(const Study& study, const std::string& zone) {
   return lines.size() < 2 ? "" : fmt::format("pressure error, {}\n{}", zone, aligned(lines));
 }
 
+/// Sizes that are too near the study's own reference.
+std::string too_fine(const Study& study) {
+  const StudyRow* const finest = study.own_reference ? finest_row(study) : nullptr;
+  std::vector<std::string> sizes;
+  for (const StudyRow& row : study.rows) {
+    const bool near = finest && !row.errors.empty() && row.cell_size < much_finer * finest->cell_size;
+    if (near && std::find(sizes.begin(), sizes.end(), row.size) == sizes.end()) sizes.push_back(row.size);
+  }
+  if (sizes.empty()) return "";
+  return fmt::format("errors of {} = {} may come out too small: that run's cells are not half as large\n", study.key,
+                     fmt::join(sizes, ", "));
+}
+
 }  // namespace
 
 std::vector<std::string> write_study(const Study& study, const std::string& directory) {
@@ -291,6 +305,7 @@ std::string study_summary(const Study& study, const std::string& directory) {
   for (const auto status : {StudyRow::Status::not_converged, StudyRow::Status::failed, StudyRow::Status::not_run})
     if (count(status) > 0) text += fmt::format(", {} {}", count(status), status_name(status));
   text += fmt::format("\nreference of the pressure: {}\n", study.reference);
+  text += too_fine(study);
   if (study.repeat > 1) text += fmt::format("each time is the smallest of {} runs\n", study.repeat);
   text += cost_table(study);
   for (const std::string& zone : zone_names(study)) text += error_table(study, zone);

@@ -35,6 +35,14 @@ const char* status_name(StudyRow::Status status) {
   return names[static_cast<int>(status)];
 }
 
+const StudyRow* finest_row(const Study& study) {
+  const StudyRow* finest = nullptr;
+  for (const StudyRow& row : study.rows)
+    if (row.status == StudyRow::Status::solved && (!finest || row.cell_size < finest->cell_size * (1 - 1e-9)))
+      finest = &row;
+  return finest;
+}
+
 std::vector<std::string> zone_names(const Study& study) {
   std::vector<std::string> names;
   for (const StudyRow& row : study.rows)

@@ -54,6 +54,9 @@ constexpr double smallest_error = 1e-10;
 
 const char* status_name(StudyRow::Status status);
 
+/// The solved run with the smallest cells, or null.
+const StudyRow* finest_row(const Study& study);
+
 /// Names of all zones in order.
 std::vector<std::string> zone_names(const Study& study);
 
