@@ -20,6 +20,13 @@ Eigen::MatrixXd null_space(const Eigen::MatrixXd& A) {
   return svd.matrixV().rightCols(A.cols() - rank);
 }
 
+/// Orthonormal columns that span those of a matrix whose columns have length 1.
+Eigen::MatrixXd column_space(const Eigen::MatrixXd& A) {
+  if (A.cols() == 0) return A;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU);
+  return svd.matrixU().leftCols((svd.singularValues().array() > 1e-3).count());
+}
+
 /// Rows of the rotations of all bodies.
 Eigen::MatrixXd rotations(const Eigen::MatrixXd& modes) {
   Eigen::MatrixXd rows(modes.rows() / 2, modes.cols());
@@ -38,15 +45,65 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
   return three;
 }
 
-/// Work of the loads on the motions of one body, N, and the sum of the forces' magnitudes.
-std::pair<RigidMotion, double> load_on(const BodyModel& body, const RigidPiece& piece) {
-  RigidMotion sum = RigidMotion::Zero();
-  double magnitude = 0;
-  each_force(body, [&](int, const Vec3&, const Vec3& x, const Vec3& force) {
-    sum += piece.row(x, force);
-    magnitude += force.norm();
-  });
-  return {sum, magnitude};
+using Resistance = Eigen::Matrix<double, 6, 6>;
+
+/// Columns that span what resists nothing.
+Eigen::MatrixXd free_of(const Resistance& resistance) {
+  constexpr double no_stiffness = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Resistance> eigen(resistance);
+  Eigen::Index count = 0;
+  while (count < 6 && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[5]) ++count;
+  return eigen.eigenvectors().leftCols(count);
+}
+
+/// Normals of a body's surfaces.
+class SurfaceNormals {
+ public:
+  explicit SurfaceNormals(const BodyModel& body) : body_(body), surfaces_of_cell_(body.cut_cells.cells.size()) {
+    const BoundaryPoints& boundary = body.cut_cells.boundary;
+    for (std::size_t p = 0; p < boundary.size(); ++p) {
+      std::vector<int>& list = surfaces_of_cell_[boundary.cell[p]];
+      if (std::find(list.begin(), list.end(), boundary.surface[p]) == list.end()) list.push_back(boundary.surface[p]);
+    }
+  }
+  /// Of the surface in the cell that is nearest to a point in grid coordinates; global axes. The exact one, where
+  /// quadrature points have that of their facet.
+  Vec3 operator()(int cell, const Vec3& x) const {
+    double nearest = 1e300;
+    Vec3 normal = Vec3::Zero();
+    for (const int s : surfaces_of_cell_[cell]) {
+      const Surface& surface = body_.cut_cells.solid.surfaces()[s];
+      const double distance = std::abs(surface.signed_distance(x));
+      if (distance >= nearest) continue;
+      nearest = distance;
+      normal = surface.gradient(x);
+    }
+    return body_.cut_cells.grid.rotation * normal;
+  }
+
+ private:
+  const BodyModel& body_;
+  std::vector<std::vector<int>> surfaces_of_cell_;
+};
+
+/// What all contact of a body resists, with the normals of its own surface and with those of the other bodies.
+std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,
+                                                     const std::vector<BodyModel>& bodies,
+                                                     const std::vector<ContactPair>& pairs,
+                                                     const std::vector<SurfaceNormals>& normals) {
+  Resistance own = Resistance::Zero(), others = Resistance::Zero();
+  for (const ContactPair& pair : pairs) {
+    if (pair.primary != b && pair.secondary != b) continue;
+    for (const ContactPoint& point : pair.points) {
+      const RigidMotion primary = piece.row(point.x, normals[pair.primary](point.primary_cell, point.primary_position));
+      const Vec3 opposite = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
+      const RigidMotion secondary =
+          piece.row(opposite, normals[pair.secondary](point.secondary_cell, point.secondary_position));
+      (pair.primary == b ? own : others) += point.weight * primary * primary.transpose();
+      (pair.primary == b ? others : own) += point.weight * secondary * secondary.transpose();
+    }
+  }
+  return {own, others};
 }
 
 }  // namespace
@@ -61,6 +118,24 @@ std::string direction_text(Vec3 axis) {
   return fmt::format("({:.3f}, {:.3f}, {:.3f})", axis[0], axis[1], axis[2]);
 }
 
+void FreeMotions::add(const FreeMotions& other) {
+  if (other.empty()) return;
+  Eigen::MatrixXd both(modes.rows(), modes.cols() + other.modes.cols());
+  both << modes, other.modes;
+  modes = column_space(both);
+}
+
+void FreeMotions::leave_out(const std::vector<SupportPoint>& supports, const std::vector<BodyModel>& models) {
+  Eigen::MatrixXd rows(supports.size(), modes.cols());
+  for (std::size_t k = 0; k < supports.size(); ++k) {
+    const SupportPoint& p = supports[k];
+    rows.row(static_cast<Eigen::Index>(k)) =
+        modes.middleRows<6>(6 * p.body).transpose() *
+        bodies[p.body].row(global_position(models[p.body].cut_cells, p.cell, p.xi), p.direction);
+  }
+  if (rows.size() > 0) modes = modes * null_space(rows);
+}
+
 bool FreeMotions::slides() const { return null_space(rotations(modes)).cols() > 0; }
 
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
@@ -72,16 +147,51 @@ FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::v
   return free;
 }
 
+FreeMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                 const std::vector<ContactPair>& pairs) {
+  FreeMotions found;
+  found.bodies = whole_bodies(bodies).list;
+  found.modes.resize(static_cast<Eigen::Index>(6 * bodies.size()), 0);
+  std::vector<Resistance> held(bodies.size(), Resistance::Zero());
+  for (const SupportPoint& p : supports) {
+    const RigidMotion q =
+        found.bodies[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    held[p.body] += p.weight * q * q.transpose();
+  }
+  std::vector<int> floating;
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b)
+    if (free_of(held[b]).cols() > 0) floating.push_back(b);
+  if (floating.empty()) return found;
+  const std::vector<SurfaceNormals> normals(bodies.begin(), bodies.end());
+  for (const int b : floating) {
+    const auto [own, others] = contact_resistance(b, found.bodies[b], bodies, pairs, normals);
+    const Eigen::MatrixXd of_own = free_of(held[b] + own), of_others = free_of(held[b] + others);
+    Eigen::MatrixXd both(6, of_own.cols() + of_others.cols());
+    both << of_own, of_others;
+    FreeMotions of_body = found;
+    of_body.modes = Eigen::MatrixXd::Zero(found.modes.rows(), both.cols());
+    of_body.modes.middleRows<6>(6 * b) = both;
+    found.add(of_body);
+  }
+  return found;
+}
+
+std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
+                                            const std::vector<RigidPiece>& pieces) {
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(6 * bodies.size()));
+  double magnitude = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    each_force(bodies[b], [&](int, const Vec3&, const Vec3& x, const Vec3& force) {
+      load.segment<6>(6 * b) += pieces[b].row(x, force);
+      magnitude += force.norm();
+    });
+  return {load, magnitude};
+}
+
 FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies) {
   FreeMotions driven = free;
   driven.modes.resize(free.modes.rows(), 0);
-  Eigen::VectorXd load(free.modes.rows());
-  double magnitude = 0;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const auto [sum, size] = load_on(bodies[b], free.bodies[b]);
-    load.segment<6>(6 * b) = sum;
-    magnitude += size;
-  }
+  const auto [load, magnitude] = loads_on(bodies, free.bodies);
   const Eigen::VectorXd along = free.modes * (free.modes.transpose() * load);
   if (along.norm() > no_load * magnitude) driven.modes = along.normalized();
   return driven;

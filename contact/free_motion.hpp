@@ -12,6 +12,10 @@ struct FreeMotions {
   std::vector<RigidPiece> bodies;
   Eigen::MatrixXd modes;  ///< orthonormal columns; rows 6 b .. 6 b + 5: RigidMotion of body b
 
+  /// Joins the motions of the same bodies.
+  void add(const FreeMotions& other);
+  /// Keeps what support points do not resist.
+  void leave_out(const std::vector<SupportPoint>& supports, const std::vector<BodyModel>& models);
   bool empty() const { return modes.cols() == 0; }
   /// Is there a motion without any rotation?
   bool slides() const;
@@ -21,6 +25,17 @@ struct FreeMotions {
 /// resisted most count as free.
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
+
+/// Motions of one body that leave its own contact surface as it is, or that of all others (a ball in its seat, on
+/// plates): free as well, although closed points with the normals of the other side seem to resist them. Without what
+/// find_free_motions finds.
+FreeMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                 const std::vector<ContactPair>& pairs);
+
+/// Work of the loads on the motions of all bodies (rows as in FreeMotions::modes), N, and the sum of the forces'
+/// magnitudes.
+std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
+                                            const std::vector<RigidPiece>& pieces);
 
 /// Those that the loads do work on: one column, or none.
 FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies);

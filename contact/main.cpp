@@ -15,6 +15,7 @@
 #include "contact/simulation.hpp"
 #include "contact/study.hpp"
 #include "core/cli.hpp"
+#include "core/errors.hpp"
 #include "core/interruption.hpp"
 #include "core/memory.hpp"
 #include "core/output.hpp"
@@ -127,13 +128,13 @@ int main(int argc, char** argv) {
       throw InputError(std::string("cannot write to standard output: ") + std::strerror(errno));
     return exit_code;
   } catch (const InputError& error) {
-    fmt::print(stderr, "cgcontact: {}\n", options->with_variables(error.what()));
+    fmt::print(stderr, "cgcontact: {}\n", printable(options->with_variables(error.what())));
   } catch (const std::exception& error) {
     fmt::print(stderr, "cgcontact: {}\n",
                is_out_of_memory(error)
                    ? "out of memory: a larger cell_size is needed (cgcontact check says how much memory a "
                      "scene takes)"
-                   : error.what());
+                   : printable(error.what()));
   }
   return 1;
 }

@@ -72,6 +72,7 @@ struct SupportPoint {
   double weight = 0;      ///< m^2
   double prescribed = 0;  ///< displacement along the direction, m
   double value = 0;       ///< its part in the present step, m
+  bool follows = false;   ///< value becomes the displacement in every outer iteration: no force in the end
 };
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.

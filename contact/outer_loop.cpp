@@ -11,6 +11,7 @@
 #include "contact/boundary_stress.hpp"
 #include "contact/free_motion.hpp"
 #include "contact/free_pieces.hpp"
+#include "contact/rigid_contact.hpp"
 #include "core/memory.hpp"
 #include "core/parallel.hpp"
 
@@ -30,6 +31,10 @@ constexpr double large_ratio = 1e7;
 /// Iterations over which the pace of the residual is taken; the default of kappa is 10.
 constexpr std::size_t pace = 4;
 constexpr double small_kappa = 1;
+/// Outer iterations after which a start has not misled.
+constexpr int at_once = 2;
+/// Of the contact forces: what may be taken by points that hold a motion which no load drives.
+constexpr double most_hold = 0.02;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -37,6 +42,19 @@ double norm(const std::vector<double>& v) {
   double sum = 0;
   for (double x : v) sum += x * x;
   return std::sqrt(sum);
+}
+
+RealView::HostMirror host_copy(const RealView& u) {
+  auto host = Kokkos::create_mirror_view(u);
+  Kokkos::deep_copy(host, u);
+  return host;
+}
+
+/// System units of force.
+double total_force(const OuterResult& result) {
+  double sum = 0;
+  for (const double force : result.group_force) sum += std::abs(force);
+  return sum;
 }
 
 std::vector<double> free_thickness(const std::vector<BodyModel>& bodies) {
@@ -50,6 +68,7 @@ std::vector<double> free_thickness(const std::vector<BodyModel>& bodies) {
 struct ContactSolver::Impl {
   explicit Impl(const OuterProblem& problem);
   OuterResult run(const std::function<void(const OuterStep&)>& progress);
+  OuterResult iterate(const std::function<void(const OuterStep&)>& progress);
 
   double support_stiffness(const SupportPoint& p) const {
     const BodySpec& body = problem_.scene.bodies[p.body];
@@ -63,6 +82,7 @@ struct ContactSolver::Impl {
 
   void forget();
   void initialise_active_set();
+  bool close_where_loads_press();
   bool close_near_the_smallest_gap(double allowance);
   FreeMotions driven_motions(double no_stiffness = 1e-9) const;
   void assemble_right_hand_side();
@@ -71,6 +91,8 @@ struct ContactSolver::Impl {
   std::vector<double> group_gap_change() const;
   void set_rigid_parts_aside();
   double rigid_displacement(const SupportPoint& p) const;
+  double displacement_of(const SupportPoint& p, const RealView::HostMirror& u) const;
+  void follow();
   void update_active_set();
   double update_recovered_stress();
   long long count_active() const;
@@ -80,6 +102,7 @@ struct ContactSolver::Impl {
   LinearSolveResult solve_linear(double tolerance);
   void polish(OuterResult& result);
   void set_forces(OuterResult& result) const;
+  double force_of_holds(const OuterResult& result) const;
 
   OuterProblem problem_;
   LinearSolver solver_;
@@ -138,6 +161,14 @@ bool ContactSolver::Impl::close_near_the_smallest_gap(double allowance) {
 void ContactSolver::Impl::initialise_active_set() {
   for (double allowance = 0.02; !close_near_the_smallest_gap(allowance) && !driven_motions().empty(); allowance *= 4) {
   }
+}
+
+/// Closed at the start: where bodies meet that loads alone press together. False if there are none.
+bool ContactSolver::Impl::close_where_loads_press() {
+  for (ContactPair& pair : problem_.pairs)
+    for (ContactPoint& q : pair.points) q.active = false;
+  return !driven_motions().empty() &&
+         close_where_rigid_bodies_meet(problem_.bodies, problem_.supports, problem_.pairs) && driven_motions().empty();
 }
 
 FreeMotions ContactSolver::Impl::driven_motions(double no_stiffness) const {
@@ -240,6 +271,27 @@ void ContactSolver::Impl::set_rigid_parts_aside() {
 double ContactSolver::Impl::rigid_displacement(const SupportPoint& p) const {
   return p.direction.dot(
       rigid_parts_.of_bodies()[p.body].at(global_position(problem_.bodies[p.body].cut_cells, p.cell, p.xi)));
+}
+
+/// Along the support's direction, m; `u` on the host.
+double ContactSolver::Impl::displacement_of(const SupportPoint& p, const RealView::HostMirror& u) const {
+  const Vec3 d = problem_.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
+  double N[8], displacement = rigid_displacement(p) / scales().length;
+  hex_shape(p.xi.data(), N);
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i)
+      displacement += N[a] * d[i] * u(3 * problem_.system.meshes[p.body].cell_nodes[p.cell][a] + i);
+  return displacement * scales().length;
+}
+
+/// Where a motion is held by springs that follow it.
+void ContactSolver::Impl::follow() {
+  const bool any =
+      std::any_of(problem_.supports.begin(), problem_.supports.end(), [](const SupportPoint& p) { return p.follows; });
+  if (!any) return;
+  const auto u = host_copy(u_);
+  for (SupportPoint& p : problem_.supports)
+    if (p.follows) p.value = displacement_of(p, u);
 }
 
 /// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
@@ -377,33 +429,56 @@ void ContactSolver::Impl::polish(OuterResult& result) {
   set_forces(result);
 }
 
+/// N, sum of the magnitudes at points that belong to no support of the scene.
+double ContactSolver::Impl::force_of_holds(const OuterResult& result) const {
+  double sum = 0;
+  for (std::size_t s = 0; s < problem_.supports.size(); ++s)
+    if (problem_.supports[s].support < 0) sum += std::abs(problem_.supports[s].weight * result.support_stress[s]);
+  return sum;
+}
+
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.rigid_parts = rigid_parts_.of_bodies();
+  result.support_stress.clear();
   result.group_force = group_force(true);
   result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, load_);
+  const auto u = host_copy(u_);
   for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
     const SupportPoint& p = problem_.supports[s];
-    const Vec3 d = problem_.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
-    double N[8], displacement = rigid_displacement(p) / scales().length;
-    hex_shape(p.xi.data(), N);
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i)
-        displacement += N[a] * d[i] * u_(3 * problem_.system.meshes[p.body].cell_nodes[p.cell][a] + i);
     result.support_stress.push_back(support_stress_[s] * scales().stress -
-                                    support_stiffness(p) * (displacement * scales().length - p.value));
+                                    support_stiffness(p) * (displacement_of(p, u) - p.value));
   }
 }
 
+/// From the last solution or, without one, from few closed points. Those may mislead at once (a pin with clearance all
+/// round is glued in its hole, and opens everywhere): then from where the loads press rigid bodies together.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
-  OuterResult result;
-  result.u = u_;
-  const SolverSpec& solver = problem_.scene.solver;
   load_ = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
   if (!warm_) {
     forget();
     initialise_active_set();
   }
+  const bool cold = !warm_;
+  OuterResult result = iterate(progress);
+  if (result.converged || !cold || result.iterations > at_once || count_active() > 0) return result;
+  const std::vector<ContactPair> failed = problem_.pairs;
+  if (!close_where_loads_press()) {
+    problem_.pairs = failed;
+    return result;
+  }
+  forget();
+  OuterResult again = iterate(progress);
+  again.linear_iterations.insert(again.linear_iterations.begin(), result.linear_iterations.begin(),
+                                 result.linear_iterations.end());
+  return again;
+}
+
+OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterStep&)>& progress) {
+  OuterResult result;
+  result.u = u_;
+  solver_error_.clear();
+  const SolverSpec& solver = problem_.scene.solver;
   warm_ = false;
   double outer_residual = 1;
   ActiveSetHistory history(problem_.pairs);
@@ -430,6 +505,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
       return stop(describe_linear_solve(solve));
+    follow();
     update_active_set();
     step.changed_points = history.record(problem_.pairs);
     step.residual = update_recovered_stress();
@@ -441,8 +517,10 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     progress(step);
     if (step.changed_points > 0 && !driven_motions().empty()) return stop(describe_loss_of_contact());
     if (step.changed_points == 0 && step.residual < solver.tolerance) {
-      result.converged = warm_ = true;
       polish(result);
+      const double force = total_force(result) * scales().stress * scales().length * scales().length;
+      if (force_of_holds(result) > most_hold * force) return stop(describe_loss_of_contact());
+      result.converged = warm_ = true;
       return result;
     }
   }

@@ -43,7 +43,7 @@ struct OuterProblem {
   std::vector<BodyModel>& bodies;
   const std::vector<PatchSet>& patches;
   std::vector<ContactPair>& pairs;
-  const std::vector<SupportPoint>& supports;
+  std::vector<SupportPoint>& supports;
   ElasticSystem& system;
   const Scales& scales;
 };

@@ -1,5 +1,7 @@
 #include "contact/postprocess.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,6 +16,8 @@ namespace {
 
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 128;
+/// Part of the transmitted force by which the integral of the recovered pressure may be off without a word.
+constexpr double lost_force = 0.1;
 
 /// Stress in Pa and global axes of one of the three fields at cell coordinates.
 Sym3 to_global(const Simulation& sim, int body, const double s[6]) {
@@ -338,6 +342,30 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
           sim.supports[s].weight * sim.outer.support_stress[s] * sim.supports[s].direction;
 }
 
+std::vector<std::string> lost_force_warnings(const Simulation& sim, const Results& results) {
+  std::vector<std::string> warnings;
+  std::size_t group = 0;
+  for (std::size_t k = 0; k < sim.pairs.size(); ++k) {
+    const ContactPair& pair = sim.pairs[k];
+    double transmitted = 0;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g, ++group)
+      transmitted += sim.outer.group_force[group] * sim.scales.stress * sim.scales.length * sim.scales.length;
+    for (const int body : {pair.primary, pair.secondary}) {
+      double recovered = 0;
+      for (const ContactRow& row : results.contact_rows)
+        if (row.pair == static_cast<int>(k) && row.body == body) recovered += row.weight * row.pressure_sprc;
+      if (!(transmitted > 0) || std::abs(recovered - transmitted) <= lost_force * transmitted) continue;
+      warnings.push_back(fmt::format(
+          "contact \"{}\": the pressure on \"{}\" adds up to {:.3g} N, but {:.3g} N are transmitted: the contact "
+          "zone is too small for these cells, or the pressure has a peak at the rim of a face; the force is right, "
+          "the pressure is not",
+          pair.spec->name, sim.scene.bodies[body].name, recovered, transmitted));
+      break;
+    }
+  }
+  return warnings;
+}
+
 void fill_balance(const Simulation& sim, Results& results) {
   for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
     BodyBalance balance;
@@ -395,6 +423,15 @@ void fill_pressure_errors(const Simulation& sim, Results& results) {
   if (!reference.has_pressure() || results.contact_rows.empty()) return;
   results.pressure_errors = pressure_errors(
       results.contact_rows, [&](const ContactRow& r) { return reference.pressure(r.x); }, sim.reference.zones);
+  if (results.pressure_errors.empty()) {
+    results.warnings.emplace_back("the reference pressure is zero on all contact faces: there is no error of it");
+    return;
+  }
+  for (const auto& [name, inside] : sim.reference.zones) {
+    const auto is_this = [&zone = name](const ZoneError& error) { return error.zone == zone; };
+    if (std::none_of(results.pressure_errors.begin(), results.pressure_errors.end(), is_this))
+      results.warnings.push_back(fmt::format("reference.zones: \"{}\" contains no point of the contact faces", name));
+  }
 }
 
 }  // namespace cgcontact

@@ -8,7 +8,8 @@
 
 namespace cgcontact {
 
-/// Rows of numbers, sorted by the first column; lines that start with '#' are comments.
+/// Rows of numbers, sorted by the first column; lines that start with '#' are comments, the first other one may have
+/// names.
 class ReferenceTable {
  public:
   /// Throws InputError (unreadable file, not a number, fewer than min_columns, unsorted).

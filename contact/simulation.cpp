@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "contact/coarse_facets.hpp"
 #include "contact/condition_checks.hpp"
 #include "contact/free_motion.hpp"
 #include "contact/free_pieces.hpp"
@@ -25,6 +26,9 @@ constexpr double surely_needed = 0.7;
 constexpr double nearly_one = 0.99;
 /// A pair that has to see farther is solved again; so many times at most.
 constexpr int most_extensions = 5;
+/// Stiffness of what holds motions along a surface, of a support's: less than what the discrete contact itself resists,
+/// so that the displacement settles within the outer iteration.
+constexpr double soft_hold = 1e-4;
 
 /// The shortest side of the bounding box along the grid's axes, cells.
 double thickness_on_grid(const BodySpec& body) {
@@ -71,24 +75,59 @@ Scales make_scales(const Scene& scene) {
 
 /// Motions that are free although all contact is closed: pieces that nothing holds, sliding, and whatever the loads
 /// drive, are mistakes in the scene. A body that spins in its contact with nothing to drive it (ball, roller) is held:
-/// no force arises.
+/// no force arises. So are motions along a body's own surface that only this surface leaves free; where loads drive
+/// them, the little that an elastic contact resists may be enough.
 void check_free_motions(const Scene& scene, Preparation& p) {
   const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
-  if (text.empty()) return;
-  const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
-  const FreeMotions driven = driven_by_loads(free, p.bodies);
-  if (!driven.empty())
-    throw InputError(fmt::format("{}: {}, and the loads drive it: {}", scene.file, describe(driven, scene), text));
-  if (free.empty() || free.slides()) throw InputError(scene.file + ": " + text);
-  p.warnings.push_back(describe(free, scene) +
-                       ": no load drives this motion, it is held where it is, which takes no force");
-  for (const SupportPoint& point : hold(free, p.bodies)) p.supports.push_back(point);
+  FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
+  if (!text.empty()) {
+    const FreeMotions driven = driven_by_loads(free, p.bodies);
+    if (!driven.empty())
+      throw InputError(fmt::format("{}: {}, and the loads drive it: {}", scene.file, describe(driven, scene), text));
+    if (free.empty() || free.slides()) throw InputError(scene.file + ": " + text);
+  }
+  std::vector<SupportPoint> held = hold(free, p.bodies);
+  if (!free.empty())
+    p.warnings.push_back(describe(free, scene) +
+                         ": no load drives this motion, it is held where it is, which takes no force");
+  FreeMotions along_surfaces = find_surface_motions(p.bodies, p.supports, p.pairs);
+  if (driven_by_loads(along_surfaces, p.bodies).empty()) {
+    along_surfaces.add(free);
+    along_surfaces.leave_out(held, p.bodies);
+    if (!along_surfaces.empty())
+      p.warnings.push_back(describe(along_surfaces, scene) +
+                           ": no load drives this motion, soft springs that follow it hold it");
+    for (SupportPoint point : hold(along_surfaces, p.bodies)) {
+      point.weight *= soft_hold;
+      point.follows = true;
+      held.push_back(point);
+    }
+  }
+  p.supports.insert(p.supports.end(), held.begin(), held.end());
 }
 
 void check_memory(const Scene& scene, const Preparation& preparation) {
   std::vector<BodySize> sizes;
   for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
   check_memory(scene, sizes);
+}
+
+/// The recovery takes the body force at nodes, which may lie on a singular plane or outside of the body.
+void check_body_forces(const std::vector<BodyModel>& bodies) {
+  for (const BodyModel& body : bodies) {
+    if (!body.boundary.body_force_at) continue;
+    for (const Index3& cell : body.cut_cells.cells)
+      body.boundary.body_force_at(body.cut_cells.grid.to_global(Vec3(cell[0], cell[1], cell[2])));
+  }
+}
+
+/// Its files can be read, and its pressure has a value where the faces may touch. One that depends on the contact force
+/// is left for later.
+void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) {
+  const Reference reference(scene, scene.reference);
+  if (scene.late_reference || !reference.has_pressure()) return;
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& point : pair.points) reference.pressure(point.x);
 }
 
 Preparation prepare(const Scene& scene) {
@@ -101,7 +140,8 @@ Preparation prepare(const Scene& scene) {
   p.pairs = make_contact_pairs(scene, p.bodies);
   check_conditions(scene, p.bodies, p.pairs);
   check_free_motions(scene, p);
-  [[maybe_unused]] const Reference readable(scene, scene.reference);
+  check_body_forces(p.bodies);
+  check_reference(scene, p.pairs);
   return p;
 }
 
@@ -257,7 +297,15 @@ void Simulation::recover() {
 void Simulation::choose_reference() {
   const double force = results.pairs.empty() ? 0 : results.pairs.front().force_on_first.norm();
   if (!scene.late_reference || force > 0) {
-    reference = scene.reference_at(force);
+    try {
+      reference = scene.reference_at(force);
+      const Reference known(scene, reference);
+      for (const ContactRow& row : results.contact_rows)
+        if (known.has_pressure()) known.pressure(row.x);
+    } catch (const InputError& error) {  // known only now: the solution is none the worse for it
+      reference = {};
+      results.warnings.push_back(fmt::format("the reference is left out: {}", error.what()));
+    }
   } else {
     reference = {};
     results.warnings.emplace_back(
@@ -277,7 +325,8 @@ void Simulation::fill_results() {
   fill_path(*this, results);
   fill_pressure_errors(*this, results);
   if (outer.converged)
-    for (const auto& warnings : {small_strain_warnings(*this), missed_contact_warnings(*this)})
+    for (const auto& warnings : {small_strain_warnings(*this), missed_contact_warnings(*this),
+                                 lost_force_warnings(*this, results), coarse_facet_warnings(*this)})
       for (const std::string& warning : warnings) add_warning(warning);
 }
 

@@ -360,7 +360,9 @@ std::string Parser::explain(const CLI::Error& error, int argc, const char* const
   if (first[0] == '-' && !contains({"-h", "--help", "--version"}, first)) return explain_option(first, app);
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) return explain_extra();
   std::string text = error.what();
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) text = text.substr(0, text.find(':')) + " needs a value";
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
+    text = text.substr(0, text.find(':')) +
+           (text.find("received") != std::string::npos ? " is given more than once" : " needs a value");
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
 }
@@ -390,7 +392,7 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv,
     mistake = error.what();
   }
   const CLI::App* const command = argc > 1 ? find_command(parser.app, argv[1]) : nullptr;
-  std::cerr << "cgcontact: " << mistake << " (see cgcontact " << (command ? command->get_name() + " " : "")
+  std::cerr << "cgcontact: " << printable(mistake) << " (see cgcontact " << (command ? command->get_name() + " " : "")
             << "--help)\n";
   exit_code = 1;
   return std::nullopt;

@@ -4,11 +4,6 @@
 
 namespace cgcontact {
 
-namespace {
-
-constexpr std::size_t longest_value = 80, longest_text = 1500, longest_place = 1000;
-
-/// In one line that a terminal can show: no control characters, no bytes that are not UTF-8, and not too long.
 std::string printable(const std::string& text, std::size_t longest) {
   std::string result;
   for (std::size_t k = 0; k < text.size();) {
@@ -27,6 +22,10 @@ std::string printable(const std::string& text, std::size_t longest) {
   }
   return result;
 }
+
+namespace {
+
+constexpr std::size_t longest_value = 80, longest_text = 1500, longest_place = 1000;
 
 std::string format_message(const SourcePlace& place, const std::string& value, const std::string& problem,
                            const std::string& allowed) {

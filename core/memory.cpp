@@ -53,6 +53,11 @@ double left_of_address_space() {
   return std::max(0.0, static_cast<double>(limit.rlim_cur) - used);
 }
 
+/// The option has been read before.
+double parse_limit(const char* text) try { return parse_memory(text); } catch (const InputError& error) {
+  throw InputError(fmt::format("the environment variable CGCONTACT_MEMORY_LIMIT: {}", error.what()));
+}
+
 }  // namespace
 
 double group_memory(const std::string& groups, const std::string& root) {
@@ -65,7 +70,7 @@ double group_memory(const std::string& groups, const std::string& root) {
 
 MemoryBudget memory_budget() {
   if (const char* given = std::getenv("CGCONTACT_MEMORY_LIMIT"))
-    return {parse_memory(given), "as --memory-limit or CGCONTACT_MEMORY_LIMIT says"};
+    return {parse_limit(given), "as --memory-limit or CGCONTACT_MEMORY_LIMIT says"};
   MemoryBudget budget{1024 * number_after("/proc/meminfo", "MemAvailable:", infinite), "free on this machine"};
   const double in_group = group_memory(own_control_groups(), "/sys/fs/cgroup");
   if (in_group < budget.bytes) budget = {in_group, "left by the limit of the control group (container, job)"};

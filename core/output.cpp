@@ -37,18 +37,24 @@ namespace fs = std::filesystem;
 fs::path absolute_directory(const std::string& directory) {
   fs::path path = fs::weakly_canonical(fs::absolute(directory)).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();  // a trailing slash
-  if (!path.has_filename()) throw InputError(fmt::format("cannot write results to {}", directory));
+  if (!path.has_filename())
+    throw InputError(fmt::format("cannot write results to {}: it is the root of the file system", directory));
   return path;
 }
 
 /// Files of this program in an existing result directory; throws if it is something else.
 std::vector<std::string> old_files(const fs::path& directory) {
-  if (!fs::exists(directory)) return {};
+  if (!fs::exists(directory)) {
+    if (fs::is_symlink(directory))
+      throw InputError(fmt::format("cannot write results to {}: it is a link to {}, which does not exist",
+                                   directory.string(), fs::read_symlink(directory).string()));
+    return {};
+  }
   if (!fs::is_directory(directory))
     throw InputError(fmt::format("cannot write results to {}: it is not a directory", directory.string()));
   if (fs::is_empty(directory)) return {};
   const fs::path report = directory / "report.json";
-  if (!fs::exists(report))
+  if (!fs::is_regular_file(report))
     throw InputError(fmt::format("will not replace {}: it is not empty and holds no report.json of an earlier run",
                                  directory.string()));
   return files_of_report(report.string());

@@ -57,14 +57,14 @@ std::string in_unit(double value, const DisplayUnit& unit, int digits) {
 std::string percent(double fraction) { return percent_number(fraction < 1e-9 ? 0.0 : fraction) + " %"; }
 
 Lines pair_table(const Results& results, std::size_t rows) {
-  Lines lines{fmt::format("  {:<22}{:>12}{:>9}{:>14}{:>9}{:>12}", "contact pair", "force", "error", "max pressure",
-                          "error", "area")};
+  Lines lines{fmt::format("  {:<20} {:>11} {:>7} {:>12} {:>11} {:>12}", "contact pair", "force", "error",
+                          "max pressure", "error", "area")};
   const std::size_t shown = results.pairs.size() <= rows ? results.pairs.size() : rows - 1;
   for (std::size_t k = 0; k < shown; ++k) {
     const PairFigures& pair = results.pairs[k];
     const double force = pair.force_on_first.norm();
     const auto error = [&pair](double estimate) { return pair.active_points > 0 ? percent(estimate) : "-"; };
-    lines.push_back(fmt::format("  {}{:>12}{:>9}{:>14}{:>9}{:>12}", cut(pair.name, 22),
+    lines.push_back(fmt::format("  {} {:>11} {:>7} {:>12} {:>11} {:>12}", cut(pair.name, 20),
                                 in_unit(force, force_unit(force), 5), error(pair.force_error_estimate),
                                 in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 5),
                                 error(pair.pressure_error_estimate), in_unit(pair.area, area_unit(pair.area), 4)));

@@ -54,7 +54,8 @@ TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup&
         soup.number.empty() ? soup.number.end() : std::find(soup.number.begin(), soup.number.end(), wanted);
     const std::size_t index = soup.number.empty() ? static_cast<std::size_t>(wanted) - 1
                                                   : static_cast<std::size_t>(place - soup.number.begin());
-    if (index >= soup.triangles.size()) triangle->fail("there is no such triangle on the surface");
+    if (index >= soup.triangles.size())
+      triangle->fail("there is no such triangle on the surface", fmt::format("1 to {}", soup.triangles.size()));
     const Triangle& t = soup.triangles[index];
     growth.seed = (soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3;
   }

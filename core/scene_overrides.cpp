@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/errors.hpp"
+#include "core/scene_reader.hpp"
 #include "core/suggest.hpp"
 #include "core/toml_cursor.hpp"
 
@@ -123,7 +124,9 @@ void expand_short_key(const toml::table& document, Override& change) {
   std::vector<std::string> names;
   if (const toml::table* parameters = document["parameters"].as_table())
     for (const auto& entry : *parameters) names.emplace_back(entry.first.str());
-  if (std::find(names.begin(), names.end(), name) == names.end())
+  const bool is_parameter = std::find(names.begin(), names.end(), name) != names.end();
+  if (!is_parameter && std::find(scene_keys().begin(), scene_keys().end(), name) != scene_keys().end()) return;
+  if (!is_parameter)
     change.fail(name, "there is no such parameter" + did_you_mean(name, names),
                 (names.empty() ? "" : join(names) + ", or ") + std::string("a dotted key such as body.NAME.cell_size"));
   change.steps.insert(change.steps.begin(), "parameters");

@@ -394,12 +394,17 @@ void SceneReader::read_contacts(const TomlCursor& root) {
   }
 }
 
+const std::vector<std::string>& scene_keys() {
+  static const std::vector<std::string> keys{"title", "parameters", "body",     "support", "load",     "contact",
+                                             "steps", "solver",     "recovery", "output",  "reference"};
+  return keys;
+}
+
 Scene SceneReader::read(const TomlCursor& root) {
-  root.expect_keys({"title", "parameters", "body", "support", "load", "contact", "steps", "solver", "recovery",
-                    "output", "reference"});
+  root.expect_keys(scene_keys());
   scene_.file = root.text().file;
   scene_.parameters = root.text().parameters;
-  if (const auto title = root.find("title")) scene_.title = title->string();
+  if (const auto title = root.find("title")) scene_.title = printable(title->string());
   read_bodies(root);
   read_supports(root);
   read_loads(root);

@@ -15,6 +15,9 @@ namespace cgcontact {
 /// in any order.
 Constants read_parameters(const TomlCursor& table);
 
+/// Sections and keys at the top of a scene.
+const std::vector<std::string>& scene_keys();
+
 class SceneReader {
  public:
   /// `root`: the whole document; the text's parameters must have been read.

@@ -1,6 +1,8 @@
 /// The section [reference] of the scene file. What it says may depend on the contact force, which is known after the
 /// solve.
 #include <algorithm>
+#include <cctype>
+#include <cstring>
 #include <filesystem>
 
 #include "core/scene_reader.hpp"
@@ -38,7 +40,15 @@ std::vector<std::array<Expression, 6>> read_stress(const TomlCursor& node, const
 std::vector<std::pair<std::string, Expression>> read_zones(const TomlCursor& node) {
   if (!node.is_table()) node.expect_keys({"name = \"expression\""});
   std::vector<std::pair<std::string, Expression>> zones;
-  for (const auto& [name, entry] : node.entries()) zones.emplace_back(name, entry.expression());
+  for (const auto& [name, entry] : node.entries()) {
+    const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+      return std::isalnum(c) || c >= 0x80 || std::strchr("_- .", c);
+    });
+    if (name.empty() || !plain || name == "whole")
+      entry.fail(name == "whole" ? "\"whole\" is the name of the whole face" : "is no name of a zone",
+                 "another name of letters, digits, _ - . and blanks");
+    zones.emplace_back(name, entry.expression());
+  }
   return zones;
 }
 

@@ -28,7 +28,7 @@ Solid read_box(const TomlCursor& node, const std::string& name) {
   node.expect_keys({"min", "max", "center", "size"});
   const bool by_corners = node.find("min") || node.find("max");
   if (by_corners && (node.find("center") || node.find("size")))
-    node.fail("has both corners and center", "{min, max} or {center, size}");
+    node.fail("mixes corners (min, max) with center and size", "{min, max} or {center, size}");
   if (by_corners) {
     const Vec3 min = node.at("min", "[x, y, z], m").vector("m"), max = node.at("max", "[x, y, z], m").vector("m");
     if (!(min.array() < max.array()).all())

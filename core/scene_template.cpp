@@ -284,6 +284,12 @@ void expect_new(const std::string& file) {
 }
 
 std::string scene_of_part(const InitOptions& options, const std::string& file, std::string& told) {
+  for (const std::string& name : {options.surface, file})
+    if (printable(name) != name)
+      throw InputError(
+          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
+                      "(allowed: another name)",
+                      name));
   const PartOutline part = outline_part(options.surface, mesh_units().at(options.unit));
   const Layout layout = lay_out(part, options.cells);
   const Vec3 extent = part.max - part.min;

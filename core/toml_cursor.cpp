@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <sstream>
 
 #include "core/suggest.hpp"
@@ -35,6 +36,12 @@ std::string as_toml(const toml::node& node) {
   std::ostringstream stream;
   node.visit([&stream](const auto& value) { stream << value; });
   return stream.str();
+}
+
+/// Integers beyond 2^53 are rounded to the nearest double, as in "1e16".
+double number_of(const toml::node& node) {
+  if (const toml::value<std::int64_t>* integer = node.as_integer()) return static_cast<double>(integer->get());
+  return *node.value<double>();
 }
 
 }  // namespace
@@ -153,7 +160,7 @@ double TomlCursor::number(const Range& range) const {
   if (is_string())
     number = evaluate_constant(*node_->value<std::string>(), place(), text_->parameters);
   else if (node_->is_number())
-    number = *node_->value<double>();
+    number = number_of(*node_);
   else
     fail("is " + type_name() + ", not a number", range.text);
   if (std::isfinite(number) && range.contains(number)) return number;

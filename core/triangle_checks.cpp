@@ -20,6 +20,10 @@ namespace {
 constexpr double merge_distance = 1e-6;
 /// Height over longest edge of a triangle that has no area.
 constexpr double no_height = 1e-12;
+/// Of the diagonal: points of one shell nearer than this to another one are on it.
+constexpr double near_shell = 1e-9;
+/// Triangles of a shell that are asked whether they are inside another one.
+constexpr std::size_t most_samples = 1000;
 /// Over the surface in search of such triangles; those next to each other need several.
 constexpr int most_passes = 20;
 
@@ -173,6 +177,26 @@ void turn(TriangleSoup& soup) {
   for (Triangle& t : soup.triangles) std::swap(t[1], t[2]);
 }
 
+/// Is one shell inside another one? By some of its triangles' centroids, of which those on the other shell do not
+/// count; throws if they disagree, or none counts. `place`: a triangle of each in the soup.
+bool is_inside(const TriangleSurface& shell, const TriangleSurface& other, const TriangleSoup& soup, int place,
+               int other_place, const std::string& file) {
+  const double distance = near_shell * soup.diagonal();
+  const std::size_t count = shell.triangles().size(), stride = 1 + count / most_samples;
+  int inside = 0, outside = 0, on_it = 0;
+  for (std::size_t t = 0; t < count; t += stride) {
+    const int triangle = static_cast<int>(t);
+    const Vec3 x = (shell.corner(triangle, 0) + shell.corner(triangle, 1) + shell.corner(triangle, 2)) / 3;
+    ++(other.nearest(x, -1, distance).triangle >= 0 ? on_it : other.contains(x) ? inside : outside);
+  }
+  if (on_it > 0 || (inside > 0) == (outside > 0))
+    fail(file,
+         fmt::format("two shells overlap or lie on each other: the one with {} and the one with {}", soup.place(place),
+                     soup.place(other_place)),
+         "shells apart from each other or wholly inside, united in the CAD program or as bodies of their own");
+  return inside > 0;
+}
+
 /// Turns the surface outwards if all of it points inwards; refuses shells that disagree.
 void orient(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs) {
   const std::vector<int> shell = find_shells(soup, repairs.shells);
@@ -207,7 +231,7 @@ void orient(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs
   for (int s = 0; s < repairs.shells; ++s) {
     int depth = 0;
     for (int o = 0; o < static_cast<int>(surfaces.size()); ++o)
-      if (o != s && surfaces[o].contains(soup.points[soup.triangles[first[s]][0]])) ++depth;
+      if (o != s) depth += is_inside(surfaces[s], surfaces[o], soup, first[s], first[o], file) ? 1 : 0;
     wrong.push_back(inward[s] != (depth % 2 == 1));
   }
   const auto count = std::count(wrong.begin(), wrong.end(), char{1});

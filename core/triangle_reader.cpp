@@ -10,7 +10,9 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string_view>
+#include <tuple>
 
 #include "core/errors.hpp"
 
@@ -124,6 +126,24 @@ void add_polygon(const std::string& file, const std::vector<int>& corners, int n
   }
 }
 
+/// Polygons whose corners come after them in the file.
+class LaterPolygons {
+ public:
+  void add(const std::string& file, const std::vector<int>& corners, int number, int line, TriangleSoup& soup) {
+    const auto known = [&](int c) { return c < static_cast<int>(soup.points.size()); };
+    if (std::all_of(corners.begin(), corners.end(), known))
+      add_polygon(file, corners, number, line, soup);
+    else
+      list_.push_back({corners, number, line});
+  }
+  void finish(const std::string& file, TriangleSoup& soup) const {
+    for (const auto& [corners, number, line] : list_) add_polygon(file, corners, number, line, soup);
+  }
+
+ private:
+  std::vector<std::tuple<std::vector<int>, int, int>> list_;
+};
+
 TriangleSoup read_stl_text(const std::string& file, const std::string& text) {
   TriangleSoup soup;
   LineReader reader(file, text);
@@ -196,27 +216,51 @@ TriangleSoup read_stl(const std::string& file, const std::string& bytes) {
   return soup;
 }
 
+/// Statements of an OBJ file that say nothing about the surface; free-form curves and surfaces are not among them.
+bool is_ignored_in_obj(std::string_view word) {
+  static const std::set<std::string_view> ignored{
+      "vt",     "vn",     "vp",     "l",     "p",        "g",        "o",   "s",          "mg",       "usemtl",
+      "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"};
+  return word[0] == '#' || ignored.count(word) > 0;
+}
+
+/// The corners of a face, "7", "7/1", "7//3" or "7/1/3", which may go on after a backslash at the end of a line.
+void read_obj_corners(LineReader& reader, const std::string& file, long long num_points, std::vector<int>& corners) {
+  corners.clear();
+  const char* const allowed = "f vertex vertex vertex, or with /texture/normal";
+  for (std::string_view corner = reader.next_word(); !corner.empty() && corner[0] != '#'; corner = reader.next_word()) {
+    if (corner == "\\") corner = reader.next_line();
+    if (corner.empty()) break;
+    if (corner.find_first_not_of("0123456789/-+") != std::string_view::npos)
+      fail(file, reader.line(), fmt::format("\"{}\" is no corner of a face", corner), allowed);
+    const long long index = reader.integer(corner.substr(0, corner.find('/')), allowed);
+    const long long number = index < 0 ? num_points + index : index - 1;
+    if (number < 0 || number > 2'000'000'000)
+      fail(file, reader.line(), fmt::format("vertex {} of {}", index, num_points));
+    corners.push_back(static_cast<int>(number));
+  }
+}
+
 TriangleSoup read_obj(const std::string& file, const std::string& text) {
   if (text.find('\0') != std::string::npos) fail(file, 0, "is not a text (UTF-8 or ASCII), as OBJ files are");
   TriangleSoup soup;
   LineReader reader(file, text);
   int faces = 0;
   std::vector<int> corners;
+  LaterPolygons later;
   for (std::string_view word = reader.next_line(); !word.empty(); word = reader.next_line()) {
     if (word == "v") {
       soup.points.push_back(reader.vector("v x y z"));
     } else if (word == "f") {
-      corners.clear();
-      for (std::string_view corner = reader.next_word(); !corner.empty(); corner = reader.next_word()) {
-        const long long index = reader.integer(corner.substr(0, corner.find('/')), "f vertex vertex vertex");
-        const auto n = static_cast<long long>(soup.points.size());
-        const long long number = index < 0 ? n + index : index - 1;
-        if (number < 0 || number >= n) fail(file, reader.line(), fmt::format("vertex {} of {}", index, n));
-        corners.push_back(static_cast<int>(number));
-      }
-      add_polygon(file, corners, ++faces, reader.line(), soup);
+      const int line = reader.line();
+      read_obj_corners(reader, file, static_cast<long long>(soup.points.size()), corners);
+      later.add(file, corners, ++faces, line, soup);
+    } else if (!is_ignored_in_obj(word)) {
+      fail(file, reader.line(), fmt::format("\"{}\" is no statement of a polygon mesh", word),
+           "v, f, and what says nothing about the shape (vt, vn, g, o, s, l, usemtl, mtllib, ...)");
     }
   }
+  later.finish(file, soup);
   return soup;
 }
 
@@ -252,8 +296,11 @@ class PlyReader {
         fail(file_, 0, fmt::format("the elements \"{}\" have no properties", element.name));
       if (element.count > bytes_.size()) fail(file_, 0, truncated(element));
     }
+    for (const char* axis : {"x", "y", "z"}) expect_property("vertex", {axis});
+    expect_property("face", {"vertex_indices", "vertex_index"});
     for (const PlyElement& element : elements_)
       for (std::size_t i = 0; i < element.count; ++i) read_item(element, static_cast<int>(i) + 1);
+    later_.finish(file_, soup_);
     return std::move(soup_);
   }
 
@@ -294,6 +341,15 @@ class PlyReader {
     if (format_.empty()) fail(file_, 0, "the header has no format");
   }
 
+  /// One of the names.
+  void expect_property(const std::string& owner, const std::vector<std::string>& names) const {
+    for (const PlyElement& element : elements_)
+      for (const PlyProperty& property : element.properties)
+        if (element.name == owner && std::find(names.begin(), names.end(), property.name) != names.end()) return;
+    fail(file_, 0, fmt::format("the header has no element \"{}\" with a property \"{}\"", owner, names[0]),
+         "polygons: vertex with x, y, z and face with the list vertex_indices");
+  }
+
   void read_item(const PlyElement& element, int number) {
     if (format_ == "ascii") {
       word_ = reader_.next_line();
@@ -325,7 +381,7 @@ class PlyReader {
       if (!x.allFinite()) fail(file_, line, fmt::format("vertex {} has a coordinate that is not finite", number));
       soup_.points.push_back(x);
     } else if (element.name == "face") {
-      add_polygon(file_, corners, number, line, soup_);
+      later_.add(file_, corners, number, line, soup_);
     }
   }
 
@@ -370,7 +426,17 @@ class PlyReader {
   std::vector<PlyElement> elements_;
   std::string_view bytes_, word_;
   TriangleSoup soup_;
+  LaterPolygons later_;
 };
+
+/// ".ply" or words for what is certainly something else than a surface; empty: not known.
+std::string other_kind(const std::string& bytes) {
+  const auto begins = [&](std::string_view start) { return bytes.compare(0, start.size(), start) == 0; };
+  if (begins("\x1f\x8b")) return "compressed (gzip)";
+  if (begins("PK\x03\x04")) return "a zip archive";
+  if (begins("\xff\xfe") || begins("\xfe\xff")) return "not a text in UTF-8 but in UTF-16";
+  return begins("ply\n") || begins("ply\r") ? ".ply" : "";
+}
 
 /// Throws if the name does not end like one of the formats.
 std::string extension_of(const std::string& file) {
@@ -418,6 +484,10 @@ TriangleSoup read_triangles(const std::string& file) {
 TriangleSoup parse_triangles(const std::string& file, const std::string& bytes) {
   const std::string extension = extension_of(file);
   if (bytes.empty()) fail(file, 0, "the file is empty");
+  if (bytes.rfind("\xef\xbb\xbf", 0) == 0) return parse_triangles(file, bytes.substr(3));  // a byte order mark
+  const std::string other = other_kind(bytes);
+  if (!other.empty() && other != extension)
+    fail(file, 0, "the content is " + other, "what the name says: .stl, .obj or .ply");
   TriangleSoup soup = extension == ".stl"   ? read_stl(file, bytes)
                       : extension == ".obj" ? read_obj(file, bytes)
                                             : PlyReader(file, bytes).read();

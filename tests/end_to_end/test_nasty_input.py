@@ -99,6 +99,15 @@ SCENES = {
                                ["support[3]", "0.001 m", "lower.block.z-", "in the same direction"]),
     "path_without_length": (GOOD + "[output]\npath = {from = [1, 0, 0], to = [1, 0, 0]}\n",
                             ["output.path", "has no length"]),
+    "same_faces_by_another_name": (
+        changed('name = "lower"', 'name = "lower"\nfaces = [{name = "half", surfaces = ["block.z+"], box = {min = [0, 0, 0], max = '
+                '[0.5, 1, 2]}}]') + '[[contact]]\nname = "again"\nfaces = ["lower.half", "upper.block.z-"]\n',
+        ['contact[1] = "again"', 'm2 of its faces with contact "lower-upper"']),
+    "zone_whole": (GOOD + '[reference]\npressure = 1e6\nzones = {whole = "x > 0"}\n', ["reference.zones.whole", "another name"]),
+    "zone_without_name": (GOOD + '[reference]\npressure = 1e6\nzones = {"" = "x > 0"}\n', ["no name of a zone"]),
+    "reference_without_a_value": (GOOD + '[reference]\npressure = "sqrt(-1-y)"\n', ["reference.pressure"]),
+    "body_force_infinite": (changed('name = "lower"', 'name = "lower"\nbody_force = ["1/x", 0, 0]\ngrid = {offset = [0, 0, 0]}'),
+                            ["body_force", "1/x"]),
     "reference_is_a_folder": (GOOD + '[reference]\npressure_file = "."\n', ["reference.pressure_file", "no such file"]),
     # Free motions.
     "slides": (changed('[[support]]\nface = "upper.block.y-"\nsymmetry = true\n', ""),
@@ -213,8 +222,23 @@ SURFACES = {
     "many_faces.ply": (ply(with_counts(QUADS), count=299999999), ["299999999 elements \"face\"", "truncated"]),
     "no_properties.ply": ("ply\nformat binary_little_endian 1.0\nelement vertex 300000000\nend_header\n",
                           ["\"vertex\" have no properties"]),
-    "list_of_4e9.ply": (b"ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list uint uchar vertex_indices\n"
+    "list_of_4e9.ply": (b"ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\n"
+                        b"property float z\nelement face 1\nproperty list uint uchar vertex_indices\n"
                         b"end_header\n\xff\xff\xff\xff1234", ["truncated"]),
+    "no_z.ply": ("ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nelement face 1\n"
+                 "property list uchar int vertex_indices\nend_header\n0 0\n3 0 0 0\n",
+                 ['no element "vertex" with a property "z"']),
+    "other_list.ply": (ply(with_counts(QUADS)).replace("vertex_indices", "indices"),
+                       ['no element "face" with a property "vertex_indices"']),
+    "junk.obj": ("hello world\n" + obj(one_based(QUADS)), ["junk.obj:1", '"hello" is no statement of a polygon mesh']),
+    "bezier.obj": (obj(one_based(QUADS)) + "cstype bezier\n", ["bezier.obj:15", '"cstype"', "no statement"]),
+    "bad_corner.obj": (obj([["1/abc", 2, 3]]), ["bad_corner.obj:9", '"1/abc" is no corner of a face']),
+    "compressed.stl": (b"\x1f\x8b\x08" + bytes(700), ["compressed (gzip)"]),
+    "is_ply.stl": (ply(with_counts(QUADS)), ["the content is .ply"]),
+    "overlap.obj": (obj(one_based(QUADS) + one_based(QUADS, 9), CUBE + [(x + 0.5, y, z) for x, y, z in CUBE]),
+                    ["two shells overlap or lie on each other"]),
+    "side_by_side.obj": (obj(one_based(QUADS) + one_based(QUADS, 9), CUBE + [(x + 1, y + 0.3, z) for x, y, z in CUBE]),
+                         ["two shells overlap or lie on each other"]),
     "part.step": ("ISO-10303-21;\n", ["unknown kind of file", ".stl, .obj, .ply"]),
 }
 
@@ -243,7 +267,13 @@ class Nasty(unittest.TestCase):
             pathlib.Path(f"{name}.toml").write_bytes(text)
             self.assertEqual(cgcontact("check", f"{name}.toml").err, "", name)
         for name, data in (("solid.stl", binary_stl(b"solid part")), ("text.stl", ascii_stl()), ("quads.obj", obj(one_based(QUADS))),
-                           ("negative.obj", obj(one_based(QUADS, -8))), ("quads.ply", ply(with_counts(QUADS)))):
+                           ("negative.obj", obj(one_based(QUADS, -8))), ("quads.ply", ply(with_counts(QUADS))),
+                           ("mark.obj", b"\xef\xbb\xbf" + obj(one_based(QUADS)).encode()),
+                           ("mark.ply", b"\xef\xbb\xbf" + ply(with_counts(QUADS)).encode()),
+                           ("comments.obj", obj([[*f, "# a face"] for f in one_based(QUADS)])),
+                           ("continued.obj", obj([[*f[:2], "\\\n", *f[2:]] for f in one_based(QUADS)])),
+                           ("faces_first.obj", "".join(obj(one_based(QUADS)).splitlines(keepends=True)[8:]) + obj([])),
+                           ("touching.obj", obj(one_based(QUADS) + one_based(QUADS, 9), CUBE + [(x + 1, y + 1, z + 1) for x, y, z in CUBE]))):
             self.assertEqual(cgcontact("check", self.scene_with_surface(name, data)).err, "", name)
 
     def scene_with_surface(self, name, data):

@@ -1,6 +1,11 @@
 /// The scenes with known answers, at the sizes and bounds that the README promises ("Accuracy").
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <fstream>
+
+#include "contact/reference.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {
@@ -134,6 +139,42 @@ TEST(Reference, NeedsAForceIfItDependsOnOne) {
   const auto solved = test::run_scene("tests/scenes/pulled_off.toml", {"n=3", "reference.pressure=1/contact_force"});
   EXPECT_TRUE(solved->results().pressure_errors.empty());
   EXPECT_NE(solved->results().warnings.back().find("no force"), std::string::npos);
+}
+
+/// Byte order mark, names of columns, other separators, line ends of other systems; what is no table is named by line.
+TEST(Reference, TablesAsSpreadsheetsWriteThem) {
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("cgcontact_table_" + std::to_string(getpid()))).string();
+  const auto table = [&](const std::string& text) {
+    std::ofstream(file) << text;
+    return ReferenceTable(file, 2);
+  };
+  for (const char* text : {"0,1\n2,5\n",
+                           "\xef\xbb\xbf"
+                           "0,1\r\n2,5\r\n",
+                           "y,p\n0,1\n2,5\n", "# y p\n0; 1\n2; 5\n", "0\t1\n2\t5\n", "0,1,inside\n2,5,7\n"}) {
+    if (std::string(text).find("inside") != std::string::npos)
+      EXPECT_THROW(table(text), InputError);
+    else
+      EXPECT_EQ(table(text)(0.5, 1), 2) << text;
+  }
+  const auto refusal = [&](const std::string& text) {
+    try {
+      table(text);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(refusal("0,1\n1,nan\n").find(":2: \"nan\": is not a number"), std::string::npos) << refusal("0,1\n1,nan\n");
+  EXPECT_NE(refusal("0,1\n1,1abc\n").find("\"1abc\""), std::string::npos);
+  EXPECT_NE(refusal("0,1\n1,0x1\n").find("\"0x1\""), std::string::npos);
+  EXPECT_NE(refusal("0,0;1,5\n1,0;2,5\n").find("is not a number"), std::string::npos) << "decimal commas";
+  EXPECT_NE(refusal("0 1\n1 5\n").find("is not a number"), std::string::npos) << "blanks";
+  EXPECT_NE(refusal("1,1\n0,5\n").find(":2: 0: is less than 1"), std::string::npos);
+  EXPECT_NE(refusal("0,1\n").find("1 row of numbers"), std::string::npos);
+  EXPECT_NE(refusal("0,1\n1,2,3\n").find(":2: 3 columns"), std::string::npos);
+  std::filesystem::remove(file);
 }
 
 /// Pressure at the centre against Hertz at the computed force, on both bodies.

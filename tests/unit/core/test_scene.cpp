@@ -204,6 +204,20 @@ TEST(Scene, reference_of_hertz_is_that_of_the_computed_force) {
   EXPECT_EQ((*scene.reference_at(0).pressure)(Vec3(0, 0, 0)), (*scene.reference.pressure)(Vec3(0, 0, 0)));
 }
 
+/// Integers that no double meets are rounded like any other number.
+TEST(Scene, long_integers_are_numbers) {
+  const Scene scene = read_scene(scene_file("two_solids.toml"), {"body.lower.material.E=9007199254740993",
+                                                                 "body.upper.material.E=1000000000000000001"});
+  EXPECT_EQ(scene.bodies[0].material.youngs_modulus, 9007199254740992.0);
+  EXPECT_EQ(scene.bodies[1].material.youngs_modulus, 1e18);
+}
+
+/// --set adds whole sections that the file does not have.
+TEST(Scene, sections_can_be_added) {
+  const Scene scene = read_scene(scene_file("two_solids.toml"), {"solver={kappa=20}"});
+  EXPECT_EQ(scene.solver.kappa, 20);
+}
+
 TEST(Scene, contact_force_is_no_name_for_a_parameter) {
   for (const char* key : {"parameters", "reference.parameters"})
     expect_contains(message_of(scene_file("hertz.toml"), {std::string(key) + ".contact_force=3"}),
