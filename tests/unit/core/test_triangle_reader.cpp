@@ -164,7 +164,7 @@ TEST(TriangleReader, BadFilesAreNamed) {
                  ":6: a number is missing (allowed: vertex x y z)");
   expect_message(".stl", "solid t\nfacet normal 0 0 0\nendfacet\n", ":3: a facet with 0 vertices (allowed: three)");
   expect_message(".stl", "solid t\nfacit\n", ":2: \"facit\" is no word of an STL file");
-  expect_message(".obj", "v 0 0 0\nf 1 2 3\n", ":2: vertex 2 of 1");
+  expect_message(".obj", "v 0 0 0\nf 1 2 3\n", ":2: face 1 refers to vertex 2 of 1");
   expect_message(".obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", ":3: face 1 has fewer than three corners");
   expect_message(".obj", "v 0 0 0\nv 3 0 0\nv 1 1 0\nv 0 3 0\nf 1 2 3 4\nf 2 3 4 1\n", ":6: face 2 is not convex");
   expect_message(".obj", "v 0 0 1e999\n", ":1: ");
