@@ -53,7 +53,7 @@ Solid read_cylinder(const TomlCursor& node, const std::string& name) {
   node.expect_keys({"base", "top", "radius"});
   const Vec3 base = node.at("base", "[x, y, z], m").vector("m"), top = node.at("top", "[x, y, z], m").vector("m");
   const double radius = node.at("radius", "> 0 m").number(Range::positive("m"));
-  if (!((top - base).stableNorm() > 0)) node.fail("has no length: base and top are equal", "base different from top");
+  if (!((top - base).norm() > 0)) node.fail("has no length: base and top are equal", "base different from top");
   return Solid::cylinder(base, top, radius, name);
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -227,11 +228,16 @@ void orient(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs
       surfaces.emplace_back(part.points, part.triangles, std::vector<int>(part.triangles.size(), 0),
                             std::vector<std::string>{""});
   }
+  std::vector<Eigen::AlignedBox3d> boxes(surfaces.size());
+  for (std::size_t k = 0; k < surfaces.size(); ++k)
+    for (const Vec3& x : surfaces[k].points()) boxes[k].extend(x);
   std::vector<char> wrong;
   for (int s = 0; s < repairs.shells; ++s) {
     int depth = 0;
     for (int o = 0; o < static_cast<int>(surfaces.size()); ++o)
-      if (o != s) depth += is_inside(surfaces[s], surfaces[o], soup, first[s], first[o], file) ? 1 : 0;
+      if (o != s && boxes[s].intersects(boxes[o]) &&
+          is_inside(surfaces[s], surfaces[o], soup, first[s], first[o], file))
+        ++depth;
     wrong.push_back(inward[s] != (depth % 2 == 1));
   }
   const auto count = std::count(wrong.begin(), wrong.end(), char{1});

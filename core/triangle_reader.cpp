@@ -21,6 +21,7 @@ namespace cgcontact {
 namespace {
 
 constexpr std::size_t most_triangles = 100'000'000;
+constexpr std::uintmax_t largest_file = 20'000'000'000;
 constexpr std::size_t stl_header = 84, stl_facet = 50;
 
 [[noreturn]] void fail(const std::string& file, int line, const std::string& problem, const std::string& allowed = {}) {
@@ -34,6 +35,7 @@ std::string read_bytes(const std::string& file) {
   if (!std::filesystem::is_regular_file(file, error)) fail(file, 0, "is not a file but a folder or device");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) fail(file, 0, "the file cannot be read: " + error.message());
+  if (size > largest_file) fail(file, 0, fmt::format("has {} bytes", size), "up to 20 GB");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail(file, 0, std::string("the file cannot be read: ") + std::strerror(errno));
   std::string text(size, '\0');
