@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/pair_figures.hpp"
 #include "contact/pressure_error.hpp"
 #include "contact/reference.hpp"
 #include "core/parallel.hpp"
@@ -16,8 +17,8 @@ namespace {
 
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 128;
-/// Part of the transmitted force by which the integral of the recovered pressure may be off without a word.
-constexpr double lost_force = 0.15;
+/// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
+constexpr double same_face = 0.5;
 
 /// Stress in Pa and global axes of one of the three fields at cell coordinates.
 Sym3 to_global(const Simulation& sim, int body, const double s[6]) {
@@ -59,12 +60,13 @@ int pair_of_face(const Simulation& sim, int body, const std::vector<std::string>
   return -1;
 }
 
-/// The contact point nearest to a grid position in the same cell, or nullptr.
-const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, int pair) {
+/// The contact point nearest to a grid position in the same cell and on the same side of the body, or nullptr. `n`:
+/// grid axes.
+const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, const Vec3& n, int pair) {
   const ContactLink* nearest = nullptr;
   for (int l : body.boundary.links_of_cell[cell]) {
     const ContactLink& link = body.boundary.links[l];
-    if (link.pair != pair) continue;
+    if (link.pair != pair || link.normal.dot(n) < same_face) continue;
     if (!nearest || (link.position - position).squaredNorm() < (nearest->position - position).squaredNorm())
       nearest = &link;
   }
@@ -100,10 +102,10 @@ ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const V
   row.pressure_raw = pressure(row.stress_raw, n);
   row.pressure_spr = pressure(row.stress_spr, n);
   row.pressure_sprc = pressure(row.stress_sprc, n);
-  const ContactLink* link = nearest_link(model, cell, position, pair);
-  row.active = link && link->active;
-  row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : link->active ? link->pressure : 0.0;
   look_across(sim, cell, xi, row);
+  const ContactLink* link = nearest_link(model, cell, position, model.cut_cells.grid.rotation.transpose() * n, pair);
+  row.active = link && link->active && row.gap < sim.bodies[sim.pairs[pair].primary].cut_cells.grid.cell_size;
+  row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
   return row;
 }
 
@@ -159,16 +161,6 @@ void fill_patch_states(const BodyMesh& mesh, const PatchStates& states, BodyFiel
     fields.patch_kind.push_back(static_cast<unsigned char>(kind));
     fields.patch_status.push_back(static_cast<unsigned char>(status));
   }
-}
-
-/// Area over which a pair's SPR-C pressure exceeds a hundredth of its maximum, mean of both bodies. Closed points make
-/// up whole pieces of cells; the recovered pressure ends where the edge was found (sphere on block, ten cells over the
-/// contact radius: radius from closed points 2 to 3 % too small, from this within 0.2 %).
-double pressed_area(const Results& results, int pair, double max_pressure) {
-  double area = 0;
-  for (const ContactRow& r : results.contact_rows)
-    if (r.pair == pair && r.pressure_sprc > 0.01 * max_pressure) area += 0.5 * r.weight;
-  return area;
 }
 
 double frobenius(const Sym3& s) { return tensor(s).norm(); }
@@ -275,9 +267,11 @@ void fill_body_fields(const Simulation& sim, Results& results) {
 }
 
 void fill_contact_rows(const Simulation& sim, Results& results) {
+  std::vector<int> boundary_point;
   for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
     const BodyModel& body = sim.bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
+    std::vector<std::vector<int>> points(num_chunks(boundary.size(), grain));
     std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain));
     parallel_chunks(boundary.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
       for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
@@ -287,83 +281,22 @@ void fill_contact_rows(const Simulation& sim, Results& results) {
         ContactRow row = make_row(sim, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
         row.weight = body.area(p);
         chunks[chunk].push_back(row);
+        points[chunk].push_back(p);
       }
     });
     for (const auto& rows : chunks) results.contact_rows.insert(results.contact_rows.end(), rows.begin(), rows.end());
+    for (const auto& part : points) boundary_point.insert(boundary_point.end(), part.begin(), part.end());
   }
+  mark_touching_rows(sim, boundary_point, results.contact_rows);
 }
 
-void fill_pair_figures(const Simulation& sim, Results& results) {
-  std::size_t row = 0;
-  for (std::size_t k = 0; k < sim.pairs.size(); ++k) {
-    const ContactPair& pair = sim.pairs[k];
-    PairFigures figures;
-    figures.name = pair.spec->name;
-    const bool primary_first = pair.spec->first.body == pair.primary;
-    figures.body_first = sim.scene.bodies[pair.spec->first.body].name;
-    figures.body_second = sim.scene.bodies[pair.spec->second.body].name;
-    Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()};
-    const double unit = sim.scales.stress * sim.scales.length * sim.scales.length;
-    // Nodal forces of every group, summed per body: what really acts in the discrete equilibrium.
-    for (std::size_t g = 0; g < pair.groups.size(); ++g, ++row)
-      for (const auto& [dof, value] : sim.system.group_rows[row].entries) {
-        const int node = dof / 3;
-        const int side =
-            node >= sim.system.meshes[pair.primary].first_node &&
-                    node < sim.system.meshes[pair.primary].first_node + sim.system.meshes[pair.primary].num_nodes
-                ? 0
-                : 1;
-        const int body = side == 0 ? pair.primary : pair.secondary;
-        const Grid& grid = sim.bodies[body].cut_cells.grid;
-        const Index3& n = sim.system.meshes[body].nodes[node - sim.system.meshes[body].first_node];
-        const Vec3 f = unit * value * sim.outer.group_force[row] * grid.rotation.col(dof % 3);
-        force[side] += f;
-        moment[side] += grid.to_global(Vec3(n[0], n[1], n[2])).cross(f);
-      }
-    figures.force_on_first = force[primary_first ? 0 : 1];
-    figures.force_on_second = force[primary_first ? 1 : 0];
-    figures.moment_on_first = moment[primary_first ? 0 : 1];
-    figures.moment_on_second = moment[primary_first ? 1 : 0];
-    for (const ContactPoint& q : pair.points) {
-      ++figures.points;
-      figures.active_points += q.active;
-      if (q.active) figures.area += q.weight;
-    }
-    for (const ContactRow& r : results.contact_rows)
-      if (r.pair == static_cast<int>(k)) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
-    if (sim.scene.recovery.spr_c) figures.area = pressed_area(results, static_cast<int>(k), figures.max_pressure);
-    results.pairs.push_back(figures);
-  }
+void fill_support_figures(const Simulation& sim, Results& results) {
   for (const SupportSpec& support : sim.scene.supports)
     results.supports.push_back({sim.scene.bodies[support.face.body].name + "." + support.face.face.name});
   for (std::size_t s = 0; s < sim.supports.size(); ++s)
     if (sim.supports[s].support >= 0)
       results.supports[sim.supports[s].support].force +=
           sim.supports[s].weight * sim.outer.support_stress[s] * sim.supports[s].direction;
-}
-
-std::vector<std::string> lost_force_warnings(const Simulation& sim, const Results& results) {
-  std::vector<std::string> warnings;
-  std::size_t group = 0;
-  for (std::size_t k = 0; k < sim.pairs.size(); ++k) {
-    const ContactPair& pair = sim.pairs[k];
-    double transmitted = 0;
-    for (std::size_t g = 0; g < pair.groups.size(); ++g, ++group)
-      transmitted += sim.outer.group_force[group] * sim.scales.stress * sim.scales.length * sim.scales.length;
-    for (const int body : {pair.primary, pair.secondary}) {
-      double recovered = 0;
-      for (const ContactRow& row : results.contact_rows)
-        if (row.pair == static_cast<int>(k) && row.body == body) recovered += row.weight * row.pressure_sprc;
-      if (!(transmitted > 0) || std::abs(recovered - transmitted) <= lost_force * transmitted) continue;
-      warnings.push_back(fmt::format(
-          "contact \"{}\": the pressure on \"{}\" adds up to {:.3g} N, but {:.3g} N are transmitted: the contact "
-          "zone is too small for these cells, or the pressure has a peak at the rim of a face; the force is right, "
-          "the pressure is not",
-          pair.spec->name, sim.scene.bodies[body].name, recovered, transmitted));
-      break;
-    }
-  }
-  return warnings;
 }
 
 void fill_balance(const Simulation& sim, Results& results) {

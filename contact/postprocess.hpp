@@ -16,11 +16,9 @@ void fill_counts(const Simulation& simulation, Results& results);
 /// Displacement and stress fields, error estimate and effectivity.
 void fill_body_fields(const Simulation& simulation, Results& results);
 void fill_contact_rows(const Simulation& simulation, Results& results);
-void fill_pair_figures(const Simulation& simulation, Results& results);
+void fill_support_figures(const Simulation& simulation, Results& results);
 /// Resultants on every body; needs the pair figures.
 void fill_balance(const Simulation& simulation, Results& results);
-/// A sentence for each pair whose recovered pressure does not add up to the force that the solution transmits.
-std::vector<std::string> lost_force_warnings(const Simulation& simulation, const Results& results);
 /// Pressure along the scene's path; without one, along the longest direction of the contact face.
 void fill_path(const Simulation& simulation, Results& results);
 /// Relative L2 errors of the pressure per zone (norm of the reference over the whole face) and stress errors.

@@ -11,6 +11,7 @@
 #include "contact/free_pieces.hpp"
 #include "contact/memory.hpp"
 #include "contact/missed_contact.hpp"
+#include "contact/pair_figures.hpp"
 #include "contact/postprocess.hpp"
 #include "contact/pressure_estimate.hpp"
 #include "contact/reference.hpp"
@@ -317,6 +318,7 @@ void Simulation::fill_results() {
   fill_counts(*this, results);
   fill_contact_rows(*this, results);
   fill_pair_figures(*this, results);
+  fill_support_figures(*this, results);
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
   fill_balance(*this, results);
   choose_reference();

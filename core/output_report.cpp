@@ -26,7 +26,9 @@ Json json_of(const PairFigures& pair) {
   json["moment"] = {{pair.body_first, json_of(pair.moment_on_first)},
                     {pair.body_second, json_of(pair.moment_on_second)}};
   json["area"] = pair.area;
+  json["centre"] = json_of(pair.centre);
   json["max_pressure"] = pair.max_pressure;
+  json["max_pressure_at"] = json_of(pair.max_pressure_at);
   json["points"] = pair.points;
   json["active_points"] = pair.active_points;
   json["pressure_error_estimate"] = pair.pressure_error_estimate;

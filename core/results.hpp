@@ -39,6 +39,9 @@ struct ContactRow {
   double pressure_error = 0;        ///< Pa, estimated error of pressure_sprc
   Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
   bool active = false;
+  /// Closed, or open beside closed points: where the pair's contact zone can be. Area, largest pressure and the force
+  /// of the recovered pressure are those of these rows.
+  bool touching = false;
 };
 
 /// Pressure along the scene's path, one entry per sample and body.
@@ -63,8 +66,11 @@ struct PairFigures {
   std::string name, body_first, body_second;
   Vec3 force_on_first = Vec3::Zero(), force_on_second = Vec3::Zero();    ///< N
   Vec3 moment_on_first = Vec3::Zero(), moment_on_second = Vec3::Zero();  ///< N m about the origin
-  double area = 0;          ///< m^2, where the pressure exceeds 1 % of its maximum (closed points without SPR-C)
-  double max_pressure = 0;  ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
+  /// Of the contact zone (ContactRow::touching); without contact all are exactly zero.
+  double area = 0;                      ///< m^2, where the pressure is positive (closed points without SPR-C)
+  double max_pressure = 0;              ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
+  Vec3 max_pressure_at = Vec3::Zero();  ///< m
+  Vec3 centre = Vec3::Zero();           ///< m, of the transmitted pressure: where the resultant acts
   int points = 0, active_points = 0;
   double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
   double force_error_estimate = 0;     ///< relative
