@@ -1,7 +1,5 @@
 #include "contact/missed_contact.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "contact/postprocess.hpp"
@@ -69,23 +67,17 @@ std::vector<double> missed_contact(const Simulation& sim) {
   return any ? reach : std::vector<double>();
 }
 
-std::vector<std::string> missed_contact_warnings(const Simulation& sim) {
-  std::vector<std::string> warnings;
+std::vector<MissedOverlap> missed_overlaps(const Simulation& sim) {
+  std::vector<MissedOverlap> overlaps;
   for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
-    const PairFigures& figures = sim.results.pairs[p];
-    if (figures.active_points > 0) continue;
+    if (sim.results.pairs[p].active_points > 0) continue;
     const double h = sim.bodies[sim.pairs[p].primary].cut_cells.grid.cell_size;  // the coarser body
     const ContactRow* deepest = nullptr;
     for (const ContactRow& row : sim.results.contact_rows)
       if (row.pair == static_cast<int>(p) && row.gap < (deepest ? deepest->gap : -least_overlap * h)) deepest = &row;
-    if (!deepest) continue;
-    const Vec3& x = deepest->x;
-    warnings.push_back(fmt::format(
-        "contact \"{}\": no force is transmitted although the faces overlap by up to {:.2g} m at ({:.4g}, "
-        "{:.4g}, {:.4g}) m: the contact zone is smaller than a cell, smaller cells than {:.3g} m are needed",
-        figures.name, -deepest->gap, x[0], x[1], x[2], h));
+    if (deepest) overlaps.push_back({static_cast<int>(p), -deepest->gap, deepest->x});
   }
-  return warnings;
+  return overlaps;
 }
 
 }  // namespace cgcontact

@@ -9,8 +9,15 @@ namespace cgcontact {
 /// deformation belong to it. Empty if there are none. Contacts with a search_distance of their own are left alone.
 std::vector<double> missed_contact(const Simulation& sim);
 
-/// A sentence for each pair of sim.results without a closed point whose faces overlap all the same: contact is decided
-/// by the mean gap of pieces of cells, so that a zone smaller than these is lost.
-std::vector<std::string> missed_contact_warnings(const Simulation& sim);
+/// The deepest overlap of a pair that transmits no force.
+struct MissedOverlap {
+  int pair = 0;
+  double depth = 0;       ///< m, of the deformed bodies
+  Vec3 x = Vec3::Zero();  ///< m
+};
+
+/// One for each pair of sim.results without a closed point whose faces overlap all the same: contact is decided by the
+/// mean gap of pieces of cells, so that a zone smaller than these is lost.
+std::vector<MissedOverlap> missed_overlaps(const Simulation& sim);
 
 }  // namespace cgcontact

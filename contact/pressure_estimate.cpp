@@ -119,7 +119,7 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     }
     PairFigures& figures = results.pairs[p];
     figures.pressure_error_estimate = norm > 0 ? std::sqrt(error / norm) : 0;
-    figures.force_error_estimate = force_error;
+    if (results.verdict.pairs[p].state != Verdict::State::not_resolved) figures.force_error_estimate = force_error;
   }
 }
 

@@ -16,6 +16,7 @@
 #include "contact/pressure_estimate.hpp"
 #include "contact/reference.hpp"
 #include "contact/small_strain.hpp"
+#include "contact/verdict.hpp"
 #include "core/resources.hpp"
 
 namespace cgcontact {
@@ -320,6 +321,7 @@ void Simulation::fill_results() {
   fill_pair_figures(*this, results);
   fill_support_figures(*this, results);
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
+  results.verdict = judge(*this);
   fill_balance(*this, results);
   choose_reference();
   fill_body_fields(*this, results);
@@ -327,8 +329,8 @@ void Simulation::fill_results() {
   fill_path(*this, results);
   fill_pressure_errors(*this, results);
   if (outer.converged)
-    for (const auto& warnings : {small_strain_warnings(*this), missed_contact_warnings(*this),
-                                 lost_force_warnings(*this, results), coarse_facet_warnings(*this)})
+    for (const auto& warnings :
+         {small_strain_warnings(*this), lost_force_warnings(*this, results), coarse_facet_warnings(*this)})
       for (const std::string& warning : warnings) add_warning(warning);
 }
 

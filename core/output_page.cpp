@@ -72,6 +72,14 @@ std::string percent(double fraction) {
   return figure(fraction, std::abs(fraction) < rounding ? "below 1e-7&#160;%" : percent_number(fraction) + "&#160;%");
 }
 
+/// The estimated error of a pair's force or pressure, as far as there is one.
+std::string estimate(const Results& results, const PairFigures& pair, const std::optional<double>& error) {
+  const std::size_t k = static_cast<std::size_t>(&pair - results.pairs.data());
+  if (!error) return "not resolved";
+  const bool coarse = k < results.verdict.pairs.size() && results.verdict.pairs[k].state != Verdict::State::resolved;
+  return coarse && pair.active_points > 0 ? figure(*error, "not resolved") : percent(*error);
+}
+
 std::string stress(double pa) { return figure(pa, stress_unit(std::abs(pa)), 4); }
 std::string force(double newton, double scale = 0) {
   return std::abs(newton) <= rounding * scale ? figure(newton, "0") : figure(newton, force_unit(std::abs(newton)), 5);
@@ -127,12 +135,35 @@ std::string picture(const std::string& directory, const std::string& file, const
          (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") + "</figure>\n";
 }
 
+/// Class and heading of the verdict's box: only contact that is resolved is green.
+std::pair<const char*, const char*> verdict_heading(const Results& results) {
+  switch (results.verdict.state) {
+    case Verdict::State::not_resolved:
+      return {"doubtful", "Solved, but not resolved"};
+    case Verdict::State::contact_missed:
+      return {"bad", "Contact missed"};
+    case Verdict::State::no_contact:
+      if (results.pairs.empty()) return {"good", "Solved"};
+      return {"doubtful", "Solved, without contact"};
+    default:
+      return {"good", "Solved"};
+  }
+}
+
+/// "the zone ..." -> "The zone ..."
+std::string sentence(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
 std::string verdict(const Results& results, const std::vector<std::string>& warnings) {
   std::string text;
   if (results.converged) {
-    text += "<div class=\"verdict good\"><strong>Converged</strong> ";
-    text +=
-        fmt::format("after {} outer iteration{}", results.outer_iterations, results.outer_iterations == 1 ? "" : "s");
+    const auto [style, heading] = verdict_heading(results);
+    text += fmt::format("<div class=\"verdict {}\"><strong>{}.</strong> ", style, heading);
+    if (!results.verdict.text.empty()) text += html_text(sentence(results.verdict.text)) + ". ";
+    text += fmt::format("Converged after {} outer iteration{}", results.outer_iterations,
+                        results.outer_iterations == 1 ? "" : "s");
     if (!results.outer_residuals.empty()) text += fmt::format("; last residual {:.1e}", results.outer_residuals.back());
     text += ".</div>\n";
   } else {
@@ -168,9 +199,9 @@ std::string tiles(const Results& results, const PageParts& parts) {
         [](const PairFigures& a, const PairFigures& b) { return a.force_on_first.norm() < b.force_on_first.norm(); });
     const std::string of = results.pairs.size() > 1 ? "of " + html_text(pair.name) + ", " : "";
     text += tile("Contact force", force(pair.force_on_first.norm()),
-                 of + "estimated error " + percent(pair.force_error_estimate));
+                 of + "estimated error " + estimate(results, pair, pair.force_error_estimate));
     text += tile("Largest contact pressure", stress(pair.max_pressure),
-                 of + "mean error " + percent(pair.pressure_error_estimate));
+                 of + "mean error " + estimate(results, pair, pair.pressure_error_estimate));
     text += tile("Contact area", figure(pair.area, area_unit(pair.area)),
                  of + fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points)));
   }
@@ -187,18 +218,29 @@ std::string tiles(const Results& results, const PageParts& parts) {
 std::string reliability(const Results& results) {
   std::string text;
   double pressure = 0, forces = 0;
-  for (const PairFigures& pair : results.pairs) {
+  std::size_t unresolved = 0;
+  for (std::size_t k = 0; k < results.pairs.size(); ++k) {
+    const PairFigures& pair = results.pairs[k];
+    if (k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved) {
+      ++unresolved;
+      continue;
+    }
     pressure = std::max(pressure, pair.pressure_error_estimate);
-    forces = std::max(forces, pair.force_error_estimate);
+    forces = std::max(forces, pair.force_error_estimate.value_or(0));
   }
-  const char* const which = results.pairs.size() > 1 ? ", for the worst of all pairs" : "";
-  if (!results.pairs.empty())
+  if (unresolved > 0)
     text += paragraph(fmt::format(
-        "<b>Contact force:</b> off by about {} at most{}. <b>Contact pressure:</b> off by about {} in the mean over "
-        "the "
-        "contact face{} (root mean square; the estimate is within a factor of 2 when at least five cells lie across "
-        "the contact zone).",
-        percent(forces), which, percent(pressure), which));
+        "<b>Not resolved:</b> the zone{} of {} contact pair{} {} too few cells across. No figure tells how far "
+        "pressure "
+        "and force are off there; refine until the zone is resolved.",
+        unresolved == 1 ? "" : "s", unresolved, unresolved == 1 ? "" : "s", unresolved == 1 ? "has" : "have"));
+  const char* const which = results.pairs.size() - unresolved > 1 ? ", for the worst of all resolved pairs" : "";
+  if (results.pairs.size() > unresolved)
+    text +=
+        paragraph(fmt::format("<b>Contact force:</b> off by about {}{}. <b>Contact pressure:</b> off by about {} in "
+                              "the mean over the contact "
+                              "face{} (root mean square).",
+                              percent(forces), which, percent(pressure), which));
   text += paragraph(fmt::format(
       "<b>Stress in the bodies:</b> the finite element stress differs from the recovered one, which is shown here, by "
       "{} "
@@ -219,11 +261,11 @@ std::string pairs_section(const Results& results) {
   std::vector<std::string> rows;
   for (const PairFigures& pair : results.pairs) {
     const double size = pair.force_on_first.norm();
-    rows.push_back(name_cell(html_text(pair.name)) + cell(force(size)) + cell(percent(pair.force_error_estimate)) +
-                   cell(html_text(pair.body_first)) + components(pair.force_on_first, size) +
-                   cell(stress(pair.max_pressure)) + cell(percent(pair.pressure_error_estimate)) +
-                   cell(figure(pair.area, area_unit(pair.area))) +
-                   cell(count(pair.active_points) + " of " + count(pair.points)));
+    rows.push_back(
+        name_cell(html_text(pair.name)) + cell(force(size)) + cell(estimate(results, pair, pair.force_error_estimate)) +
+        cell(html_text(pair.body_first)) + components(pair.force_on_first, size) + cell(stress(pair.max_pressure)) +
+        cell(estimate(results, pair, pair.pressure_error_estimate)) + cell(figure(pair.area, area_unit(pair.area))) +
+        cell(count(pair.active_points) + " of " + count(pair.points)));
   }
   return table({"Pair", "Force", "est. error", "acts on", "x", "y", "z", "Max. pressure", "est. error (mean)", "Area",
                 "Closed points"},

@@ -17,6 +17,7 @@ p { margin: 0.4rem 0; }
 .note, figcaption { color: #566273; font-size: 0.88rem; }
 .verdict { margin: 1rem 0 0.6rem; padding: 0.7rem 1rem; border-left: 0.5rem solid; border-radius: 4px; }
 .good { background: #e8f5ec; border-color: #2c8a4b; }
+.doubtful { background: #fff5dc; border-color: #d99a00; }
 .bad { background: #fdeaea; border-color: #c0282d; }
 .bad strong { color: #a01c20; }
 .warnings { margin: 0.6rem 0; padding: 0.7rem 1rem; background: #fff5dc; border-left: 0.5rem solid #d99a00;

@@ -18,6 +18,18 @@ Json json_of(const Vec3& v) { return Json::array({v[0], v[1], v[2]}); }
 /// An object also when it has no entries.
 Json object() { return Json::object(); }
 
+Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json json_of(const Verdict& verdict) {
+  Json pairs = Json::array();
+  for (const Verdict::Pair& pair : verdict.pairs)
+    pairs.push_back({{"name", pair.name},
+                     {"state", name_of(pair.state)},
+                     {"cells_across", json_of(pair.cells_across)},
+                     {"cell_size_needed", json_of(pair.cell_size_needed)}});
+  return {{"state", name_of(verdict.state)}, {"text", verdict.text}, {"pairs", pairs}};
+}
+
 Json json_of(const PairFigures& pair) {
   Json json;
   json["name"] = pair.name;
@@ -32,7 +44,7 @@ Json json_of(const PairFigures& pair) {
   json["points"] = pair.points;
   json["active_points"] = pair.active_points;
   json["pressure_error_estimate"] = pair.pressure_error_estimate;
-  json["force_error_estimate"] = pair.force_error_estimate;
+  json["force_error_estimate"] = json_of(pair.force_error_estimate);
   return json;
 }
 
@@ -104,6 +116,7 @@ void write_report(const Results& results, const std::vector<std::string>& files,
   json["program"] = "cgcontact";
   json["scene"] = results.scene_file;
   json["title"] = results.title;
+  json["verdict"] = json_of(results.verdict);
   json["version"] = CGCONTACT_VERSION;
   json["command"] = results.command;
   json["backend"] = results.backend;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include "core/output_text.hpp"
 
@@ -63,7 +64,11 @@ Lines pair_table(const Results& results, std::size_t rows) {
   for (std::size_t k = 0; k < shown; ++k) {
     const PairFigures& pair = results.pairs[k];
     const double force = pair.force_on_first.norm();
-    const auto error = [&pair](double estimate) { return pair.active_points > 0 ? percent(estimate) : "-"; };
+    const bool coarse =
+        k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
+    const auto error = [&](const std::optional<double>& estimate) {
+      return coarse ? "coarse" : pair.active_points > 0 && estimate ? percent(*estimate) : "-";
+    };
     lines.push_back(fmt::format("  {} {:>11} {:>7} {:>12} {:>11} {:>12}", cut(pair.name, 20),
                                 in_unit(force, force_unit(force), 5), error(pair.force_error_estimate),
                                 in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 5),
@@ -175,14 +180,31 @@ Lines closing_lines(const Results& results, const std::string& directory) {
   return lines;
 }
 
+/// The verdict in words that cannot be overlooked.
+std::string opening_words(const Results& results) {
+  if (!results.converged) return "DID NOT CONVERGE";
+  switch (results.verdict.state) {
+    case Verdict::State::not_resolved:
+      return "solved, but NOT RESOLVED";
+    case Verdict::State::contact_missed:
+      return "solved, but CONTACT MISSED";
+    case Verdict::State::no_contact:
+      return results.pairs.empty() ? "solved" : "solved, without contact";
+    default:
+      return "solved";
+  }
+}
+
 Lines summary_lines(const Results& results, const std::string& directory, const Allowance& allowance) {
-  const std::string verdict = results.converged ? "solved" : "DID NOT CONVERGE";
-  Lines lines = shortened(wrapped(results.title, verdict + (results.title.empty() ? "" : ": "), screen_width - 4),
+  const std::string opening = opening_words(results);
+  Lines lines = shortened(wrapped(results.title, opening + (results.title.empty() ? "" : ": "), screen_width - 4),
                           allowance.text_lines);
   const auto add = [&](const std::string& label, const std::string& text) {
     append(lines, paragraph(label, text, allowance.text_lines));
   };
   if (!results.diagnosis.empty()) append(lines, paragraph("  diagnosis:  ", results.diagnosis, 4));
+  if (results.converged && !results.verdict.text.empty())
+    append(lines, paragraph("  verdict:    ", results.verdict.text, 4));
   append(lines, warning_lines(results, allowance));
   add("  size:       ", fmt::format("{} unknowns, {} cells ({} cut)", grouped(results.unknowns),
                                     grouped(results.cells.active), grouped(results.cells.cut)));

@@ -25,7 +25,8 @@ RunFigures figures_of(const Json& json) {
     const Json& force = pair.at("force").at(pair.at("bodies").at(0).get<std::string>());
     figures.force = Vec3(force.at(0), force.at(1), force.at(2)).norm();
     figures.pressure_error_estimate = pair.at("pressure_error_estimate").get<double>();
-    figures.force_error_estimate = pair.at("force_error_estimate").get<double>();
+    if (const auto& estimate = pair.at("force_error_estimate"); !estimate.is_null())
+      figures.force_error_estimate = estimate.get<double>();
   }
   figures.active_points = json.at("active_points");
   figures.outer_iterations = json.at("outer_iterations");

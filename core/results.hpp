@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -73,8 +74,30 @@ struct PairFigures {
   Vec3 centre = Vec3::Zero();           ///< m, of the transmitted pressure: where the resultant acts
   int points = 0, active_points = 0;
   double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
-  double force_error_estimate = 0;     ///< relative
+  /// Relative; zero where the loads give the force, none where the contact zone is not resolved.
+  std::optional<double> force_error_estimate;
 };
+
+/// What a run says of itself before anything else: can its contact be used, and if not, what would help?
+struct Verdict {
+  enum class State { resolved, not_resolved, contact_missed, not_converged, no_contact };
+  struct Pair {
+    std::string name;
+    State state = State::no_contact;
+    /// Cells of the coarser body across the narrowest zone that matters; none: no open points bound the zone.
+    std::optional<double> cells_across;
+    std::optional<double> cell_size_needed;  ///< m, at most, of both bodies; where the zone is not resolved or missed
+  };
+  State state = State::resolved;
+  std::string text;  ///< one sentence
+  std::vector<Pair> pairs;
+};
+
+/// "resolved", "not_resolved", ... as in report.json.
+inline const char* name_of(Verdict::State state) {
+  constexpr const char* names[] = {"resolved", "not_resolved", "contact_missed", "not_converged", "no_contact"};
+  return names[static_cast<int>(state)];
+}
 
 /// Reaction of one support.
 struct SupportFigures {
@@ -117,6 +140,7 @@ struct Results {
   long long active_points = 0;
   bool converged = false;
   std::string diagnosis;  ///< why not, if not
+  Verdict verdict;
   std::vector<std::string> warnings;
   std::vector<PairFigures> pairs;
   std::vector<StepFigures> steps;  ///< in order, the last one too; empty without [steps]

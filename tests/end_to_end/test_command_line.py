@@ -93,7 +93,7 @@ class Progress(unittest.TestCase):
         steps = [line for line in lines if step.fullmatch(line)]
         self.assertEqual(len(steps), report("log")["outer_iterations"])
         self.assertEqual(len(lines), len(PHASES) + len(steps))
-        self.assertTrue(outcome.out.startswith("solved: Two solids, plane strain\n"))
+        self.assertTrue(outcome.out.startswith("solved, but NOT RESOLVED: Two solids, plane strain\n"))
         self.assertIn("results in log:", outcome.out)
 
     def on_terminal(self, *arguments):

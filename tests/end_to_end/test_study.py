@@ -91,6 +91,9 @@ class Table(unittest.TestCase):
                 for kind in KINDS:
                     expected[f"error_{zone['zone']}_{kind}"] = zone[kind]
             for column, value in expected.items():
+                if value is None:
+                    self.assertEqual(row[column], "", column)
+                    continue
                 self.assertAlmostEqual(float(row[column]), value, delta=1e-9 * abs(value) + 1e-300, msg=column)
             self.assertEqual((row["status"], row["variant"], row["key"], row["preconditioner"], row["backend"]),
                              ("solved", "muelu", "n", "muelu", run["backend"]))

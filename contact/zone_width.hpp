@@ -1,0 +1,23 @@
+/// How many cells lie across the contact zones of each pair: is the contact resolved?
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "contact/simulation.hpp"
+
+namespace cgcontact {
+
+struct ZoneWidth {
+  /// Cells of the coarser body across the narrowest zone that carries a relevant part of the pair's force, where that
+  /// zone is widest. None: no contact, or no open points beside it (the zone ends where a face ends).
+  std::optional<double> cells;
+};
+
+/// One per pair. A zone is a connected set of closed cells; planes of symmetry of both bodies complete it. Its width is
+/// twice the largest distance of a closed point from all open ones, so that the ends of a face (and the faces of a
+/// plate one cell thick) do not count, made finer than whole cells by the spread of the transmitted forces along that
+/// direction. Needs the contact links with their pressures (Simulation::recover).
+std::vector<ZoneWidth> zone_widths(const Simulation& simulation);
+
+}  // namespace cgcontact
