@@ -23,6 +23,7 @@
 #include "core/output_text.hpp"
 #include "core/progress.hpp"
 #include "core/resources.hpp"
+#include "core/standard_descriptors.hpp"
 #include "kernels/linear_solver.hpp"
 
 namespace {
@@ -51,6 +52,12 @@ std::string too_many_threads(const CommandLine& options) {
                             : "";
 }
 
+std::string out_of_memory_text() {
+  const std::string remedy = address_space_remedy();
+  return "out of memory: a larger cell_size is needed (cgcontact check says how much memory a scene takes)" +
+         (remedy.empty() ? "" : ", or more address space: " + remedy);
+}
+
 std::string command_text(char** argv) {
   std::string text;
   for (char** word = argv; *word; ++word) text += (word == argv ? "" : " ") + shell_word(*word);
@@ -61,7 +68,7 @@ int check(const Scene& scene, const CommandLine& options) {
   Progress progress(Progress::Mode::terminal_only);
   const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
-  const Preparation preparation = prepare(scene);
+  const Preparation preparation = prepare(scene, false);  // a scene that nearly fits is described all the same
   std::vector<std::string> warnings;
   if (!options.out.empty()) {
     progress.begin_phase("drawing");
@@ -110,6 +117,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // a file too large for ulimit -f: an error that names the file
   int exit_code = 0;
   const auto options = parse_command_line(argc, argv, exit_code);
@@ -130,11 +138,7 @@ int main(int argc, char** argv) {
   } catch (const InputError& error) {
     fmt::print(stderr, "cgcontact: {}\n", printable(options->with_variables(error.what())));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "cgcontact: {}\n",
-               is_out_of_memory(error)
-                   ? "out of memory: a larger cell_size is needed (cgcontact check says how much memory a "
-                     "scene takes)"
-                   : printable(error.what()));
+    fmt::print(stderr, "cgcontact: {}\n", is_out_of_memory(error) ? out_of_memory_text() : printable(error.what()));
   }
   return 1;
 }

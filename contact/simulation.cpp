@@ -22,8 +22,6 @@
 namespace cgcontact {
 namespace {
 
-/// Of the memory that is expected before the cells are known; the cells themselves take less than half.
-constexpr double surely_needed = 0.7;
 /// Cells; bodies one cell thick are meant to be so. Those held on both sides (plane strain) may be thinner.
 constexpr double nearly_one = 0.99;
 /// A pair that has to see farther is solved again; so many times at most.
@@ -108,10 +106,16 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   p.supports.insert(p.supports.end(), held.begin(), held.end());
 }
 
+double count_contact_points(const std::vector<ContactPair>& pairs) {
+  double points = 0;
+  for (const ContactPair& pair : pairs) points += static_cast<double>(pair.points.size());
+  return points;
+}
+
 void check_memory(const Scene& scene, const Preparation& preparation) {
   std::vector<BodySize> sizes;
   for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
-  check_memory(scene, sizes);
+  check_memory(scene, sizes, count_contact_points(preparation.pairs));
 }
 
 /// The recovery takes the body force at nodes, which may lie on a singular plane or outside of the body.
@@ -132,10 +136,8 @@ void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) 
     for (const ContactPoint& point : pair.points) reference.pressure(point.x);
 }
 
-Preparation prepare(const Scene& scene) {
-  std::vector<BodySize> sizes;
-  for (const BodySpec& body : scene.bodies) sizes.push_back(estimate_size(body));
-  check_memory(scene, sizes, surely_needed);
+Preparation prepare(const Scene& scene, bool refuse_near_limit) {
+  check_memory_early(scene, refuse_near_limit);
   Preparation p;
   p.bodies = make_body_models(scene);
   p.supports = make_support_points(scene, p.bodies);

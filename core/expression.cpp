@@ -15,10 +15,13 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
+constexpr double pi = 3.14159265358979323846, e = 2.71828182845904523536;
+/// Names of muParser's own constants, with all their digits.
+const char* const pi_name = "_pi";
+const char* const e_name = "_e";
 const char* const axis_names[3] = {"x", "y", "z"};
 const char* const operators_help =
-    "numbers, x, y, z, pi, parameters, + - * / ^ ( ), comparisons, && ||, a ? b : c, "
+    "numbers, x, y, z, pi, _e, parameters, + - * / ^ ( ), comparisons, && ||, a ? b : c, "
     "sqrt abs min max sign exp ln sin cos tan ...";
 
 bool starts_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
@@ -64,7 +67,8 @@ void for_each_name(const std::string& text, const std::function<void(const std::
 mu::Parser make_parser(const Constants& constants) {
   mu::Parser parser;
   parser.DefineConst("pi", pi);
-  parser.DefineConst("_pi", pi);  // muParser's own has 13 digits
+  parser.DefineConst(pi_name, pi);
+  parser.DefineConst(e_name, e);
   for (const auto& [name, value] : constants) parser.DefineConst(name, value);
   return parser;
 }
@@ -82,7 +86,7 @@ std::string format_number(double value) {
                        const Constants& constants, bool with_coordinates) {
   std::vector<std::string> known;
   if (with_coordinates) known.insert(known.end(), std::begin(axis_names), std::end(axis_names));
-  known.push_back("pi");
+  known.insert(known.end(), {"pi", pi_name, e_name});
   for (const auto& entry : constants) known.push_back(entry.first);
   std::vector<std::string> functions;
   const mu::Parser parser;

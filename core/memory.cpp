@@ -70,13 +70,24 @@ double group_memory(const std::string& groups, const std::string& root) {
 
 MemoryBudget memory_budget() {
   if (const char* given = std::getenv("CGCONTACT_MEMORY_LIMIT"))
-    return {parse_limit(given), "as --memory-limit or CGCONTACT_MEMORY_LIMIT says"};
-  MemoryBudget budget{1024 * number_after("/proc/meminfo", "MemAvailable:", infinite), "free on this machine"};
+    return {parse_limit(given), "as --memory-limit or CGCONTACT_MEMORY_LIMIT says", ""};
+  MemoryBudget budget{1024 * number_after("/proc/meminfo", "MemAvailable:", infinite), "free on this machine", ""};
   const double in_group = group_memory(own_control_groups(), "/sys/fs/cgroup");
-  if (in_group < budget.bytes) budget = {in_group, "left by the limit of the control group (container, job)"};
+  if (in_group < budget.bytes) budget = {in_group, "left by the limit of the control group (container, job)", ""};
   const double address_space = left_of_address_space();
-  if (address_space < budget.bytes) budget = {address_space, "left by the limit of address space (ulimit -v)"};
+  if (address_space < budget.bytes)
+    budget = {address_space, "left by the limit of address space (ulimit -v)", address_space_remedy()};
   return budget;
+}
+
+std::string address_space_remedy() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return "";
+  const char* const who = limit.rlim_max == RLIM_INFINITY ? "" : " where the system allows it";
+  return fmt::format(
+      "\"ulimit -v unlimited\"{} lifts the limit of {} (ulimit -v {}), of which the program and its libraries alone "
+      "take some 250 MB",
+      who, memory_text(static_cast<double>(limit.rlim_cur)), limit.rlim_cur / 1024);
 }
 
 double parse_memory(const std::string& text) {

@@ -9,12 +9,16 @@ namespace cgcontact {
 struct MemoryBudget {
   double bytes = 0;    ///< that can still be used; infinite if nothing limits
   std::string source;  ///< what limits it, for messages
+  std::string remedy;  ///< how to have more, or empty
 };
 
 /// The least of: memory that the system has available (swap not counted), what the control group of this process and
 /// those above it leave, and its limit of address space (ulimit -v). The environment variable CGCONTACT_MEMORY_LIMIT
 /// (as for parse_memory; set by --memory-limit) takes the place of all of them.
 MemoryBudget memory_budget();
+
+/// How to lift the limit of address space (ulimit -v) of this process, or empty without one.
+std::string address_space_remedy();
 
 /// "8GB", "512 MB", "8e9", "16GiB", "none" (infinite): bytes. Throws InputError.
 double parse_memory(const std::string& text);

@@ -30,7 +30,7 @@ double read_parameter(const TomlCursor& table, const std::string& name, Constant
   const TomlCursor entry = table.at(name);
   if (!is_free_name(name))
     entry.fail("\"" + name + "\" cannot be the name of a parameter",
-               "letters, digits and _, but not x, y, z, pi, contact_force or a function's name");
+               "letters, digits and _, but not x, y, z, pi, _pi, _e, contact_force or a function's name");
   if (const auto found = known.find(name); found != known.end()) return found->second;
   if (!in_progress.insert(name).second)
     entry.fail("is defined by itself", "parameters that do not refer to each other");

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/suggest.hpp"
+#include "core/unknown_physics.hpp"
 
 namespace cgcontact {
 
@@ -97,9 +98,12 @@ std::string TomlCursor::type_name() const {
 
 void TomlCursor::expect_keys(const std::vector<std::string>& keys) const {
   if (!is_table()) fail("is " + type_name() + ", not a table", "{" + join(keys) + "}");
-  for (const auto& [name, entry] : entries())
-    if (std::find(keys.begin(), keys.end(), name) == keys.end())
-      entry.fail("unknown key \"" + name + "\"" + did_you_mean(name, keys), join(keys));
+  for (const auto& [name, entry] : entries()) {
+    if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
+    const std::string physics = unknown_physics(name);
+    entry.fail("unknown key \"" + name + "\"" + (physics.empty() ? did_you_mean(name, keys) : ": " + physics),
+               join(keys));
+  }
 }
 
 std::optional<TomlCursor> TomlCursor::find(const std::string& key) const {

@@ -5,6 +5,7 @@ import os
 import pathlib
 import pty
 import re
+import shlex
 import subprocess
 import time
 import unittest
@@ -18,7 +19,7 @@ PHASES = ["cut cells", "operator", "solve", "recovery", "error estimate", "outpu
 class Help(unittest.TestCase):
     def test_help_and_version(self):
         """--help and --version go to standard output and end well; help names commands, options and exit codes."""
-        for arguments, texts in ((["--help"], ["run", "check", "--version", "Exit codes", "docs/scene.md"]),
+        for arguments, texts in ((["--help"], ["run", "check", "--version", "Exit codes", "docs/scene.md", "CGCONTACT_MEMORY_LIMIT"]),
                                  (["-h"], ["Usage"]),
                                  (["run", "--help"], ["SCENE", "--out", "--threads", "--set", "Exit codes"]),
                                  (["check", "--help"], ["SCENE", "--set"])):
@@ -80,6 +81,27 @@ class Options(unittest.TestCase):
         self.assertIn("warning: " + message, outcome.err.splitlines()[0])
         self.assertIn(message, harness.unwrapped(outcome.out))
         self.assertEqual((report("four")["threads"], report("four")["warnings"]), (1, [message]))
+
+
+class ClosedDescriptors(unittest.TestCase):
+    def test_standard_descriptors_that_are_closed(self):
+        """Started without standard input, output or error, or any of them: the same complete results, and no message inside a
+        file of theirs; exit codes as always."""
+        command = shlex.join([harness.PROGRAM, "run", str(scene("two_solids")), "--out"])
+        complete = None
+        for k, closed in enumerate(("", "2>&-", ">&- 2>&-", "<&- >&- 2>&-", "<&-", ">&-")):
+            with self.subTest(closed=closed):
+                done = subprocess.run(["sh", "-c", f"{command} out{k} --set n=4 {closed}"], stderr=subprocess.DEVNULL,
+                                      stdout=subprocess.DEVNULL, check=False)
+                self.assertEqual(done.returncode, 0)
+                files = report(f"out{k}")["files"]
+                self.assertEqual(sorted(files), sorted(os.listdir(f"out{k}")))
+                complete = complete or files
+                self.assertEqual(files, complete)
+                self.assertEqual(pathlib.Path(f"out{k}/contact.csv").read_bytes(), pathlib.Path("out0/contact.csv").read_bytes())
+        done = subprocess.run(["sh", "-c", f"{command} bad --set nothing=4 >&- 2>&-"], check=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertFalse(os.path.exists("bad"))
 
 
 class Progress(unittest.TestCase):

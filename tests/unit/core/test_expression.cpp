@@ -57,6 +57,7 @@ TEST(Expression, follows_the_variables) {
   EXPECT_EQ(Expression("sign(y)", place)(x), -1);
   EXPECT_EQ(Expression("y < 0 && x > 0 ? 5 : 6", place)(x), 5);
   EXPECT_DOUBLE_EQ(Expression("_pi", place)(x), Expression("pi", place)(x));
+  EXPECT_DOUBLE_EQ(Expression("ln(_e)", place)(x), 1);
   EXPECT_DOUBLE_EQ(Expression("x^2", place)(x), x[0] * x[0]);
 }
 
@@ -120,7 +121,8 @@ TEST(Expression, constants_alone_give_a_number) {
 TEST(Expression, identifiers_are_not_functions_nor_exponents) {
   EXPECT_EQ(identifiers("1e5*n + sin (t) + n + 2.e-3*_a1 + e"), (std::vector<std::string>{"n", "t", "_a1", "e"}));
   EXPECT_TRUE(is_free_name("thickness_2"));
-  for (const char* name : {"x", "z", "pi", "_pi", "sin", "2a", "a-b", ""}) EXPECT_FALSE(is_free_name(name)) << name;
+  for (const char* name : {"x", "z", "pi", "_pi", "_e", "sin", "2a", "a-b", ""})
+    EXPECT_FALSE(is_free_name(name)) << name;
 }
 
 /// Any number of threads on one object, whatever the backend.
