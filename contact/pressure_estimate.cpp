@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "contact/statics.hpp"
 #include "core/parallel.hpp"
 #include "core/point_buckets.hpp"
 
@@ -16,6 +17,10 @@ constexpr double mean_width = 1, mean_reach = 3;
 
 /// So near to an edge, cells of the coarser body, the solution's zone of whole groups spoils the transmitted pressure.
 constexpr double edge_reach = 1.5;
+
+/// Where a contact zone ends inside the faces its ends lie at whole contact groups, and the force is up to that many
+/// times as wrong as the square of the energy norm's error (docs/recovery.md, "Error figures").
+constexpr double edge_factor = 2;
 
 /// The edge's square-root term around a row.
 struct EdgeAtRow {
@@ -104,12 +109,15 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     });
     const LocalMean mean(rows, edges, static_cast<int>(p), mean_width * h, edge_reach * h);
     const double force_error = std::pow(results.estimated_error_relative, 2);
+    const Verdict::Pair& verdict = results.verdict.pairs[p];
+    const bool resolved = verdict.state != Verdict::State::not_resolved;
     parallel_for(rows.size(), 128, [&](std::size_t i) {
       ContactRow& row = rows[i];
       if (row.pair != static_cast<int>(p)) return;
       const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
       const double common = std::hypot(mean.at(row.x), force_error * row.pressure_sprc);
       row.pressure_error = std::hypot(jump / 2, common, edges[i].change);
+      if (!resolved) row.pressure_error = std::hypot(row.pressure_error, row.pressure_spr - row.pressure_sprc);
     });
     double error = 0, norm = 0;
     for (const ContactRow& row : rows) {
@@ -119,7 +127,14 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     }
     PairFigures& figures = results.pairs[p];
     figures.pressure_error_estimate = norm > 0 ? std::sqrt(error / norm) : 0;
-    if (results.verdict.pairs[p].state != Verdict::State::not_resolved) figures.force_error_estimate = force_error;
+    if (figures.active_points == 0) continue;
+    const Vec3 force = figures.force_on_first;
+    figures.force_given_by_loads =
+        force.norm() > 0 && force_follows_from_loads(sim, static_cast<int>(p), force.normalized());
+    if (figures.force_given_by_loads)
+      figures.force_error_estimate = 0;
+    else if (resolved)
+      figures.force_error_estimate = (verdict.cells_across ? edge_factor : 1) * force_error;
   }
 }
 

@@ -14,11 +14,16 @@ namespace cgcontact {
 ///   zone, where the transmitted pressure itself is spoilt, take the mean of those farther inside;
 /// - the change of the edge's square-root term when the edge moves by what its place may be off: the other two hardly
 ///   see it;
-/// - the pressure times the force estimate: what is wrong with the solution's forces.
-/// The pair's pressure estimate is the L2 norm of that relative to that of the pressure. Its force estimate is the
-/// square of the relative error of the energy norm: the force is a functional of the solution, and its error the
-/// product of that of the solution and that of a dual problem; under prescribed displacements alone the two are the
-/// same. Needs the contact rows with pressure_opposite and pressure_transmitted, and estimated_error_relative.
+/// - the pressure times the square of the relative error of the energy norm: what is wrong with the solution's forces;
+/// - in zones that are not resolved the difference to the pressure of plain SPR: all the others look for errors that
+/// are
+///   small, and SPR-C is no better than SPR there.
+/// The pair's pressure estimate is the L2 norm of that relative to that of the pressure. The force is exact where the
+/// loads give it; where the zone is not resolved it has no estimate. Else its estimate is the square of the relative
+/// error of the energy norm: the force is a functional of the solution, and its error the product of that of the
+/// solution and that of a dual problem; under prescribed displacements alone the two are the same. Twice that where the
+/// zone ends inside the faces. Needs the contact rows with pressure_opposite and pressure_transmitted, the verdict, and
+/// estimated_error_relative.
 void estimate_contact_errors(const Simulation& simulation, Results& results);
 
 }  // namespace cgcontact

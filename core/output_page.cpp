@@ -75,9 +75,12 @@ std::string percent(double fraction) {
 /// The estimated error of a pair's force or pressure, as far as there is one.
 std::string estimate(const Results& results, const PairFigures& pair, const std::optional<double>& error) {
   const std::size_t k = static_cast<std::size_t>(&pair - results.pairs.data());
+  if (pair.active_points == 0) return "-";
   if (!error) return "not resolved";
-  const bool coarse = k < results.verdict.pairs.size() && results.verdict.pairs[k].state != Verdict::State::resolved;
-  return coarse && pair.active_points > 0 ? figure(*error, "not resolved") : percent(*error);
+  if (error == 0 && pair.force_given_by_loads) return figure(0, "given by the loads");
+  const bool coarse =
+      k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
+  return coarse ? figure(*error, "not resolved") : percent(*error);
 }
 
 std::string stress(double pa) { return figure(pa, stress_unit(std::abs(pa)), 4); }

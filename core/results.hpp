@@ -74,8 +74,9 @@ struct PairFigures {
   Vec3 centre = Vec3::Zero();           ///< m, of the transmitted pressure: where the resultant acts
   int points = 0, active_points = 0;
   double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
-  /// Relative; zero where the loads give the force, none where the contact zone is not resolved.
+  /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
   std::optional<double> force_error_estimate;
+  bool force_given_by_loads = false;  ///< by equilibrium alone
 };
 
 /// What a run says of itself before anything else: can its contact be used, and if not, what would help?

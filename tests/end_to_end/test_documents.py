@@ -64,11 +64,13 @@ class Tutorial(unittest.TestCase):
             self.assertIn(size, text)
             self.assertEqual(done["warnings"], [])
             self.assertTrue(pathlib.Path(directory, "pressure.svg").is_file())
-            stated = re.search(re.escape(size) + r".*?part-plate +(\S+) kN +\S+ % +(\S+) MPa +(\S+) %", text, re.S)
+            stated = re.search(re.escape(size) + r".*?part-plate +(\S+) kN +(?:\S+ %|coarse) +(\S+) MPa +(\S+)(?: %)? +\S+ mm", text, re.S)
             figures = [abs(pair(directory)["force"]["part"][2]) / 1e3, pair(directory)["max_pressure"] / 1e6,
                        100 * pair(directory)["pressure_error_estimate"]]
             # The figures shown are those of one version: a better recovery may move them, the story they tell stays.
-            for figure, shown, tolerance in zip(figures, stated.groups(), (0.02, 0.05, 0.3)):
+            coarse = done["verdict"]["state"] == "not_resolved"
+            self.assertEqual(stated.group(3) == "coarse", coarse, "no estimate where the zone is not resolved")
+            for figure, shown, tolerance in zip(figures[:2] if coarse else figures, stated.groups(), (0.02, 0.05, 0.3)):
                 self.assertAlmostEqual(figure / float(shown), 1, delta=tolerance)
         fine = pair("out/fine")
         force = abs(fine["force"]["part"][2])
