@@ -23,6 +23,7 @@
 #include "core/output_text.hpp"
 #include "core/progress.hpp"
 #include "core/resources.hpp"
+#include "core/scene_text.hpp"
 #include "core/standard_descriptors.hpp"
 #include "kernels/linear_solver.hpp"
 
@@ -114,6 +115,15 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   return 2;
 }
 
+/// What `check` would say of a scene; "": it passes.
+std::string fault_of(const std::string& text, const std::string& file) try {
+  const Scene scene = parse_scene(text, file);
+  check_memory(scene, prepare(scene));
+  return "";
+} catch (const InputError& error) {
+  return error.what();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -124,7 +134,7 @@ int main(int argc, char** argv) {
   if (!options) return exit_code;
   try {
     if (options->command == CommandLine::init) {
-      fmt::print("{}", init_scene(options->init_options));
+      fmt::print("{}", init_scene(options->init_options, fault_of));
       return 0;
     }
     if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
