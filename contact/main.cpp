@@ -25,6 +25,7 @@
 #include "core/resources.hpp"
 #include "core/scene_text.hpp"
 #include "core/standard_descriptors.hpp"
+#include "core/warning_order.hpp"
 #include "kernels/linear_solver.hpp"
 
 namespace {
@@ -107,6 +108,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   results.backend = TrilinosScope::backend();
   results.threads = TrilinosScope::concurrency();
   if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
+  decisive_first(results.warnings);
   for (const std::string& warning : write_results(results, scene, directory)) progress.message("warning: " + warning);
   progress.finish();
   fmt::print("{}", summary(results, directory));

@@ -7,6 +7,7 @@
 
 #include "contact/coarse_facets.hpp"
 #include "contact/condition_checks.hpp"
+#include "contact/conditions.hpp"
 #include "contact/free_motion.hpp"
 #include "contact/free_pieces.hpp"
 #include "contact/memory.hpp"
@@ -14,6 +15,7 @@
 #include "contact/pair_figures.hpp"
 #include "contact/postprocess.hpp"
 #include "contact/pressure_estimate.hpp"
+#include "contact/pressure_paths.hpp"
 #include "contact/reference.hpp"
 #include "contact/small_strain.hpp"
 #include "contact/verdict.hpp"
@@ -328,7 +330,8 @@ void Simulation::fill_results() {
   choose_reference();
   fill_body_fields(*this, results);
   estimate_contact_errors(*this, results);
-  fill_path(*this, results);
+  fill_conditions(*this, results);
+  fill_paths(*this, results);
   fill_pressure_errors(*this, results);
   if (outer.converged)
     for (const auto& warnings :
