@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/opposite_borders.hpp"
 #include "core/parallel.hpp"
 
 namespace cgcontact {
@@ -17,6 +18,8 @@ constexpr std::size_t grain = 512;
 /// How far the faces of a pair see each other beyond their closest points: cells of the coarser body, or a part of the
 /// smaller body's extent. Approaches larger than that are found after the solve (Simulation::run).
 constexpr double reach_in_cells = 2, reach_in_extents = 0.05;
+/// Relative difference of cell sizes that is rounding.
+constexpr double equal_cells = 1e-12;
 /// Largest overlap, part of the smaller body's extent: strains are of that order.
 constexpr double largest_overlap = 0.1;
 /// Cells of the coarser body, squared: automatic pairs that see each other over less than that do so by rounding.
@@ -98,6 +101,10 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
   const Index3& place = primary.cut_cells.cells[cell];
   std::vector<Plane> dividers = other_grid_planes(grid, place, secondary.cut_cells.grid);
   for (const Plane& border : other_face_borders(primary, place, surface, secondary)) dividers.push_back(border);
+  for (const Plane& border :
+       crossing_planes(opposite_borders(primary.cut_cells, surface, secondary.cut_cells, pair.face(pair.secondary)),
+                       Vec3(place[0], place[1], place[2]), 1))
+    dividers.push_back(border);
   BoundaryPoints points;
   boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, contact_order, points);
   GroupPoints group;
@@ -107,7 +114,9 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     ContactPoint point;
     point.x = grid.to_global(points.position[q]);
     point.normal = grid.rotation * points.normal[q];
-    if (!pair.face(pair.primary).contains(names, point.x, point.normal)) continue;
+    if (!pair.face(pair.primary)
+             .contains(names, grid.to_global(points.position_of_piece(q)), grid.rotation * points.normal_of_piece(q)))
+      continue;
     const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
     if (!opposite) continue;
     point.primary_cell = cell;
@@ -196,7 +205,9 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   pair.spec = &spec;
   const auto h = [&](int b) { return bodies[b].cut_cells.grid.cell_size; };
   const int a = spec.first.body, b = spec.second.body;
-  pair.primary = h(b) > h(a) ? b : a;
+  // Equal cells: by name, so that the order of the bodies in the scene does not matter.
+  const bool equal = std::abs(h(a) - h(b)) < equal_cells * h(a);
+  pair.primary = (equal ? scene.bodies[b].name < scene.bodies[a].name : h(b) > h(a)) ? b : a;
   pair.secondary = pair.primary == a ? b : a;
   const double E1 = scene.bodies[a].material.youngs_modulus, E2 = scene.bodies[b].material.youngs_modulus;
   pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));

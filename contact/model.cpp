@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include "core/face_dividers.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -87,6 +89,21 @@ void measure_thickness(BodyModel& model) {
 
 std::string quoted(const std::string& name) { return "\"" + name + "\""; }
 
+/// Faces of a body that supports, loads and contacts name.
+std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
+  std::vector<const FaceSpec*> faces;
+  const auto add = [&](const FaceRef& face) {
+    if (face.body == body) faces.push_back(&face.face);
+  };
+  for (const SupportSpec& support : scene.supports) add(support.face);
+  for (const LoadSpec& load : scene.loads) add(load.face);
+  for (const ContactSpec& contact : scene.contacts) {
+    add(contact.first);
+    add(contact.second);
+  }
+  return faces;
+}
+
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
   throw InputError(face.place, quoted(scene.bodies[face.body].name + "." + face.face.name),
                    "the face selects no point of the body's boundary");
@@ -129,7 +146,8 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     const Solid solid = model.spec->solid.transformed(
         grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
     try {
-      model.cut_cells = make_cut_cells(solid, grid);
+      model.cut_cells =
+          make_cut_cells(solid, grid, face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid));
     } catch (const InputError& error) {
       throw InputError(model.spec->place, quoted(model.spec->name), error.what());
     }

@@ -49,7 +49,10 @@ class BodyFace {
   bool contains(int boundary_point) const {
     if (!selected_[body_.cut_cells.boundary.surface[boundary_point]]) return false;
     if (!face_.box && !face_.normal_cone) return true;
-    return face_.contains(body_.point(boundary_point), body_.normal(boundary_point));
+    const BoundaryPoints& points = body_.cut_cells.boundary;
+    const Grid& grid = body_.cut_cells.grid;
+    return face_.contains(grid.to_global(points.position_of_piece(boundary_point)),
+                          grid.rotation * points.normal_of_piece(boundary_point));
   }
 
  private:

@@ -51,10 +51,16 @@ Sym3 recovered_stress(const Simulation& sim, const RecoveredField& field, int bo
 double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
 
 /// Contact pair whose faces contain a boundary point of a body (index), or -1.
-int pair_of_face(const Simulation& sim, int body, const std::vector<std::string>& names, const Vec3& x, const Vec3& n) {
+int pair_of_face(const Simulation& sim, int body, int boundary_point) {
+  const BodyModel& model = sim.bodies[body];
+  const Grid& grid = model.cut_cells.grid;
+  const BoundaryPoints& points = model.cut_cells.boundary;
+  const Vec3 x = grid.to_global(points.position_of_piece(boundary_point)),
+             n = grid.rotation * points.normal_of_piece(boundary_point);
   for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
     const ContactPair& pair = sim.pairs[p];
-    if ((pair.primary == body || pair.secondary == body) && pair.face(body).contains(names, x, n))
+    if ((pair.primary == body || pair.secondary == body) &&
+        pair.face(body).contains(model.surface_names(boundary_point), x, n))
       return static_cast<int>(p);
   }
   return -1;
@@ -237,7 +243,7 @@ void fill_contact_rows(const Simulation& sim, Results& results) {
     parallel_chunks(boundary.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
       for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
         int pair = body.boundary.pair_of_point[p];
-        if (pair < 0) pair = pair_of_face(sim, b, body.surface_names(p), body.point(p), body.normal(p));
+        if (pair < 0) pair = pair_of_face(sim, b, p);
         if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic)) continue;
         ContactRow row = contact_row(sim, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
         row.weight = body.area(p);

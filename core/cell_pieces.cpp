@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/errors.hpp"
+#include "core/face_dividers.hpp"
 #include "core/leaf_regions.hpp"
 #include "core/moments.hpp"
 #include "core/point_compression.hpp"
@@ -96,7 +97,7 @@ void add_piece_moments(const Leaf& leaf, int i, const Vec3& cell, std::vector<Re
 
 /// Appends one group of points of a piece (those of one side of every divider), with as few points as the degree needs.
 void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* end, int order, int surface, int owner,
-               BoundaryPoints& points) {
+               bool with_pieces, BoundaryPoints& points) {
   const int n = static_cast<int>(end - begin);
   const bool curved = !piece.is_plane();
   const int degree = curved ? std::max(1, order + 1) : 2 * order - 1;
@@ -110,21 +111,28 @@ void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* 
     local[1].push_back(begin[i].t);
     local[2].push_back(all[i].position[piece.axis()]);
   }
-  if (std::accumulate(weights.begin(), weights.end(), 0.0) < lost_group) return;
+  const double area = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (area < lost_group) return;
+  Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
+  for (int i = 0; with_pieces && i < n; ++i) {
+    mean_position += weights[i] / area * all[i].position;
+    mean_normal += weights[i] / area * begin[i].value * all[i].normal;
+  }
   if (n > needed) compress_weights(surface_polynomials(local, degree, curved), weights);
   for (int i = 0; i < n; ++i) {
     if (!(weights[i] > 0)) continue;
     points.append(all[i].position, begin[i].value * all[i].normal, weights[i], owner, surface);
+    if (with_pieces) points.set_piece(mean_position, mean_normal);
   }
 }
 
 /// Gauss points per direction beyond the order before compression: area to about 1e-9 in every piece.
 int extra_nodes(const Surface& surface, double width) {
   const double turn = surface.max_curvature() * width;
-  return turn < 0.15 ? 2 : turn < 0.3 ? 3 : turn < 0.45 ? 5 : turn < 0.7 ? 7 : 9;
+  return turn < 0.15 ? 2 : turn < 0.3 ? 3 : turn < 0.45 ? 6 : turn < 0.7 ? 11 : 13;
 }
 
-void add_piece_points(const Leaf& leaf, int i, int order, int owner, BoundaryPoints& points) {
+void add_piece_points(const Leaf& leaf, int i, int order, int owner, bool with_pieces, BoundaryPoints& points) {
   static thread_local std::vector<RegionPoint> region_points;
   const Piece piece(leaf, i);
   const int fine = order + extra_nodes(leaf.solid->surfaces()[leaf.local.surfaces[i]], leaf.width);
@@ -138,7 +146,7 @@ void add_piece_points(const Leaf& leaf, int i, int order, int owner, BoundaryPoi
   const RegionPoint* const end = region_points.data() + region_points.size();
   for (const RegionPoint *begin = region_points.data(), *next = begin; begin != end; begin = next) {
     while (next != end && key(*next) == key(*begin)) ++next;
-    add_group(piece, begin, next, order, leaf.local.surfaces[i], owner, points);
+    add_group(piece, begin, next, order, leaf.local.surfaces[i], owner, with_pieces, points);
   }
 }
 
@@ -214,10 +222,11 @@ void cell_boundary_points(const Solid& solid, const LocalSolid& local, const Ind
                           BoundaryPoints& points) {
   const Vec3 corner(cell[0], cell[1], cell[2]);
   const std::size_t first = points.size();
+  const bool with_pieces = divide_faces(dividers);
   for_each_leaf(solid, local, corner, dividers, [&](const Leaf& leaf) {
     for (std::size_t i = 0; i < leaf.local.surfaces.size(); ++i) {
       if (!selected.empty() && !selected[leaf.local.surfaces[i]]) continue;
-      add_piece_points(leaf, static_cast<int>(i), order, owner, points);
+      add_piece_points(leaf, static_cast<int>(i), order, owner, with_pieces, points);
     }
   });
   drop_lost_pieces(local, first, points);

@@ -70,8 +70,9 @@ double distance_to_cell(const Vec3& x, const Index3& cell) {
 
 class CutCellBuilder {
  public:
-  CutCellBuilder(const Solid& solid, const Grid& grid) {
+  CutCellBuilder(const Solid& solid, const Grid& grid, const std::vector<Plane>& face_dividers) {
     result_.solid = solid;
+    result_.face_dividers = face_dividers;
     result_.grid = grid;
   }
 
@@ -101,7 +102,7 @@ class CutCellBuilder {
 
   void integrate_triangles(const TriangleSurface& surface) {
     classes_.inside.assign(result_.grid.num_cells_total(), 0);
-    const TriangleCells cells(surface);
+    const TriangleCells cells(surface, result_.face_dividers);
     std::vector<std::vector<Candidate>> found(num_chunks(cells.num_rows(), 1));
     parallel_chunks(cells.num_rows(), 1, [&](std::size_t chunk, std::size_t row, std::size_t) {
       std::vector<CellIntegrals> cut;
@@ -132,7 +133,7 @@ class CutCellBuilder {
       return;
     }
     CellIntegrals integrals{cell, cell_moments(result_.solid, local, cell), {}};
-    cell_boundary_points(result_.solid, local, cell, {}, {}, default_order, 0, integrals.points);
+    cell_boundary_points(result_.solid, local, cell, {}, result_.face_dividers, default_order, 0, integrals.points);
     keep(std::move(integrals), found);
   }
 
@@ -342,10 +343,11 @@ int CutCells::locate(const Vec3& x) const {
   return best;
 }
 
-CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid) {
+CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
+                        const std::vector<Plane>& face_dividers) {
   for (int k = 0; k < 3; ++k)
     if (grid.num_cells[k] < 1) throw InputError("the grid has no cells");
-  return CutCellBuilder(solid_in_grid_coordinates, grid).run();
+  return CutCellBuilder(solid_in_grid_coordinates, grid, face_dividers).run();
 }
 
 void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,
@@ -354,12 +356,14 @@ void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const s
   const Solid& solid = cut_cells.solid;
   std::vector<char> selected(solid.surfaces().size(), 0), adopted;
   for (int s : surfaces) selected[s] = 1;
+  std::vector<Plane> all = dividers;
+  all.insert(all.end(), cut_cells.face_dividers.begin(), cut_cells.face_dividers.end());
   auto add_cell = [&](const Index3& cell, const std::vector<char>& wanted) {
     if (const TriangleSurface* triangles = solid.triangles())
-      return triangle_boundary_points(*triangles, triangles_near_cell(*triangles, cell), cell, wanted, dividers, order,
+      return triangle_boundary_points(*triangles, triangles_near_cell(*triangles, cell), cell, wanted, all, order,
                                       active_cell, points);
     const LocalSolid local = make_local_solid(solid, Vec3(cell[0], cell[1], cell[2]), 1);
-    cell_boundary_points(solid, local, cell, wanted, dividers, order, active_cell, points);
+    cell_boundary_points(solid, local, cell, wanted, all, order, active_cell, points);
   };
   add_cell(cut_cells.cells[active_cell], selected);
   auto adoption = std::lower_bound(cut_cells.adoptions.begin(), cut_cells.adoptions.end(), active_cell,

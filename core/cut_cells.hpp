@@ -20,7 +20,8 @@ using Moments = std::array<double, num_moments>;
 
 struct Plane {
   Vec3 normal;
-  double offset;  ///< normal . x = offset
+  double offset;     ///< normal . x = offset
+  int surface = -1;  ///< as a divider: cuts the pieces of this surface only; -1: those of all
 };
 
 /// Points on the boundary, all vectors of the same length. Positions, normals in grid coordinates, weights in cell
@@ -31,6 +32,9 @@ struct BoundaryPoints {
   std::vector<double> weight;
   std::vector<int> cell;     ///< active cell that the point belongs to (index into CutCells::cells)
   std::vector<int> surface;  ///< index into solid.surfaces()
+  /// Means over the point's piece of surface (between dividers), which say on which side of the dividers it lies: a
+  /// point of it may be as near to one as rounding. Empty in bodies without face dividers.
+  std::vector<Vec3> piece_position, piece_normal;
   std::size_t size() const { return weight.size(); }
   void append(const Vec3& x, const Vec3& n, double w, int owner, int on_surface) {
     position.push_back(x);
@@ -45,6 +49,10 @@ struct BoundaryPoints {
     weight.reserve(n);
     cell.reserve(n);
     surface.reserve(n);
+    if (!piece_position.empty()) {
+      piece_position.reserve(n);
+      piece_normal.reserve(n);
+    }
   }
   /// Keeps the first n points.
   void truncate(std::size_t n) {
@@ -53,10 +61,24 @@ struct BoundaryPoints {
     weight.resize(n);
     cell.resize(n);
     surface.resize(n);
+    if (!piece_position.empty()) {
+      piece_position.resize(n);
+      piece_normal.resize(n);
+    }
   }
+  /// Sets the piece of the last point.
+  void set_piece(const Vec3& mean_position, const Vec3& mean_normal) {
+    piece_position.push_back(mean_position);
+    piece_normal.push_back(mean_normal);
+  }
+  const Vec3& position_of_piece(std::size_t i) const {
+    return piece_position.empty() ? position[i] : piece_position[i];
+  }
+  const Vec3& normal_of_piece(std::size_t i) const { return piece_normal.empty() ? normal[i] : piece_normal[i]; }
   /// Appends point i of another set, owned by `owner`.
   void append(const BoundaryPoints& from, std::size_t i, int owner) {
     append(from.position[i], from.normal[i], from.weight[i], owner, from.surface[i]);
+    if (!from.piece_position.empty()) set_piece(from.piece_position[i], from.piece_normal[i]);
   }
 };
 
@@ -71,13 +93,14 @@ struct Adoption {
 struct CutCells {
   Solid solid;  ///< in grid coordinates
   Grid grid;
-  std::vector<Index3> cells;        ///< active cells (positive volume), in order of Grid::cell_index
-  std::vector<int> active_of_cell;  ///< Grid::cell_index -> index into cells, or -1
-  std::vector<int> cut_of_active;   ///< index into moments, or -1 for an interior (full) cell
-  std::vector<int> active_of_cut;   ///< cut cell -> active cell
-  std::vector<Moments> moments;     ///< one per cut cell
-  BoundaryPoints boundary;          ///< default rule, all surfaces
-  std::vector<Adoption> adoptions;  ///< ascending in active
+  std::vector<Index3> cells;         ///< active cells (positive volume), in order of Grid::cell_index
+  std::vector<int> active_of_cell;   ///< Grid::cell_index -> index into cells, or -1
+  std::vector<int> cut_of_active;    ///< index into moments, or -1 for an interior (full) cell
+  std::vector<int> active_of_cut;    ///< cut cell -> active cell
+  std::vector<Moments> moments;      ///< one per cut cell
+  BoundaryPoints boundary;           ///< default rule, all surfaces
+  std::vector<Adoption> adoptions;   ///< ascending in active
+  std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/face_dividers.hpp)
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
   double volume_fraction(int active) const {
@@ -95,12 +118,14 @@ struct CutCells {
 };
 
 /// Classifies all cells of the grid and integrates the cut ones. Throws InputError if the body has no volume or
-/// sticks out of its grid.
-CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid);
+/// sticks out of its grid. `face_dividers`: where declared faces end, in grid coordinates: their pieces are cut there.
+CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
+                        const std::vector<Plane>& face_dividers = {});
 
-/// Quadrature points of the pieces of the given surfaces in one active cell, the pieces being split additionally at
-/// the `dividers` (planes in grid coordinates, e.g. the grid planes of another body's grid) so that the points of every
-/// part lie on one side of each. On planes the rule of every part integrates polynomials of total degree
+/// Quadrature points of the pieces of the given surfaces in one active cell, the pieces being split at the
+/// borders of declared faces and additionally at the `dividers` (planes in grid coordinates, e.g. the grid planes of
+/// another body's grid) so that the points of every part lie on one side of each. On planes the rule of every part
+/// integrates polynomials of total degree
 /// <= 2 order - 1 exactly, on curved surfaces polynomials in space of total degree <= order + 1 (to about 1e-9);
 /// weights are positive. Appends to `points`.
 void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/errors.hpp"
+#include "core/face_dividers.hpp"
 
 namespace cgcontact {
 
@@ -75,14 +76,6 @@ int graph_axis(const Surface& surface, const Vec3& corner, double width) {
     best_slope = slope;
   }
   return surface.kind == Surface::Kind::plane || best_slope >= min_slope ? best : -1;
-}
-
-std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width) {
-  std::vector<Plane> result;
-  const Vec3 half = Vec3::Constant(0.5 * width);
-  for (const Plane& p : planes)
-    if (std::abs(p.normal.dot(corner + half) - p.offset) < p.normal.cwiseAbs().dot(half)) result.push_back(p);
-  return result;
 }
 
 void visit_leaves(Leaf& leaf, int depth, const std::function<void(const Leaf&)>& visit) {
@@ -211,6 +204,7 @@ void Piece::add_dividers() {
   const Mat3 axes = cyclic_axes(axis_);
   for (std::size_t d = 0; d < leaf_.dividers.size(); ++d) {
     const Plane& plane = leaf_.dividers[d];
+    if (plane.surface >= 0 && plane.surface != leaf_.local.surfaces[index_]) continue;
     RegionFunction f;
     f.bit = std::uint64_t{1} << (first_divider_bit + d);
     f.is_divider = true;

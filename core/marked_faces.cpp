@@ -108,7 +108,9 @@ void MarkedFaces::add_body(int b) {
   const std::size_t first = regions_.size();
   for (std::size_t p = 0; p < points.size(); ++p) {
     const Vec3 x = grid.to_global(points.position[p]), n = grid.rotation * points.normal[p];
-    add_point(key_at(b, points.cell[p], points.surface[p], x, n), x, n,
+    const Vec3 piece = grid.to_global(points.position_of_piece(p)),
+               piece_normal = grid.rotation * points.normal_of_piece(p);
+    add_point(key_at(b, points.cell[p], points.surface[p], piece, piece_normal), x, n,
               points.weight[p] * grid.cell_size * grid.cell_size);
   }
   for (std::size_t r = first; r < regions_.size(); ++r) regions_[r].centroid /= regions_[r].area;

@@ -10,6 +10,9 @@ namespace {
 
 constexpr double rank_tolerance = 1e-11;
 constexpr double accuracy = 1e-12;
+/// Sizes this near to each other are equal, and the first one counts: points of symmetric rules tie, and rounding (of
+/// units, of a turn) shall not choose among them.
+constexpr double tie = 1 + 1e-6;
 using Vector = std::vector<double>;
 
 /// The tableau of all points in terms of a basis of points (as many as independent functions): row i, column p is the
@@ -26,7 +29,7 @@ class Elimination {
       const double* row = tableau_[f];
       int best = 0;
       for (int p = 1; p < num_points_; ++p)
-        if (std::abs(row[p]) > std::abs(row[best])) best = p;
+        if (std::abs(row[p]) > tie * std::abs(row[best])) best = p;
       if (!(std::abs(row[best]) > rank_tolerance)) continue;
       const int kept = static_cast<int>(basis_.size());
       if (kept != f) std::copy_n(row, num_points_, tableau_[kept]);
@@ -56,7 +59,7 @@ class Elimination {
       const double y = tableau_[i][p];
       if (sign * y >= 0) continue;
       const double limit = weights_[basis_[i]] / std::abs(y);
-      if (limit >= step) continue;
+      if (limit * tie >= step) continue;  // and none below zero: move() keeps them
       step = limit;
       leaving = i;
     }
@@ -72,7 +75,7 @@ class Elimination {
       return;
     }
     const double step_other = longest_step(p, -1, leaving_other);
-    if (leaving_other >= 0 && std::abs(tableau_[leaving_other][p]) > std::abs(tableau_[leaving][p])) {
+    if (leaving_other >= 0 && std::abs(tableau_[leaving_other][p]) > tie * std::abs(tableau_[leaving][p])) {
       step = -step_other;
       leaving = leaving_other;
     }

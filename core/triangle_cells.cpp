@@ -118,7 +118,8 @@ bool settle(Section& section, const Index3& cell) {
 
 }  // namespace
 
-TriangleCells::TriangleCells(const TriangleSurface& surface) : surface_(surface) {
+TriangleCells::TriangleCells(const TriangleSurface& surface, const std::vector<Plane>& dividers)
+    : surface_(surface), dividers_(dividers) {
   const int n = static_cast<int>(surface.triangles().size());
   entries_.reserve(2 * surface.triangles().size());
   for (int t = 0; t < n; ++t)
@@ -155,7 +156,7 @@ void TriangleCells::sweep(std::size_t row, int order, std::vector<CellIntegrals>
     }
     integrals.finish(moments, section);
     std::reverse(triangles.begin(), triangles.end());
-    triangle_boundary_points(surface_, triangles, cell, {}, {}, order, 0, cells.back().points);
+    triangle_boundary_points(surface_, triangles, cell, {}, dividers_, order, 0, cells.back().points);
   }
   if (settle(section, cells.back().cell)) refuse_row(cells.back().cell);
   std::reverse(cells.begin() + static_cast<std::ptrdiff_t>(first), cells.end());

@@ -15,8 +15,8 @@ namespace cgcontact {
 
 class TriangleCells {
  public:
-  /// Finds the cells of all triangles; grid coordinates.
-  explicit TriangleCells(const TriangleSurface& surface);
+  /// Finds the cells of all triangles; grid coordinates. Points are made on the pieces between the dividers.
+  TriangleCells(const TriangleSurface& surface, const std::vector<Plane>& dividers);
 
   /// Rows of cells along x that the surface crosses, by k, j.
   std::size_t num_rows() const { return row_begin_.size() - 1; }
@@ -33,6 +33,7 @@ class TriangleCells {
   };
 
   const TriangleSurface& surface_;
+  const std::vector<Plane>& dividers_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> row_begin_;
 };

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "core/face_dividers.hpp"
 #include "core/gauss_rules.hpp"
 #include "core/point_compression.hpp"
 
@@ -101,6 +102,12 @@ void split_at(const SurfacePolygon& polygon, const Plane& plane, SurfacePolygon&
         return Vec3(low + a / (a - b) * (high - low));
       },
       negative, positive);
+}
+
+/// Does the polygon lie in the plane, up to rounding of its corners?
+bool lies_in(const SurfacePolygon& polygon, const Plane& plane) {
+  return std::all_of(polygon.x.begin(), polygon.x.begin() + polygon.n,
+                     [&](const Vec3& x) { return std::abs(plane.normal.dot(x) - plane.offset) < plane_tolerance; });
 }
 
 struct RulePoint {
@@ -208,8 +215,8 @@ FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
 
 class PointMaker {
  public:
-  PointMaker(const TriangleSurface& surface, const std::vector<Plane>& dividers, int order)
-      : surface_(surface), dividers_(dividers), order_(order) {
+  PointMaker(const TriangleSurface& surface, const std::vector<Plane>& dividers, int order, bool with_pieces)
+      : surface_(surface), dividers_(dividers), order_(order), with_pieces_(with_pieces) {
     if (dividers.size() > 256) throw std::logic_error("too many dividers in one cell");
   }
 
@@ -256,6 +263,8 @@ class PointMaker {
   void divide(Part part, std::size_t divider) {
     SurfacePolygon negative, rest;
     for (; divider < dividers_.size(); ++divider) {
+      if (dividers_[divider].surface >= 0 && dividers_[divider].surface != part.patch) continue;
+      if (lies_in(part.polygon, dividers_[divider])) continue;
       split_at(part.polygon, dividers_[divider], negative, rest);
       if (negative.n == 0) continue;
       if (rest.n > 0) {
@@ -326,8 +335,17 @@ class PointMaker {
     else
       for (std::size_t i = begin; i < end; ++i) add_polygon_rule(part(i).polygon, degree, rule);
     compress(normal, degree, rule);
-    for (const RulePoint& p : rule)
-      if (p.weight > 0) points.append(p.position, normal, p.weight, owner, part(begin).patch);
+    Vec3 mean = Vec3::Zero();
+    double area = 0;
+    for (const RulePoint& p : rule) {
+      mean += p.weight * p.position;
+      area += p.weight;
+    }
+    for (const RulePoint& p : rule) {
+      if (!(p.weight > 0)) continue;
+      points.append(p.position, normal, p.weight, owner, part(begin).patch);
+      if (with_pieces_) points.set_piece(mean / area, normal);
+    }
   }
 
   /// The convex hull of the parts, if it has no larger area than they have.
@@ -354,6 +372,7 @@ class PointMaker {
   const TriangleSurface& surface_;
   const std::vector<Plane>& dividers_;
   const int order_;
+  const bool with_pieces_;
   std::unordered_map<int, std::vector<PatchPlane>> planes_;  ///< by patch
   int num_planes_ = 0;
   std::vector<Part> parts_;
@@ -436,7 +455,8 @@ std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index
 void triangle_boundary_points(const TriangleSurface& surface, const std::vector<int>& triangles, const Index3& cell,
                               const std::vector<char>& selected, const std::vector<Plane>& dividers, int order,
                               int owner, BoundaryPoints& points) {
-  PointMaker maker(surface, dividers, order);
+  const std::vector<Plane> crossing = crossing_planes(dividers, Vec3(cell[0], cell[1], cell[2]), 1);
+  PointMaker maker(surface, crossing, order, divide_faces(dividers));
   for (const int t : triangles) {
     if (!selected.empty() && !selected[surface.patch(t)]) continue;
     const SurfacePolygon piece = piece_in_cell(surface, t, cell);

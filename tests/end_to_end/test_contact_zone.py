@@ -124,8 +124,8 @@ class ContactZone(unittest.TestCase):
                 for x, middle in zip(pair["centre"], (0.5, 0.5, 1)):
                     self.assertAlmostEqual(x, middle, delta=0.04)  # a third of a cell: the zone consists of whole pieces
                 for key in ("area", "max_pressure"):
-                    # The recovery gives faces of a pair its rows, so that the far parts of the field differ a little.
-                    self.assertAlmostEqual(pair[key] / found[0][key], 1, delta=1e-4, msg=key)
+                    # The rim of a declared face cuts pieces: other points there, and the area consists of whole points.
+                    self.assertAlmostEqual(pair[key] / found[0][key], 1, delta=1e-2, msg=key)
 
 
 if __name__ == "__main__":

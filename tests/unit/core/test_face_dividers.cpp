@@ -1,0 +1,137 @@
+/// Pieces of boundary are cut where declared faces end: areas and resultants of such faces are those of geometry.
+#include <random>
+
+#include "core/face_dividers.hpp"
+#include "tests/support/triangle_shapes.hpp"
+#include "tests/unit/core/cut_cells_checks.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// A solid around the global origin, in a grid of `size` anyhow turned and shifted.
+CutCells placed(const Solid& solid, const FaceSpec& face, double size, std::mt19937& random) {
+  std::uniform_real_distribution<double> any(-1, 1);
+  Grid grid;
+  grid.cell_size = size;
+  grid.rotation = rotation({any(random), any(random), any(random)}, 3 * any(random));
+  Vec3 min, max;
+  solid.transformed(grid.rotation.transpose(), Vec3::Zero()).bounding_box(min, max);
+  const Vec3 start = min - size * Vec3(1 + any(random), 1 + any(random), 1 + any(random)) / 2 - Vec3::Constant(size);
+  for (int k = 0; k < 3; ++k) grid.num_cells[k] = static_cast<int>(std::ceil((max[k] - start[k]) / size)) + 1;
+  grid.origin = grid.rotation * start;
+  const Solid in_grid =
+      solid.transformed(grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / size, 1 / size);
+  return make_cut_cells(in_grid, grid, face_dividers({&face}, in_grid, grid));
+}
+
+struct FaceSums {
+  double area = 0, whole = 0;  ///< of the face; of all
+  Vec3 normal = Vec3::Zero();  ///< integral over the face
+};
+
+FaceSums sums_of(const CutCells& cells, const FaceSpec& face) {
+  FaceSums sums;
+  const BoundaryPoints& points = cells.boundary;
+  const Grid& grid = cells.grid;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const double area = points.weight[p] * grid.cell_size * grid.cell_size;
+    sums.whole += area;
+    if (!face.contains(cells.solid.surfaces()[points.surface[p]].names, grid.to_global(points.position_of_piece(p)),
+                       grid.rotation * points.normal_of_piece(p)))
+      continue;
+    sums.area += area;
+    sums.normal += area * (grid.rotation * points.normal[p]);
+  }
+  return sums;
+}
+
+FaceSpec cone(const Vec3& axis, double degrees) {
+  FaceSpec face;
+  face.normal_cone = std::make_pair(axis.normalized(), std::cos(degrees * pi / 180));
+  return face;
+}
+
+FaceSpec box(const Vec3& min, const Vec3& max) {
+  FaceSpec face;
+  face.box = std::make_pair(min, max);
+  return face;
+}
+
+// Proves that the cap of a ball within a cone of normals has the area 2 pi r^2 (1 - cos a) and the projection
+// pi r^2 sin^2 a, and that its resultant has no part across, in random grids. The tolerances are those of the rules on
+// curved pieces: 1e-9 from two cells over the radius on, 1e-8 in cells as large as the ball.
+TEST(FaceDividers, CapOfABall) {
+  std::mt19937 random(1);
+  for (const auto& [size, tolerance] : {std::pair(1.1, 1e-8), std::pair(0.47, 1e-9), std::pair(0.26, 1e-9)})
+    for (const double angle : {20.0, 60.0, 90.0, 137.0}) {
+      const Vec3 axis = Vec3(0.2, -0.3, 1).normalized();
+      const FaceSums sums =
+          sums_of(placed(Solid::sphere({0.1, 0.2, 0.3}, 1, "s"), cone(axis, angle), size, random), cone(axis, angle));
+      const double c = std::cos(angle * pi / 180);
+      EXPECT_NEAR(sums.area / (2 * pi * (1 - c)), 1, tolerance) << size << " " << angle;
+      EXPECT_NEAR(sums.whole / (4 * pi), 1, tolerance);
+      EXPECT_LT((sums.normal - pi * (1 - c * c) * axis).norm(), tolerance * sums.area) << size << " " << angle;
+    }
+}
+
+// Proves that a cone of normals cuts a sector out of a cylinder, outside and in a bore, along its generators: of the
+// half angle acos(cos a / |axis across the cylinder|); end faces belong to the cone or not as a whole.
+TEST(FaceDividers, SectorOfACylinder) {
+  std::mt19937 random(2);
+  const Vec3 along(0, 0, 2);
+  const Solid tube = Solid::subtract(Solid::cylinder(Vec3::Zero(), along, 1, "outer"),
+                                     Solid::cylinder(-along, 2 * along, 0.6, "bore"));
+  const Vec3 axis = Vec3(1, 0.4, 0.5).normalized();
+  const double across = axis.head<2>().norm();
+  for (const double angle : {35.0, 75.0, 120.0}) {
+    FaceSpec face = cone(axis, angle);
+    const double half = std::acos(std::cos(angle * pi / 180) / across);
+    for (const auto& [name, radius] : {std::pair("outer.side", 1.0), std::pair("bore.side", 0.6)}) {
+      face.surfaces = {name};
+      EXPECT_NEAR(sums_of(placed(tube, face, 0.31, random), face).area / (2 * half * radius * 2), 1, 1e-9) << name;
+    }
+    face.surfaces = {"outer.top"};
+    const double top = std::acos(axis[2]) * 180 / pi < angle ? pi * (1 - 0.36) : 0;
+    EXPECT_NEAR(sums_of(placed(tube, face, 0.31, random), face).area, top, 1e-9);
+  }
+}
+
+// Proves that a strip on a block has its exact area at any cell size, that the rim of a flat box counts as inside, and
+// the same for a surface of triangles (the strip crosses triangles and a grid plane may lie anywhere).
+TEST(FaceDividers, StripOnABlock) {
+  std::mt19937 random(3);
+  const Solid csg = Solid::box({0, 0, 0}, {12, 12, 5}, "b");
+  const Solid triangles = Solid::bounded_by(test::surface_of(test::box_soup({0, 0, 0}, {12, 12, 5})));
+  const FaceSpec strip = box({3, 1, 5}, {4, 11, 6}), edge = box({-1, 2, -1}, {3, 7, 7});
+  for (const double size : {0.7, 1.0, 2.3, 7.1})
+    for (const Solid& solid : {csg, triangles}) {
+      EXPECT_NEAR(sums_of(placed(solid, strip, size, random), strip).area, 10, 1e-11) << size;
+      EXPECT_NEAR(sums_of(placed(solid, edge, size, random), edge).area, 5 * 3 + 5 * 3 + 5 * 5, 1e-11) << size;
+    }
+}
+
+// Proves that a box on a ball cuts exactly: the zone between two parallel planes has the area 2 pi r h, whatever else
+// cuts it.
+TEST(FaceDividers, ZoneOfABall) {
+  std::mt19937 random(4);
+  const FaceSpec zone = box({-9, -9, -0.35}, {9, 9, 0.6});
+  for (const double size : {0.61, 0.33})
+    EXPECT_NEAR(sums_of(placed(Solid::sphere({0, 0, 0}, 1, "s"), zone, size, random), zone).area, 2 * pi * 0.95, 1e-8);
+}
+
+// Proves that borders that are planes of the body, or of another face, up to rounding make no slivers.
+TEST(FaceDividers, CoincidentPlanesAreOne) {
+  const Solid solid = Solid::box({1, 1, 1}, {5, 4, 3}, "b");
+  Grid grid;
+  grid.num_cells = {6, 6, 6};
+  const FaceSpec a = box({0, 1 + 1e-13, 0}, {3.3, 9, 9}), b = box({3.3 + 1e-13, 0, 0}, {9, 9, 9});
+  std::vector<Plane> of_top;
+  for (const Plane& plane : face_dividers({&a, &b}, solid, grid))
+    if (plane.surface == 5 && std::abs(plane.offset) > 0.5 && std::abs(plane.offset) < 5.5) of_top.push_back(plane);
+  ASSERT_EQ(of_top.size(), 2u);  // y = 1 and x = 3.3
+  for (const Plane& plane : of_top)
+    if (plane.normal[1] != 0) EXPECT_EQ(std::abs(plane.offset), 1);
+}
+
+}  // namespace
+}  // namespace cgcontact
