@@ -28,9 +28,12 @@ namespace {
 constexpr double nearly_one = 0.99;
 /// A pair that has to see farther is solved again; so many times at most.
 constexpr int most_extensions = 5;
-/// Stiffness of what holds motions along a surface, of a support's: less than what the discrete contact itself resists,
-/// so that the displacement settles within the outer iteration.
+/// Stiffness of what holds bodies while contact does not, of a support's: less than what contact resists, so that its
+/// rest position follows within the outer iteration.
 constexpr double soft_hold = 1e-4;
+/// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9, or
+/// to less where a face ends between quadrature points.
+constexpr double no_load = 1e-7, little_load = 1e-3;
 
 /// The shortest side of the bounding box along the grid's axes, cells.
 double thickness_on_grid(const BodySpec& body) {
@@ -75,36 +78,45 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
-/// Motions that are free although all contact is closed: pieces that nothing holds, sliding, and whatever the loads
-/// drive, are mistakes in the scene. A body that spins in its contact with nothing to drive it (ball, roller) is held:
-/// no force arises. So are motions along a body's own surface that only this surface leaves free; where loads drive
-/// them, the little that an elastic contact resists may be enough.
+/// Motions that are free although all contact is closed: pieces that nothing holds, flat faces that slide on each
+/// other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with nothing to
+/// drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the other side's
+/// points seem to resist, as the contact of curved surfaces does between cells.
 void check_free_motions(const Scene& scene, Preparation& p) {
-  const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
-  FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
-  if (!text.empty()) {
-    const FreeMotions driven = driven_by_loads(free, p.bodies);
+  const auto refuse_driven = [&](const FreeMotions& free, double no_load, const std::string& text) {
+    const FreeMotions driven = driven_by_loads(free, p.bodies, no_load);
     if (!driven.empty())
-      throw InputError(fmt::format("{}: {}, and the loads drive it: {}", scene.file, describe(driven, scene), text));
-    if (free.empty() || free.slides()) throw InputError(scene.file + ": " + text);
+      throw InputError(fmt::format("{}: {}, and the loads drive it{}", scene.file, describe(driven, scene), text));
+  };
+  const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
+  const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
+  const FreeMotions on_both_sides = free_on_both_sides(free, p.bodies, p.pairs);
+  if (!text.empty()) {
+    refuse_driven(free, no_load, ": " + text);
+    if (free.empty() || on_both_sides.slides()) throw InputError(scene.file + ": " + text);
   }
-  std::vector<SupportPoint> held = hold(free, p.bodies);
-  if (!free.empty())
-    p.warnings.push_back(describe(free, scene) +
+  std::vector<SupportPoint> held = hold(on_both_sides, p.bodies);
+  if (!on_both_sides.empty())
+    p.warnings.push_back(describe(on_both_sides, scene) +
                          ": no load drives this motion, it is held where it is, which takes no force");
-  FreeMotions along_surfaces = find_surface_motions(p.bodies, p.supports, p.pairs);
-  if (driven_by_loads(along_surfaces, p.bodies).empty()) {
-    along_surfaces.add(free);
-    along_surfaces.leave_out(held, p.bodies);
-    if (!along_surfaces.empty())
-      p.warnings.push_back(describe(along_surfaces, scene) +
-                           ": no load drives this motion, soft springs that follow it hold it");
-    for (SupportPoint point : hold(along_surfaces, p.bodies)) {
+  // The exact pressure does no work on these. A rotation about the axis of another body's surface (a pin in a wider
+  // hole) ends where the loads do none.
+  const SurfaceMotions surface = find_surface_motions(p.bodies, p.supports, p.pairs);
+  refuse_driven(surface.own, little_load, "");
+  refuse_driven(surface.others.without_rotation(), little_load, "");
+  FreeMotions along_surfaces = surface.own;
+  along_surfaces.add(surface.others);
+  along_surfaces.add(free);
+  along_surfaces.leave_out(held, p.bodies);
+  if (!along_surfaces.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
+    p.warnings.push_back(describe(along_surfaces, scene) +
+                         ": no load drives this motion, soft springs that follow it hold it");
+  for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
+    for (SupportPoint point : hold(motions, p.bodies)) {
       point.weight *= soft_hold;
       point.follows = true;
       held.push_back(point);
     }
-  }
   p.supports.insert(p.supports.end(), held.begin(), held.end());
 }
 
@@ -193,7 +205,8 @@ void Simulation::solve_steps(const ProgressCallbacks& progress) {
 /// Loads, prescribed displacements and interferences of a step.
 void Simulation::set_step(const StepSpec& step) {
   for (BodyModel& body : bodies) set_loads(scene, step.loads, body);
-  for (SupportPoint& p : supports) p.value = step.displacements * p.prescribed;
+  for (SupportPoint& p : supports)
+    if (!p.follows) p.value = step.displacements * p.prescribed;
   for (ContactPair& pair : pairs) set_interference(pair, step.interference * pair.spec->interference);
 }
 
