@@ -7,6 +7,9 @@
 namespace cgcontact {
 namespace {
 
+/// A single motion that rotates by less than this part of what it moves is a translation in words: the centre of a
+/// body's cells is not that of the body.
+constexpr double mostly = 0.1;
 /// Boundary points among which the held ones are chosen: of all bodies, but at least so many of each.
 constexpr std::size_t most_candidates = 3000, fewest_candidates = 12;
 
@@ -264,6 +267,9 @@ std::string describe(const FreeMotions& free, const Scene& scene) {
                         rotation = free.modes.middleRows(6 * body + 3, 3);
   const Eigen::MatrixXd slide = translation * null_space(rotation);
   std::string text;
+  if (free.modes.cols() == 1 && rotation.norm() < mostly * translation.norm())
+    return fmt::format("body \"{}\" is free to {}", scene.bodies[body].name,
+                       span_text(translation, "move along ", "", ""));
   if (slide.cols() > 0 && slide.norm() > 1e-6)
     text = span_text(slide, "move along ", "move in the plane normal to ", "move in all directions");
   if (rotation.norm() > 1e-3)

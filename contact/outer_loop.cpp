@@ -63,8 +63,7 @@ struct ContactSolver::Impl {
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress);
 
   double support_stiffness(const SupportPoint& p) const {
-    const BodySpec& body = problem_.scene.bodies[p.body];
-    return support_kappa(problem_.scene, problem_.bodies[p.body]) * body.material.youngs_modulus / body.cell_size;
+    return cgcontact::support_stiffness(problem_.scene, problem_.bodies[p.body]);
   }
   /// Weight (m^2) and stiffness (Pa/m) -> system units.
   double to_stiffness(double pa_per_m, double area) const {
@@ -574,7 +573,10 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       return stop(describe_linear_solve(solve));
     const double length = search ? search_along_step(before) : 1;
     const double spring_force = force_of_followers();
-    if (floating_.any() && !balance_floating_bodies()) return stop("the loads push a body out of its contact");
+    if (floating_.any() && !balance_floating_bodies()) {
+      update_active_set();
+      return stop(driven_motions().empty() ? "the loads push a body out of its contact" : describe_loss_of_contact());
+    }
     follow();
     update_active_set();
     step.changed_points = history.record(problem_.pairs);

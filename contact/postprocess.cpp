@@ -171,10 +171,8 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
                   const Scales& scales, ElasticSystem& system) {
   std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
   for (const SupportPoint& p : supports) {
-    const BodySpec& body = scene.bodies[p.body];
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
-    const double stiffness = support_kappa(scene, bodies[p.body]) * body.material.youngs_modulus / body.cell_size *
-                             p.weight / (scales.stress * scales.length);
+    const double stiffness = support_stiffness(scene, bodies[p.body]) * p.weight / (scales.stress * scales.length);
     terms[p.body].push_back({p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin()});
   }
   for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);

@@ -96,9 +96,6 @@ void check_free_motions(const Scene& scene, Preparation& p) {
     if (free.empty() || on_both_sides.slides()) throw InputError(scene.file + ": " + text);
   }
   std::vector<SupportPoint> held = hold(on_both_sides, p.bodies);
-  if (!on_both_sides.empty())
-    p.warnings.push_back(describe(on_both_sides, scene) +
-                         ": no load drives this motion, it is held where it is, which takes no force");
   // The exact pressure does no work on these. A rotation about the axis of another body's surface (a pin in a wider
   // hole) ends where the loads do none.
   const SurfaceMotions surface = find_surface_motions(p.bodies, p.supports, p.pairs);
@@ -107,13 +104,18 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   FreeMotions along_surfaces = surface.own;
   along_surfaces.add(surface.others);
   along_surfaces.add(free);
-  along_surfaces.leave_out(held, p.bodies);
-  if (!along_surfaces.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
+  FreeMotions left = along_surfaces;
+  left.leave_out(held, p.bodies);
+  if (!left.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
     p.warnings.push_back(describe(along_surfaces, scene) +
                          ": no load drives this motion, soft springs that follow it hold it");
+  else if (!on_both_sides.empty())
+    p.warnings.push_back(describe(on_both_sides, scene) +
+                         ": no load drives this motion, it is held where it is, which takes no force");
   for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
     for (SupportPoint point : hold(motions, p.bodies)) {
-      point.weight *= soft_hold;
+      const Material& material = p.bodies[point.body].spec->material;
+      point.weight *= soft_hold * material.youngs_modulus / stabilising_modulus(material);
       point.follows = true;
       held.push_back(point);
     }
@@ -176,6 +178,16 @@ void Simulation::run(const ProgressCallbacks& progress) {
   results.peak_memory_bytes = peak_memory_bytes();
 }
 
+/// Is there no force and no motion?
+bool is_at_rest(const OuterResult& outer) {
+  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), outer.u);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    if (u(i) != 0) return false;
+  for (const RigidPart& part : outer.rigid_parts)
+    if (part.translation.norm() + part.rotation.norm() > 0) return false;
+  return std::all_of(outer.group_force.begin(), outer.group_force.end(), [](double force) { return force == 0; });
+}
+
 /// All steps, each from the solution of the one before; figures of each, if the scene asks for steps. The last one is
 /// the result.
 void Simulation::solve_steps(const ProgressCallbacks& progress) {
@@ -193,6 +205,11 @@ void Simulation::solve_steps(const ProgressCallbacks& progress) {
       continue;
     }
     if (!scene.steps.empty()) record_step(steps[k], k + 1 == steps.size());
+    if (!scene.steps.empty() && outer.converged && is_at_rest(outer))
+      add_warning(
+          fmt::format("step {} of {}: nothing acts, neither loads nor prescribed displacements nor overlap: no "
+                      "force and no motion",
+                      k + 1, steps.size()));
     if (!outer.converged && first_failure.empty())
       first_failure = scene.steps.empty() ? outer.diagnosis
                                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), outer.diagnosis);
