@@ -49,12 +49,6 @@ RealView::HostMirror host_copy(const RealView& u) {
   return host;
 }
 
-std::vector<double> free_thickness(const std::vector<BodyModel>& bodies) {
-  std::vector<double> cells;
-  for (const BodyModel& body : bodies) cells.push_back(body.free_thickness);
-  return cells;
-}
-
 }  // namespace
 
 struct ContactSolver::Impl {
@@ -115,8 +109,7 @@ struct ContactSolver::Impl {
 ContactSolver::Impl::Impl(const OuterProblem& problem)
     : problem_(problem),
       solver_(problem.system,
-              problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid,
-              free_thickness(problem.bodies)),
+              problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid),
       rigid_parts_(problem.system.meshes, problem.scales),
       floating_(problem.bodies, problem.supports, problem.pairs) {
   const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
