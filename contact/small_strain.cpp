@@ -30,7 +30,7 @@ struct Largest {
   }
 };
 
-struct StrainExtremes {
+struct BodyExtremes {
   Largest strain, displacement;
 };
 
@@ -43,10 +43,10 @@ Vec3 centroid(const CutCells& cc, int e) {
 }
 
 /// At the centroid of every cell.
-StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
-                             double length_scale) {
+BodyExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
+                           double length_scale) {
   const std::size_t cells = cc.cells.size();
-  std::vector<StrainExtremes> found(num_chunks(cells, grain));
+  std::vector<BodyExtremes> found(num_chunks(cells, grain));
   parallel_chunks(cells, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const Vec3 xi = centroid(cc, static_cast<int>(e));
@@ -70,8 +70,8 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
       found[chunk].displacement.add(displacement.norm(), x);
     }
   });
-  StrainExtremes all;
-  for (const StrainExtremes& part : found) {
+  BodyExtremes all;
+  for (const BodyExtremes& part : found) {
     all.strain.add(part.strain.value, part.strain.x);
     all.displacement.add(part.displacement.value, part.displacement.x);
   }
@@ -87,7 +87,7 @@ std::vector<std::string> small_strain_warnings(const Simulation& sim) {
   for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
     const CutCells& cc = sim.bodies[b].cut_cells;
     const BodySpec& spec = *sim.bodies[b].spec;
-    const StrainExtremes extremes =
+    const BodyExtremes extremes =
         find_extremes(cc, sim.system.meshes[b], sim.outer.u, sim.outer.rigid_parts[b], sim.scales.length);
     Largest pressure;
     for (const ContactRow& row : sim.results.contact_rows)

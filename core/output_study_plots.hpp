@@ -1,5 +1,4 @@
-/// error_time.svg and error_unknowns.svg: the error of the contact pressure against what it costs; figures.svg: force,
-/// largest pressure and area over what the study varies.
+/// error_time.svg and error_unknowns.svg: the error of the contact pressure against what it costs.
 #pragma once
 
 #include <string>

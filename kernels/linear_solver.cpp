@@ -4,7 +4,6 @@
 #include <Tpetra_Vector.hpp>
 #include <cstdlib>
 
-#include "core/parallel.hpp"
 #include "kernels/conjugate_gradients.hpp"
 #include "kernels/muelu.hpp"
 #include "kernels/multigrid.hpp"
@@ -26,8 +25,10 @@ struct LinearSolver::Impl {
   std::vector<double> muelu_groups;  ///< stiffness of the contact groups that MueLu was set up with
 };
 
-LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner)
+LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner,
+                           const std::vector<double>& thickness)
     : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}}) {
+  impl_->settings.thickness = thickness;
   impl_->map = make_dof_map(system, Tpetra::getDefaultComm());
   impl_->op = rcp(new ElasticityOperator(system, impl_->map));
 }
@@ -89,21 +90,6 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   result.residual = norm;
   result.converged = norm <= tolerance;
   return result;
-}
-
-double LinearSolver::energy(const RealView& x) const {
-  const ExecSpace exec;
-  const RealView zero("cgcontact::linear_solver::zero", x.size()), Ax("cgcontact::linear_solver::Ax", x.size());
-  impl_->op->kernel().residual(exec, zero, x, Ax);  // -A x
-  exec.fence();
-  constexpr std::size_t grain = 4096;  // sums in a fixed order
-  std::vector<double> parts(num_chunks(x.size(), grain), 0.0);
-  parallel_chunks(x.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) parts[chunk] -= x(i) * Ax(i);
-  });
-  double sum = 0;
-  for (const double part : parts) sum += part;
-  return sum;
 }
 
 struct TrilinosScope::Impl {

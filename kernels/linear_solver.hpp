@@ -25,8 +25,8 @@ struct LinearSolveResult {
 
 class LinearSolver {
  public:
-  /// The system must outlive the solver.
-  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner);
+  /// The system must outlive the solver. thickness: MultigridSettings::thickness.
+  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, const std::vector<double>& thickness = {});
   ~LinearSolver();
 
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
@@ -36,9 +36,6 @@ class LinearSolver {
 
   /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.
   LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);
-
-  /// x . A x, after an update.
-  double energy(const RealView& x) const;
 
  private:
   struct Impl;
