@@ -79,6 +79,11 @@ const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& pos
   return nearest;
 }
 
+/// No if all patches around are open: the traction is zero there, whatever else the patches have to meet.
+bool carries_pressure(const Simulation& sim, int body, int cell, int pair) {
+  return sim.patch_states.empty() || sim.patch_states[body].presses(sim.system.meshes[body], cell, pair);
+}
+
 /// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
 void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& row) {
   const ContactPair& pair = sim.pairs[row.pair];
@@ -90,7 +95,15 @@ void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& ro
   const Vec3 other_xi = cell_coordinates(sim.bodies[other].cut_cells, opposite->cell, opposite->position);
   const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, row.body, cell, xi);
   row.gap = opposite->distance - pair.interference + relative.dot(row.normal);
-  row.pressure_opposite = pressure(recovered_stress(sim, sim.sprc[other], other, opposite->cell, other_xi), row.normal);
+  row.pressure_opposite =
+      carries_pressure(sim, other, opposite->cell, row.pair)
+          ? pressure(recovered_stress(sim, sim.sprc[other], other, opposite->cell, other_xi), row.normal)
+          : 0.0;
+}
+
+/// Open for certain: nothing lies opposite, or more than one of the larger cells away.
+bool is_far_from_contact(const Simulation& sim, const ContactRow& row) {
+  return !(row.gap < sim.bodies[sim.pairs[row.pair].primary].cut_cells.grid.cell_size);
 }
 
 ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
@@ -109,9 +122,11 @@ ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const V
   row.pressure_spr = pressure(row.stress_spr, n);
   row.pressure_sprc = pressure(row.stress_sprc, n);
   look_across(sim, cell, xi, row);
+  const bool far = is_far_from_contact(sim, row);
   const ContactLink* link = nearest_link(model, cell, position, model.cut_cells.grid.rotation.transpose() * n, pair);
-  row.active = link && link->active && row.gap < sim.bodies[sim.pairs[pair].primary].cut_cells.grid.cell_size;
+  row.active = link && link->active && !far;
   row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
+  if (sim.scene.recovery.spr_c && (far || !carries_pressure(sim, body, cell, pair))) row.pressure_sprc = 0;
   return row;
 }
 

@@ -39,6 +39,9 @@ constexpr Explanation patch_statuses[] = {
      "look at the stress there with care"},
     {"uncoupled", "closed contact, but too little material of the other body: no pressure was taken from there"},
     {"edge_unclear", "the edge of the contact zone runs through the patch but could not be placed"},
+    {"balanced",
+     "the pressure did not carry the forces that the solution transmits (corners, knife edges, fillets of few cells) "
+     "and was changed until it does: smaller cells are needed for its details"},
     {"singular", "too little material for a polynomial: the mean stress was used"}};
 
 template <std::size_t n>

@@ -300,6 +300,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     ContactMode mode = state.is_closed() ? ContactMode::closed : ContactMode::open;
     if (edges) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
     workspace.modes[&state - states.data()] = static_cast<char>(mode);
+    if (mode != ContactMode::open) problem.pressed.push_back(state.pair);
     const bool wants = mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed());
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }

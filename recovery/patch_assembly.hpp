@@ -115,7 +115,8 @@ struct PatchProblem {
   bool has_edge = false;           ///< the term of the contact edge is part of the stress
   ContactEdge edge[2];             ///< own, auxiliary
   double factor = 0;
-  bool loose = false;  ///< after the solution: not all rows are met
+  std::vector<int> pressed;  ///< pairs that are not open, ascending
+  bool loose = false;        ///< after the solution: not all rows are met
 
   PatchProblem() {}  // not "= default", which zeroes 4 kB of matrices first
   int degree() const { return fit[0].degree; }

@@ -22,11 +22,12 @@ enum class PatchStatus : char {
   conflicting,     ///< data that contradict each other, met in least squares
   uncoupled,       ///< closed contact without an auxiliary patch: zero shear only
   edge_unclear,    ///< the edge of the contact zone runs through the patch and could not be placed
+  balanced,        ///< the pressure did not carry the transmitted forces and was changed until it does
   singular,        ///< not enough material for the polynomial: mean stress, no constraints
 };
-constexpr int num_patch_statuses = 7;
+constexpr int num_patch_statuses = 8;
 constexpr const char* patch_status_names[num_patch_statuses] = {
-    "exact", "truncated", "degree_lowered", "conflicting", "uncoupled", "edge_unclear", "singular"};
+    "exact", "truncated", "degree_lowered", "conflicting", "uncoupled", "edge_unclear", "balanced", "singular"};
 
 /// What the polynomial of a node is to be.
 struct PatchPolynomial {

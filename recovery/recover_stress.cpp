@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "recovery/batched_fit.hpp"
 #include "recovery/edge_search.hpp"
+#include "recovery/force_balance.hpp"
 
 namespace cgcontact {
 namespace {
@@ -178,6 +179,7 @@ struct ChunkResult {
   RecoveryCounts counts;
   std::vector<std::pair<int, EdgeTerms::Term>> terms;             ///< node, term
   std::vector<std::pair<int, QuadraticTerms::Values>> quadratic;  ///< node, coefficients
+  std::vector<std::pair<int, int>> pressed;                       ///< node, pair
 };
 
 void store(const PatchProblem& problem, const CoefficientView& values, ChunkResult& result) {
@@ -203,19 +205,16 @@ void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, const Re
   for (const PatchProblem& problem : batch.problems()) {
     const int n = problem.node;
     if (problem.status != PatchStatus::singular) store(problem, body.field.values, result);
+    for (const int pair : problem.pressed) result.pressed.emplace_back(n, pair);
     if (problem.has_edge) result.terms.push_back({n, {problem.edge[0], problem.factor}});
     result.counts.grown += body.patches->grown[n];
     result.counts.lowered += problem.lowered;
     states.kind[n] = problem.kind;
     states.status[n] = problem.status;
-    ++result.counts.kinds[static_cast<int>(problem.kind)];
-    ++result.counts.statuses[static_cast<int>(problem.status)];
   }
 }
 
 void add(const RecoveryCounts& from, RecoveryCounts& to) {
-  for (int k = 0; k < num_patch_kinds; ++k) to.kinds[k] += from.kinds[k];
-  for (int k = 0; k < num_patch_statuses; ++k) to.statuses[k] += from.statuses[k];
   to.grown += from.grown;
   to.truncated_rows += from.truncated_rows;
   to.quadratic += from.quadratic;
@@ -244,7 +243,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
-    PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes)};
+    PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}};
     std::vector<char> interior(num_nodes);
     parallel_for(num_nodes, interior_grain, [&](std::size_t n) {
       interior[n] = options.degree.interior == 1 && assembly.is_interior(static_cast<int>(n));
@@ -253,9 +252,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
     std::vector<int> others;
     for (std::size_t n = 0; n < num_nodes; ++n)
       if (!interior[n]) others.push_back(static_cast<int>(n));
-    const auto num_interior = static_cast<long long>(num_nodes - others.size());
-    recovery.counts.kinds[static_cast<int>(PatchKind::interior)] += num_interior;
-    recovery.counts.statuses[static_cast<int>(PatchStatus::exact)] += num_interior;
+    const std::vector<double> plain = contact_pressures(bodies[b], bodies[b].field);
     std::vector<ChunkResult> chunks(num_chunks(others.size(), grain));
     parallel_chunks(others.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
       recover_chunk(assembly, used_edges, options, &others[begin], end - begin, states, chunks[chunk]);
@@ -274,6 +271,15 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
         quadratic_terms.row_of_node[node] = static_cast<int>(quadratic_terms.values.size());
         quadratic_terms.values.push_back(values);
       }
+      states.pressed.insert(states.pressed.end(), chunk.pressed.begin(), chunk.pressed.end());
+    }
+    RecoveredField field = bodies[b].field;
+    if (!terms.terms.empty()) field.edge = {std::shared_ptr<void>(), &terms};
+    if (!quadratic_terms.values.empty()) field.quadratic = {std::shared_ptr<void>(), &quadratic_terms};
+    balance_forces(bodies, b, field, plain, scales, states);
+    for (std::size_t n = 0; n < num_nodes; ++n) {
+      ++recovery.counts.kinds[static_cast<int>(states.kind[n])];
+      ++recovery.counts.statuses[static_cast<int>(states.status[n])];
     }
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));

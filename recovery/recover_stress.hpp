@@ -1,6 +1,7 @@
 /// Constrained recovery (SPR-C) of all patches of all bodies: internal equilibrium, boundary tractions, contact.
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "recovery/patch_assembly.hpp"
@@ -18,6 +19,17 @@ struct RecoveryCounts {
 struct PatchStates {
   std::vector<PatchKind> kind;
   std::vector<PatchStatus> status;
+  std::vector<std::pair<int, int>> pressed;  ///< nodes and the pairs that their patches carry pressure of; ascending
+
+  bool is_pressed(int node, int pair) const {
+    return std::binary_search(pressed.begin(), pressed.end(), std::pair(node, pair));
+  }
+  /// Whether a pair has any pressure in a cell: it has none where all patches around are open.
+  bool presses(const BodyMesh& mesh, int cell, int pair) const {
+    for (const int node : mesh.cell_nodes[cell])
+      if (is_pressed(node - mesh.first_node, pair)) return true;
+    return false;
+  }
 };
 
 struct ConstrainedRecovery {

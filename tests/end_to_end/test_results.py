@@ -19,7 +19,7 @@ REPORT_KEYS = {
     "supports": list, "estimated_error": dict, "recovery": dict, "times_s": dict, "peak_memory_bytes": int,
     "warnings": list, "files": list}
 PATCH_KINDS = ("interior", "boundary", "loaded", "symmetry", "support", "contact", "contact_edge")
-PATCH_STATUSES = ("exact", "truncated", "degree_lowered", "conflicting", "uncoupled", "edge_unclear", "singular")
+PATCH_STATUSES = ("exact", "truncated", "degree_lowered", "conflicting", "uncoupled", "edge_unclear", "balanced", "singular")
 PRESSURES = ("pressure_raw", "pressure_spr", "pressure_sprc")
 BALANCE_OF_BODIES = 1e-10  # relative, force of one body on the other and back
 EQUILIBRIUM = 1e-8         # relative, loads + supports + contact of one body
