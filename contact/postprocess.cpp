@@ -79,9 +79,16 @@ const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& pos
   return nearest;
 }
 
-/// No if all patches around are open: the traction is zero there, whatever else the patches have to meet.
-bool carries_pressure(const Simulation& sim, int body, int cell, int pair) {
-  return sim.patch_states.empty() || sim.patch_states[body].presses(sim.system.meshes[body], cell, pair);
+/// No if all patches around are open on that side (position: grid coordinates): the traction is zero there, whatever
+/// else the patches have to meet.
+bool carries_pressure(const Simulation& sim, int body, int cell, int pair, const Vec3& position, const Vec3& n) {
+  if (sim.patch_states.empty()) return true;
+  const BodyModel& model = sim.bodies[body];
+  const PatchStates& states = sim.patch_states[body];
+  const int surface = states.open_sides.empty()
+                          ? -1
+                          : model.cut_cells.solid.surface_at(position, model.cut_cells.grid.rotation.transpose() * n);
+  return states.presses(sim.system.meshes[body], cell, pair, surface);
 }
 
 /// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
@@ -96,7 +103,7 @@ void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& ro
   const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, row.body, cell, xi);
   row.gap = opposite->distance - pair.interference + relative.dot(row.normal);
   row.pressure_opposite =
-      carries_pressure(sim, other, opposite->cell, row.pair)
+      carries_pressure(sim, other, opposite->cell, row.pair, opposite->position, -row.normal)
           ? pressure(recovered_stress(sim, sim.sprc[other], other, opposite->cell, other_xi), row.normal)
           : 0.0;
 }
@@ -126,7 +133,7 @@ ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const V
   const ContactLink* link = nearest_link(model, cell, position, model.cut_cells.grid.rotation.transpose() * n, pair);
   row.active = link && link->active && !far;
   row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
-  if (sim.scene.recovery.spr_c && (far || !carries_pressure(sim, body, cell, pair))) row.pressure_sprc = 0;
+  if (sim.scene.recovery.spr_c && (far || !carries_pressure(sim, body, cell, pair, position, n))) row.pressure_sprc = 0;
   return row;
 }
 

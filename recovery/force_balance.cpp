@@ -39,6 +39,17 @@ Vec6 normal_weights(const Vec3& n) {
   return w;
 }
 
+/// Whether a support acts on a boundary point along the normal: the pressure there is its reaction as well.
+bool is_held(const RecoveryBody& body, std::size_t point) {
+  constexpr double across = 1e-3;  // cosine
+  const TractionCondition& condition = body.boundary->conditions[body.boundary->condition_of_point[point]];
+  const CutCells& cc = *body.mesh->cut_cells;
+  const Vec3 n = cc.grid.rotation * cc.boundary.normal[point];
+  bool held = condition.normal_held;
+  for (int i = 0; i < 3; ++i) held = held || (condition.component_held[i] && std::abs(n[i]) > across);
+  return held;
+}
+
 /// Cell coordinates of a place (grid coordinates).
 Vec3 coordinates_in_cell(const CutCells& cc, int cell, const Vec3& x) {
   const Index3& at = cc.cells[cell];
@@ -228,7 +239,8 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   }
   const double off = transmitted - carried;
   if (std::abs(off) > std::abs(transmitted - plain) + total_exact * std::abs(transmitted) && carrying > 0) {
-    for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? off / carrying * level[n] : 0.0;
+    const double part = std::clamp(off / carrying, -mean_wrong, mean_wrong);
+    for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? part * level[n] : 0.0;
     add(step);
   }
   return added;
@@ -291,8 +303,14 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
   const CutCells& cc = *body.mesh->cut_cells;
   std::map<int, std::vector<int>> points;  // of the pairs
   std::map<int, int> other;
-  for (std::size_t p = 0; p < cc.boundary.size(); ++p)
-    if (body.boundary->pair_of_point[p] >= 0) points[body.boundary->pair_of_point[p]].push_back(static_cast<int>(p));
+  for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
+    const int pair = body.boundary->pair_of_point[p];
+    if (pair < 0 || is_held(body, p)) continue;
+    const int cell = cc.boundary.cell[p], surface = cc.boundary.surface[p];
+    const bool on_open_side =
+        states.presses(*body.mesh, cell, pair, -1) && !states.presses(*body.mesh, cell, pair, surface);
+    if (!on_open_side) points[pair].push_back(static_cast<int>(p));
+  }
   for (const ContactLink& link : body.boundary->links)
     if (link.pressure != 0) other[link.pair] = link.other_body;
   if (other.empty()) return;
@@ -301,12 +319,12 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
     PairFace face(*body.mesh, cc.grid.cell_size * cc.grid.cell_size);
     for (const int p : points[pair]) {
       const int cell = cc.boundary.cell[p];
-      const double pressure = states.presses(*body.mesh, cell, pair) ? pressures[p] : 0.0;
+      const double pressure = states.presses(*body.mesh, cell, pair, -1) ? pressures[p] : 0.0;
       face.add_point(cell, cc.boundary.position[p], cc.boundary.weight[p], pressure, plain.empty() ? 0.0 : plain[p]);
     }
     if (face.empty()) continue;
     for (const ContactLink& link : body.boundary->links)
-      if (link.pair == pair)
+      if (link.pair == pair && link.spread_pressure != 0)
         face.add_contact(link.cell, link.position, link.weight, link.active ? link.pressure / scales.stress : 0.0);
     std::vector<char> pressed(face.nodes.size()), term(face.nodes.size());
     for (std::size_t n = 0; n < face.nodes.size(); ++n) {

@@ -20,6 +20,9 @@ constexpr double edge_reach = 2;
 /// that of the patch.
 constexpr double contradiction = 0.75;
 
+/// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
+constexpr double same_face = 0.5;
+
 /// Of contact points equally far from a place (cell units squared) the first counts, whatever the rounding.
 constexpr double same_distance = 1e-9;
 
@@ -157,7 +160,7 @@ void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& cen
 /// Equation 12: zero shear on both bodies, equal normal traction. Open patches are free surfaces, and so are the
 /// polynomials beside the edge's term; a closed group without an auxiliary patch keeps the zero shear only.
 void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
-                                const PairState& state, ContactMode mode, std::vector<PatchRow>& rows) const {
+                                const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const {
   const bool free = mode == ContactMode::open || mode == ContactMode::edge;
   const PatchSet& patches = *body_.patches;
   for (int p = 0; p < group.num_points; ++p) {
@@ -173,16 +176,17 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
     const ContactLink* nearest = nullptr;
     double least = 0;
     const int begin = patches.begin[node], num_cells = patches.begin[node + 1] - begin;
-    contact_.each(&patches.cells[begin], num_cells, state.pair, [&](const ContactPiece& piece, int cell) {
+    contact_.each(&patches.cells[begin], num_cells, state->pair, [&](const ContactPiece& piece, int cell) {
       if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() >= least - same_distance) return;
       for (int l : body_.boundary->links_of_cell[cell]) {
         const ContactLink& link = body_.boundary->links[l];
-        if (link.pair != state.pair) continue;
+        if (link.pair != state->pair || link.normal.dot(n) < same_face) continue;
         const double distance = (link.position - x).squaredNorm();
         if (!nearest || distance < least - same_distance) nearest = &link, least = distance;
       }
     });
-    const Grid& other_grid = bodies_[state.other_body].mesh->cut_cells->grid;
+    if (!nearest) continue;
+    const Grid& other_grid = bodies_[state->other_body].mesh->cut_cells->grid;
     const Mat3 to_other = other_grid.rotation.transpose() * grid_.rotation;
     const Vec3 y = other_grid.to_grid(grid_.to_global(x) + nearest->distance * (grid_.rotation * n));
     const Vec3 e = y - auxiliary->centre, m = to_other * n;
@@ -196,6 +200,15 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
       rows.push_back(row);
     }
   }
+}
+
+bool PatchAssembly::has_closed_points(const ConstraintGroup& group, const int* cells, int num_cells) const {
+  for (int c = 0; c < num_cells; ++c)
+    for (int l : body_.boundary->links_of_cell[cells[c]]) {
+      const ContactLink& link = body_.boundary->links[l];
+      if (link.pair == group.pair && link.active && link.normal.dot(group.normal[0]) >= same_face) return true;
+    }
+  return false;
 }
 
 ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal,
@@ -338,26 +351,44 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   };
   const auto set_kind = [&](PatchKind kind) { problem.kind = std::max(problem.kind, kind); };
   for (const ConstraintGroup& group : groups) {
+    const TractionCondition& condition = body_.boundary->conditions[group.condition];
     const PairState* state = find_state(states, group.pair);
-    if (state) {
-      const ContactMode mode = mode_of(*state);
-      add_contact(group, node, own, problem.coupled && state == coupled ? &problem.fit[1] : nullptr, *state,
-                  mode == ContactMode::unclear ? (state->is_closed() ? ContactMode::closed : ContactMode::open) : mode,
-                  rows);
-      if (mode == ContactMode::unclear) problem.status = std::max(problem.status, PatchStatus::edge_unclear);
+    const double closed_part = closed_on_surface(group.surface);
+    const auto is_alone = [&] {
+      return std::count_if(groups.begin(), groups.end(), [&](const auto& g) { return g.pair == group.pair; }) == 1;
+    };
+    // Where the pair is closed in the patch, but on another side of the body.
+    const bool elsewhere = state && state->closed_area > 0 && mode_of(*state) != ContactMode::open &&
+                           mode_of(*state) != ContactMode::edge && !is_alone() &&
+                           !has_closed_points(group, cells, num_cells);
+    // Points that see the other body although none of its contact points is here: the rim of what is closed beside
+    // them, or open.
+    const bool unseen = group.pair >= 0 && !state && !(closed_part > closed_fraction * (closed_part + group.area));
+    if (elsewhere && (problem.open_sides.empty() || problem.open_sides.back() != group.surface))
+      problem.open_sides.push_back(group.surface);
+    ContactMode mode = state && !elsewhere ? mode_of(*state) : ContactMode::open;
+    const bool is_loaded = condition.traction || condition.is_support();
+    const bool is_open = (state || unseen) && mode == ContactMode::open;
+    if (state || unseen)
       set_kind(mode == ContactMode::open     ? PatchKind::boundary
                : mode == ContactMode::closed ? PatchKind::contact
                                              : PatchKind::contact_edge);
+    if (mode == ContactMode::unclear) {
+      problem.status = std::max(problem.status, PatchStatus::edge_unclear);
+      mode = state->is_closed() ? ContactMode::closed : ContactMode::open;
+    }
+    if (state && !elsewhere && !(is_open && is_loaded)) {
+      add_contact(group, node, own, problem.coupled && state == coupled ? &problem.fit[1] : nullptr, state, mode, rows);
       continue;
     }
     // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small part of the
     // patch): the closed part decides, as among contact points.
-    const double closed_part = closed_on_surface(group.surface);
     const std::size_t first = rows.size();
-    if (group.pair >= 0 || closed_part > closed_fraction * (closed_part + group.area)) {
+    if (is_open && !is_loaded) {
+      add_contact(group, node, own, nullptr, state, mode, rows);
+    } else if (!is_open && (group.pair >= 0 || closed_part > closed_fraction * (closed_part + group.area))) {
       add_zero_shear(group, own.centre, rows);
     } else {
-      const TractionCondition& condition = body_.boundary->conditions[group.condition];
       add_known_traction(group, own.centre, rows);
       set_kind(condition.normal_held    ? PatchKind::symmetry
                : condition.is_support() ? PatchKind::support

@@ -115,8 +115,9 @@ struct PatchProblem {
   bool has_edge = false;           ///< the term of the contact edge is part of the stress
   ContactEdge edge[2];             ///< own, auxiliary
   double factor = 0;
-  std::vector<int> pressed;  ///< pairs that are not open, ascending
-  bool loose = false;        ///< after the solution: not all rows are met
+  std::vector<int> pressed;     ///< pairs that are not open, ascending
+  std::vector<int> open_sides;  ///< surfaces of these that are open all the same, ascending
+  bool loose = false;           ///< after the solution: not all rows are met
 
   PatchProblem() {}  // not "= default", which zeroes 4 kB of matrices first
   int degree() const { return fit[0].degree; }
@@ -151,6 +152,8 @@ class PatchAssembly {
   void assemble(int node, const EdgeMap* edges, PatchPolynomial polynomial, PatchWorkspace& workspace,
                 std::vector<PatchRow>& rows, PatchProblem& problem) const;
   void interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const;
+  /// Whether any point of the group's pair is closed on the same side of the body.
+  bool has_closed_points(const ConstraintGroup& group, const int* cells, int num_cells) const;
   /// An edge (global axes, m) seen from a body; `unit`: m.
   ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
                         double unit) const;
@@ -162,7 +165,7 @@ class PatchAssembly {
   void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
-                   const PairState& state, ContactMode mode, std::vector<PatchRow>& rows) const;
+                   const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const;
 
   const std::vector<RecoveryBody>& bodies_;
   const std::vector<StressIntegrals>& integrals_;  ///< by body

@@ -34,6 +34,9 @@ constexpr double conflict = 0.01;
 /// The same below which all rows are met.
 constexpr double met = 1e-12;
 
+/// The same of the firm rows when they are enforced alone.
+constexpr double held = 1e-8;
+
 /// Rank tolerance of the firm rows alone: they agree with each other.
 constexpr double firm_tolerance = 1e-3;
 
@@ -157,6 +160,11 @@ class PatchBatch {
     }
     solve_list<degree, 1>(
         list_, [](const PatchRow& row) { return row.firm; }, firm_tolerance, status_);
+    for (std::size_t i = 0; i < list_.size(); ++i)
+      if (status_[i].residual > held) {
+        PatchStatus& status = problems_[list_[i]].status;
+        status = std::max(status, PatchStatus::conflicting);
+      }
   }
 
   const PatchAssembly& assembly_;
@@ -180,6 +188,7 @@ struct ChunkResult {
   std::vector<std::pair<int, EdgeTerms::Term>> terms;             ///< node, term
   std::vector<std::pair<int, QuadraticTerms::Values>> quadratic;  ///< node, coefficients
   std::vector<std::pair<int, int>> pressed;                       ///< node, pair
+  std::vector<std::pair<int, int>> open_sides;                    ///< node, surface
 };
 
 void store(const PatchProblem& problem, const CoefficientView& values, ChunkResult& result) {
@@ -206,6 +215,7 @@ void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, const Re
     const int n = problem.node;
     if (problem.status != PatchStatus::singular) store(problem, body.field.values, result);
     for (const int pair : problem.pressed) result.pressed.emplace_back(n, pair);
+    for (const int surface : problem.open_sides) result.open_sides.emplace_back(n, surface);
     if (problem.has_edge) result.terms.push_back({n, {problem.edge[0], problem.factor}});
     result.counts.grown += body.patches->grown[n];
     result.counts.lowered += problem.lowered;
@@ -243,7 +253,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
-    PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}};
+    PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}, {}};
     std::vector<char> interior(num_nodes);
     parallel_for(num_nodes, interior_grain, [&](std::size_t n) {
       interior[n] = options.degree.interior == 1 && assembly.is_interior(static_cast<int>(n));
@@ -272,6 +282,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
         quadratic_terms.values.push_back(values);
       }
       states.pressed.insert(states.pressed.end(), chunk.pressed.begin(), chunk.pressed.end());
+      states.open_sides.insert(states.open_sides.end(), chunk.open_sides.begin(), chunk.open_sides.end());
     }
     RecoveredField field = bodies[b].field;
     if (!terms.terms.empty()) field.edge = {std::shared_ptr<void>(), &terms};

@@ -19,15 +19,19 @@ struct RecoveryCounts {
 struct PatchStates {
   std::vector<PatchKind> kind;
   std::vector<PatchStatus> status;
-  std::vector<std::pair<int, int>> pressed;  ///< nodes and the pairs that their patches carry pressure of; ascending
+  std::vector<std::pair<int, int>> pressed;     ///< nodes and the pairs that their patches carry pressure of; ascending
+  std::vector<std::pair<int, int>> open_sides;  ///< nodes of these and the surfaces that are open there all the same
 
   bool is_pressed(int node, int pair) const {
     return std::binary_search(pressed.begin(), pressed.end(), std::pair(node, pair));
   }
-  /// Whether a pair has any pressure in a cell: it has none where all patches around are open.
-  bool presses(const BodyMesh& mesh, int cell, int pair) const {
-    for (const int node : mesh.cell_nodes[cell])
-      if (is_pressed(node - mesh.first_node, pair)) return true;
+  /// Whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are open.
+  bool presses(const BodyMesh& mesh, int cell, int pair, int surface) const {
+    for (const int corner : mesh.cell_nodes[cell]) {
+      const int node = corner - mesh.first_node;
+      if (is_pressed(node, pair) && !std::binary_search(open_sides.begin(), open_sides.end(), std::pair(node, surface)))
+        return true;
+    }
     return false;
   }
 };
