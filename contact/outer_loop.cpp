@@ -57,12 +57,6 @@ double total_force(const OuterResult& result) {
   return sum;
 }
 
-std::vector<double> free_thickness(const std::vector<BodyModel>& bodies) {
-  std::vector<double> cells;
-  for (const BodyModel& body : bodies) cells.push_back(body.free_thickness);
-  return cells;
-}
-
 }  // namespace
 
 struct ContactSolver::Impl {
@@ -120,8 +114,7 @@ struct ContactSolver::Impl {
 ContactSolver::Impl::Impl(const OuterProblem& problem)
     : problem_(problem),
       solver_(problem.system,
-              problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid,
-              free_thickness(problem.bodies)),
+              problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid),
       rigid_parts_(problem.system.meshes, problem.scales) {
   const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
   boundary_stress_.reserve(cells.size());

@@ -72,10 +72,12 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
   A.value.assign(9 * A.column.size(), 0.0);
 }
 
-void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, BlockMatrix& A) {
+void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, const SoftCells& soft,
+               BlockMatrix& A) {
   for (std::size_t b = 0; b < system.meshes.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    const CellMatrixView matrices = make_cell_matrices(mesh, system.supports[b]);
+    const CellMatrixView matrices =
+        make_cell_matrices(mesh, system.supports[b], soft.axis.empty() ? std::vector<signed char>{} : soft.axis[b]);
     const GhostMatrix ghost = make_ghost_matrix(mesh, system.ghost_penalty);
     auto K = Kokkos::create_mirror_view(matrices);
     Kokkos::deep_copy(K, matrices);
@@ -111,12 +113,13 @@ void add_groups(const ElasticSystem& system, BlockMatrix& A) {
 
 }  // namespace
 
-Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map) {
+Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
+                                           const SoftCells& soft) {
   BlockMatrix A;
   {
     const std::vector<HostFaces> faces = ghost_faces(system);
     make_graph(system, faces, A);
-    add_cells(system, faces, A);
+    add_cells(system, faces, soft, A);
   }
   add_groups(system, A);
 

@@ -61,7 +61,7 @@ struct SupportMoments {
 /// A cell of the band, with what decides about its place.
 struct BandCell {
   int body, cell, slab;
-  int pair_mask;  ///< 64: full cell
+  int pair_mask;  ///< 64: full cell; 128 + axis: soft
   int parity;     ///< neighbours along x are kept apart: the one stores what the other loads
 };
 
@@ -131,7 +131,7 @@ std::size_t BandCells<Real>::bytes() const {
 
 template <class Real>
 BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
-                                const SlabPartition& slabs) {
+                                const SlabPartition& slabs, const SoftCells& soft) {
   constexpr int L = Lanes<Real>::count;
   constexpr std::size_t cache = 16 << 20;
   BandCells<Real> result;
@@ -176,6 +176,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
         if (s != supports[b].end()) cell.pair_mask = s->second.mask();
         ++result.num_cut;
         if (cell.pair_mask) ++result.num_supported;
+        if (soft.of(b, e) >= 0) cell.pair_mask = 128 + soft.of(b, e);
       }
       list.push_back(cell);
     }
@@ -199,7 +200,9 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     const bool full = list[p].pair_mask == 64;
     batch.moments = full ? -1 : num_moments_batches++;
     batch.pairs = num_pairs;
-    batch.pair_mask = full ? 0 : list[p].pair_mask;
+    const bool is_soft = list[p].pair_mask >= 128;
+    batch.soft_axis = is_soft ? list[p].pair_mask - 128 : -1;
+    batch.pair_mask = full || is_soft ? 0 : list[p].pair_mask;
     for (int bit = 0; bit < 6; ++bit) num_pairs += batch.pair_mask >> bit & 1;
     ++chunk_begin[list[p].slab + 1];
     batches.push_back(batch);
@@ -260,7 +263,9 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
 
 template struct BandCells<double>;
 template struct BandCells<float>;
-template BandCells<double> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&);
-template BandCells<float> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&);
+template BandCells<double> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&,
+                                           const SoftCells&);
+template BandCells<float> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&,
+                                          const SoftCells&);
 
 }  // namespace cgcontact

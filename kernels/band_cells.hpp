@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "kernels/lanes.hpp"
+#include "kernels/soft_cells.hpp"
 #include "kernels/system.hpp"
 
 namespace cgcontact {
@@ -49,6 +50,7 @@ struct BandCells {
     int moments;           ///< index into moments; -1: full cells
     int pairs;             ///< first of the support pairs
     int pair_mask;         ///< which of xx, yy, zz, xy, yz, zx there are
+    int soft_axis;         ///< SoftCells, or -1
     unsigned stencil_any;  ///< some corner of some cell is a stencil node
   };
 
@@ -67,7 +69,7 @@ struct BandCells {
 
 template <class Real>
 BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
-                                const SlabPartition& slabs);
+                                const SlabPartition& slabs, const SoftCells& soft);
 
 namespace band {
 
@@ -122,8 +124,9 @@ KOKKOS_FORCEINLINE_FUNCTION void full_forces(const typename BandCells<Real>::Law
   }
 }
 
-/// Modal forces from the moments of a cut cell.
-template <class Real, class V>
+/// Modal forces from the moments of a cut cell. With a soft axis, what a shear across it takes from its other
+/// direction's displacement does not vary along that direction.
+template <int soft_axis = -1, class Real, class V>
 KOKKOS_FORCEINLINE_FUNCTION void cut_forces(const typename BandCells<Real>::Law& law, const Real* moments,
                                             const V c[3][8], V f[3][8]) {
   constexpr int L = Lanes<Real>::count;
@@ -162,8 +165,13 @@ KOKKOS_FORCEINLINE_FUNCTION void cut_forces(const typename BandCells<Real>::Law&
     h[3] = c[d][E | G] + c[e][D | G];
     h[4] = c[d][7];
     h[5] = c[e][7];
+    if constexpr (soft_axis >= 0) {
+      if (soft_axis == e) h[1] = h[4] = V{};
+      if (soft_axis == d) h[2] = h[5] = V{};
+    }
 #pragma GCC unroll 6
     for (int t = 0; t < 6; ++t) {
+      if (soft_axis >= 0 && ((soft_axis == e && (mode[t] & D)) || (soft_axis == d && (mode[t] & E)))) continue;
       V sum = m[moment_index(mode[t]) + moment_index(mode[0])] * h[0];
 #pragma GCC unroll 6
       for (int n = 1; n < 6; ++n) sum += m[moment_index(mode[t]) + moment_index(mode[n])] * h[n];
@@ -222,7 +230,20 @@ KOKKOS_FORCEINLINE_FUNCTION void batch_forces(const BandCells<Real>& cells, int 
     }
     return;
   }
-  cut_forces<Real>(law, &cells.moments(batch.moments, 0, 0), u, f);
+  const Real* moments = &cells.moments(batch.moments, 0, 0);
+  switch (batch.soft_axis) {
+    case 0:
+      cut_forces<0, Real>(law, moments, u, f);
+      break;
+    case 1:
+      cut_forces<1, Real>(law, moments, u, f);
+      break;
+    case 2:
+      cut_forces<2, Real>(law, moments, u, f);
+      break;
+    default:
+      cut_forces<-1, Real>(law, moments, u, f);
+  }
   if (batch.pair_mask) add_support_forces(cells, batch, u, f);
   for (int i = 0; i < 3; ++i) to_corners(f[i]);
   if (!batch.stencil_any) {
@@ -298,9 +319,11 @@ inline void apply_chunk(const BandCells<Real>& cells, int chunk, const Real* x, 
   }
 }
 
-/// Node blocks (xx, yy, zz, xy, yz, zx) from unit displacements of every corner.
+/// Node blocks (xx, yy, zz, xy, yz, zx) and the blocks between different nodes of a column, from unit displacements of
+/// every corner.
 template <class Real, class Blocks>
-inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const Blocks& blocks) {
+inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const Blocks& blocks,
+                                const NodeColumns<Real>& columns) {
   for (int b = cells.chunk_begin(chunk); b < cells.chunk_begin(chunk + 1); ++b)
     for (int a = 0; a < 8; ++a)
       for (int j = 0; j < 3; ++j) {
@@ -311,6 +334,14 @@ inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const B
           const int node = cells.nodes(b, a / 2, l) + a % 2;
           blocks(node, j) += u[j][a][l];
           blocks(node, 3 + j) += u[(j + 1) % 3][a][l];
+          const int c = columns.column_of_node(node);
+          if (c < 0) continue;
+          const auto& column = columns.columns(c);
+          const int across = a ^ 1 << column.axis, other = cells.nodes(b, across / 2, l) + across % 2;
+          Real* m = &columns.matrices(column.matrix);
+          const int place = columns.place(column, node), row = place + (a >> column.axis & 1 ? -1 : 1);
+          if (row < 0 || row >= column.size || columns.nodes(column.first + row) != other) continue;
+          for (int i = 0; i < 3; ++i) m[(3 * row + i) * 3 * column.size + 3 * place + j] += u[i][across][l];
         }
       }
 }

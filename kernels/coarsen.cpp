@@ -4,18 +4,38 @@
 #include <map>
 #include <tuple>
 
+#include "kernels/grid_numbers.hpp"
+
 namespace cgcontact {
 namespace {
 
 Index3 parent(const Index3& c) { return {c[0] / 2, c[1] / 2, c[2] / 2}; }
 
-/// Number of each active node by its place in the grid, -1 elsewhere.
-std::vector<int> numbers_on_grid(const BodyMesh& mesh) {
-  const Grid& grid = mesh.cut_cells->grid;
-  std::vector<int> number(
-      static_cast<std::size_t>(grid.num_cells[0] + 1) * (grid.num_cells[1] + 1) * (grid.num_cells[2] + 1), -1);
-  for (int n = 0; n < mesh.num_nodes; ++n) number[grid.node_index(mesh.nodes[n])] = mesh.first_node + n;
-  return number;
+/// Lagrange polynomials of the three Gauss points.
+void lagrange(double x, double value[3]) {
+  const double g = Gauss3::point[2];
+  value[0] = x * (x - g) / (2 * g * g);
+  value[1] = 1 - x * x / (g * g);
+  value[2] = x * (x + g) / (2 * g * g);
+}
+
+/// Points of one cell and direction: more than 27 become the 27 Gauss points with the same integrals of all products of
+/// shape functions (some weights may be negative), so that coarse levels do not drag along all points of the finest.
+void compress(std::vector<SupportTerm>& terms) {
+  if (terms.size() <= 27) return;
+  double weight[27] = {};
+  for (const SupportTerm& t : terms) {
+    double value[3][3];
+    for (int d = 0; d < 3; ++d) lagrange(t.xi[d], value[d]);
+    for (int q = 0; q < 27; ++q) weight[q] += t.stiffness * value[0][q / 9] * value[1][q / 3 % 3] * value[2][q % 3];
+  }
+  terms.resize(27);
+  for (int q = 0; q < 27; ++q) {
+    terms[q].xi = Vec3(Gauss3::point[q / 9], Gauss3::point[q / 3 % 3], Gauss3::point[q % 3]);
+    terms[q].cell = terms[0].cell;
+    terms[q].direction = terms[0].direction;
+    terms[q].stiffness = weight[q];
+  }
 }
 
 }  // namespace
@@ -64,14 +84,55 @@ CutCells coarse_cut_cells(const CutCells& fine) {
   return coarse;
 }
 
+bool is_coarsest(const CutCells& cells) {
+  const Index3& n = cells.grid.num_cells;
+  return std::max({n[0], n[1], n[2]}) <= 2;
+}
+
+CutCells next_cut_cells(const CutCells& fine) {
+  if (!is_coarsest(fine)) return coarse_cut_cells(fine);
+  CutCells same;
+  same.grid = fine.grid;
+  same.cells = fine.cells;
+  same.active_of_cell = fine.active_of_cell;
+  same.cut_of_active = fine.cut_of_active;
+  same.active_of_cut = fine.active_of_cut;
+  same.moments = fine.moments;
+  return same;
+}
+
+bool is_coarsened(const CutCells& fine, const CutCells& coarse) { return coarse.grid.cell_size > fine.grid.cell_size; }
+
 std::vector<SupportTerm> coarse_supports(const CutCells& fine, const CutCells& coarse,
                                          const std::vector<SupportTerm>& terms) {
-  std::vector<SupportTerm> result = terms;
-  for (SupportTerm& t : result) {
+  if (!is_coarsened(fine, coarse)) return terms;
+  std::vector<SupportTerm> moved = terms;
+  std::vector<int> begin(coarse.cells.size() + 1, 0);
+  for (SupportTerm& t : moved) {
     const Index3& c = fine.cells[t.cell];
     for (int d = 0; d < 3; ++d) t.xi[d] = 0.5 * (t.xi[d] + 2 * (c[d] % 2) - 1);
     t.cell = coarse.find(parent(c));
     t.stiffness *= 0.5;
+    ++begin[t.cell + 1];
+  }
+  for (std::size_t e = 1; e < begin.size(); ++e) begin[e] += begin[e - 1];
+  std::vector<int> order(moved.size()), position(begin.begin(), begin.end() - 1);
+  for (std::size_t t = 0; t < moved.size(); ++t) order[position[moved[t].cell]++] = static_cast<int>(t);
+  std::vector<SupportTerm> result;
+  std::vector<SupportTerm> same, others;
+  for (std::size_t e = 0; e + 1 < begin.size(); ++e) {
+    others.clear();
+    for (int i = begin[e]; i < begin[e + 1]; ++i) others.push_back(moved[order[i]]);
+    while (!others.empty()) {
+      const Vec3 direction = others.front().direction;
+      const auto rest = std::stable_partition(others.begin(), others.end(), [&](const SupportTerm& t) {
+        return t.direction == direction || t.direction == -direction;
+      });
+      same.assign(others.begin(), rest);
+      others.erase(others.begin(), rest);
+      compress(same);
+      result.insert(result.end(), same.begin(), same.end());
+    }
   }
   return result;
 }
@@ -86,6 +147,13 @@ Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
     const BodyMesh &f = fine.meshes[b], &c = coarse.meshes[b];
     const std::vector<int> coarse_number = numbers_on_grid(c), fine_number = numbers_on_grid(f);
     const Grid &fine_grid = f.cut_cells->grid, &coarse_grid = c.cut_cells->grid;
+    if (!is_coarsened(*f.cut_cells, *c.cut_cells)) {
+      for (int n = 0; n < f.num_nodes; ++n) {
+        for (int a = 0; a < 8; ++a) parents(f.first_node + n, a) = c.first_node + n;
+        for (int a = 0; a < 27; ++a) children(c.first_node + n, a) = a == 13 ? f.first_node + n : -1;
+      }
+      continue;
+    }
     Kokkos::parallel_for("cgcontact::coarsen::parents",
                          Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, f.num_nodes), [&](const int n) {
                            const Index3& x = f.nodes[n];
@@ -121,8 +189,10 @@ CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, c
   std::map<std::tuple<int, int, int>, int> index;
   std::vector<std::vector<int>> members;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const CutCells& from = *fine.meshes[rows[r].body].cut_cells;
-    const int cell = coarse.meshes[rows[r].body].cut_cells->find(parent(from.cells[rows[r].cell]));
+    const CutCells &from = *fine.meshes[rows[r].body].cut_cells, &to = *coarse.meshes[rows[r].body].cut_cells;
+    const bool larger = is_coarsened(from, to);
+    const int cell = larger ? to.find(parent(from.cells[rows[r].cell])) : rows[r].cell;
+    const double factor = larger ? 0.5 : 1.0;
     const auto [entry, is_new] =
         index.emplace(std::make_tuple(rows[r].body, cell, rows[r].family), static_cast<int>(members.size()));
     if (is_new) {
@@ -132,16 +202,17 @@ CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, c
       result.full_stiffness.push_back(0);
     }
     members[entry->second].push_back(static_cast<int>(r));
-    result.stiffness[entry->second] += 0.5 * stiffness[r];
-    result.full_stiffness[entry->second] += 0.5 * full_stiffness[r];
+    result.stiffness[entry->second] += factor * stiffness[r];
+    result.full_stiffness[entry->second] += factor * full_stiffness[r];
   }
   std::vector<std::pair<int, double>> entries;
   for (std::size_t c = 0; c < members.size(); ++c) {
     const bool closed = result.stiffness[c] > 0;
+    double sum = 0;
+    for (int r : members[c]) sum += closed ? stiffness[r] : full_stiffness[r];
     entries.clear();
     for (int r : members[c]) {
-      const double weight =
-          closed ? 0.5 * stiffness[r] / result.stiffness[c] : 0.5 * full_stiffness[r] / result.full_stiffness[c];
+      const double weight = (closed ? stiffness[r] : full_stiffness[r]) / sum;
       if (weight == 0) continue;
       for (const auto& [dof, value] : rows[r].entries)
         for (int a = 0; a < 8; ++a) entries.emplace_back(3 * parents(dof / 3, a) + dof % 3, 0.125 * weight * value);

@@ -11,12 +11,23 @@ namespace cgcontact {
 /// Cells of twice the size with the sum of their children's moments. No boundary points, no solid.
 CutCells coarse_cut_cells(const CutCells& fine);
 
-/// Support points of one body in their coarse cells, with half the stiffness.
+/// Two cells or less in every direction: such a body is carried over to the next level as it is.
+bool is_coarsest(const CutCells& cells);
+
+/// The next level of a body: coarse_cut_cells, or the same cells again (no boundary points, no solid).
+CutCells next_cut_cells(const CutCells& fine);
+
+/// Whether a level has larger cells of a body than the one before.
+bool is_coarsened(const CutCells& fine, const CutCells& coarse);
+
+/// Support points of one body in their coarse cells, with half the stiffness; at most 27 per cell and direction.
+/// Unchanged where the body is carried over.
 std::vector<SupportTerm> coarse_supports(const CutCells& fine, const CutCells& coarse,
                                          const std::vector<SupportTerm>& terms);
 
 /// Trilinear prolongation P: x_fine(n) = 1/8 sum_a x_coarse(parents(n, a)), parents repeated where n lies on a coarse
 /// plane; children: the fine nodes around a coarse node, offset (a, b, c) - 1 at (a * 3 + b) * 3 + c, or -1.
+/// The identity on bodies that are carried over.
 struct Transfer {
   Kokkos::View<int* [8], Kokkos::LayoutRight, MemSpace> parents;
   Kokkos::View<int* [27], Kokkos::LayoutRight, MemSpace> children;
@@ -25,8 +36,8 @@ struct Transfer {
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse);
 
 /// Rows restricted by P^T and merged per coarse cell of the primary body: mean of the rows weighted with `stiffness`
-/// (with `full_stiffness` where all members are open). members: coarse row of each fine row. Stiffnesses are summed and
-/// halved.
+/// (with `full_stiffness` where all members are open). members: coarse row of each fine row. Stiffnesses are summed,
+/// and halved where that body has been coarsened.
 struct CoarseRows {
   std::vector<GroupRow> rows;
   std::vector<double> stiffness, full_stiffness;

@@ -11,8 +11,9 @@ using GhostMatrix = std::array<std::array<double, 12>, 12>;
 
 /// Matrix 0 is the interior cell's, matrix 1 + c that of cut cell c: sum_q w_q B_q^T D B_q with the weights fitted to
 /// the cell's moments, and the support terms. Units: Scales::stress * Scales::length. 4.6 kB per cut cell: for the
-/// plain operator and for assembly.
-CellMatrixView make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports);
+/// plain operator and for assembly. soft_axis: SoftCells of the body, empty: none.
+CellMatrixView make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports,
+                                  const std::vector<signed char>& soft_axis = {});
 
 GhostMatrix make_ghost_matrix(const BodyMesh& mesh, double gamma);
 

@@ -61,11 +61,11 @@ Kokkos::RangePolicy<ExecSpace, Dynamic> one_by_one(const ExecSpace& exec, int n)
 }  // namespace
 
 template <class Real>
-FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(system.num_nodes) {
+FastOperator<Real>::FastOperator(const ElasticSystem& system, const SoftCells& soft) : num_nodes_(system.num_nodes) {
   const std::vector<char> by_stencil = classify(system);
   const SlabPartition slabs = make_slabs(system.meshes);
   tiles_ = make_stencil_tiles<Real>(system.meshes, by_stencil);
-  cells_ = make_band_cells<Real>(system, by_stencil, slabs);
+  cells_ = make_band_cells<Real>(system, by_stencil, slabs, soft);
   ghosts_ = make_ghost_chains<Real>(system, slabs);
   other_nodes_ =
       copy_rows_to_view<decltype(other_nodes_)>("cgcontact::fast_operator::other_nodes", ranges_outside(by_stencil));
@@ -83,10 +83,19 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   }
   std::vector<Real> diagonal;
   std::vector<int> first_node;
+  stencil_next_ = decltype(stencil_next_)("cgcontact::fast_operator::next", system.meshes.size());
+  auto next = Kokkos::create_mirror_view(stencil_next_);
   for (const BodyMesh& mesh : system.meshes) {
+    const StencilCoefficients<double> stencil(mesh, 1);
+    for (int c = 0; c < 3; ++c) {
+      next(diagonal.size(), 0, c) = static_cast<Real>(stencil.outer[c][3]);
+      next(diagonal.size(), 1, c) = static_cast<Real>(stencil.inner[c][1]);
+      next(diagonal.size(), 2, c) = static_cast<Real>(stencil.inner[c][2]);
+    }
     diagonal.push_back(static_cast<Real>(StencilCoefficients<double>::diagonal(mesh)));
     first_node.push_back(mesh.first_node);
   }
+  Kokkos::deep_copy(stencil_next_, next);
   stencil_diagonal_ = copy_to_view<decltype(stencil_diagonal_)>("cgcontact::fast_operator::diagonal", diagonal);
   body_first_node_ = copy_to_view<IntView>("cgcontact::fast_operator::first_node", first_node);
   by_stencil_ = copy_to_view<decltype(by_stencil_)>("cgcontact::fast_operator::by_stencil", by_stencil);
@@ -220,6 +229,15 @@ void FastOperator<Real>::add_groups(const ExecSpace& exec, const ConstVectorView
 
 template <class Real>
 void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView& blocks) const {
+  NodeColumns<Real> none;
+  none.column_of_node = IntView("cgcontact::fast_operator::no_columns", num_nodes_);
+  Kokkos::deep_copy(none.column_of_node, -1);
+  diagonal_blocks(exec, blocks, none);
+}
+
+template <class Real>
+void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView& blocks,
+                                         const NodeColumns<Real>& columns) const {
   const auto cells = cells_;
   const auto ghosts = ghosts_;
   const auto by_stencil = by_stencil_;
@@ -233,13 +251,26 @@ void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView&
         while (body + 1 < bodies && first_node(body + 1) <= n) ++body;
         for (int p = 0; p < 6; ++p) blocks(n, p) = by_stencil(n) && p < 3 ? diagonal(body) : Real(0);
       });
+  const auto next = stencil_next_;
+  Kokkos::parallel_for(
+      "cgcontact::fast_operator::stencil_columns", Kokkos::RangePolicy<ExecSpace>(exec, 0, columns.num_columns()),
+      KOKKOS_LAMBDA(const int c) {
+        const auto& column = columns.columns(c);
+        for (int row = 0; row < column.size; ++row) {
+          if (!by_stencil(columns.nodes(column.first + row))) continue;
+          for (int place = row - 1; place <= row + 1; place += 2)
+            for (int i = 0; i < 3 && place >= 0 && place < column.size; ++i)
+              columns.matrices(column.matrix + (3 * row + i) * 3 * column.size + 3 * place + i) +=
+                  next(column.body, column.axis, i);
+        }
+      });
   for (int colour = 0; colour < 2; ++colour) {
     const IntView slabs = slabs_[colour];
     Kokkos::parallel_for(
         "cgcontact::fast_operator::band_blocks", one_by_one(exec, static_cast<int>(slabs.extent(0))),
         KOKKOS_LAMBDA(const int s) {
-          band::add_diagonal_blocks(cells, slabs(s), blocks);
-          ghost::add_diagonal_blocks(ghosts, slabs(s), blocks);
+          band::add_diagonal_blocks(cells, slabs(s), blocks, columns);
+          ghost::add_diagonal_blocks(ghosts, slabs(s), blocks, columns);
         });
   }
 }

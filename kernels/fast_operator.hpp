@@ -30,8 +30,8 @@ class FastOperator {
     std::size_t bytes = 0;
   };
 
-  /// Reads meshes, supports, ghost penalty and groups; keeps nothing of the system.
-  explicit FastOperator(const ElasticSystem& system);
+  /// Reads meshes, supports, ghost penalty and groups; keeps nothing of the system. soft: on coarse levels.
+  explicit FastOperator(const ElasticSystem& system, const SoftCells& soft = {});
 
   int num_dofs() const { return 3 * num_nodes_; }
   const Sizes& sizes() const { return sizes_; }
@@ -51,6 +51,8 @@ class FastOperator {
 
   /// Symmetric 3x3 block of each node (xx, yy, zz, xy, yz, zx) of everything but the contact groups.
   void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks) const;
+  /// The same, and the blocks between different nodes of a column (into zero matrices).
+  void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks, const NodeColumns<Real>& columns) const;
 
  private:
   template <bool subtract>
@@ -72,6 +74,7 @@ class FastOperator {
   Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace> other_nodes_;  ///< (range, first and length): not by stencil
   IntView slabs_[2];                                                   ///< of each colour
   Kokkos::View<Real*, MemSpace> stencil_diagonal_;                     ///< per body
+  Kokkos::View<Real* [3][3], Kokkos::LayoutRight, MemSpace> stencil_next_;  ///< (body, axis, component)
   IntView body_first_node_;
   Kokkos::View<char*, MemSpace> by_stencil_;
   Kokkos::View<Real**, Kokkos::LayoutRight, MemSpace> rings_;  ///< per thread

@@ -168,19 +168,42 @@ inline void apply_chunk(const GhostChains<Real>& ghosts, int chunk, const Real* 
   }
 }
 
+/// Node blocks, and the blocks between different nodes of a column.
 template <class Real, class Blocks>
-inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, const Blocks& blocks) {
+inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, const Blocks& blocks,
+                                const NodeColumns<Real>& columns) {
   for (int e = ghosts.chunk_begin(chunk); e < ghosts.chunk_begin(chunk + 1); ++e) {
     const auto& chain = ghosts.chains(e);
     const Real mass = 4 * ghosts.factor(chain.body);  // of one corner of one face
     const int* row = &ghosts.row(chain.rows);
-    for (int f = 0; f < chain.faces; ++f)
+    const Real jump[3] = {1, -2, 1};
+    for (int f = 0; f < chain.faces; ++f) {
+      int nodes[3][4];
       for (int layer = 0; layer < 3; ++layer)
-        for (int corner = 0; corner < 4; ++corner) {
-          const int node =
+        for (int corner = 0; corner < 4; ++corner)
+          nodes[layer][corner] =
               chain.direction == 0 ? row[corner] + f + layer : row[2 * (f + layer) + corner / 2] + corner % 2;
-          for (int i = 0; i < 3; ++i) blocks(node, i) += layer == 1 ? 4 * mass : mass;
+      for (int n = 0; n < 12; ++n) {
+        const int layer = n / 4, corner = n % 4, node = nodes[layer][corner];
+        for (int i = 0; i < 3; ++i) blocks(node, i) += layer == 1 ? 4 * mass : mass;
+        const int c = columns.column_of_node(node);
+        if (c < 0) continue;
+        const auto& column = columns.columns(c);
+        Real* m = &columns.matrices(column.matrix);
+        const int place = columns.place(column, node);
+        for (int k = 0; k < 12; ++k) {
+          const int other = nodes[k / 4][k % 4];
+          if (other == node || columns.column_of_node(other) != c) continue;
+          const int across = corner ^ k % 4;  // mass: a half per tangential direction in which the corners differ
+          const Real value = jump[layer] * jump[k / 4] * mass *
+                             (across == 0   ? Real(1)
+                              : across == 3 ? Real(0.25)
+                                            : Real(0.5));
+          const int at = columns.place(column, other);
+          for (int i = 0; i < 3; ++i) m[(3 * place + i) * 3 * column.size + 3 * at + i] += value;
         }
+      }
+    }
   }
 }
 

@@ -25,10 +25,8 @@ struct LinearSolver::Impl {
   std::vector<double> muelu_groups;  ///< stiffness of the contact groups that MueLu was set up with
 };
 
-LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner,
-                           const std::vector<double>& thickness)
+LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner)
     : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}}) {
-  impl_->settings.thickness = thickness;
   impl_->map = make_dof_map(system, Tpetra::getDefaultComm());
   impl_->op = rcp(new ElasticityOperator(system, impl_->map));
 }

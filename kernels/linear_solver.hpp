@@ -25,8 +25,8 @@ struct LinearSolveResult {
 
 class LinearSolver {
  public:
-  /// The system must outlive the solver. thickness: MultigridSettings::thickness.
-  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, const std::vector<double>& thickness = {});
+  /// The system must outlive the solver.
+  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner);
   ~LinearSolver();
 
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid

@@ -12,6 +12,7 @@ Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuch
                                         const Teuchos::RCP<TpetraMatrix>& matrix);
 
 /// Assembles the matrix as the system is now and sets up MueLu on it.
-Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map);
+Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
+                                        const SoftCells& soft = {});
 
 }  // namespace cgcontact

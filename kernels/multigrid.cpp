@@ -1,6 +1,7 @@
 #include "kernels/multigrid.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 #include "kernels/coarsen.hpp"
 #include "kernels/fast_operator.hpp"
@@ -44,6 +45,9 @@ struct Level {
   std::vector<CutCells> cells;  // owned, coarse levels only
   ElasticSystem own_system;
   const ElasticSystem* system = nullptr;
+  SoftCells soft;
+  int smoother_degree = 0;
+  double smoother_ratio = 0;
   std::unique_ptr<FastOperator<Real>> op;
   std::unique_ptr<SurfaceSmoother<Real>> smoother;
   Transfer transfer;  // to the next coarser level
@@ -75,24 +79,19 @@ struct Multigrid::Impl {
     }
   }
 
-  bool may_coarsen(const ElasticSystem& system, std::size_t level) const {
-    if (system.num_dofs() <= settings.coarsest_unknowns) return false;
-    for (double cells : settings.thickness)
-      if (cells / std::pow(2.0, level + 1) < 0.9) return false;
-    for (const BodyMesh& mesh : system.meshes) {
-      const auto& n = mesh.cut_cells->grid.num_cells;
-      if (std::max({n[0], n[1], n[2]}) <= 2) return false;
-    }
-    return true;
+  bool may_coarsen(const ElasticSystem& system) const {
+    return system.num_dofs() > settings.coarsest_unknowns &&
+           std::any_of(system.meshes.begin(), system.meshes.end(),
+                       [](const BodyMesh& mesh) { return !is_coarsest(*mesh.cut_cells); });
   }
 
   void build_levels() {
     levels.push_back(std::make_unique<Level>());
     levels[0]->system = &fine;
-    while (may_coarsen(*levels.back()->system, levels.size() - 1)) {
+    while (may_coarsen(*levels.back()->system)) {
       Level& from = *levels.back();
       auto to = std::make_unique<Level>();
-      for (const BodyMesh& mesh : from.system->meshes) to->cells.push_back(coarse_cut_cells(*mesh.cut_cells));
+      for (const BodyMesh& mesh : from.system->meshes) to->cells.push_back(next_cut_cells(*mesh.cut_cells));
       std::vector<const CutCells*> cells;
       std::vector<Material> materials;
       for (std::size_t b = 0; b < to->cells.size(); ++b) {
@@ -112,13 +111,18 @@ struct Multigrid::Impl {
       const int n = level->system->num_dofs();
       level->b = LevelVector("cgcontact::multigrid::b", n);
       level->x = LevelVector("cgcontact::multigrid::x", n);
+      const NodeColumns<Real> columns = make_node_columns<Real>(*level->system);
+      if (level != levels.front() && settings.soft_cells && !std::getenv("NOSOFT"))
+        level->soft = make_soft_cells(*level->system, columns);
+      level->smoother_degree = settings.smoother_degree << level->soft.halvings;
+      level->smoother_ratio = settings.smoother_ratio * std::pow(4.0, level->soft.halvings);
       if (level == levels.back()) break;
-      level->op = std::make_unique<FastOperator<Real>>(*level->system);
+      level->op = std::make_unique<FastOperator<Real>>(*level->system, level->soft);
       level->r = LevelVector("cgcontact::multigrid::r", n);
       level->d = LevelVector("cgcontact::multigrid::d", n);
       FastOperator<Real>::BlockView blocks("cgcontact::multigrid::blocks", level->system->num_nodes);
-      level->op->diagonal_blocks(exec, blocks);
-      level->smoother = std::make_unique<SurfaceSmoother<Real>>(*level->system, blocks);
+      level->op->diagonal_blocks(exec, blocks, columns);
+      level->smoother = std::make_unique<SurfaceSmoother<Real>>(*level->system, blocks, columns);
     }
     coarsest_map = make_dof_map(*levels.back()->system, map->getComm());
     coarsest_b = rcp(new TpetraVector(coarsest_map, 1));
@@ -142,7 +146,7 @@ struct Multigrid::Impl {
       full = std::move(rows.full_stiffness);
     }
     if (coarsest.is_null() || changed_much(coarsest_groups, stiffness)) {
-      coarsest = make_muelu(*levels.back()->system, coarsest_map);
+      coarsest = make_muelu(*levels.back()->system, coarsest_map, levels.back()->soft);
       coarsest_groups = stiffness;
       ++report.coarsest_setups;
     }
@@ -188,10 +192,10 @@ struct Multigrid::Impl {
 
   /// Chebyshev iteration on the level; from zero if `start`.
   void smooth(const Level& level, bool start) const {
-    const double upper = level.largest_eigenvalue, lower = upper / settings.smoother_ratio;
+    const double upper = level.largest_eigenvalue, lower = upper / level.smoother_ratio;
     const double centre = 0.5 * (upper + lower), half = 0.5 * (upper - lower), sigma = centre / half;
     double rho = 1 / sigma;
-    for (int k = 0; k < settings.smoother_degree; ++k) {
+    for (int k = 0; k < level.smoother_degree; ++k) {
       const bool from_b = start && k == 0;
       if (!from_b) level.op->residual(exec, level.b, level.x, level.r);
       double alpha = 1 / centre, beta = 0;

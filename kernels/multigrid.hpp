@@ -12,9 +12,9 @@ namespace cgcontact {
 
 struct MultigridSettings {
   int smoother_degree = 3;
-  double smoother_ratio = 10;     ///< the smoother works on the eigenvalues in [largest / ratio, largest]
-  int coarsest_unknowns = 1000;   ///< coarsening stops below
-  std::vector<double> thickness;  ///< of each body, in its cells: coarsening stops at one cell; empty: no limit
+  double smoother_ratio = 10;    ///< the smoother works on the eigenvalues in [largest / ratio, largest]
+  bool soft_cells = true;        ///< softer shear and stronger smoothing where cells are wider than a body is thick
+  int coarsest_unknowns = 1000;  ///< coarsening stops below
 };
 
 struct MultigridReport {

@@ -2,18 +2,11 @@
 
 #include <algorithm>
 
+#include "kernels/grid_numbers.hpp"
 #include "kernels/host_copy.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// Number of every grid node of a body (all bodies), or -1.
-std::vector<int> number_of_grid_nodes(const BodyMesh& mesh) {
-  const Grid& grid = mesh.cut_cells->grid;
-  std::vector<int> number(grid.node_index({grid.num_cells[0], grid.num_cells[1], grid.num_cells[2]}) + 1, -1);
-  for (int n = 0; n < mesh.num_nodes; ++n) number[grid.node_index(mesh.nodes[n])] = mesh.first_node + n;
-  return number;
-}
 
 /// Pieces of about equal size, at most `largest` each.
 std::vector<std::array<int, 2>> pieces(int begin, int end, int largest) {
@@ -36,7 +29,7 @@ template <class Real>
 class TileMaker {
  public:
   TileMaker(const BodyMesh& mesh, const std::vector<char>& by_stencil, Records& out)
-      : grid_(mesh.cut_cells->grid), number_(number_of_grid_nodes(mesh)), by_stencil_(by_stencil), out_(out) {}
+      : grid_(mesh.cut_cells->grid), number_(numbers_on_grid(mesh)), by_stencil_(by_stencil), out_(out) {}
 
   void run(int body) {
     // Long tiles read fewer planes twice; short ones keep several threads busy on a small body.

@@ -41,16 +41,8 @@ double dot(const RealView& x, const RealView& y) {
 
 struct SolverProblem : SceneProblem {
   RealView b;
-  std::vector<double> thickness;
   explicit SolverProblem(int n)
-      : SceneProblem("scenes/two_solids_3d.toml", {"n=" + std::to_string(n)}), b(random_vector(system.num_dofs(), 5)) {
-    for (const BodyModel& body : simulation.bodies) thickness.push_back(body.free_thickness);
-  }
-  MultigridSettings settings() const {
-    MultigridSettings s;
-    s.thickness = thickness;
-    return s;
-  }
+      : SceneProblem("scenes/two_solids_3d.toml", {"n=" + std::to_string(n)}), b(random_vector(system.num_dofs(), 5)) {}
   RealView zero() const { return RealView("cgcontact::perf::zero", system.num_dofs()); }
   /// |b - A x| / |b| with the plain operator.
   double residual(const RealView& x) const {
@@ -95,8 +87,9 @@ struct Smoothing {
   explicit Smoothing(int n) : problem(n), op(problem.system) {
     const int size = problem.system.num_dofs();
     blocks = decltype(blocks)("cgcontact::perf::blocks", problem.system.num_nodes);
-    op.diagonal_blocks(ExecSpace(), blocks);
-    smoother = std::make_unique<SurfaceSmoother<float>>(problem.system, blocks);
+    const NodeColumns<float> columns = make_node_columns<float>(problem.system);
+    op.diagonal_blocks(ExecSpace(), blocks, columns);
+    smoother = std::make_unique<SurfaceSmoother<float>>(problem.system, blocks, columns);
     smoother->set_groups(problem.system.group_rows, problem.system.full_group_stiffness);
     for (auto* v : {&b, &x, &r, &d}) *v = FastOperator<float>::VectorView("cgcontact::perf::vector", size);
     for (int i = 0; i < size; ++i) b(i) = static_cast<float>(problem.b(i));
@@ -106,8 +99,7 @@ struct Smoothing {
     op.residual(exec, b, x, r);
     smoother->step(exec, r, alpha, beta, d, x, false);
   }
-  /// M d against b after one step from zero with alpha = 1. M: the node blocks, the contact groups, and the rows of
-  /// thin supports, whose own node blocks are taken out.
+  /// M d against b after one step from zero with alpha = 1. M: the blocks of nodes and columns, the contact groups.
   double error() {
     step(1, 0);
     Kokkos::fence();
@@ -117,16 +109,19 @@ struct Smoothing {
     apply_groups(ExecSpace(), problem.system.groups, dd, Md);
     const FastOperator<double> in_double(problem.system);
     const FastOperator<double>::BlockView D("cgcontact::perf::D", problem.system.num_nodes);
-    in_double.diagonal_blocks(ExecSpace(), D);
+    const NodeColumns<double> columns = make_node_columns<double>(problem.system);
+    in_double.diagonal_blocks(ExecSpace(), D, columns);
     constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     for (int n = 0; n < problem.system.num_nodes; ++n)
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) Md(3 * n + i) += D(n, at[i][j]) * dd(3 * n + j);
-    const SupportRows supports = make_support_rows(problem.system);
-    for (std::size_t g = 0; g < supports.rows.size(); ++g)
-      for (const auto& [p, vp] : supports.rows[g].entries)
-        for (const auto& [q, vq] : supports.rows[g].entries)
-          if (p / 3 != q / 3) Md(p) += supports.stiffness[g] * vp * vq * dd(q);
+    for (int c = 0; c < columns.num_columns(); ++c) {
+      const auto& column = columns.columns(c);
+      const int entries = 3 * column.size;
+      const auto dof = [&](int i) { return 3 * columns.nodes(column.first + i / 3) + i % 3; };
+      for (int i = 0; i < entries; ++i)
+        for (int j = 0; j < entries; ++j) Md(dof(i)) += columns.matrices(column.matrix + i * entries + j) * dd(dof(j));
+    }
     for (int i = 0; i < size; ++i) Md(i) -= b(i);
     return std::sqrt(dot(Md, Md) / dot(problem.b, problem.b));
   }
@@ -150,7 +145,7 @@ struct Cycle {
   explicit Cycle(int n)
       : problem(n),
         map(make_dof_map(problem.system, Tpetra::getDefaultComm())),
-        multigrid(problem.system, map, problem.settings()),
+        multigrid(problem.system, map),
         r(map, 1),
         z(map, 1) {
     const auto host = r.getLocalViewHost(Tpetra::Access::OverwriteAll);
@@ -207,7 +202,7 @@ Kernel setup(int n) {
   Kernel k;
   k.items = c->problem.system.num_dofs();
   k.error = c->reduction(), k.tolerance = expected_reduction, k.against = "the error's energy norm before";
-  k.run = [c] { Multigrid(c->problem.system, c->map, c->problem.settings()); };
+  k.run = [c] { Multigrid(c->problem.system, c->map); };
   return k;
 }
 
@@ -244,7 +239,7 @@ class Way {
 void solve_with_multigrid(const SolverProblem& p, const RealView& x, Way& way) {
   Kokkos::deep_copy(x, 0.0);
   way.start();
-  LinearSolver solver(p.system, Preconditioner::multigrid, p.thickness);
+  LinearSolver solver(p.system, Preconditioner::multigrid);
   solver.update();
   way.lap(way.setup_s);
   way.set_up();

@@ -23,9 +23,7 @@ int iterations(const Scene& scene, const std::string& what) {
   sim.place_on_grids();
   sim.make_system();
   set_group_stiffness(sim.system, sim.system.full_group_stiffness);
-  std::vector<double> thickness;
-  for (const BodyModel& body : sim.bodies) thickness.push_back(body.free_thickness);
-  LinearSolver solver(sim.system, Preconditioner::multigrid, thickness);
+  LinearSolver solver(sim.system, Preconditioner::multigrid);
   solver.update();
   const int size = sim.system.num_dofs();
   const RealView b("b", size), x("x", size);
@@ -83,6 +81,30 @@ TEST(SolverRobustness, StiffnessRatios) {
     Scene scene = scene_of("two_solids_3d", 10);
     scene.bodies[1].material.youngs_modulus *= std::pow(10.0, exponent);
     EXPECT_LE(iterations(scene, "upper body stiffer by 1e" + std::to_string(exponent)), most_iterations);
+  }
+}
+
+/// Plane strain: one cell thick.
+TEST(SolverRobustness, RefinementsOfPlaneStrain) { expect_flat("two_solids", {16, 32, 64}); }
+
+TEST(SolverRobustness, PlaneStrainOfSeveralCells) {
+  for (int layers = 1; layers <= 3; ++layers)
+    for (int digits : {1, 4, 8}) {
+      Scene scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/two_solids.toml",
+                               {"n=24", "t=" + std::to_string(layers) + "*0.01/24"});
+      const double width = std::pow(10.0, -digits);
+      for (BodySpec& body : scene.bodies)
+        body.grid_offset = Vec3::Constant(&body == &scene.bodies[0] ? width : 1 - width);
+      EXPECT_LE(iterations(scene, std::to_string(layers) + " cells, slivers of 1e-" + std::to_string(digits)),
+                most_iterations);
+    }
+}
+
+TEST(SolverRobustness, StiffnessRatiosInPlaneStrain) {
+  for (int exponent = -3; exponent <= 3; ++exponent) {
+    Scene scene = scene_of("two_solids", 24);
+    scene.bodies[1].material.youngs_modulus *= std::pow(10.0, exponent);
+    EXPECT_LE(iterations(scene, "plane strain, upper body stiffer by 1e" + std::to_string(exponent)), most_iterations);
   }
 }
 

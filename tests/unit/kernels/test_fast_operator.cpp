@@ -1,8 +1,10 @@
 /// The fast operator against its plain twin (apply.hpp) on bodies that fit the grid, do not, are thin, have holes, or
 /// are random sets of cells.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "kernels/fast_operator.hpp"
 #include "kernels/plain_operator.hpp"
@@ -90,6 +92,57 @@ void compare(const ElasticSystem& system, const std::string& what) {
   for (int a = 0; a < system.num_nodes; ++a)
     for (int p = 0; p < 6; ++p) found(6 * a + p) = blocks(a, p);
   expect_equal<Real>(found, expected, what + ": blocks", 3);  // unit vectors: no errors that average out
+}
+
+/// Blocks between different nodes of a column against the plain operator on unit vectors.
+template <class Real>
+int compare_columns(const ElasticSystem& system, const std::string& what) {
+  const ExecSpace exec;
+  const FastOperator<Real> fast(system);
+  const PlainOperator plain(system);
+  typename FastOperator<Real>::BlockView blocks("blocks", system.num_nodes);
+  const NodeColumns<Real> columns = make_node_columns<Real>(system);
+  fast.diagonal_blocks(exec, blocks, columns);
+  const int step = 1 + columns.num_columns() / 40;
+  double scale = 0, difference = 0;
+  for (int c = 0; c < columns.num_columns(); c += step) {
+    const auto& column = columns.columns(c);
+    const int n = 3 * column.size;
+    for (int j = 0; j < n; ++j) {
+      RealView e("e", system.num_dofs()), Ae("Ae", system.num_dofs());
+      e(3 * columns.nodes(column.first + j / 3) + j % 3) = 1;
+      plain.apply(exec, e, Ae);
+      for (int i = 0; i < n; ++i) {
+        const double expected = Ae(3 * columns.nodes(column.first + i / 3) + i % 3);
+        scale = std::max(scale, std::abs(expected));
+        if (i / 3 == j / 3) continue;
+        difference = std::max(difference, std::abs(columns.matrices(column.matrix + i * n + j) - expected));
+      }
+    }
+  }
+  EXPECT_LE(difference, 3 * (sizeof(Real) == 8 ? 1e-13 : 1e-6) * scale) << what << ": columns";
+  return columns.num_columns();
+}
+
+/// Plates of one to four layers of nodes, cut or not, across each axis, with ghost penalty and with supports.
+TEST(FastOperator, BlocksOfColumns) {
+  for (int axis = 0; axis < 3; ++axis)
+    for (double thickness : {0.05, 0.8, 1.0, 1.7, 2.6})
+      for (double offset : {0.0, 0.1, 0.9}) {
+        Grid grid;
+        grid.num_cells = {9, 9, 9};
+        grid.num_cells[axis] = 4;
+        Vec3 low = Vec3::Constant(0.6), high = Vec3(8.3, 8.4, 8.5);
+        low[axis] = offset;
+        high[axis] = offset + thickness;
+        const CutCells cells = make_cut_cells(Solid::box(low, high, "plate"), grid);
+        ElasticSystem system = make_elastic_system({&cells}, {Material{2.0, 0.3}}, Scales{0.7, 3.0}, 0.02);
+        const std::string what = fmt::format("axis {}, thickness {}, offset {}", axis, thickness, offset);
+        const Vec3 direction = Vec3(1, 2, 3).normalized();
+        for (int e : cells.active_of_cut) add_support_terms(system, 0, {{e, Vec3(0.1, -0.3, 0.2), direction, 0.7}});
+        EXPECT_GT(compare_columns<double>(system, what), 0) << what;
+        EXPECT_GT(compare_columns<float>(system, what), 0) << what;
+      }
 }
 
 void compare_both(const ElasticSystem& system, const std::string& what) {

@@ -4,6 +4,7 @@
 
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Vector.hpp>
+#include <cstdio>
 
 #include "kernels/coarsen.hpp"
 #include "kernels/linear_solver.hpp"
@@ -99,6 +100,88 @@ struct HeldBody {
     add_support_terms(system, 0, terms);
   }
 };
+
+/// A plate between two supports; `thickness` in cells, across one axis of its grid or across none.
+struct HeldPlate {
+  CutCells cells;
+  ElasticSystem system;
+  HeldPlate(int n, double thickness, double offset, double angle, double kappa) {
+    const double h = 1.0 / n;
+    Grid grid = test::odd_grid(n, angle);
+    if (angle == 0) {
+      grid.origin = Vec3(-0.3 * h, -0.4 * h, -offset * h);
+      grid.num_cells = {n + 2, n + 2, static_cast<int>(thickness + offset) + 1};
+    }
+    cells = test::cut(Solid::box(Vec3(0, 0, 0), Vec3(1, 1, thickness * h), "plate"), grid);
+    system = make_elastic_system({&cells}, {Material{1.0, 0.3}}, Scales{1.0, 1.0}, 0.02);
+    std::vector<SupportTerm> terms;
+    const BoundaryPoints& points = cells.boundary;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+      const Vec3 across = cells.grid.rotation.transpose() * Vec3(0, 0, 1);
+      const bool side = std::abs(points.normal[p].dot(across)) > 0.9;
+      const Index3& c = cells.cells[points.cell[p]];
+      const Vec3 xi = 2 * (points.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+      const double stiffness = kappa * points.weight[p] * h;
+      for (int d = 0; d < 3; ++d)
+        if (side ? d == 0 : (cells.grid.rotation * points.normal[p])[0] < -0.9)
+          terms.push_back({points.cell[p], xi, side ? across : Vec3(Vec3::Unit(d)), stiffness});
+    }
+    add_support_terms(system, 0, terms);
+  }
+};
+
+TEST(Multigrid, FewIterationsOnThinBodiesHeldOnBothSides) {
+  for (double angle : {0.0, 0.2, 0.5})
+    for (double thickness : {0.7, 1.0, 2.0, 3.0})
+      for (double offset : {0.0, 1e-6, 0.5, 1 - 1e-4}) {
+        if (angle > 0 && offset > 0) continue;
+        const HeldPlate plate(30, thickness, offset, angle, 30);
+        LinearSolver solver(plate.system, Preconditioner::multigrid);
+        solver.update();
+        const RealView b = test::random_vector(plate.system.num_dofs(), 6), x("x", plate.system.num_dofs());
+        const LinearSolveResult result = solver.solve(b, x, 1e-8 * norm(b), 100);
+        std::printf("angle %.1f, %.1f cells, offset %.1e: %d unknowns, %d iterations\n", angle, thickness, offset,
+                    plate.system.num_dofs(), result.iterations);
+        EXPECT_TRUE(result.converged);
+        EXPECT_LE(result.iterations, 15) << "angle " << angle << ", " << thickness << " cells, offset " << offset;
+      }
+}
+
+/// Points are merged on the way down, but not the form that they integrate.
+TEST(Coarsening, SupportsAreTheGalerkinProduct) {
+  const HeldPlate plate(9, 1.3, 0.4, 0.2, 5);
+  ElasticSystem fine = plate.system;
+  CutCells cells[2] = {coarse_cut_cells(plate.cells), {}};
+  cells[1] = coarse_cut_cells(cells[0]);
+  const CutCells* before = &plate.cells;
+  RealView x = test::random_vector(make_elastic_system({&cells[1]}, fine.materials, fine.scales, 0).num_dofs(), 3);
+  std::vector<ElasticSystem> systems{fine};
+  for (const CutCells& coarse : cells) {
+    systems.push_back(make_elastic_system({&coarse}, fine.materials, fine.scales, 0));
+    add_support_terms(systems.back(), 0, coarse_supports(*before, coarse, systems[systems.size() - 2].supports[0]));
+    before = &coarse;
+  }
+  EXPECT_LT(systems[2].supports[0].size(), systems[0].supports[0].size());
+  const auto supports_only = [](const ElasticSystem& system, const RealView& u) {
+    ElasticSystem without = system;
+    without.supports[0].clear();
+    RealView a("a", u.extent(0)), b("b", u.extent(0));
+    PlainOperator(system).apply(ExecSpace(), u, a);
+    PlainOperator(without).apply(ExecSpace(), u, b);
+    for (std::size_t i = 0; i < a.extent(0); ++i) a(i) -= b(i);
+    return a;
+  };
+  const Transfer first = make_transfer(systems[0], systems[1]), second = make_transfer(systems[1], systems[2]);
+  RealView x1("x1", systems[1].num_dofs()), x0("x0", systems[0].num_dofs());
+  prolongate_add(ExecSpace(), second, x, x1);
+  prolongate_add(ExecSpace(), first, x1, x0);
+  RealView r1("r1", systems[1].num_dofs()), r2("r2", systems[2].num_dofs());
+  restrict_to(ExecSpace(), first, supports_only(systems[0], x0), r1);
+  restrict_to(ExecSpace(), second, r1, r2);
+  const RealView coarse = supports_only(systems[2], x);
+  for (std::size_t i = 0; i < r2.extent(0); ++i) r2(i) -= 4 * coarse(i);  // kappa E / h of the coarse h
+  EXPECT_LT(norm(r2), 1e-12 * norm(coarse) * 4);
+}
 
 TEST(Multigrid, VCycleIsSymmetricAndPositive) {
   const HeldBody body(ball(), 14, 0.4, 10);

@@ -1,0 +1,55 @@
+#include "kernels/soft_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cgcontact {
+
+template <class Real>
+SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns) {
+  constexpr double thin = 0.75;
+  constexpr int most_halvings = 6;
+  SoftCells soft;
+  std::vector<char> counted(columns.num_columns(), 0);
+  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    const CutCells& cc = *mesh.cut_cells;
+    std::vector<signed char> axis(cc.cells.size(), -1);
+    std::vector<char> supported(cc.cells.size(), 0);
+    for (const SupportTerm& t : system.supports[b]) supported[t.cell] = 1;
+    double volume = 0;  // cells
+    int lines = 0;
+    for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+      if (supported[e] || cc.cut_of_active[e] < 0) continue;
+      const auto& nodes = mesh.cell_nodes[e];
+      const int first = columns.column_of_node(nodes[0]);
+      if (first < 0) continue;
+      const int d = columns.columns(first).axis;
+      if (!std::all_of(nodes.begin(), nodes.end(), [&](const int n) {
+            const int c = columns.column_of_node(n);
+            return c >= 0 && columns.columns(c).axis == d;
+          }))
+        continue;
+      axis[e] = static_cast<signed char>(d);
+      volume += cc.volume_fraction(static_cast<int>(e));
+      for (const int n : nodes) {
+        char& seen = counted[columns.column_of_node(n)];
+        lines += !seen;
+        seen = 1;
+      }
+    }
+    const double thickness = lines > 0 ? volume / lines : 1;
+    if (thickness < thin)
+      soft.halvings =
+          std::max(soft.halvings, std::min(most_halvings, static_cast<int>(std::lround(-std::log2(thickness)))));
+    else
+      std::fill(axis.begin(), axis.end(), static_cast<signed char>(-1));
+    soft.axis.push_back(std::move(axis));
+  }
+  return soft;
+}
+
+template SoftCells make_soft_cells(const ElasticSystem&, const NodeColumns<float>&);
+template SoftCells make_soft_cells(const ElasticSystem&, const NodeColumns<double>&);
+
+}  // namespace cgcontact
