@@ -19,10 +19,18 @@ void lagrange(double x, double value[3]) {
   value[2] = x * (x + g) / (2 * g * g);
 }
 
-/// Points of one cell and direction: more than 27 become the 27 Gauss points with the same integrals of all products of
-/// shape functions (some weights may be negative), so that coarse levels do not drag along all points of the finest.
-void compress(std::vector<SupportTerm>& terms) {
-  if (terms.size() <= 27) return;
+/// The same for d and -d.
+std::array<double, 3> unsigned_direction(const Vec3& d) {
+  const double sign = d[0] < 0 || (d[0] == 0 && (d[1] < 0 || (d[1] == 0 && d[2] < 0))) ? -1 : 1;
+  return {sign * d[0] + 0.0, sign * d[1] + 0.0, sign * d[2] + 0.0};
+}
+
+/// Points of one cell and direction; more are merged.
+constexpr int most_points = 27;
+
+/// Points of one cell and direction become the 27 Gauss points with the same integrals of all products of shape
+/// functions (some weights may be negative), so that coarse levels do not drag along all points of the finest.
+void merge(std::vector<SupportTerm>& terms) {
   double weight[27] = {};
   for (const SupportTerm& t : terms) {
     double value[3][3];
@@ -118,22 +126,30 @@ std::vector<SupportTerm> coarse_supports(const CutCells& fine, const CutCells& c
   for (std::size_t e = 1; e < begin.size(); ++e) begin[e] += begin[e - 1];
   std::vector<int> order(moved.size()), position(begin.begin(), begin.end() - 1);
   for (std::size_t t = 0; t < moved.size(); ++t) order[position[moved[t].cell]++] = static_cast<int>(t);
-  std::vector<SupportTerm> result;
-  std::vector<SupportTerm> same, others;
+  // What is merged comes last; the others keep their order.
+  std::vector<SupportTerm> merged, same;
+  std::vector<char> taken(moved.size(), 0);
   for (std::size_t e = 0; e + 1 < begin.size(); ++e) {
-    others.clear();
-    for (int i = begin[e]; i < begin[e + 1]; ++i) others.push_back(moved[order[i]]);
-    while (!others.empty()) {
-      const Vec3 direction = others.front().direction;
-      const auto rest = std::stable_partition(others.begin(), others.end(), [&](const SupportTerm& t) {
-        return t.direction == direction || t.direction == -direction;
-      });
-      same.assign(others.begin(), rest);
-      others.erase(others.begin(), rest);
-      compress(same);
-      result.insert(result.end(), same.begin(), same.end());
+    if (begin[e + 1] - begin[e] <= most_points) continue;
+    const auto first = order.begin() + begin[e], last = order.begin() + begin[e + 1];
+    const auto axis = [&](int t) { return unsigned_direction(moved[t].direction); };
+    std::stable_sort(first, last, [&](int a, int b) { return axis(a) < axis(b); });
+    for (auto from = first, to = first; from != last; from = to) {
+      while (to != last && axis(*to) == axis(*from)) ++to;
+      if (to - from <= most_points) continue;
+      same.clear();
+      for (auto t = from; t != to; ++t) {
+        taken[*t] = 1;
+        same.push_back(moved[*t]);
+      }
+      merge(same);
+      merged.insert(merged.end(), same.begin(), same.end());
     }
   }
+  std::vector<SupportTerm> result;
+  for (std::size_t t = 0; t < moved.size(); ++t)
+    if (!taken[t]) result.push_back(moved[t]);
+  result.insert(result.end(), merged.begin(), merged.end());
   return result;
 }
 

@@ -112,8 +112,7 @@ struct Multigrid::Impl {
       level->b = LevelVector("cgcontact::multigrid::b", n);
       level->x = LevelVector("cgcontact::multigrid::x", n);
       const NodeColumns<Real> columns = make_node_columns<Real>(*level->system);
-      if (level != levels.front() && settings.soft_cells && !std::getenv("NOSOFT"))
-        level->soft = make_soft_cells(*level->system, columns);
+      if (level != levels.front() && settings.soft_cells) level->soft = make_soft_cells(*level->system, columns);
       level->smoother_degree = settings.smoother_degree << level->soft.halvings;
       level->smoother_ratio = settings.smoother_ratio * std::pow(4.0, level->soft.halvings);
       if (level == levels.back()) break;
