@@ -209,7 +209,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   const bool equal = std::abs(h(a) - h(b)) < equal_cells * h(a);
   pair.primary = (equal ? scene.bodies[b].name < scene.bodies[a].name : h(b) > h(a)) ? b : a;
   pair.secondary = pair.primary == a ? b : a;
-  const double E1 = scene.bodies[a].material.youngs_modulus, E2 = scene.bodies[b].material.youngs_modulus;
+  const double E1 = stabilising_modulus(scene.bodies[a].material), E2 = stabilising_modulus(scene.bodies[b].material);
   pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));
   pair.reach = find_reach(pair, bodies, wider);
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;

@@ -32,7 +32,7 @@ struct ContactGroup {
 struct ContactPair {
   const ContactSpec* spec = nullptr;
   int primary = 0, secondary = 0;  ///< bodies; the primary has the larger cells
-  double stiffness = 0;            ///< kappa E/h: harmonic mean of both moduli over the smaller cell size, Pa/m
+  double stiffness = 0;  ///< kappa E/h: harmonic mean of both stabilising moduli over the smaller cell size, Pa/m
   Reach reach;
   double interference = 0;  ///< m, in the present step
   std::vector<ContactPoint> points;

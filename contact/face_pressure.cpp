@@ -14,7 +14,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t num_columns = 14;
+constexpr std::size_t num_columns = 15;
 constexpr std::size_t fewest_points = 3;  ///< for a fit
 /// Beside the end of a contact zone all within a cell would smooth it away. Beyond the farthest one the weight ends by
 /// so much.
@@ -48,11 +48,11 @@ std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& 
     row.body = fields.size() == num_columns ? body_index(scene, fields[0]) : -1;
     if (row.body < 0) throw InputError(fmt::format("{} is not a contact.csv of this scene", file));
     const auto number = [&](int column) { return std::strtod(fields[column].c_str(), nullptr); };
-    row.x = Vec3(number(1), number(2), number(3));
-    row.weight = number(7);
-    row.pressure_raw = number(9);
-    row.pressure_spr = number(10);
-    row.pressure_sprc = number(11);
+    row.x = Vec3(number(2), number(3), number(4));
+    row.weight = number(8);
+    row.pressure_raw = number(10);
+    row.pressure_spr = number(11);
+    row.pressure_sprc = number(12);
     rows.push_back(row);
   }
   return rows;

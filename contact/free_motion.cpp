@@ -7,13 +7,15 @@
 namespace cgcontact {
 namespace {
 
-/// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9.
-constexpr double no_load = 1e-7;
+/// A single motion that rotates by less than this part of what it moves is a translation in words: the centre of a
+/// body's cells is not that of the body.
+constexpr double mostly = 0.1;
 /// Boundary points among which the held ones are chosen: of all bodies, but at least so many of each.
 constexpr std::size_t most_candidates = 3000, fewest_candidates = 12;
 
 /// Columns that span the null space of a matrix whose singular values are of order 1 or zero.
 Eigen::MatrixXd null_space(const Eigen::MatrixXd& A) {
+  if (A.cols() == 0) return Eigen::MatrixXd(0, 0);
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
   Eigen::Index rank = 0;
   for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k) rank += svd.singularValues()[k] > 1e-6;
@@ -46,15 +48,6 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
 }
 
 using Resistance = Eigen::Matrix<double, 6, 6>;
-
-/// Columns that span what resists nothing.
-Eigen::MatrixXd free_of(const Resistance& resistance) {
-  constexpr double no_stiffness = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Resistance> eigen(resistance);
-  Eigen::Index count = 0;
-  while (count < 6 && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[5]) ++count;
-  return eigen.eigenvectors().leftCols(count);
-}
 
 /// Normals of a body's surfaces.
 class SurfaceNormals {
@@ -106,7 +99,42 @@ std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& pi
   return {own, others};
 }
 
+/// What supports resist, of every body.
+std::vector<Resistance> support_resistance(const std::vector<RigidPiece>& pieces, const std::vector<BodyModel>& bodies,
+                                           const std::vector<SupportPoint>& supports) {
+  std::vector<Resistance> held(bodies.size(), Resistance::Zero());
+  for (const SupportPoint& p : supports) {
+    const RigidMotion q = pieces[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    held[p.body] += p.weight * q * q.transpose();
+  }
+  return held;
+}
+
+/// Appends motions of one body.
+void append_of_body(int b, const Eigen::MatrixXd& modes, FreeMotions& all) {
+  const Eigen::Index first = all.modes.cols();
+  all.modes.conservativeResize(Eigen::NoChange, first + modes.cols());
+  all.modes.rightCols(modes.cols()).setZero();
+  all.modes.block(6 * b, first, 6, modes.cols()) = modes;
+}
+
+/// No motions yet.
+FreeMotions no_motions(const std::vector<BodyModel>& bodies) {
+  FreeMotions none;
+  none.bodies = whole_bodies(bodies).list;
+  none.modes.resize(static_cast<Eigen::Index>(6 * bodies.size()), 0);
+  return none;
+}
+
 }  // namespace
+
+Eigen::MatrixXd motions_not_resisted(const Resistance& resistance) {
+  constexpr double no_stiffness = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Resistance> eigen(resistance);
+  Eigen::Index count = 0;
+  while (count < 6 && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[5]) ++count;
+  return eigen.eigenvectors().leftCols(count);
+}
 
 std::string direction_text(Vec3 axis) {
   Eigen::Index largest;
@@ -138,6 +166,12 @@ void FreeMotions::leave_out(const std::vector<SupportPoint>& supports, const std
 
 bool FreeMotions::slides() const { return null_space(rotations(modes)).cols() > 0; }
 
+FreeMotions FreeMotions::without_rotation() const {
+  FreeMotions slides = *this;
+  slides.modes = modes * null_space(rotations(modes));
+  return slides;
+}
+
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness) {
   RigidPieces pieces = whole_bodies(bodies);
@@ -147,33 +181,61 @@ FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::v
   return free;
 }
 
-FreeMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
-                                 const std::vector<ContactPair>& pairs) {
-  FreeMotions found;
-  found.bodies = whole_bodies(bodies).list;
-  found.modes.resize(static_cast<Eigen::Index>(6 * bodies.size()), 0);
-  std::vector<Resistance> held(bodies.size(), Resistance::Zero());
-  for (const SupportPoint& p : supports) {
-    const RigidMotion q =
-        found.bodies[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-    held[p.body] += p.weight * q * q.transpose();
-  }
+SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                    const std::vector<ContactPair>& pairs) {
+  const FreeMotions none = no_motions(bodies);
+  SurfaceMotions found{none, none};
+  const std::vector<Resistance> held = support_resistance(none.bodies, bodies, supports);
   std::vector<int> floating;
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b)
-    if (free_of(held[b]).cols() > 0) floating.push_back(b);
+    if (motions_not_resisted(held[b]).cols() > 0) floating.push_back(b);
   if (floating.empty()) return found;
   const std::vector<SurfaceNormals> normals(bodies.begin(), bodies.end());
   for (const int b : floating) {
-    const auto [own, others] = contact_resistance(b, found.bodies[b], bodies, pairs, normals);
-    const Eigen::MatrixXd of_own = free_of(held[b] + own), of_others = free_of(held[b] + others);
-    Eigen::MatrixXd both(6, of_own.cols() + of_others.cols());
-    both << of_own, of_others;
-    FreeMotions of_body = found;
-    of_body.modes = Eigen::MatrixXd::Zero(found.modes.rows(), both.cols());
-    of_body.modes.middleRows<6>(6 * b) = both;
-    found.add(of_body);
+    const auto [own, others] = contact_resistance(b, none.bodies[b], bodies, pairs, normals);
+    append_of_body(b, motions_not_resisted(held[b] + own), found.own);
+    append_of_body(b, motions_not_resisted(held[b] + others), found.others);
   }
   return found;
+}
+
+FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyModel>& bodies,
+                               const std::vector<ContactPair>& pairs) {
+  if (free.empty()) return free;
+  const std::vector<SurfaceNormals> normals(bodies.begin(), bodies.end());
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(free.modes.cols(), free.modes.cols());
+  double area = 0;
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& point : pair.points) {
+      const Vec3 y = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
+      const Vec3 n = normals[pair.secondary](point.secondary_cell, point.secondary_position);
+      const Eigen::VectorXd row =
+          free.modes.middleRows<6>(6 * pair.secondary).transpose() * free.bodies[pair.secondary].row(y, n) -
+          free.modes.middleRows<6>(6 * pair.primary).transpose() * free.bodies[pair.primary].row(y, n);
+      gram += point.weight * row * row.transpose();
+      area += point.weight;
+    }
+  constexpr double no_stiffness = 1e-9;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  Eigen::Index count = 0;
+  while (count < gram.cols() && eigen.eigenvalues()[count] <= no_stiffness * area) ++count;
+  FreeMotions left = free;
+  left.modes = free.modes * eigen.eigenvectors().leftCols(count);
+  return left;
+}
+
+std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>& bodies,
+                                                    const std::vector<SupportPoint>& supports) {
+  const FreeMotions none = no_motions(bodies);
+  const std::vector<Resistance> held = support_resistance(none.bodies, bodies, supports);
+  std::vector<FreeMotions> list;
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+    const Eigen::MatrixXd free = motions_not_resisted(held[b]);
+    if (free.cols() == 0) continue;
+    list.push_back(none);
+    append_of_body(b, free, list.back());
+  }
+  return list;
 }
 
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
@@ -188,7 +250,7 @@ std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies
   return {load, magnitude};
 }
 
-FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies) {
+FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load) {
   FreeMotions driven = free;
   driven.modes.resize(free.modes.rows(), 0);
   const auto [load, magnitude] = loads_on(bodies, free.bodies);
@@ -205,6 +267,9 @@ std::string describe(const FreeMotions& free, const Scene& scene) {
                         rotation = free.modes.middleRows(6 * body + 3, 3);
   const Eigen::MatrixXd slide = translation * null_space(rotation);
   std::string text;
+  if (free.modes.cols() == 1 && rotation.norm() < mostly * translation.norm())
+    return fmt::format("body \"{}\" is free to {}", scene.bodies[body].name,
+                       span_text(translation, "move along ", "", ""));
   if (slide.cols() > 0 && slide.norm() > 1e-6)
     text = span_text(slide, "move along ", "move in the plane normal to ", "move in all directions");
   if (rotation.norm() > 1e-3)

@@ -19,6 +19,8 @@ struct FreeMotions {
   bool empty() const { return modes.cols() == 0; }
   /// Is there a motion without any rotation?
   bool slides() const;
+  /// Those without any rotation.
+  FreeMotions without_rotation() const;
 };
 
 /// With the present state of the contact points. Motions that are resisted by less than `no_stiffness` of what is
@@ -26,19 +28,35 @@ struct FreeMotions {
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
 
-/// Motions of one body that leave its own contact surface as it is, or that of all others (a ball in its seat, on
-/// plates): free as well, although closed points with the normals of the other side seem to resist them. Without what
-/// find_free_motions finds.
-FreeMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
-                                 const std::vector<ContactPair>& pairs);
+/// Columns that span the motions of a body that a resistance (sum of w q q^T) does not resist.
+Eigen::MatrixXd motions_not_resisted(const Eigen::Matrix<double, 6, 6>& resistance);
+
+/// Motions of one body that leave its own contact surface as it is (`own`: a ball in its seat), or that of all others
+/// (`others`: a ball on plates): free as well, although closed points with the normals of the other side seem to resist
+/// them.
+struct SurfaceMotions {
+  FreeMotions own, others;
+};
+SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                    const std::vector<ContactPair>& pairs);
+
+/// Those of `free` (of points with the normals of the primary body) that no point resists with the normals of the
+/// secondary body either.
+FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyModel>& bodies,
+                               const std::vector<ContactPair>& pairs);
+
+/// Of each body that its own supports do not hold: the motions that they leave free.
+std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>& bodies,
+                                                    const std::vector<SupportPoint>& supports);
 
 /// Work of the loads on the motions of all bodies (rows as in FreeMotions::modes), N, and the sum of the forces'
 /// magnitudes.
 std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
                                             const std::vector<RigidPiece>& pieces);
 
-/// Those that the loads do work on: one column, or none.
-FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies);
+/// Those that the loads do work on, more than the part `no_load` of them (they are integrated to 1e-9): one column, or
+/// none.
+FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load = 1e-7);
 
 /// "y" for a direction along an axis, else three components.
 std::string direction_text(Vec3 direction);

@@ -23,7 +23,9 @@
 #include "core/output_text.hpp"
 #include "core/progress.hpp"
 #include "core/resources.hpp"
+#include "core/scene_text.hpp"
 #include "core/standard_descriptors.hpp"
+#include "core/warning_order.hpp"
 #include "kernels/linear_solver.hpp"
 
 namespace {
@@ -106,12 +108,22 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   results.backend = TrilinosScope::backend();
   results.threads = TrilinosScope::concurrency();
   if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
+  decisive_first(results.warnings);
   for (const std::string& warning : write_results(results, scene, directory)) progress.message("warning: " + warning);
   progress.finish();
   fmt::print("{}", summary(results, directory));
   if (results.converged) return 0;
   fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
   return 2;
+}
+
+/// What `check` would say of a scene; "": it passes.
+std::string fault_of(const std::string& text, const std::string& file) try {
+  const Scene scene = parse_scene(text, file);
+  check_memory(scene, prepare(scene));
+  return "";
+} catch (const InputError& error) {
+  return error.what();
 }
 
 }  // namespace
@@ -124,7 +136,7 @@ int main(int argc, char** argv) {
   if (!options) return exit_code;
   try {
     if (options->command == CommandLine::init) {
-      fmt::print("{}", init_scene(options->init_options));
+      fmt::print("{}", init_scene(options->init_options, fault_of));
       return 0;
     }
     if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);

@@ -34,7 +34,7 @@ BodySize size_of_triangles(const TriangleSurface& surface, const Grid& grid) {
     volume += a.dot(b.cross(c)) / 6;
   }
   const double cut = crossed / (h * h);
-  return {0, volume / (h * h * h) + cut, cut};
+  return {0, volume / (h * h * h) + cut, cut, static_cast<double>(surface.triangles().size())};
 }
 
 /// Some point near its corners, the middles of its sides or its centre is inside, some outside: a surface does more
@@ -122,7 +122,8 @@ BodySize size_of(const CutCells& cc) {
   for (const Index3& c : cc.cells)
     for (int a = 0; a < 8; ++a) seen[cc.grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})] = true;
   return {num_cells(cc.grid), static_cast<double>(std::count(seen.begin(), seen.end(), true)),
-          static_cast<double>(cc.moments.size())};
+          static_cast<double>(cc.moments.size()),
+          cc.solid.triangles() ? static_cast<double>(cc.solid.triangles()->triangles().size()) : 0.0};
 }
 
 /// Fitted to runs of the scenes of this repository (docs/performance.md, "Memory"). What grows like the surface weighs
@@ -130,7 +131,8 @@ BodySize size_of(const CutCells& cc) {
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
   double bytes = 85e6 + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points;
   for (const BodySize& body : bodies)
-    bytes += 3 * 170.0 * body.nodes + 11.5e3 * body.cut_cells + 5 * std::max(0.0, body.grid_cells - body.nodes);
+    bytes += 3 * 170.0 * body.nodes + 11.5e3 * body.cut_cells + 5 * std::max(0.0, body.grid_cells - body.nodes) +
+             1.1e3 * body.triangles;
   return bytes;
 }
 

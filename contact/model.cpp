@@ -1,5 +1,6 @@
 #include "contact/model.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include "core/face_dividers.hpp"
@@ -172,8 +173,14 @@ void set_loads(const Scene& scene, double factor, BodyModel& model) {
     };
 }
 
-double support_kappa(const Scene& scene, const BodyModel& body) {
-  return (body.is_thin() ? 3 : 1) * scene.solver.kappa;
+double stabilising_modulus(const Material& material) {
+  const auto p_wave = [](double nu) { return (1 - nu) / ((1 + nu) * (1 - 2 * nu)); };
+  return material.youngs_modulus * std::max(1.0, p_wave(material.poisson_ratio) / p_wave(0.3));
+}
+
+double support_stiffness(const Scene& scene, const BodyModel& body) {
+  const double kappa = (body.is_thin() ? 3 : 1) * scene.solver.kappa;
+  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.grid.cell_size;
 }
 
 Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& x) {

@@ -61,9 +61,14 @@ class BodyFace {
   std::vector<char> selected_;
 };
 
-/// kappa of a body's supports (the scene's kappa is the contact's). On a body about one cell thick that is held on both
-/// sides the outer iteration contracts like 2.7 / kappa: three times stiffer there (docs/decisions.md).
-double support_kappa(const Scene& scene, const BodyModel& body);
+/// Modulus of the stabilisation of supports and contact, Pa: E up to nu = 0.3, beyond that in proportion to the P-wave
+/// modulus lambda + 2 mu, which scales the normal traction that the outer iteration lags (docs/decisions.md).
+double stabilising_modulus(const Material& material);
+
+/// kappa E/h of a body's supports, Pa/m, with the stabilising modulus. The scene's kappa is the contact's. On a body
+/// about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa: three times stiffer
+/// there (docs/decisions.md).
+double support_stiffness(const Scene& scene, const BodyModel& body);
 
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {

@@ -31,10 +31,9 @@ constexpr double large_ratio = 1e7;
 /// Iterations over which the pace of the residual is taken; the default of kappa is 10.
 constexpr std::size_t pace = 4;
 constexpr double small_kappa = 1;
-/// Outer iterations after which a start has not misled.
-constexpr int at_once = 2;
-/// Of the contact forces: what may be taken by points that hold a motion which no load drives.
-constexpr double most_hold = 0.02;
+/// Of the contact forces: what springs that follow a motion may still take.
+constexpr double most_hold = 1e-6;
+constexpr int most_bisections = 30;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -50,13 +49,6 @@ RealView::HostMirror host_copy(const RealView& u) {
   return host;
 }
 
-/// System units of force.
-double total_force(const OuterResult& result) {
-  double sum = 0;
-  for (const double force : result.group_force) sum += std::abs(force);
-  return sum;
-}
-
 }  // namespace
 
 struct ContactSolver::Impl {
@@ -65,8 +57,7 @@ struct ContactSolver::Impl {
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress);
 
   double support_stiffness(const SupportPoint& p) const {
-    const BodySpec& body = problem_.scene.bodies[p.body];
-    return support_kappa(problem_.scene, problem_.bodies[p.body]) * body.material.youngs_modulus / body.cell_size;
+    return cgcontact::support_stiffness(problem_.scene, problem_.bodies[p.body]);
   }
   /// Weight (m^2) and stiffness (Pa/m) -> system units.
   double to_stiffness(double pa_per_m, double area) const {
@@ -76,7 +67,6 @@ struct ContactSolver::Impl {
 
   void forget();
   void initialise_active_set();
-  bool close_where_loads_press();
   bool close_near_the_smallest_gap(double allowance);
   FreeMotions driven_motions(double no_stiffness = 1e-9) const;
   void assemble_right_hand_side();
@@ -86,6 +76,10 @@ struct ContactSolver::Impl {
   void set_rigid_parts_aside();
   double rigid_displacement(const SupportPoint& p) const;
   double displacement_of(const SupportPoint& p, const RealView::HostMirror& u) const;
+  double search_along_step(const RealView& before);
+  bool balance_floating_bodies();
+  double force_of_followers() const;
+  double total_force() const;
   void follow();
   void update_active_set();
   double update_recovered_stress();
@@ -96,7 +90,6 @@ struct ContactSolver::Impl {
   LinearSolveResult solve_linear(double tolerance);
   void polish(OuterResult& result);
   void set_forces(OuterResult& result) const;
-  double force_of_holds(const OuterResult& result) const;
 
   OuterProblem problem_;
   LinearSolver solver_;
@@ -105,6 +98,8 @@ struct ContactSolver::Impl {
   std::vector<std::vector<double>> contact_stress_;  // p* per pair and point, Scales::stress
   RealView u_, rhs_;                                 // u_: without the rigid parts
   RigidParts rigid_parts_;
+  FloatingBodies floating_;
+  FreeMotions unbalanced_;                // what the loads drive without end
   std::vector<double> rigid_gap_change_;  // m, of each contact group
   double force_norm_ = 0, kappa_norm_ = 0;
   bool warm_ = false;         // is there a converged solution to start from?
@@ -115,7 +110,8 @@ ContactSolver::Impl::Impl(const OuterProblem& problem)
     : problem_(problem),
       solver_(problem.system,
               problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid),
-      rigid_parts_(problem.system.meshes, problem.scales) {
+      rigid_parts_(problem.system.meshes, problem.scales),
+      floating_(problem.bodies, problem.supports, problem.pairs) {
   const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
   boundary_stress_.reserve(cells.size());
   for (std::size_t b = 0; b < cells.size(); ++b)
@@ -133,6 +129,8 @@ void ContactSolver::Impl::forget() {
   support_stress_.assign(problem_.supports.size(), 0.0);
   contact_stress_.clear();
   for (const ContactPair& pair : problem_.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
+  for (SupportPoint& p : problem_.supports)
+    if (p.follows) p.value = 0;
 }
 
 /// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
@@ -150,18 +148,12 @@ bool ContactSolver::Impl::close_near_the_smallest_gap(double allowance) {
   return all;
 }
 
-/// Closed at the start: as few points as hold the bodies against the loads.
+/// Closed at the start: where bodies meet that loads alone press together; else as few points as hold them against the
+/// loads.
 void ContactSolver::Impl::initialise_active_set() {
+  if (floating_.any() && close_where_rigid_bodies_meet(problem_.bodies, problem_.supports, problem_.pairs)) return;
   for (double allowance = 0.02; !close_near_the_smallest_gap(allowance) && !driven_motions().empty(); allowance *= 4) {
   }
-}
-
-/// Closed at the start: where bodies meet that loads alone press together. False if there are none.
-bool ContactSolver::Impl::close_where_loads_press() {
-  for (ContactPair& pair : problem_.pairs)
-    for (ContactPoint& q : pair.points) q.active = false;
-  return !driven_motions().empty() &&
-         close_where_rigid_bodies_meet(problem_.bodies, problem_.supports, problem_.pairs) && driven_motions().empty();
 }
 
 FreeMotions ContactSolver::Impl::driven_motions(double no_stiffness) const {
@@ -275,6 +267,98 @@ double ContactSolver::Impl::displacement_of(const SupportPoint& p, const RealVie
     for (int i = 0; i < 3; ++i)
       displacement += N[a] * d[i] * u(3 * problem_.system.meshes[p.body].cell_nodes[p.cell][a] + i);
   return displacement * scales().length;
+}
+
+/// The linear system minimises the energy with the contact that is closed; open points that the step closes, and closed
+/// ones that it opens, bend it: goes from `before` as far towards u_ as the energy
+///   u . K u / 2 - f . u + sum over contact points of w [p* - k gap]_+^2 / (2 k)
+/// falls, so that the active set cannot cycle while p* stays. Returns the part of the step, 1 if whole.
+double ContactSolver::Impl::search_along_step(const RealView& before) {
+  const RealView step("cgcontact::outer_loop::step", u_.size());
+  parallel_for(u_.size(), 4096, [&](std::size_t i) { step(i) = u_(i) - before(i); });
+  const double curvature = solver_.energy(step);
+  struct Group {
+    const ContactPair* pair;
+    const ContactGroup* group;
+    std::size_t first;       // of the pair, in the list of groups
+    double gap, gap_change;  // at `before`, along the step, m
+  };
+  const double area_scale = scales().length * scales().length;
+  std::vector<Group> groups;
+  for (const ContactPair& pair : problem_.pairs)
+    for (const ContactGroup& group : pair.groups) {
+      double at_start = 0, along = 0;
+      for (const auto& [dof, value] : problem_.system.group_rows[groups.size()].entries) {
+        at_start += value * before(dof);
+        along += value * step(dof);
+      }
+      groups.push_back({&pair, &group, static_cast<std::size_t>(&pair - problem_.pairs.data()),
+                        group.initial_gap + rigid_gap_change_[groups.size()] + at_start * scales().length,
+                        along * scales().length});
+    }
+  // Of the energy along the step; system units.
+  const auto slope = [&](double t) {
+    double sum = -curvature * (1 - t);
+    for (const Group& g : groups) {
+      if (g.gap_change == 0) continue;
+      double more = 0;  // force of all points that press less that of those taken for closed
+      for (int q = g.group->first_point; q < g.group->last_point; ++q) {
+        const ContactPoint& point = g.pair->points[q];
+        const double force =
+            contact_stress_[g.first][q] * point.weight / area_scale -
+            to_stiffness(g.pair->stiffness, point.weight) * (g.gap + t * g.gap_change) / scales().length;
+        more += std::max(force, 0.0) - (point.active ? force : 0.0);
+      }
+      sum -= more * g.gap_change / scales().length;
+    }
+    return sum;
+  };
+  if (slope(1) <= 0) return 1;
+  double low = 0, high = 1;
+  for (int k = 0; k < most_bisections; ++k) {
+    const double middle = 0.5 * (low + high);
+    (slope(middle) <= 0 ? low : high) = middle;
+  }
+  parallel_for(u_.size(), 4096, [&](std::size_t i) { u_(i) = before(i) + high * step(i); });
+  return high;
+}
+
+/// Moves the bodies that contact alone holds to where its forces balance the loads. False: nothing stops one.
+bool ContactSolver::Impl::balance_floating_bodies() {
+  set_rigid_parts_aside();
+  std::vector<double> gap = group_gap_change();
+  std::vector<std::vector<double>> stress = contact_stress_;
+  std::size_t group = 0;
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
+    for (const ContactGroup& g : problem_.pairs[k].groups) gap[group++] += g.initial_gap;
+    for (double& s : stress[k]) s *= scales().stress;
+  }
+  const FloatingBodies::Balance balance = floating_.balance(gap, stress);
+  unbalanced_ = balance.unbalanced;
+  if (!balance.found) return false;
+  for (std::size_t b = 0; b < balance.motions.size(); ++b) {
+    const RigidPiece& piece = floating_.pieces()[b];
+    rigid_parts_.move(b, balance.motions[b].head<3>(), balance.motions[b].tail<3>() / piece.size(), piece.centre());
+  }
+  set_rigid_parts_aside();
+  return true;
+}
+
+/// Of all contact groups, N.
+double ContactSolver::Impl::total_force() const {
+  double sum = 0;
+  for (const double force : group_force(true)) sum += std::abs(force);
+  return sum * scales().stress * scales().length * scales().length;
+}
+
+/// Sum of the magnitudes of the forces in springs that follow a motion, N.
+double ContactSolver::Impl::force_of_followers() const {
+  double sum = 0;
+  if (!floating_.any()) return sum;
+  const auto u = host_copy(u_);
+  for (const SupportPoint& p : problem_.supports)
+    if (p.follows) sum += std::abs(p.weight * support_stiffness(p) * (displacement_of(p, u) - p.value));
+  return sum;
 }
 
 /// Where a motion is held by springs that follow it.
@@ -422,14 +506,6 @@ void ContactSolver::Impl::polish(OuterResult& result) {
   set_forces(result);
 }
 
-/// N, sum of the magnitudes at points that belong to no support of the scene.
-double ContactSolver::Impl::force_of_holds(const OuterResult& result) const {
-  double sum = 0;
-  for (std::size_t s = 0; s < problem_.supports.size(); ++s)
-    if (problem_.supports[s].support < 0) sum += std::abs(problem_.supports[s].weight * result.support_stress[s]);
-  return sum;
-}
-
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.rigid_parts = rigid_parts_.of_bodies();
@@ -444,27 +520,14 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
   }
 }
 
-/// From the last solution or, without one, from few closed points. Those may mislead at once (a pin with clearance all
-/// round is glued in its hole, and opens everywhere): then from where the loads press rigid bodies together.
+/// From the last solution or, without one, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   load_ = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
   if (!warm_) {
     forget();
     initialise_active_set();
   }
-  const bool cold = !warm_;
-  OuterResult result = iterate(progress);
-  if (result.converged || !cold || result.iterations > at_once || count_active() > 0) return result;
-  const std::vector<ContactPair> failed = problem_.pairs;
-  if (!close_where_loads_press()) {
-    problem_.pairs = failed;
-    return result;
-  }
-  forget();
-  OuterResult again = iterate(progress);
-  again.linear_iterations.insert(again.linear_iterations.begin(), result.linear_iterations.begin(),
-                                 result.linear_iterations.end());
-  return again;
+  return iterate(progress);
 }
 
 OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterStep&)>& progress) {
@@ -475,6 +538,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   warm_ = false;
   double outer_residual = 1;
   ActiveSetHistory history(problem_.pairs);
+  const RealView before("cgcontact::outer_loop::before", u_.size());
   for (int iteration = 1; iteration <= solver.max_outer_iterations; ++iteration) {
     OuterStep step;
     step.iteration = iteration;
@@ -482,6 +546,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     set_rigid_parts_aside();
     assemble_right_hand_side();
     const double inner = std::clamp(inner_fraction * outer_residual, solver.linear_tolerance, loosest_inner_tolerance);
+    const bool search = floating_.any() || history.cycles();
+    if (search) Kokkos::deep_copy(before, u_);
     const LinearSolveResult solve = solve_linear(inner * force_norm_);
     result.preconditioner_setups = solver_.report().setups;
     step.linear_iterations = solve.iterations;
@@ -490,7 +556,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       result.iterations = iteration;
       set_forces(result);
       result.diagnosis = why;
-      const FreeMotions driven = driven_motions(hardly_any_stiffness);
+      const FreeMotions driven = unbalanced_.empty() ? driven_motions(hardly_any_stiffness) : unbalanced_;
       if (driven.empty()) return result;
       const std::string free = find_free_motion(problem_.scene, problem_.bodies, problem_.supports, problem_.pairs);
       result.diagnosis += "; " + (free.empty() ? describe(driven, problem_.scene) : free);
@@ -498,6 +564,12 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
       return stop(describe_linear_solve(solve));
+    const double length = search ? search_along_step(before) : 1;
+    const double spring_force = force_of_followers();
+    if (floating_.any() && !balance_floating_bodies()) {
+      update_active_set();
+      return stop(driven_motions().empty() ? "the loads push a body out of its contact" : describe_loss_of_contact());
+    }
     follow();
     update_active_set();
     step.changed_points = history.record(problem_.pairs);
@@ -509,10 +581,9 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     outer_residual = step.residual;
     progress(step);
     if (step.changed_points > 0 && !driven_motions().empty()) return stop(describe_loss_of_contact());
-    if (step.changed_points == 0 && step.residual < solver.tolerance) {
+    if (step.changed_points == 0 && step.residual < solver.tolerance && length == 1 &&
+        spring_force <= most_hold * total_force()) {
       polish(result);
-      const double force = total_force(result) * scales().stress * scales().length * scales().length;
-      if (force_of_holds(result) > most_hold * force) return stop(describe_loss_of_contact());
       result.converged = warm_ = true;
       return result;
     }

@@ -96,11 +96,12 @@ void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& ro
   const ContactPair& pair = sim.pairs[row.pair];
   const int other = pair.other(row.body);
   const auto opposite = find_opposite(sim.bodies, pair, row.body, row.x, row.normal);
-  row.gap = std::numeric_limits<double>::infinity();
+  row.gap = row.distance = std::numeric_limits<double>::infinity();
   row.pressure_opposite = std::numeric_limits<double>::quiet_NaN();
   if (!opposite) return;
   const Vec3 other_xi = cell_coordinates(sim.bodies[other].cut_cells, opposite->cell, opposite->position);
   const Vec3 relative = displacement(sim, other, opposite->cell, other_xi) - displacement(sim, row.body, cell, xi);
+  row.distance = opposite->distance;
   row.gap = opposite->distance - pair.interference + relative.dot(row.normal);
   row.pressure_opposite =
       carries_pressure(sim, other, opposite->cell, row.pair, opposite->position, -row.normal)
@@ -113,7 +114,25 @@ bool is_far_from_contact(const Simulation& sim, const ContactRow& row) {
   return !(row.gap < sim.bodies[sim.pairs[row.pair].primary].cut_cells.grid.cell_size);
 }
 
-ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
+/// Kinds and statuses of the patches around each cell.
+void fill_patch_states(const BodyMesh& mesh, const PatchStates& states, BodyFields& fields) {
+  for (const auto& nodes : mesh.cell_nodes) {
+    PatchKind kind = PatchKind::interior;
+    PatchStatus status = PatchStatus::exact;
+    for (int node : nodes) {
+      kind = std::max(kind, states.kind[node - mesh.first_node]);
+      status = std::max(status, states.status[node - mesh.first_node]);
+    }
+    fields.patch_kind.push_back(static_cast<unsigned char>(kind));
+    fields.patch_status.push_back(static_cast<unsigned char>(status));
+  }
+}
+
+double frobenius(const Sym3& s) { return tensor(s).norm(); }
+
+}  // namespace
+
+ContactRow contact_row(const Simulation& sim, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
   const BodyModel& model = sim.bodies[body];
   ContactRow row;
   row.body = body;
@@ -137,64 +156,6 @@ ContactRow make_row(const Simulation& sim, int body, int pair, int cell, const V
   return row;
 }
 
-/// Ends of the path: the scene's, or the longest direction of the first pair's contact rows through their centroid.
-std::pair<Vec3, Vec3> path_ends(const Simulation& sim, const Results& results) {
-  if (sim.scene.output.path) return *sim.scene.output.path;
-  std::vector<const ContactRow*> rows;
-  for (const ContactRow& r : results.contact_rows)
-    if (r.pair == results.contact_rows.front().pair) rows.push_back(&r);
-  Vec3 centroid = Vec3::Zero();
-  double area = 0;
-  for (const ContactRow* r : rows) centroid += r->weight * r->x, area += r->weight;
-  centroid /= area;
-  Mat3 second = Mat3::Zero();
-  for (const ContactRow* r : rows) second += r->weight * (r->x - centroid) * (r->x - centroid).transpose();
-  const Vec3 e = Eigen::SelfAdjointEigenSolver<Mat3>(second).eigenvectors().col(2);
-  double low = 0, high = 0;
-  for (const ContactRow* r : rows) {
-    low = std::min(low, e.dot(r->x - centroid));
-    high = std::max(high, e.dot(r->x - centroid));
-  }
-  return {centroid + low * e, centroid + high * e};
-}
-
-/// Nearest point of a body's contact faces to x: surface projection of the nearest contact row's surface.
-std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& results, int body, const Vec3& x) {
-  const BodyModel& model = sim.bodies[body];
-  const Grid& grid = model.cut_cells.grid;
-  const ContactRow* nearest = nullptr;
-  for (const ContactRow& r : results.contact_rows)
-    if (r.body == body && (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm())) nearest = &r;
-  if (!nearest || (nearest->x - x).norm() > grid.cell_size) return std::nullopt;
-  const Vec3 g = grid.to_grid(x), row_normal = grid.rotation.transpose() * nearest->normal;
-  const Solid& solid = model.cut_cells.solid;
-  const Surface surface = solid.surfaces()[solid.surface_at(grid.to_grid(nearest->x), row_normal)].near(g);
-  const Vec3 position = g - surface.signed_distance(g) * surface.gradient(g);
-  Vec3 n = surface.gradient(position);
-  if (n.dot(row_normal) < 0) n = -n;
-  const int cell = model.cut_cells.locate(position - 1e-9 * n);
-  if (cell < 0) return std::nullopt;
-  return make_row(sim, body, nearest->pair, cell, position, grid.rotation * n);
-}
-
-/// Kinds and statuses of the patches around each cell.
-void fill_patch_states(const BodyMesh& mesh, const PatchStates& states, BodyFields& fields) {
-  for (const auto& nodes : mesh.cell_nodes) {
-    PatchKind kind = PatchKind::interior;
-    PatchStatus status = PatchStatus::exact;
-    for (int node : nodes) {
-      kind = std::max(kind, states.kind[node - mesh.first_node]);
-      status = std::max(status, states.status[node - mesh.first_node]);
-    }
-    fields.patch_kind.push_back(static_cast<unsigned char>(kind));
-    fields.patch_status.push_back(static_cast<unsigned char>(status));
-  }
-}
-
-double frobenius(const Sym3& s) { return tensor(s).norm(); }
-
-}  // namespace
-
 Vec3 displacement(const Simulation& sim, int body, int cell, const Vec3& xi) {
   double u[8][3], N[8];
   corner_displacements(sim, body, cell, u);
@@ -210,10 +171,8 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
                   const Scales& scales, ElasticSystem& system) {
   std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
   for (const SupportPoint& p : supports) {
-    const BodySpec& body = scene.bodies[p.body];
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
-    const double stiffness = support_kappa(scene, bodies[p.body]) * body.material.youngs_modulus / body.cell_size *
-                             p.weight / (scales.stress * scales.length);
+    const double stiffness = support_stiffness(scene, bodies[p.body]) * p.weight / (scales.stress * scales.length);
     terms[p.body].push_back({p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin()});
   }
   for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
@@ -306,7 +265,7 @@ void fill_contact_rows(const Simulation& sim, Results& results) {
         int pair = body.boundary.pair_of_point[p];
         if (pair < 0) pair = pair_of_face(sim, b, p);
         if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic)) continue;
-        ContactRow row = make_row(sim, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
+        ContactRow row = contact_row(sim, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
         row.weight = body.area(p);
         chunks[chunk].push_back(row);
         points[chunk].push_back(p);
@@ -320,7 +279,8 @@ void fill_contact_rows(const Simulation& sim, Results& results) {
 
 void fill_support_figures(const Simulation& sim, Results& results) {
   for (const SupportSpec& support : sim.scene.supports)
-    results.supports.push_back({sim.scene.bodies[support.face.body].name + "." + support.face.face.name});
+    results.supports.push_back(
+        {sim.scene.bodies[support.face.body].name + "." + support.face.face.name, Vec3::Zero(), "", 0});
   for (std::size_t s = 0; s < sim.supports.size(); ++s)
     if (sim.supports[s].support >= 0)
       results.supports[sim.supports[s].support].force +=
@@ -339,37 +299,6 @@ void fill_balance(const Simulation& sim, Results& results) {
       if (sim.pairs[k].spec->second.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_second;
     }
     results.balance.push_back(balance);
-  }
-}
-
-void fill_path(const Simulation& sim, Results& results) {
-  if (results.contact_rows.empty()) return;
-  constexpr int num_samples = 401;
-  const Reference reference(sim.scene, sim.reference);
-  const auto [from, to] = path_ends(sim, results);
-  const bool by_coordinate = !sim.reference.pressure_file.empty();
-  const auto place = [&](int i) { return (i + 0.5) / num_samples; };
-  for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
-    std::vector<std::optional<ContactRow>> rows(num_samples);
-    parallel_for(num_samples, 8, [&, &path_from = from, &path_to = to](std::size_t i) {
-      const double t = place(static_cast<int>(i));
-      rows[i] = project_to_face(sim, results, b, (1 - t) * path_from + t * path_to);
-    });
-    for (int i = 0; i < num_samples; ++i) {
-      const double t = place(i);
-      const std::optional<ContactRow>& row = rows[i];
-      if (!row) continue;
-      PathSample sample;
-      sample.body = b;
-      sample.x = row->x;
-      sample.s = by_coordinate ? reference.coordinate(row->x) : t * (to - from).norm();
-      sample.pressure_raw = row->pressure_raw;
-      sample.pressure_spr = row->pressure_spr;
-      sample.pressure_sprc = row->pressure_sprc;
-      sample.has_reference = reference.has_pressure();
-      if (sample.has_reference) sample.pressure_reference = reference.pressure(row->x);
-      results.path.push_back(sample);
-    }
   }
 }
 

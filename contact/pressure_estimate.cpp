@@ -22,6 +22,9 @@ constexpr double edge_reach = 1.5;
 /// times as wrong as the square of the energy norm's error (docs/recovery.md, "Error figures").
 constexpr double edge_factor = 2;
 
+/// The difference to plain SPR counts in full on zones of that many cells across and less, on wider ones less and less.
+constexpr double coarse_zone = 3, no_coarse_zone = 4;
+
 /// The edge's square-root term around a row.
 struct EdgeAtRow {
   double inside = 1e300;  ///< distance from the edge, m
@@ -111,13 +114,15 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     const double force_error = std::pow(results.estimated_error_relative, 2);
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     const bool resolved = verdict.state != Verdict::State::not_resolved;
+    const double coarse = std::clamp(
+        (no_coarse_zone - verdict.cells_across.value_or(no_coarse_zone)) / (no_coarse_zone - coarse_zone), 0.0, 1.0);
     parallel_for(rows.size(), 128, [&](std::size_t i) {
       ContactRow& row = rows[i];
       if (row.pair != static_cast<int>(p)) return;
       const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
       const double common = std::hypot(mean.at(row.x), force_error * row.pressure_sprc);
-      row.pressure_error = std::hypot(jump / 2, common, edges[i].change);
-      if (!resolved) row.pressure_error = std::hypot(row.pressure_error, row.pressure_spr - row.pressure_sprc);
+      row.pressure_error =
+          std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
     });
     double error = 0, norm = 0;
     for (const ContactRow& row : rows) {

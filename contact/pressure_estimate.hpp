@@ -15,9 +15,8 @@ namespace cgcontact {
 /// - the change of the edge's square-root term when the edge moves by what its place may be off: the other two hardly
 ///   see it;
 /// - the pressure times the square of the relative error of the energy norm: what is wrong with the solution's forces;
-/// - in zones that are not resolved the difference to the pressure of plain SPR: all the others look for errors that
-/// are
-///   small, and SPR-C is no better than SPR there.
+/// - in zones of less than four cells the difference to the pressure of plain SPR: all the others look
+///   for errors that are small, and SPR-C may be no better than SPR there.
 /// The pair's pressure estimate is the L2 norm of that relative to that of the pressure. The force is exact where the
 /// loads give it; where the zone is not resolved it has no estimate. Else its estimate is the square of the relative
 /// error of the energy norm: the force is a functional of the solution, and its error the product of that of the

@@ -1,5 +1,7 @@
-/// Where bodies that loads alone press together touch first: all bodies rigid, contact and supports on springs.
+/// Bodies that contact alone holds, as rigid bodies: where loads press them together, and where they are in balance.
 #pragma once
+
+#include <vector>
 
 #include "contact/free_motion.hpp"
 
@@ -12,5 +14,36 @@ namespace cgcontact {
 /// in an elastic contact. False, with the points as they were, if it has no minimum (nothing stops a body).
 bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                    std::vector<ContactPair>& pairs);
+
+/// The rigid motions of all bodies that their own supports leave free. In the outer iteration their part of the
+/// unknowns is solved for with all contact points, closed and open: the active set follows from it, and what it closes
+/// carries the loads.
+class FloatingBodies {
+ public:
+  /// References stay valid outside.
+  FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                 const std::vector<ContactPair>& pairs);
+  /// Is there a body that its supports alone do not hold?
+  bool any() const { return any_; }
+  const std::vector<RigidPiece>& pieces() const { return pieces_; }
+
+  struct Balance {
+    bool found = false;
+    std::vector<RigidMotion> motions;  ///< of each body, about the centre of its piece
+    FreeMotions unbalanced;            ///< if not found: the motion that nothing stops
+  };
+  /// Motions, from where the bodies are, that minimise the convex energy
+  ///   sum over contact points of w [p* - k gap]_+^2 / (2 k) - work of the loads (those of the present step):
+  /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
+  /// each pair and point, Pa.
+  Balance balance(const std::vector<double>& gap, const std::vector<std::vector<double>>& stress) const;
+
+ private:
+  const std::vector<BodyModel>& bodies_;
+  const std::vector<ContactPair>& pairs_;
+  std::vector<RigidPiece> pieces_;
+  std::vector<Eigen::Matrix<double, 6, 6>> free_;  ///< projection of a body's motions on those that are free
+  bool any_ = false;
+};
 
 }  // namespace cgcontact

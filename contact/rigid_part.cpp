@@ -86,6 +86,12 @@ void RigidParts::set_aside(const RealView& u) {
   }
 }
 
+void RigidParts::move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre) {
+  RigidPart& part = parts_[body];
+  part.translation += translation + rotation.cross(part.centre - centre);
+  part.rotation += rotation;
+}
+
 double RigidParts::at_dof(int dof) const {
   std::size_t b = 0;
   while (dof / 3 >= meshes_[b].first_node + meshes_[b].num_nodes) ++b;

@@ -29,6 +29,8 @@ class RigidParts {
   /// Moves the rigid motion nearest to each body's displacements u (Scales::length; least squares over its nodes) from
   /// u into the parts.
   void set_aside(const RealView& u);
+  /// Adds the motion x -> translation + rotation x (x - centre), m, global axes, of one body.
+  void move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre);
   /// One component (DoF of all bodies), grid axes, m.
   double at_dof(int dof) const;
   /// Bound of the displacements' components, u and rigid parts together, Scales::length.

@@ -7,6 +7,7 @@
 
 #include "contact/coarse_facets.hpp"
 #include "contact/condition_checks.hpp"
+#include "contact/conditions.hpp"
 #include "contact/free_motion.hpp"
 #include "contact/free_pieces.hpp"
 #include "contact/memory.hpp"
@@ -14,6 +15,7 @@
 #include "contact/pair_figures.hpp"
 #include "contact/postprocess.hpp"
 #include "contact/pressure_estimate.hpp"
+#include "contact/pressure_paths.hpp"
 #include "contact/reference.hpp"
 #include "contact/small_strain.hpp"
 #include "contact/verdict.hpp"
@@ -26,9 +28,12 @@ namespace {
 constexpr double nearly_one = 0.99;
 /// A pair that has to see farther is solved again; so many times at most.
 constexpr int most_extensions = 5;
-/// Stiffness of what holds motions along a surface, of a support's: less than what the discrete contact itself resists,
-/// so that the displacement settles within the outer iteration.
+/// Stiffness of what holds bodies while contact does not, of a support's: less than what contact resists, so that its
+/// rest position follows within the outer iteration.
 constexpr double soft_hold = 1e-4;
+/// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9, or
+/// to less where a face ends between quadrature points.
+constexpr double no_load = 1e-7, little_load = 1e-3;
 
 /// The shortest side of the bounding box along the grid's axes, cells.
 double thickness_on_grid(const BodySpec& body) {
@@ -73,36 +78,47 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
-/// Motions that are free although all contact is closed: pieces that nothing holds, sliding, and whatever the loads
-/// drive, are mistakes in the scene. A body that spins in its contact with nothing to drive it (ball, roller) is held:
-/// no force arises. So are motions along a body's own surface that only this surface leaves free; where loads drive
-/// them, the little that an elastic contact resists may be enough.
+/// Motions that are free although all contact is closed: pieces that nothing holds, flat faces that slide on each
+/// other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with nothing to
+/// drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the other side's
+/// points seem to resist, as the contact of curved surfaces does between cells.
 void check_free_motions(const Scene& scene, Preparation& p) {
-  const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
-  FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
-  if (!text.empty()) {
-    const FreeMotions driven = driven_by_loads(free, p.bodies);
+  const auto refuse_driven = [&](const FreeMotions& free, double no_load, const std::string& text) {
+    const FreeMotions driven = driven_by_loads(free, p.bodies, no_load);
     if (!driven.empty())
-      throw InputError(fmt::format("{}: {}, and the loads drive it: {}", scene.file, describe(driven, scene), text));
-    if (free.empty() || free.slides()) throw InputError(scene.file + ": " + text);
+      throw InputError(fmt::format("{}: {}, and the loads drive it{}", scene.file, describe(driven, scene), text));
+  };
+  const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
+  const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
+  const FreeMotions on_both_sides = free_on_both_sides(free, p.bodies, p.pairs);
+  if (!text.empty()) {
+    refuse_driven(free, no_load, ": " + text);
+    if (free.empty() || on_both_sides.slides()) throw InputError(scene.file + ": " + text);
   }
-  std::vector<SupportPoint> held = hold(free, p.bodies);
-  if (!free.empty())
-    p.warnings.push_back(describe(free, scene) +
+  std::vector<SupportPoint> held = hold(on_both_sides, p.bodies);
+  // The exact pressure does no work on these. A rotation about the axis of another body's surface (a pin in a wider
+  // hole) ends where the loads do none.
+  const SurfaceMotions surface = find_surface_motions(p.bodies, p.supports, p.pairs);
+  refuse_driven(surface.own, little_load, "");
+  refuse_driven(surface.others.without_rotation(), little_load, "");
+  FreeMotions along_surfaces = surface.own;
+  along_surfaces.add(surface.others);
+  along_surfaces.add(free);
+  FreeMotions left = along_surfaces;
+  left.leave_out(held, p.bodies);
+  if (!left.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
+    p.warnings.push_back(describe(along_surfaces, scene) +
+                         ": no load drives this motion, soft springs that follow it hold it");
+  else if (!on_both_sides.empty())
+    p.warnings.push_back(describe(on_both_sides, scene) +
                          ": no load drives this motion, it is held where it is, which takes no force");
-  FreeMotions along_surfaces = find_surface_motions(p.bodies, p.supports, p.pairs);
-  if (driven_by_loads(along_surfaces, p.bodies).empty()) {
-    along_surfaces.add(free);
-    along_surfaces.leave_out(held, p.bodies);
-    if (!along_surfaces.empty())
-      p.warnings.push_back(describe(along_surfaces, scene) +
-                           ": no load drives this motion, soft springs that follow it hold it");
-    for (SupportPoint point : hold(along_surfaces, p.bodies)) {
-      point.weight *= soft_hold;
+  for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
+    for (SupportPoint point : hold(motions, p.bodies)) {
+      const Material& material = p.bodies[point.body].spec->material;
+      point.weight *= soft_hold * material.youngs_modulus / stabilising_modulus(material);
       point.follows = true;
       held.push_back(point);
     }
-  }
   p.supports.insert(p.supports.end(), held.begin(), held.end());
 }
 
@@ -162,6 +178,16 @@ void Simulation::run(const ProgressCallbacks& progress) {
   results.peak_memory_bytes = peak_memory_bytes();
 }
 
+/// Is there no force and no motion?
+bool is_at_rest(const OuterResult& outer) {
+  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), outer.u);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    if (u(i) != 0) return false;
+  for (const RigidPart& part : outer.rigid_parts)
+    if (part.translation.norm() + part.rotation.norm() > 0) return false;
+  return std::all_of(outer.group_force.begin(), outer.group_force.end(), [](double force) { return force == 0; });
+}
+
 /// All steps, each from the solution of the one before; figures of each, if the scene asks for steps. The last one is
 /// the result.
 void Simulation::solve_steps(const ProgressCallbacks& progress) {
@@ -179,6 +205,11 @@ void Simulation::solve_steps(const ProgressCallbacks& progress) {
       continue;
     }
     if (!scene.steps.empty()) record_step(steps[k], k + 1 == steps.size());
+    if (!scene.steps.empty() && outer.converged && is_at_rest(outer))
+      add_warning(
+          fmt::format("step {} of {}: nothing acts, neither loads nor prescribed displacements nor overlap: no "
+                      "force and no motion",
+                      k + 1, steps.size()));
     if (!outer.converged && first_failure.empty())
       first_failure = scene.steps.empty() ? outer.diagnosis
                                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), outer.diagnosis);
@@ -191,7 +222,8 @@ void Simulation::solve_steps(const ProgressCallbacks& progress) {
 /// Loads, prescribed displacements and interferences of a step.
 void Simulation::set_step(const StepSpec& step) {
   for (BodyModel& body : bodies) set_loads(scene, step.loads, body);
-  for (SupportPoint& p : supports) p.value = step.displacements * p.prescribed;
+  for (SupportPoint& p : supports)
+    if (!p.follows) p.value = step.displacements * p.prescribed;
   for (ContactPair& pair : pairs) set_interference(pair, step.interference * pair.spec->interference);
 }
 
@@ -328,7 +360,8 @@ void Simulation::fill_results() {
   choose_reference();
   fill_body_fields(*this, results);
   estimate_contact_errors(*this, results);
-  fill_path(*this, results);
+  fill_conditions(*this, results);
+  fill_paths(*this, results);
   fill_pressure_errors(*this, results);
   if (outer.converged)
     for (const auto& warnings :

@@ -30,7 +30,7 @@ struct Largest {
   }
 };
 
-struct BodyExtremes {
+struct StrainExtremes {
   Largest strain, displacement;
 };
 
@@ -43,10 +43,10 @@ Vec3 centroid(const CutCells& cc, int e) {
 }
 
 /// At the centroid of every cell.
-BodyExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
-                           double length_scale) {
+StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
+                             double length_scale) {
   const std::size_t cells = cc.cells.size();
-  std::vector<BodyExtremes> found(num_chunks(cells, grain));
+  std::vector<StrainExtremes> found(num_chunks(cells, grain));
   parallel_chunks(cells, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) {
       const Vec3 xi = centroid(cc, static_cast<int>(e));
@@ -70,8 +70,8 @@ BodyExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealV
       found[chunk].displacement.add(displacement.norm(), x);
     }
   });
-  BodyExtremes all;
-  for (const BodyExtremes& part : found) {
+  StrainExtremes all;
+  for (const StrainExtremes& part : found) {
     all.strain.add(part.strain.value, part.strain.x);
     all.displacement.add(part.displacement.value, part.displacement.x);
   }
@@ -87,7 +87,7 @@ std::vector<std::string> small_strain_warnings(const Simulation& sim) {
   for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
     const CutCells& cc = sim.bodies[b].cut_cells;
     const BodySpec& spec = *sim.bodies[b].spec;
-    const BodyExtremes extremes =
+    const StrainExtremes extremes =
         find_extremes(cc, sim.system.meshes[b], sim.outer.u, sim.outer.rigid_parts[b], sim.scales.length);
     Largest pressure;
     for (const ContactRow& row : sim.results.contact_rows)

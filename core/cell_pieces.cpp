@@ -1,5 +1,7 @@
 #include "core/cell_pieces.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -15,9 +17,8 @@ namespace cgcontact {
 namespace {
 
 constexpr double touch_tolerance = 1e-10;  // a surface this near to a cell is taken to cross it
-constexpr int max_table_bits = 16;
-constexpr double lost_piece = 1e-14;  // area of the pieces of one surface in a cell that is rounding
-constexpr double lost_group = 1e-15;  // the same for what dividers leave
+constexpr double lost_piece = 1e-14;       // area of the pieces of one surface in a cell that is rounding
+constexpr double lost_group = 1e-15;       // the same for what dividers leave
 
 /// Gauss points per direction that make all moments of a leaf accurate to about 1e-12, or 1e-10 on coarse grids.
 int moment_nodes(const Leaf& leaf) {
@@ -32,6 +33,17 @@ double radial_distance(const Surface& surface, const Vec3& x) { return surface.s
 int side_of_interval(double min, double max) {
   if (max < -touch_tolerance) return 1;
   return min > touch_tolerance ? 0 : -1;
+}
+
+std::string too_many_surfaces(const Solid& solid, const std::vector<int>& surfaces) {
+  constexpr std::size_t most_names = 8;
+  std::string names;
+  std::size_t count = 0;
+  for (const int s : surfaces)
+    for (const std::string& name : solid.surfaces()[s].names)
+      if (++count <= most_names) names += (names.empty() ? "" : ", ") + name;
+  if (count > most_names) names += fmt::format(" and {} more", count - most_names);
+  return fmt::format("{} surfaces meet in one cell, {} can: {}", surfaces.size(), max_table_bits, names);
 }
 
 /// Removes the surfaces without influence from the table.
@@ -175,7 +187,7 @@ LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& 
   for (std::size_t i = 0; i < sides.size(); ++i)
     if (sides[i] < 0) local.surfaces.push_back(static_cast<int>(i));
   const int m = static_cast<int>(local.surfaces.size());
-  if (m > max_table_bits) throw InputError("too many surfaces meet in one cell");
+  if (m > max_table_bits) throw InputError(too_many_surfaces(solid, local.surfaces));
   local.table.resize(std::size_t{1} << m);
   for (std::size_t mask = 0; mask < local.table.size(); ++mask) {
     for (int i = 0; i < m; ++i) trial[local.surfaces[i]] = mask >> i & 1;

@@ -190,13 +190,14 @@ void Parser::describe_init() {
   init.add_option("FILE", options.file, "Scene to write [default: scene.toml, or as the surface, with .toml]")
       ->type_name("")
       ->check([](const std::string& value) { return value.empty() ? "is empty (allowed: a name in .toml)" : ""; }, "");
-  add(init, "--stl", "FILE", "A closed surface (.stl, .obj or .ply) to be a body of the scene",
+  add(init, "--stl", "FILE", "A closed surface (.stl, .obj, .ply or .off) to be a body of the scene",
       [&options](const std::string& text) {
-        if (text.empty()) throw InputError("is empty (allowed: an .stl, .obj or .ply file)");
+        if (text.empty()) throw InputError("is empty (allowed: an .stl, .obj, .ply or .off file)");
         options.surface = text;
       });
   add(init, "--unit", "UNIT", "Unit of the surface: " + join(unit_names()),
       [&options](const std::string& text) { options.unit = parse_unit(text); });
+  init.add_flag("--repair", options.repair, "Repair a surface that is open, crosses itself, ...; what changed is told");
   add(init, "--cells", "N", "Cells along the longest side of the surface [default: 20]",
       [&options](const std::string& text) { options.cells = parse_init_cells(text); });
 }

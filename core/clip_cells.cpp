@@ -21,6 +21,9 @@ constexpr double max_sagitta = 0.008;
 constexpr double on_tolerance = 1e-10;
 /// Of cells that a curved patch of triangles crosses.
 constexpr int patch_subdivision = 2;
+/// Patches in a cell that are cut one by one. Each one can double the pieces; cells with more are cut at the surface as
+/// a whole.
+constexpr std::size_t most_patches = 8;
 /// Pieces below this volume (cell units) are rounding only.
 constexpr double min_volume = 1e-25;
 
@@ -80,6 +83,9 @@ class Clipper {
   int edge_point(int a, int b, int surface);
   int side(int point, int surface) const;
   double distance(int point, int surface) const;
+  double distance_of(const Vec3& x, int surface) const;
+  bool is_patch(int surface) const;
+  const TriangleSurface& patch_alone(int surface) const;
   static int side_by_distance(double distance);
   template <class Points>
   void set_sides(const Points& points, const std::vector<int>& surfaces);
@@ -93,6 +99,8 @@ class Clipper {
   const std::vector<Surface>& surfaces_;
   int subdivision_ = 1;
   std::vector<int> all_surfaces_;
+  std::vector<std::vector<int>> triangles_of_patch_;
+  int whole_;                       ///< number of the triangle surface as a whole, the one after its patches
   std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
   std::vector<int> cube_surfaces_;  ///< those that come near the cube in work
   int active_ = -1;                 ///< the cell in work
@@ -104,6 +112,7 @@ class Clipper {
   std::vector<int> nodes_;  ///< by Grid::node_index, -1 where there is no point yet
   std::unordered_map<std::uint64_t, int> fine_nodes_;
   mutable std::unordered_map<std::uint64_t, double> patch_distances_;
+  mutable std::unordered_map<int, TriangleSurface> patches_alone_;
   std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
   std::vector<Tetrahedron> pieces_, next_pieces_;
   ClippedMesh mesh_;
@@ -111,7 +120,13 @@ class Clipper {
 
 Clipper::Clipper(const CutCells& cut_cells)
     : cut_cells_(cut_cells), solid_(cut_cells.solid), triangles_(solid_.triangles()), surfaces_(solid_.surfaces()) {
-  inner_side_.assign(surfaces_.size(), 0);
+  whole_ = static_cast<int>(surfaces_.size());
+  if (triangles_) {
+    triangles_of_patch_.resize(surfaces_.size());
+    for (int t = 0; t < static_cast<int>(triangles_->triangles().size()); ++t)
+      triangles_of_patch_[triangles_->patch(t)].push_back(t);
+  }
+  inner_side_.assign(surfaces_.size() + 1, 0);
   const Index3& n = cut_cells.grid.num_cells;
   nodes_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), -1);
   mesh_.hexahedra.reserve(cut_cells.cells.size());
@@ -153,6 +168,7 @@ std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
         [&](int t) { near.push_back(triangles_->patch(t)); });
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
+    if (!near.empty() && candidates.size() == 1 && candidates[0] == whole_) near.assign(1, whole_);
     return near;
   }
   const double half_diagonal = half_size * std::sqrt(3.0);
@@ -184,13 +200,13 @@ void Clipper::clip_cell(int active) {
   active_ = active;
   const Index3& c = cut_cells_.cells[active];
   const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
-  const std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
+  std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
+  if (triangles_ && near.size() > most_patches) near.assign(1, whole_);
   cell_surfaces_ = triangles_ ? near : all_surfaces_;
   set_far_sides(centre, all_surfaces_);
   const bool full = cut_cells_.cut_of_active[active] < 0;
-  const bool curved = std::any_of(near.begin(), near.end(), [&](int s) {
-    return surfaces_[s].max_curvature() > 0 || surfaces_[s].kind == Surface::Kind::patch;
-  });
+  const bool curved =
+      std::any_of(near.begin(), near.end(), [&](int s) { return is_patch(s) || surfaces_[s].max_curvature() > 0; });
   const int parts = curved && !full ? subdivision_ : 1;
   const int size = max_subdivision / parts;
   for (int k = 0; k < parts; ++k)
@@ -286,7 +302,7 @@ void Clipper::set_sides(const Points& points, const std::vector<int>& surfaces) 
     if (where == 0) {
       Vec3 centroid = Vec3::Zero();
       for (int p : points) centroid += mesh_.points[p] / static_cast<double>(points.size());
-      where = surfaces_[s].signed_distance(centroid) < 0 ? -1 : 1;
+      where = distance_of(centroid, s) < 0 ? -1 : 1;
     }
     inner_side_[s] = where < 0;
   }
@@ -361,7 +377,7 @@ int Clipper::edge_point(int a, int b, int surface) {
   const double da = distance(a, surface);
   const double linear = da / (da - distance(b, surface));
   double roots[2], t = linear, best = 1;
-  const int num_roots = surfaces_[surface].intersect_line(x, d, roots);
+  const int num_roots = is_patch(surface) ? 0 : surfaces_[surface].intersect_line(x, d, roots);
   for (int r = 0; r < num_roots; ++r)
     if (roots[r] >= 0 && roots[r] <= 1 && std::abs(roots[r] - linear) < best) {
       best = std::abs(roots[r] - linear);
@@ -374,7 +390,7 @@ int Clipper::edge_point(int a, int b, int surface) {
     // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
     const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
     const int linear_side = side_a != 0 ? side_a : side_b;
-    if (s != surface && decided && linear_side != side_by_distance(surfaces_[s].signed_distance(middle)))
+    if (s != surface && decided && linear_side != side_by_distance(distance_of(middle, s)))
       fixed_sides_.emplace_back(s, linear_side);
   }
   return add_point(middle);
@@ -386,13 +402,47 @@ int Clipper::side_by_distance(double distance) {
   return distance < 0 ? -1 : 1;
 }
 
+/// A patch of triangles, or all of them.
+bool Clipper::is_patch(int surface) const {
+  return surface == whole_ || surfaces_[surface].kind == Surface::Kind::patch;
+}
+
+/// The triangles of a patch by themselves: the search for the nearest one need not pass over all others.
+const TriangleSurface& Clipper::patch_alone(int surface) const {
+  const auto known = patches_alone_.find(surface);
+  if (known != patches_alone_.end()) return known->second;
+  std::vector<Vec3> points;
+  std::vector<Triangle> triangles;
+  for (const int t : triangles_of_patch_[surface]) {
+    const int first = static_cast<int>(points.size());
+    for (int k = 0; k < 3; ++k) points.push_back(triangles_->corner(t, k));
+    triangles.push_back({first, first + 1, first + 2});
+  }
+  std::vector<int> patch(triangles.size(), 0);
+  return patches_alone_
+      .emplace(surface, TriangleSurface(std::move(points), std::move(triangles), std::move(patch), {""}))
+      .first->second;
+}
+
+double Clipper::distance_of(const Vec3& x, int surface) const {
+  if (surface != whole_ && is_patch(surface)) {
+    const TriangleSurface& patch = patch_alone(surface);
+    const int nearest = patch.nearest(x).triangle;
+    return patch.normal(nearest).dot(x - patch.corner(nearest, 0));
+  }
+  if (surface != whole_) return surfaces_[surface].signed_distance(x);
+  const TriangleSurface::Foot foot = triangles_->nearest(x);
+  return (x - foot.point).dot(foot.normal) < 0 ? -foot.distance : foot.distance;
+}
+
 /// From a point to a surface; that to a patch of triangles, a search, is kept.
 double Clipper::distance(int point, int surface) const {
   const Vec3& x = mesh_.points[point];
-  if (surfaces_[surface].kind != Surface::Kind::patch) return surfaces_[surface].signed_distance(x);
-  const std::uint64_t key = static_cast<std::uint64_t>(point) * surfaces_.size() + static_cast<std::uint64_t>(surface);
+  if (!is_patch(surface)) return distance_of(x, surface);
+  const std::uint64_t key =
+      static_cast<std::uint64_t>(point) * (surfaces_.size() + 1) + static_cast<std::uint64_t>(surface);
   const auto [entry, added] = patch_distances_.try_emplace(key, 0.0);
-  if (added) entry->second = surfaces_[surface].signed_distance(x);
+  if (added) entry->second = distance_of(x, surface);
   return entry->second;
 }
 

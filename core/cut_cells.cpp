@@ -1,5 +1,7 @@
 #include "core/cut_cells.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -125,7 +127,7 @@ class CutCellBuilder {
 
   /// Appends the cell to `found` unless it turns out to be empty or full.
   void integrate(const Index3& cell, std::vector<Candidate>& found) {
-    const LocalSolid local = make_local_solid(result_.solid, Vec3(cell[0], cell[1], cell[2]), 1);
+    const LocalSolid local = local_solid(cell);
     if (local.is_constant()) {
       if (local.table[0]) set_inside(cell);
       return;
@@ -133,6 +135,33 @@ class CutCellBuilder {
     CellIntegrals integrals{cell, cell_moments(result_.solid, local, cell), {}};
     cell_boundary_points(result_.solid, local, cell, {}, result_.face_dividers, default_order, 0, integrals.points);
     keep(std::move(integrals), found);
+  }
+
+  LocalSolid local_solid(const Index3& cell) const {
+    const Vec3 corner(cell[0], cell[1], cell[2]);
+    try {
+      return make_local_solid(result_.solid, corner, 1);
+    } catch (const InputError& error) {
+      const Vec3 x = result_.grid.to_global(corner + Vec3::Constant(0.5));
+      throw InputError(fmt::format("{}; the cell is at ({:.4g}, {:.4g}, {:.4g}) m (allowed: {})", error.what(), x[0],
+                                   x[1], x[2], remedy(corner)));
+    }
+  }
+
+  /// The largest cells, of halves of halves, that no more surfaces cross than can.
+  std::string remedy(const Vec3& corner) const {
+    constexpr int most_parts = 16;
+    for (int parts = 2; parts <= most_parts; parts *= 2) {
+      bool fits = true;
+      const Vec3 half = Vec3::Constant(0.5 / parts);
+      for (int n = 0; n < parts * parts * parts && fits; ++n) {
+        const Vec3 place = corner + Vec3(n % parts, n / parts % parts, n / (parts * parts)) / parts + half;
+        fits = std::count_if(result_.solid.surfaces().begin(), result_.solid.surfaces().end(),
+                             [&](const Surface& s) { return side_of_box(s, place, half) < 0; }) <= max_table_bits;
+      }
+      if (fits) return fmt::format("a cell_size of {:.3g} m or less", result_.grid.cell_size / parts);
+    }
+    return "fewer shapes that meet in one point; smaller cells do not help";
   }
 
   void keep(CellIntegrals&& integrals, std::vector<Candidate>& found) {

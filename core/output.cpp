@@ -17,6 +17,7 @@
 #include <optional>
 
 #include "core/interruption.hpp"
+#include "core/output_check.hpp"
 #include "core/output_csv.hpp"
 #include "core/output_fields.hpp"
 #include "core/output_page.hpp"
@@ -201,15 +202,36 @@ std::vector<BodyExtremes> extremes_of(const std::vector<DrawnBody>& bodies) {
   std::vector<BodyExtremes> extremes;
   for (const DrawnBody& body : bodies) {
     BodyExtremes most;
-    for (const Vec3& u : body.displacement) most.displacement = std::max(most.displacement, u.norm());
-    for (const Sym3& s : body.stress) most.von_mises = std::max(most.von_mises, von_mises(s));
+    for (std::size_t p = 0; p < body.position.size(); ++p) {
+      if (!body.displacement.empty() && body.displacement[p].norm() > most.displacement) {
+        most.displacement = body.displacement[p].norm();
+        most.displacement_at = body.position[p];
+      }
+      if (!body.stress.empty() && von_mises(body.stress[p]) > most.von_mises) {
+        most.von_mises = von_mises(body.stress[p]);
+        most.von_mises_at = body.position[p];
+      }
+    }
     extremes.push_back(most);
   }
   return extremes;
 }
 
+/// Not of results that were put together without a model (tests).
+bool knows_contact_of_points(const Results& results) {
+  return std::all_of(results.bodies.begin(), results.bodies.end(), [](const BodyFields& body) {
+    return body.contact_of_point.size() == body.cut_cells->boundary.size();
+  });
+}
+
+std::vector<CheckedBody> checked_bodies(const Results& results) {
+  std::vector<CheckedBody> bodies;
+  for (const BodyFields& body : results.bodies) bodies.push_back({body.cut_cells, body.contact_of_point});
+  return bodies;
+}
+
 /// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
-PageParts write_files(const Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
+PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
   PageParts parts;
   parts.directory = temporary.path().string();
   GnuplotRuns runs(parts.directory);
@@ -219,9 +241,10 @@ PageParts write_files(const Results& results, const Scene& scene, const Temporar
   if (scene.output.vtk || scene.output.plots) {
     const std::vector<DrawnBody> drawn = draw_bodies(results);
     const ContactSurface surface = make_contact_surface(results, drawn);
-    parts.extremes = extremes_of(drawn);
+    results.extremes = extremes_of(drawn);
     const auto draw = [&] {
       write_picture(results, drawn, runs);
+      if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), runs);
       parts.pressure_maps = write_pressure_maps(results, surface, runs);
     };
     const auto write_fields = [&] {

@@ -383,8 +383,8 @@ void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
   legend.finish();
 }
 
-void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet) {
-  const BodySpec& spec = drawing.scene.bodies[b];
+/// A body from both sides with its faces numbered.
+void add_faces(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet) {
   const auto region = [&](std::size_t body, std::size_t i) { return drawing.region_of_triangle[body][i]; };
   const auto colour = [&](std::size_t body, std::size_t i) {
     const int r = region(body, i);
@@ -392,9 +392,13 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
   };
   const int none = static_cast<int>(drawing.faces.regions().size());
   const auto part = [&](std::size_t body, std::size_t i) { return region(body, i) < 0 ? none : region(body, i); };
+  add_heading(drawing.scene.bodies[b].name, bottom, sheet);
+  add_views(drawing, {b}, bottom, fmt::format("body{}", b), colour, part, true, sheet);
+}
+
+void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet) {
+  add_faces(drawing, b, bottom, sheet);
   const std::string name = fmt::format("body{}", b);
-  add_heading(spec.name, bottom, sheet);
-  add_views(drawing, {b}, bottom, name, colour, part, true, sheet);
   Panel slice;
   slice.left = gap + 2.0 * (panel + gap);
   slice.bottom = bottom;
@@ -428,6 +432,33 @@ std::string script(const Drawing& drawing) {
   if (shown < drawing.drawn.size())
     sheet.label(fmt::format("and {} more bodies, see check_faces.vtkhdf", drawing.drawn.size() - shown), gap, gap / 2.0,
                 "left");
+  return text + sheet.settings + sheet.panels + "\n";
+}
+
+/// Two views of each body, without legends.
+std::string conditions_script(const Drawing& drawing) {
+  const std::size_t shown = std::min(drawing.drawn.size(), most_bodies);
+  const int row = panel + heading + gap, key = 2 * line_height;
+  const int width = 3 * gap + 2 * panel, height = row * static_cast<int>(shown) + gap + key;
+  std::string text = fmt::format(
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
+      "'white'\nset output '../conditions.png'\n",
+      width, height);
+  text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
+  text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);
+  text += "set style textbox opaque margins 0.6,0.6 fc rgb 'white' border lc rgb '#505050'\n";
+  Sheet sheet;
+  for (std::size_t b = 0; b < shown; ++b) add_faces(drawing, b, height - row * static_cast<int>(b + 1), sheet);
+  double left = gap;
+  for (const auto& [role, name] : {std::pair<Role, const char*>{Role::support, "support"},
+                                   {Role::load, "load"},
+                                   {Role::contact, "contact"},
+                                   {Role::free, "free"}}) {
+    Legend legend(left, key, 0, sheet);
+    legend.entry(colour_of(role, 0), name);
+    left += 130;
+  }
+  sheet.label("arrows: loads red, prescribed motions blue", left, key, "left font ',12'");
   return text + sheet.settings + sheet.panels + "\n";
 }
 
@@ -511,6 +542,21 @@ class Workshop {
 };
 
 }  // namespace
+
+std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
+                                           GnuplotRuns& runs) {
+  const MarkedFaces faces(scene, bodies);
+  Drawing drawing = make_drawing(scene, bodies, faces);
+  drawing.folder = runs.directory() + "/plots";
+  runs.start("conditions", conditions_script(drawing), {"conditions.png"});
+  std::vector<ConditionFace> list;
+  for (std::size_t r = 0; r < faces.regions().size(); ++r) {
+    const FaceRegion& face = faces.regions()[r];
+    if (role_of(face) != Role::free)
+      list.push_back({static_cast<int>(r) + 1, face.name, conditions(scene, face), face.area});
+  }
+  return list;
+}
 
 std::vector<std::string> write_check(const Scene& scene, const std::vector<CheckedBody>& bodies,
                                      const std::string& directory) try {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/marked_faces.hpp"
+#include "core/output_gnuplot.hpp"
 
 namespace cgcontact {
 
@@ -17,5 +18,17 @@ namespace cgcontact {
 /// still there.
 std::vector<std::string> write_check(const Scene& scene, const std::vector<CheckedBody>& bodies,
                                      const std::string& directory);
+
+/// A face of a picture of draw_conditions.
+struct ConditionFace {
+  int number = 0;               ///< in the picture
+  std::string name, condition;  ///< "body.face"; what holds there, in words
+  double area = 0;              ///< m^2
+};
+
+/// Starts conditions.png: each body from two sides, its faces numbered and coloured by what holds there, with arrows
+/// for loads and prescribed motions. Returns the faces on which something holds.
+std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
+                                           GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// SI units, pressure positive in compression, numbers that read back to the same double.
+/// SI units (x, y, z, gap: m; weight: m^2; pressures: Pa, positive in compression), ten significant digits.
 void write_contact_csv(const Results& results, const std::string& file_name);
 
 /// Force on the first body of the pair (N), area (m^2), largest pressure (Pa).

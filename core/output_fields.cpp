@@ -43,6 +43,7 @@ void add_triangle(const Vec3& centroid, double spacing, const std::vector<const 
     sum[ContactSurface::pressure_raw] += weight * row->pressure_raw;
     sum[ContactSurface::pressure_spr] += weight * row->pressure_spr;
     sum[ContactSurface::pressure_sprc] += weight * row->pressure_sprc;
+    sum[ContactSurface::pressure_error] += weight * row->pressure_error;
     total += weight;
     if (distance < nearest) {
       nearest = distance;
@@ -102,6 +103,41 @@ void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows
   }
 }
 
+/// The row in which the pair's pressure is largest, or nullptr.
+const ContactRow* largest_row(const Results& results, int pair) {
+  const PairFigures& figures = results.pairs[pair];
+  const ContactRow* found = nullptr;
+  for (const ContactRow& row : results.contact_rows)
+    if (row.pair == pair && row.pressure_sprc == figures.max_pressure &&
+        (!found ||
+         (row.x - figures.max_pressure_at).squaredNorm() < (found->x - figures.max_pressure_at).squaredNorm()))
+      found = &row;
+  return found;
+}
+
+/// Means are below the largest pressure of a pair: the triangle nearest to it gets it.
+void place_largest_pressures(const Results& results, ContactSurface& surface) {
+  for (int pair = 0; pair < static_cast<int>(results.pairs.size()); ++pair) {
+    const ContactRow* const row = largest_row(results, pair);
+    if (!row || !(row->pressure_sprc > 0)) continue;
+    std::size_t nearest = surface.size();
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      if (surface.pair[i] != pair || surface.body[i] != row->body) continue;
+      const auto& t = surface.triangles[i];
+      const Vec3 centroid = (surface.position[t[0]] + surface.position[t[1]] + surface.position[t[2]]) / 3;
+      if (const double distance = (centroid - row->x).squaredNorm(); distance < least) {
+        least = distance;
+        nearest = i;
+      }
+    }
+    if (nearest == surface.size()) continue;
+    surface.triangle_values[nearest] = {std::isfinite(row->gap) ? row->gap : std::nan(""), row->pressure_raw,
+                                        row->pressure_spr, row->pressure_sprc, row->pressure_error};
+    surface.active[nearest] = row->active;
+  }
+}
+
 /// Area-weighted mean of the triangles around each point; of the gap, those that have one, NaN if none has.
 void average_to_points(ContactSurface& surface) {
   using Values = std::array<double, ContactSurface::num_values>;
@@ -157,6 +193,7 @@ ContactSurface make_contact_surface(const Results& results, const std::vector<Dr
     if (!pieces.empty()) add_body(bodies[b], *results.bodies[b].cut_cells, pieces, surface);
   }
   average_to_points(surface);
+  place_largest_pressures(results, surface);
   return surface;
 }
 

@@ -25,14 +25,16 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh);
 
 /// Values of the contact rows on the triangles of the contact faces.
 struct ContactSurface {
-  enum Value { gap, pressure_raw, pressure_spr, pressure_sprc, num_values };
+  enum Value { gap, pressure_raw, pressure_spr, pressure_sprc, pressure_error, num_values };
   std::vector<Vec3> position;      ///< m, undeformed
   std::vector<Vec3> displacement;  ///< m
   std::vector<std::array<int, 3>> triangles;
-  std::vector<int> body, pair, active;                          ///< per triangle
-  std::vector<int> cell;                                        ///< per triangle, active cell of the body
-  std::vector<std::array<double, num_values>> triangle_values;  ///< mean of the nearby rows; gap NaN: nothing opposite
-  std::vector<std::array<double, num_values>> point_values;     ///< area-weighted mean of the triangles around
+  std::vector<int> body, pair, active;  ///< per triangle
+  std::vector<int> cell;                ///< per triangle, active cell of the body
+  /// Mean of the nearby rows; gap NaN: nothing opposite. The triangle nearest to the largest pressure of a pair has the
+  /// values of that row, so that the largest value is that of the report.
+  std::vector<std::array<double, num_values>> triangle_values;
+  std::vector<std::array<double, num_values>> point_values;  ///< area-weighted mean of the triangles around
   std::size_t size() const { return triangles.size(); }
 };
 

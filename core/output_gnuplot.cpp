@@ -133,4 +133,39 @@ std::string gnuplot_text(const std::string& text) {
   return quoted + "'";
 }
 
+GnuplotTitle gnuplot_title(const std::string& text, int width, int font_size) {
+  constexpr std::size_t most_lines = 4;
+  constexpr double letter = 0.62;  // width of a letter over the size of the font
+  const int columns = std::max(10, static_cast<int>(width / (letter * font_size)));
+  std::vector<std::string> lines;
+  for (std::string line : wrapped(text, "", columns)) {
+    while (columns_of(line) > columns) {  // a word longer than a line is divided
+      std::size_t end = 0, next = 0;
+      while (next < line.size()) {
+        do ++next;
+        while (next < line.size() && (static_cast<unsigned char>(line[next]) & 0xc0) == 0x80);
+        if (columns_of(line.substr(0, next)) > columns) break;
+        end = next;
+      }
+      lines.push_back(line.substr(0, end));
+      line.erase(0, end);
+    }
+    lines.push_back(line);
+  }
+  if (lines.size() > most_lines) {
+    lines.resize(most_lines);
+    lines.back() += " ...";
+  }
+  GnuplotTitle title{"\"", static_cast<int>(lines.size())};
+  for (std::size_t k = 0; k < lines.size(); ++k) {
+    title.text += k ? "\\n" : "";
+    for (const char c : lines[k]) {  // in double quotes gnuplot would run what stands in backquotes
+      if (c == '"' || c == '\\') title.text += '\\';
+      title.text += c == '`' ? '\'' : static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+    }
+  }
+  title.text += '"';
+  return title;
+}
+
 }  // namespace cgcontact

@@ -48,4 +48,12 @@ std::string gnuplot_palette();
 /// interpreted if the terminal is set to noenhanced.
 std::string gnuplot_text(const std::string& text);
 
+/// A heading for "set title" in lines that fit `width` pixels at that font size; longer than four lines it ends in
+/// dots.
+struct GnuplotTitle {
+  std::string text;  ///< in quotes
+  int lines = 1;
+};
+GnuplotTitle gnuplot_title(const std::string& text, int width, int font_size);
+
 }  // namespace cgcontact

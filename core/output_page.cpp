@@ -9,13 +9,16 @@
 #include <numeric>
 
 #include "core/output_page_style.hpp"
+#include "core/output_plots.hpp"
 #include "core/output_text.hpp"
 
 namespace cgcontact {
 
 namespace {
 
-/// A part of the resultants below this fraction of the largest one is rounding.
+/// A part of the resultants below this fraction of the largest one is rounding, or what the linear solver leaves.
+constexpr double no_force = 1e-6;
+/// Estimates below this are rounding.
 constexpr double rounding = 1e-9;
 
 struct Explanation {
@@ -88,20 +91,30 @@ std::string estimate(const Results& results, const PairFigures& pair, const std:
 
 std::string stress(double pa) { return figure(pa, stress_unit(std::abs(pa)), 4); }
 std::string force(double newton, double scale = 0) {
-  return std::abs(newton) <= rounding * scale ? figure(newton, "0") : figure(newton, force_unit(std::abs(newton)), 5);
+  return std::abs(newton) <= no_force * scale ? figure(newton, "0") : figure(newton, force_unit(std::abs(newton)), 5);
 }
 std::string seconds(double s) { return figure(s, fmt::format("{:.2f}&#160;s", s)); }
 
 /// Cells of a table for the components of a force, all in one unit; those that are rounding of `scale` are zero.
 std::string components(const Vec3& f, double scale) {
-  const DisplayUnit unit = force_unit(f.cwiseAbs().maxCoeff() <= rounding * scale ? 0 : f.cwiseAbs().maxCoeff());
+  const DisplayUnit unit = force_unit(f.cwiseAbs().maxCoeff() <= no_force * scale ? 0 : f.cwiseAbs().maxCoeff());
   std::string cells;
   for (double c : f)
     cells +=
         "<td>" +
-        figure(c, std::abs(c) <= rounding * scale ? "0" : short_number(c * unit.factor, 5) + "&#160;" + unit.name) +
+        figure(c, std::abs(c) <= no_force * scale ? "0" : short_number(c * unit.factor, 5) + "&#160;" + unit.name) +
         "</td>";
   return cells;
+}
+
+/// "(12.5, 0, -3) mm"; the value in SI of each component as data. Components that are rounding beside the others are 0.
+std::string place(const Vec3& x) {
+  const double size = x.cwiseAbs().maxCoeff();
+  const DisplayUnit unit = length_unit(size);
+  std::string text = "(";
+  for (int k = 0; k < 3; ++k)
+    text += (k ? ", " : "") + figure(x[k], std::abs(x[k]) <= 1e-9 * size ? "0" : short_number(x[k] * unit.factor, 4));
+  return text + ")&#160;" + pretty(unit.name);
 }
 
 /// The pages's building blocks. All take HTML; names and titles go through html_text before.
@@ -187,17 +200,17 @@ std::string tile(const std::string& label, const std::string& value, const std::
   return "<div class=\"tile\"><span>" + label + "</span><b>" + value + "</b><span>" + remark + "</span></div>\n";
 }
 
-BodyExtremes largest(const std::vector<BodyExtremes>& bodies) {
-  BodyExtremes most;
-  for (const BodyExtremes& body : bodies) {
-    most.displacement = std::max(most.displacement, body.displacement);
-    most.von_mises = std::max(most.von_mises, body.von_mises);
-  }
-  return most;
+/// The body with the largest value.
+template <class Value>
+std::size_t largest(const std::vector<BodyExtremes>& bodies, const Value& value) {
+  return static_cast<std::size_t>(
+      std::max_element(bodies.begin(), bodies.end(),
+                       [&](const BodyExtremes& a, const BodyExtremes& b) { return value(a) < value(b); }) -
+      bodies.begin());
 }
 
 /// Of the pair with the largest force, and of the bodies.
-std::string tiles(const Results& results, const PageParts& parts) {
+std::string tiles(const Results& results) {
   std::string text = "<div class=\"tiles\">\n";
   if (!results.pairs.empty()) {
     const PairFigures& pair = *std::max_element(
@@ -211,10 +224,14 @@ std::string tiles(const Results& results, const PageParts& parts) {
     text += tile("Contact area", figure(pair.area, area_unit(pair.area)),
                  of + fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points)));
   }
-  if (!parts.extremes.empty()) {
-    const BodyExtremes most = largest(parts.extremes);
-    text += tile("Largest von Mises stress", stress(most.von_mises), "recovered stress, in any body");
-    text += tile("Largest displacement", figure(most.displacement, length_unit(most.displacement)), "in any body");
+  if (!results.extremes.empty() && results.extremes.size() == results.bodies.size()) {
+    const std::size_t s = largest(results.extremes, [](const BodyExtremes& body) { return body.von_mises; });
+    const std::size_t u = largest(results.extremes, [](const BodyExtremes& body) { return body.displacement; });
+    const BodyExtremes &stressed = results.extremes[s], &moved = results.extremes[u];
+    text += tile("Largest von Mises stress", stress(stressed.von_mises),
+                 "recovered, in " + html_text(results.bodies[s].name) + " at " + place(stressed.von_mises_at));
+    text += tile("Largest displacement", figure(moved.displacement, length_unit(moved.displacement)),
+                 "in " + html_text(results.bodies[u].name) + " at " + place(moved.displacement_at));
   }
   text += tile("Error of the stress", percent(results.estimated_error_relative), "estimate, mean over the bodies");
   return text + "</div>\n";
@@ -269,13 +286,52 @@ std::string pairs_section(const Results& results) {
     const double size = pair.force_on_first.norm();
     rows.push_back(
         name_cell(html_text(pair.name)) + cell(force(size)) + cell(estimate(results, pair, pair.force_error_estimate)) +
-        cell(html_text(pair.body_first)) + components(pair.force_on_first, size) + cell(stress(pair.max_pressure)) +
-        cell(estimate(results, pair, pair.pressure_error_estimate)) + cell(figure(pair.area, area_unit(pair.area))) +
-        cell(count(pair.active_points) + " of " + count(pair.points)));
+        cell(stress(pair.max_pressure)) + cell(estimate(results, pair, pair.pressure_error_estimate)) +
+        cell(figure(pair.area, area_unit(pair.area))) + cell(count(pair.active_points) + " of " + count(pair.points)));
   }
-  return table({"Pair", "Force", "est. error", "acts on", "x", "y", "z", "Max. pressure", "est. error (mean)", "Area",
-                "Closed points"},
-               rows);
+  std::vector<std::string> forces;
+  for (const PairFigures& pair : results.pairs)
+    forces.push_back(name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) +
+                     components(pair.force_on_first, pair.force_on_first.norm()) + cell(place(pair.centre)) +
+                     cell(place(pair.max_pressure_at)));
+  return table({"Pair", "Force", "est. error", "Max. pressure", "est. error (mean)", "Area", "Closed points"}, rows) +
+         table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces);
+}
+
+/// Supports, loads and interferences with their resultants; every face of the picture by its number.
+std::string conditions_section(const Results& results, const PageParts& parts) {
+  double scale = 0;
+  for (const LoadFigures& load : results.loads) scale = std::max(scale, load.force.norm());
+  for (const SupportFigures& support : results.supports) scale = std::max(scale, support.force.norm());
+  std::vector<std::string> rows;
+  const auto text_cell = [](const std::string& text) { return "<td class=\"text\">" + html_text(text) + "</td>"; };
+  for (const SupportFigures& support : results.supports)
+    rows.push_back(name_cell(html_text(support.face)) + text_cell("support: " + support.condition) +
+                   cell(figure(support.area, area_unit(support.area))) + components(support.force, scale));
+  for (const LoadFigures& load : results.loads)
+    rows.push_back(name_cell(html_text(load.face)) +
+                   text_cell(load.of_body ? load.condition : "load: " + load.condition) +
+                   cell(load.of_body ? "" : figure(load.area, area_unit(load.area))) + components(load.force, scale));
+  std::string text;
+  if (!rows.empty()) text += table({"Face", "Condition", "Area", "Resultant x", "y", "z"}, rows);
+  std::vector<std::string> fits;
+  for (const PairFigures& pair : results.pairs)
+    if (pair.interference != 0)
+      fits.push_back(name_cell(html_text(pair.name)) +
+                     cell(figure(std::abs(pair.interference), length_unit(std::abs(pair.interference)))) +
+                     text_cell(pair.interference > 0 ? "interference" : "clearance") +
+                     cell(force(pair.force_on_first.norm())));
+  if (!fits.empty())
+    text += "<h3>Interferences</h3>\n" + table({"Pair", "", "given as", "Resultant of the pressure"}, fits);
+  const std::string shown =
+      picture(parts.directory, "conditions.png", "Faces of the bodies, numbered, in the colour of what holds there",
+              "Each body from above in front and from below behind.");
+  if (shown.empty()) return text;
+  std::vector<std::string> faces;
+  for (const ConditionFace& face : parts.faces)
+    faces.push_back(cell(std::to_string(face.number)) + "<th scope=\"row\">" + html_text(face.name) + "</th>" +
+                    text_cell(face.condition) + cell(figure(face.area, area_unit(face.area))));
+  return text + shown + table({"No.", "Face in the picture", "What holds there", "Area"}, faces);
 }
 
 std::string steps_section(const Results& results, const PageParts& parts) {
@@ -308,10 +364,14 @@ std::string maps_section(const Results& results, const PageParts& parts) {
   return text;
 }
 
-std::string profile_section(const PageParts& parts) {
-  std::string text =
-      picture(parts.directory, "pressure.svg", "Contact pressure along the path",
-              "SPR-C is the result; the raw finite element stress and the plain recovery (SPR) show what it gains.");
+std::string profile_section(const Results& results, const PageParts& parts) {
+  std::string text;
+  const std::string from = results.path_from_largest ? "The line follows the face through the largest pressure. " : "";
+  for (std::size_t pair = 0; pair < results.pairs.size(); ++pair)
+    text += picture(parts.directory, path_picture(pair), "Contact pressure along the path",
+                    from +
+                        "SPR-C is the result; the raw finite element stress and the plain recovery (SPR) show what it "
+                        "gains.");
   text += picture(parts.directory, "stress_error.svg", "Error of the stress on the contact face",
                   "Error of the whole stress tensor against the scene's reference.");
   return text;
@@ -366,7 +426,7 @@ std::string convergence_section(const Results& results) {
          table({"Iteration", "Residual", "", "Closed points", "Linear iterations"}, rows);
 }
 
-std::string bodies_section(const Results& results, const PageParts& parts) {
+std::string bodies_section(const Results& results) {
   std::vector<std::string> rows;
   double total = 0;
   std::vector<double> squared;
@@ -380,17 +440,18 @@ std::string bodies_section(const Results& results, const PageParts& parts) {
     const BodyFields& body = results.bodies[b];
     const CutCells& cells = *body.cut_cells;
     const double e = body.material.youngs_modulus;
-    const bool drawn = b < parts.extremes.size();
-    rows.push_back(name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
-                   cell(figure(cells.grid.cell_size, length_unit(cells.grid.cell_size))) +
-                   cell(count(static_cast<long long>(cells.cells.size()))) +
-                   cell(count(static_cast<long long>(cells.moments.size()))) +
-                   (drawn
-                        ? cell(stress(parts.extremes[b].von_mises)) +
-                              cell(figure(parts.extremes[b].displacement, length_unit(parts.extremes[b].displacement)))
-                        : cell("") + cell("")) +
-                   cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
-                   cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
+    const bool drawn = b < results.extremes.size();
+    rows.push_back(
+        name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
+        cell(figure(cells.grid.cell_size, length_unit(cells.grid.cell_size))) +
+        cell(count(static_cast<long long>(cells.cells.size()))) +
+        cell(count(static_cast<long long>(cells.moments.size()))) +
+        (drawn ? cell(stress(results.extremes[b].von_mises) + "<br/>" + place(results.extremes[b].von_mises_at)) +
+                     cell(figure(results.extremes[b].displacement, length_unit(results.extremes[b].displacement)) +
+                          "<br/>" + place(results.extremes[b].displacement_at))
+               : cell("") + cell("")) +
+        cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
+        cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
   }
   if (rows.empty()) return "";
   return table({"Body", "E", "ν", "Cell", "Cells", "of them cut", "Max. von Mises", "Max. displacement", "Est. error",
@@ -486,16 +547,17 @@ std::string page(const Results& results, const PageParts& parts) {
   text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
   text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + "</style>\n</head>\n<body>\n";
   text += "<header><h1>" + title + "</h1>\n" + note("Scene " + html_text(results.scene_file)) + "</header>\n<main>\n";
-  text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results, parts) + "</section>\n";
+  text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results) + "</section>\n";
   text += section("reliability", "How accurate is this?", reliability(results));
   text += section("picture", "Deformed bodies", picture(parts.directory, "scene.png", "Deformed bodies", ""));
   text += section("contact", "Contact", pairs_section(results));
   text += section("steps", "Steps", steps_section(results, parts));
   text += section("pressure", "Pressure on the contact face", maps_section(results, parts));
-  text += section("profile", "Pressure along the path", profile_section(parts));
+  text += section("profile", "Pressure along the path", profile_section(results, parts));
   text += section("reference", "Against the reference", reference_section(results));
+  text += section("conditions", "Supports, loads and interferences", conditions_section(results, parts));
   text += section("balance", "Forces", balance_section(results));
-  text += section("bodies", "Bodies and where the error is", bodies_section(results, parts));
+  text += section("bodies", "Bodies and where the error is", bodies_section(results));
   text += section("convergence", "Convergence", convergence_section(results));
   text += section("recovery", "Recovery of the stress", recovery_section(results));
   text += section("cost", "Size, time and memory", cost_section(results));

@@ -4,24 +4,19 @@
 #include <string>
 #include <vector>
 
+#include "core/output_check.hpp"
 #include "core/output_pressure_map.hpp"
 #include "core/results.hpp"
 
 namespace cgcontact {
 
-/// Largest values of one body at the points of its drawn mesh.
-struct BodyExtremes {
-  double displacement = 0;  ///< m
-  double von_mises = 0;     ///< Pa, recovered stress
-};
-
 /// What the page shows beside the results.
 struct PageParts {
   std::string directory;  ///< of the pictures; those that are missing are left out
   std::vector<PressureMap> pressure_maps;
-  std::vector<BodyExtremes> extremes;  ///< by body; empty: nothing was drawn
-  std::vector<std::string> warnings;   ///< those of the output
-  std::vector<std::string> files;      ///< of the result directory
+  std::vector<ConditionFace> faces;   ///< of conditions.png
+  std::vector<std::string> warnings;  ///< those of the output
+  std::vector<std::string> files;     ///< of the result directory
 };
 
 /// A whole page in HTML 5 that is well-formed XML too, without scripts and without references to anything outside.

@@ -32,11 +32,11 @@ img { max-width: 100%; max-height: 56rem; height: auto; }
 figcaption { text-align: left; }
 .wide { overflow-x: auto; margin: 0.6rem 0; }
 table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
-th, td { padding: 0.25rem 0.7rem; border-bottom: 1px solid #e3e8ee; text-align: right; white-space: nowrap; }
+th, td { padding: 0.25rem 0.55rem; border-bottom: 1px solid #e3e8ee; text-align: right; white-space: nowrap; }
 thead th { color: #566273; font-weight: 600; border-bottom: 2px solid #c4cdd8; white-space: normal;
   vertical-align: bottom; overflow-wrap: normal; }
 tbody th, thead th:first-child { text-align: left; font-weight: 600; }
-tbody th { max-width: 22rem; overflow: hidden; text-overflow: ellipsis; }
+tbody th { max-width: 14rem; white-space: normal; overflow-wrap: anywhere; min-width: 5rem; }
 td.text { text-align: left; white-space: normal; min-width: 14rem; }
 td.bar { width: 10rem; min-width: 6rem; padding-left: 0; }
 td.bar span { display: block; height: 0.75rem; background: #2070b8; border-radius: 2px; }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/cut_open.hpp"
+#include "core/drawn_fits.hpp"
 #include "core/output_gnuplot.hpp"
 #include "core/output_render.hpp"
 #include "core/output_text.hpp"
@@ -74,7 +75,7 @@ int find_thin_axis(const Results& results, const Box& box) {
   return extent[axis] < 2.01 * cell && extent[axis] < 0.34 * others ? axis : -1;
 }
 
-/// Range of the stress on the boundary without its highest half per cent.
+/// Range of the stress on the boundary without its highest half per cent; the picture says where it is cut.
 void choose_colours(const std::vector<DrawnBody>& bodies, View& view) {
   std::vector<double> values;
   for (const DrawnBody& body : bodies)
@@ -215,12 +216,92 @@ std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, 
   return render(size, view.camera, palette_colour, view.thin_axis < 0 ? 1.0 : 0.0, triangles.size(), triangle).pixels;
 }
 
-std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size) {
+/// Pixels from the left and the bottom of the picture.
+using Pixel = std::array<double, 2>;
+
+/// A script of gnuplot in pixels of the whole picture.
+class Overlay {
+ public:
+  Overlay(int width, int height) : width_(width), height_(height) {}
+
+  void label(const std::string& text, const Pixel& at, const std::string& style) {
+    script_ += fmt::format("set label {} at {} {}\n", gnuplot_text(text), screen(at), style);
+  }
+  void line(const Pixel& from, const Pixel& to, const std::string& style) {
+    script_ += fmt::format("set arrow from {} to {} {}\n", screen(from), screen(to), style);
+  }
+  void ring(const Pixel& at, double radius) {
+    const auto circle = [&](const char* colour, double width) {
+      script_ += fmt::format("set object circle at {} size screen {} fs empty border lc rgb '{}' lw {} front\n",
+                             screen(at), radius / width_, colour, width);
+    };
+    circle("white", 4);
+    circle("black", 2);
+  }
+  const std::string& script() const { return script_; }
+
+ private:
+  std::string screen(const Pixel& at) const { return fmt::format("screen {},{}", at[0] / width_, at[1] / height_); }
+
+  const double width_, height_;
+  std::string script_;
+};
+
+/// The coordinate axes as they are seen, and a length of 1, 2 or 5 times a power of ten.
+void draw_axes_and_scale(const View& view, int picture_width, const Pixel& corner, Overlay& overlay) {
+  constexpr double axis_length = 42;
+  static const char* const names[] = {"x", "y", "z"};
+  for (int k = 0; k < 3; ++k) {
+    const double right = view.camera.right[k], up = view.camera.up[k];
+    if (std::hypot(right, up) < 0.05) continue;
+    const Pixel tip{corner[0] + axis_length * right, corner[1] + axis_length * up};
+    overlay.line(corner, tip, "front filled size screen 0.008,20 lw 2 lc rgb '#303030'");
+    overlay.label(names[k], {tip[0] + 11 * right, tip[1] + 11 * up}, "center front font ',14'");
+  }
+  const double length = round_down(0.25 * picture_width / view.camera.pixels_per_metre);
+  const double pixels = length * view.camera.pixels_per_metre;
+  const Pixel from{corner[0] + 90, corner[1] - 12}, to{from[0] + pixels, from[1]};
+  overlay.line(from, to, "heads front size screen 0.004,90 lw 2 lc rgb '#303030'");
+  const DisplayUnit unit = length_unit(length);
+  overlay.label(short_number(length * unit.factor) + " " + unit.name, {(from[0] + to[0]) / 2, from[1] + 14},
+                "center front font ',13'");
+}
+
+/// The body with the largest von Mises stress; nothing if there is none.
+std::optional<std::size_t> most_stressed(const Results& results) {
+  std::optional<std::size_t> most;
+  for (std::size_t b = 0; b < results.extremes.size(); ++b)
+    if (results.extremes[b].von_mises > (most ? results.extremes[*most].von_mises : 0.0)) most = b;
+  return most;
+}
+
+/// "largest 42.7 MPa in shell at (0.1, 0, 0.5) m", and whether the colours end below it.
+std::string largest_text(const Results& results, std::size_t body, const View& view) {
+  const BodyExtremes& most = results.extremes[body];
+  const DisplayUnit length = length_unit(most.von_mises_at.cwiseAbs().maxCoeff());
+  const double rounding = 1e-9 * most.von_mises_at.cwiseAbs().maxCoeff();
+  const auto component = [&](int k) {
+    const double x = most.von_mises_at[k];
+    return short_number(std::abs(x) <= rounding ? 0 : x * length.factor, 4);
+  };
+  return fmt::format("largest (ring): {} in {} at ({}, {}, {}) {}{}", scaled(most.von_mises, "Pa"),
+                     results.bodies[body].name, component(0), component(1), component(2), length.name,
+                     most.von_mises > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
+}
+
+std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size,
+                           const std::optional<Vec3>& largest_at) {
   const DisplayUnit stress = stress_unit(view.high);
   const DisplayUnit length = length_unit(view.box.extent().maxCoeff());
   const bool flat = view.thin_axis >= 0;
-  const int left = flat ? 125 : 30, right = 170, bottom = flat ? 80 : 40, top = 60;
-  const int width = size[0] + left + right, height = size[1] + bottom + top;
+  const int left = flat ? 125 : 30, right = 170;
+  const auto most = most_stressed(results);
+  const int width = size[0] + left + right;
+  const GnuplotTitle title = gnuplot_title(results.title, width - 20, 18);
+  const GnuplotTitle largest = gnuplot_title(most ? largest_text(results, *most, view) : "", width - 20, 14);
+  const int notes = 10 + 20 * largest.lines;
+  const int bottom = notes + (flat ? 80 : 125), top = 36 + 24 * title.lines;
+  const int height = size[1] + bottom + top;
   std::string script = fmt::format(
       "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n", width,
       height);
@@ -229,31 +310,57 @@ std::string picture_script(const Results& results, const View& view, const std::
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
       static_cast<double>(left) / width, static_cast<double>(left + size[0]) / width,
       static_cast<double>(bottom) / height, static_cast<double>(bottom + size[1]) / height);
-  script += fmt::format("set title {} font ',18'\n", gnuplot_text(results.title));
+  script += fmt::format("set label {} at screen 0.5,{} center font ',18'\n", title.text, 1 - 28.0 / height);
   script += fmt::format("set cbrange [{}:{}]\nset cblabel 'von Mises stress [{}]'\n", view.low * stress.factor,
                         view.high * stress.factor, stress.name);
-  script += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n",
-                        static_cast<double>(left + size[0] + 25) / width, (bottom + 0.1 * size[1]) / height,
-                        24.0 / width, 0.8 * size[1] / height);
+  const double bar_left = left + size[0] + 25, bar_bottom = bottom + 0.1 * size[1], bar_height = 0.8 * size[1];
+  script += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", bar_left / width,
+                        bar_bottom / height, 24.0 / width, bar_height / height);
   const double step = length.factor / view.camera.pixels_per_metre;
   const double x = view.camera.low[0] * length.factor, y = view.camera.low[1] * length.factor;
   script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x, x + size[0] * step, y, y + size[1] * step);
-  const std::string scale = view.exaggeration > 1 ? fmt::format("displacement x {:.0f}", view.exaggeration) : "";
+  const std::string scale = view.exaggeration > 1 ? fmt::format("displacement x {:.0f}", view.exaggeration)
+                                                  : std::string("displacement to scale");
+  Overlay overlay(width, height);
+  if (most) {
+    script += fmt::format("set label {} at screen 0.5,{} center font ',14'\n", largest.text, (notes - 12.0) / height);
+    if (results.extremes[*most].von_mises > view.high * (1 + 1e-6))
+      overlay.label("to " + scaled(results.extremes[*most].von_mises, "Pa"),
+                    {bar_left + 12, bar_bottom + bar_height + 16}, "center front font ',13'");
+  }
+  if (largest_at) {
+    const Pixel at{left + (view.camera.right.dot(*largest_at) - view.camera.low[0]) * view.camera.pixels_per_metre,
+                   bottom + (view.camera.up.dot(*largest_at) - view.camera.low[1]) * view.camera.pixels_per_metre};
+    overlay.ring(at, 9);
+  }
   if (flat) {
     const char* right_axis = view.thin_axis == 0 ? "y" : "x";
     const char* up_axis = view.thin_axis == 2 ? "y" : "z";
     script += "set border 3 lc rgb '#404040'\nset tics nomirror out\n";
-    script += fmt::format("set xlabel '{} [{}]{}'\nset ylabel '{} [{}]'\n", right_axis, length.name,
-                          scale.empty() ? "" : "     (" + scale + ")", up_axis, length.name);
+    script += fmt::format("set xlabel '{} [{}]     ({})'\nset ylabel '{} [{}]'\n", right_axis, length.name, scale,
+                          up_axis, length.name);
   } else {
     script += "unset border\nunset xtics\nunset ytics\n";
-    script += fmt::format("set xlabel '{}'\n", scale);
+    draw_axes_and_scale(view, size[0], {left + 55.0, notes + 50.0}, overlay);
+    overlay.label(scale, {width - 30.0, notes + 40.0}, "right front font ',14'");
   }
+  script += overlay.script();
   script += fmt::format(
       "plot 'scene.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage, \\\n"
       "  '+' using 1:(NaN):1 with points palette\n",
       size[0], size[1], x + step / 2, y + step / 2, step, step);
   return script;
+}
+
+/// Where the largest von Mises stress is drawn; nothing if it has been cut away.
+std::optional<Vec3> place_of_largest(const Results& results, const std::vector<DrawnBody>& drawn, const View& view) {
+  const auto most = most_stressed(results);
+  if (!most) return std::nullopt;
+  const Vec3& place = results.extremes[*most].von_mises_at;
+  const DrawnBody& body = drawn[*most];
+  for (std::size_t p = 0; p < body.position.size(); ++p)
+    if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);
+  return std::nullopt;
 }
 
 }  // namespace
@@ -274,12 +381,13 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
     look_from_corner(bodies, view.camera);
     if (const auto place = contact_inside(results, view.box)) opened = cut_open(bodies, *place, view.camera.eye);
   }
-  const std::vector<DrawnBody>& drawn = opened.empty() ? bodies : opened;
+  std::vector<DrawnBody> drawn = opened.empty() ? bodies : std::move(opened);
+  draw_fits_closed(results, view.exaggeration, drawn);
   choose_colours(drawn, view);
   const std::array<int, 2> size = fit_camera(drawn, view);
   if (size[0] < 1 || size[1] < 1) return;
   write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
-  runs.start("scene", picture_script(results, view, size), {"scene.png"});
+  runs.start("scene", picture_script(results, view, size, place_of_largest(results, drawn, view)), {"scene.png"});
 }
 
 }  // namespace cgcontact

@@ -6,6 +6,9 @@
 
 namespace cgcontact {
 
+/// "pressure.svg" of the first pair, "pressure_2.svg" of the next one ...
+std::string path_picture(std::size_t pair);
+
 /// Starts the plots the results have data for.
 void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs);
 

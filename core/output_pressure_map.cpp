@@ -24,6 +24,10 @@ constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face i
 /// Of the largest pressure: below this the face is grey. On curved faces the recovered pressure where nothing touches
 /// is zero to a few thousandths only.
 constexpr double no_pressure = 0.005;
+/// Around the zone, of its longer side; and cells at least.
+constexpr double zone_margin = 0.25, zone_margin_cells = 2;
+/// A zone that takes so much of the face in both directions is no reason to leave out the rest.
+constexpr double nearly_all = 0.6;
 /// The contact zone ends here; the contact area of the report is measured so too.
 constexpr double zone_end = 0.01;
 
@@ -82,6 +86,28 @@ Paper bounds(const FaceTriangles& shape, const FaceChart& chart) {
   return paper;
 }
 
+/// The triangles of the face that carry pressure; all if none does.
+FaceTriangles zone_of(const ContactSurface& surface, const Face& face, double largest_pressure) {
+  FaceTriangles zone{face.shape.position, {}};
+  for (std::size_t i = 0; i < face.index.size(); ++i)
+    if (surface.triangle_values[face.index[i]][ContactSurface::pressure_sprc] > zone_end * largest_pressure)
+      zone.triangles.push_back(face.shape.triangles[i]);
+  return zone.triangles.empty() ? face.shape : zone;
+}
+
+/// The zone with a margin, or the whole face where that is not much more.
+Paper zoomed(const Paper& zone, const Paper& whole, double cell_size) {
+  const double margin = std::max(zone_margin * zone.largest(), zone_margin_cells * cell_size);
+  Paper paper = zone;
+  bool all = true;
+  for (int k = 0; k < 2; ++k) {
+    paper.low[k] = std::max(zone.low[k] - margin, whole.low[k]);
+    paper.high[k] = std::min(zone.high[k] + margin, whole.high[k]);
+    all &= paper.extent(k) > nearly_all * whole.extent(k);
+  }
+  return all ? whole : paper;
+}
+
 DisplayUnit unit_of(const Paper& paper) {
   double largest = 0;
   for (int k = 0; k < 2; ++k) largest = std::max({largest, -paper.low[k], paper.high[k]});
@@ -100,7 +126,9 @@ using Piece = std::array<RasterVertex, 3>;
 /// the pressure falls like a square root there.
 class Pieces {
  public:
-  Pieces(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart)
+  /// Of the triangles that reach into the paper.
+  Pieces(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
+         const Paper& paper)
       : body_(results.bodies[face.body]), limit_(highest(results.pairs[face.pair])), chart_(chart) {
     for (int i : face.index) {
       const auto& t = surface.triangles[i];
@@ -108,6 +136,7 @@ class Pieces {
       cell_ = surface.cell[i];
       normal_ = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
       near_ = (x[0] + x[1] + x[2]) / 3;
+      if (!reaches(paper, {chart_.place(x[0], near_), chart_.place(x[1], near_), chart_.place(x[2], near_)})) continue;
       Corner corners[3];
       for (int v = 0; v < 3; ++v) corners[v] = corner(x[v]);
       divide(corners[0], corners[1], corners[2], most_divisions);
@@ -116,10 +145,12 @@ class Pieces {
 
   const std::vector<Piece>& all() const { return pieces_; }
 
-  /// Where the pressure passes a fraction of the largest one: lines for gnuplot.
+  /// Where the pressure passes a fraction of the largest one on the side towards the viewer: lines for gnuplot.
   std::string contour(double fraction, const DisplayUnit& unit) const {
     std::string lines;
     for (const Piece& piece : pieces_) {
+      const Vec3 side = piece[1].position - piece[0].position, other = piece[2].position - piece[0].position;
+      if (side[0] * other[1] - side[1] * other[0] <= 0) continue;
       int found = 0;
       for (int v = 0; v < 3; ++v) {
         const RasterVertex &a = piece[v], &b = piece[(v + 1) % 3];
@@ -139,6 +170,15 @@ class Pieces {
     Vec3 x;
     double value;
   };
+
+  static bool reaches(const Paper& paper, const std::array<Vec3, 3>& corners) {
+    for (int k = 0; k < 2; ++k) {
+      const auto [low, high] = std::minmax({corners[0][k], corners[1][k], corners[2][k]});
+      const double slack = 0.05 * paper.largest();
+      if (high < paper.low[k] - slack || low > paper.high[k] + slack) return false;
+    }
+    return true;
+  }
 
   Corner corner(const Vec3& x) const {
     const CutCells& cells = *body_.cut_cells;
@@ -173,8 +213,8 @@ class Pieces {
   std::vector<Piece> pieces_;
 };
 
-std::string title_text(const Results& results, const Face& face) {
-  return gnuplot_text("Contact pressure: " + results.pairs[face.pair].name);
+GnuplotTitle title_of(const Results& results, const Face& face, int width) {
+  return gnuplot_title("Contact pressure: " + results.pairs[face.pair].name, width, 15);
 }
 
 /// Map of a face; `name` of the data and picture.
@@ -191,7 +231,7 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
     camera.low[k] = paper.low[k] - margin;
     size[k] = static_cast<int>(std::ceil((paper.extent(k) + 2 * margin) * camera.pixels_per_metre));
   }
-  const Pieces pieces(results, surface, face, chart);
+  const Pieces pieces(results, surface, face, chart, paper);
   const auto triangle = [&](std::size_t k) { return RasterTriangle{pieces.all()[k], 0}; };
   write_text(folder + "/" + name + ".rgb",
              render(size, camera, pressure_colour, 0, pieces.all().size(), triangle).pixels);
@@ -201,11 +241,14 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
 
   const double limit = highest(results.pairs[face.pair]);
   const DisplayUnit stress = stress_unit(limit);
-  const int left = 110, right = 180, bottom = 125, top = 60;
-  const double width = size[0] + left + right, height = size[1] + bottom + top;
+  const int left = 110, right = 180, bottom = 125;
+  const double width = size[0] + left + right;
+  const GnuplotTitle title = title_of(results, face, static_cast<int>(width) - 20);
+  const int top = 40 + 20 * title.lines;
+  const double height = size[1] + bottom + top;
   std::string script = fmt::format(
       "set terminal pngcairo size {},{} noenhanced font 'sans-serif,14' background 'white'\n", width, height);
-  script += fmt::format("set output '../{}.png'\nset title {}\n", name, title_text(results, face));
+  script += fmt::format("set output '../{}.png'\nset title {}\n", name, title.text);
   script += fmt::format(
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
       left / width, (left + size[0]) / width, bottom / height, (bottom + size[1]) / height);
@@ -270,7 +313,7 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
   write_text(folder + "/" + name + ".dat", curve_data(results, face, chart, axis, length, stress, bodies, borders));
   std::string script = "set terminal pngcairo size 900,520 noenhanced font 'sans-serif,14' background 'white'\n";
   script += fmt::format("set output '../{}.png'\nset title {}\nset grid lc rgb '#e4e4e4' lw 1 dt 1\n", name,
-                        title_text(results, face));
+                        title_of(results, face, 880).text);
   script +=
       "set xtics norotate\nset key outside top right horizontal Left reverse samplen 2.6\nunset colorbox\nset lmargin "
       "-1\nset rmargin "
@@ -290,7 +333,8 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
   return script + "\nunset arrow\nunset grid\n";
 }
 
-/// The pairs to draw, in order.
+}  // namespace
+
 std::vector<std::size_t> pairs_to_draw(const Results& results) {
   std::vector<std::size_t> pairs(results.pairs.size());
   std::iota(pairs.begin(), pairs.end(), std::size_t{0});
@@ -304,8 +348,6 @@ std::vector<std::size_t> pairs_to_draw(const Results& results) {
   return pairs;
 }
 
-}  // namespace
-
 std::vector<PressureMap> write_pressure_maps(const Results& results, const ContactSurface& surface, GnuplotRuns& runs) {
   std::vector<PressureMap> maps;
   std::vector<std::string> files;
@@ -313,20 +355,25 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
   for (std::size_t pair : pairs_to_draw(results)) {
     const Face face = face_of_pair(results, surface, pair);
     if (face.body < 0 || !results.bodies[face.body].stress_recovered) continue;
-    const FaceChart chart(face.shape);
-    const Paper paper = bounds(face.shape, chart);
-    if (!(paper.largest() > 0) || !std::isfinite(paper.largest())) continue;
+    const double cell_size = results.bodies[face.body].cut_cells->grid.cell_size;
+    const FaceTriangles zone = zone_of(surface, face, highest(results.pairs[pair]));
+    const FaceChart chart(face.shape), zone_chart(zone);
+    const Paper whole = bounds(face.shape, chart);
+    if (!(whole.largest() > 0) || !std::isfinite(whole.largest())) continue;
     const std::string name = pair == 0 ? "pressure_map" : fmt::format("pressure_map_{}", pair + 1);
-    const bool curve = std::min(paper.extent(0), paper.extent(1)) < thin_face * paper.largest();
+    const bool curve = std::min(whole.extent(0), whole.extent(1)) < thin_face * whole.largest();
     const std::string folder = runs.directory() + "/plots";
-    script += curve ? curve_script(results, face, chart, paper, name, folder)
-                    : map_script(results, surface, face, chart, paper, name, folder);
+    const FaceChart& used = curve ? chart : zone_chart;
+    const Paper all = bounds(face.shape, used), paper = zoomed(bounds(zone, used), all, cell_size);
+    script += curve ? curve_script(results, face, used, paper, name, folder)
+                    : map_script(results, surface, face, used, paper, name, folder);
     files.push_back(name + ".png");
     std::string caption =
         curve ? "Pressure along the contact face, mean over its narrow side"
               : fmt::format("Contact face of {} with its cells; grey: no pressure (below 0.5 % of the largest)",
                             results.bodies[face.body].name);
-    if (chart.unrolled()) caption += "; the cylindrical face is unrolled";
+    if (used.unrolled()) caption += "; the cylindrical face is unrolled";
+    if (paper.largest() < 0.99 * all.largest()) caption += "; only the surroundings of the contact zone are shown";
     maps.push_back({pair, files.back(), caption + "."});
   }
   if (!maps.empty()) runs.start("pressure_map", script, files);

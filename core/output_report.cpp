@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/errors.hpp"
@@ -41,6 +42,7 @@ Json json_of(const PairFigures& pair) {
   json["centre"] = json_of(pair.centre);
   json["max_pressure"] = pair.max_pressure;
   json["max_pressure_at"] = json_of(pair.max_pressure_at);
+  json["interference"] = pair.interference;
   json["points"] = pair.points;
   json["active_points"] = pair.active_points;
   json["pressure_error_estimate"] = pair.pressure_error_estimate;
@@ -100,13 +102,49 @@ void add_solution(const Results& results, Json& json) {
   for (const StepFigures& step : results.steps) json["steps"].push_back(json_of(step));
   json["supports"] = Json::array();
   for (const SupportFigures& support : results.supports)
-    json["supports"].push_back({{"face", support.face}, {"force", json_of(support.force)}});
+    json["supports"].push_back({{"face", support.face},
+                                {"condition", support.condition},
+                                {"area", support.area},
+                                {"force", json_of(support.force)}});
+  json["loads"] = Json::array();
+  for (const LoadFigures& load : results.loads)
+    json["loads"].push_back({{load.of_body ? "body" : "face", load.face},
+                             {"condition", load.condition},
+                             {load.of_body ? "volume" : "area", load.area},
+                             {"force", json_of(load.force)}});
   json["balance"] = Json::array();
   for (const BodyBalance& body : results.balance)
     json["balance"].push_back({{"body", body.body},
                                {"loads", json_of(body.loads)},
                                {"supports", json_of(body.supports)},
                                {"contact", json_of(body.contact)}});
+}
+
+/// The largest values and their places, by body; null where nothing was drawn.
+Json json_of_bodies(const Results& results) {
+  Json bodies = Json::array();
+  for (std::size_t b = 0; b < results.bodies.size(); ++b) {
+    const BodyFields& body = results.bodies[b];
+    Json json{{"name", body.name}, {"E", body.material.youngs_modulus}, {"nu", body.material.poisson_ratio}};
+    json["cell_size"] = body.cut_cells->grid.cell_size;
+    json["cells"] = body.cut_cells->cells.size();
+    json["cut_cells"] = body.cut_cells->moments.size();
+    double squared = 0;
+    for (const double e : body.error_of_cell) squared += e * e;
+    json["estimated_error"] = std::sqrt(squared);
+    if (b < results.extremes.size()) {
+      const BodyExtremes& most = results.extremes[b];
+      json["max_von_mises"] = most.von_mises;
+      json["max_von_mises_at"] = json_of(most.von_mises_at);
+      json["max_displacement"] = most.displacement;
+      json["max_displacement_at"] = json_of(most.displacement_at);
+    } else {
+      for (const char* key : {"max_von_mises", "max_von_mises_at", "max_displacement", "max_displacement_at"})
+        json[key] = nullptr;
+    }
+    bodies.push_back(json);
+  }
+  return bodies;
 }
 
 }  // namespace
@@ -124,6 +162,7 @@ void write_report(const Results& results, const std::vector<std::string>& files,
   json["threads"] = results.threads;
   json["unknowns"] = results.unknowns;
   json["cells"] = {{"active", results.cells.active}, {"cut", results.cells.cut}, {"interior", results.cells.interior}};
+  json["bodies"] = json_of_bodies(results);
   add_solution(results, json);
   add_errors(results, json);
   Json times = object();

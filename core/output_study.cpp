@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-const char* const files[] = {"study.csv", "study.json", "error_time.svg", "error_unknowns.svg"};
+const char* const files[] = {"study.csv", "study.json", "error_time.svg", "error_unknowns.svg", "figures.svg"};
 constexpr double much_finer = 2 * (1 - 1e-9);  ///< cells over those of the study's own reference (docs/study.md)
 
 struct Column {
@@ -89,6 +89,12 @@ void add_error_columns(const Study& study, std::vector<Column>& columns) {
       figure("estimated_error_relative", [](const RunFigures& run) { return run.estimated_error_relative; }));
   columns.push_back(figure("effectivity", [](const RunFigures& run) { return optional(run.effectivity); }));
   columns.push_back(figure("contact_force_N", [](const RunFigures& run) { return optional(run.force); }));
+  columns.push_back(figure("max_pressure_Pa", [](const RunFigures& run) {
+    return run.pairs.empty() ? Json() : Json(run.pairs.front().max_pressure);
+  }));
+  columns.push_back(figure("contact_area_m2", [](const RunFigures& run) {
+    return run.pairs.empty() ? Json() : Json(run.pairs.front().area);
+  }));
   columns.push_back({"force_error", [](const StudyRow& row) { return optional(force_error(row)); }});
   columns.push_back(
       figure("pressure_error_estimate", [](const RunFigures& run) { return optional(run.pressure_error_estimate); }));
@@ -206,6 +212,21 @@ std::string cost_table(const Study& study) {
   return aligned(lines);
 }
 
+/// Force, largest pressure and area of the first pair over the sizes.
+std::string figures_table(const Study& study) {
+  std::vector<std::vector<std::string>> lines{{"variant", study.key, "force", "max pressure", "area"}};
+  for (const StudyRow& row : study.rows) {
+    if (row.status != StudyRow::Status::solved || row.figures.pairs.empty()) continue;
+    const RunFigures::Pair& pair = row.figures.pairs.front();
+    const auto text = [](double value, const DisplayUnit& unit) {
+      return short_number(value * unit.factor, 5) + " " + unit.name;
+    };
+    lines.push_back({row.variant, row.size, text(pair.force, force_unit(pair.force)),
+                     text(pair.max_pressure, stress_unit(pair.max_pressure)), text(pair.area, area_unit(pair.area))});
+  }
+  return lines.size() < 2 ? "" : fmt::format("contact, first pair\n{}", aligned(lines));
+}
+
 std::string error_table(const Study& study, const std::string& zone) {
   std::vector<std::vector<std::string>> lines{
       {"variant", study.key, "raw [%]", "SPR [%]", "SPR-C [%]", "SPR/SPR-C", "rate raw", "rate SPR", "rate SPR-C"}};
@@ -308,6 +329,7 @@ std::string study_summary(const Study& study, const std::string& directory) {
   text += too_fine(study);
   if (study.repeat > 1) text += fmt::format("each time is the smallest of {} runs\n", study.repeat);
   text += cost_table(study);
+  text += figures_table(study);
   for (const std::string& zone : zone_names(study)) text += error_table(study, zone);
   for (const StudyRow& row : study.rows)
     if (!row.message.empty()) text += fmt::format("{}, {} = {}: {}\n", row.variant, study.key, row.size, row.message);

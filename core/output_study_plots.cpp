@@ -16,7 +16,10 @@ namespace cgcontact {
 namespace {
 
 /// Pixels. A panel is what lies around the axes, too.
-constexpr int panel_width = 520, panel_height = 410, title_height = 50, legend_line_height = 22;
+constexpr int panel_width = 520, panel_height = 410, line_height = 22;
+/// Pixels of a letter, and of an entry's line and gaps.
+constexpr double letter_width = 8.2;
+constexpr int entry_width = 70;
 constexpr int left_margin = 80, right_margin = 20, top_margin = 45, bottom_margin = 85;
 
 /// What is drawn to the right.
@@ -49,7 +52,7 @@ struct LogRange {
 };
 
 /// The estimate is of the whole face only; elsewhere its curve has no points.
-const PressureKind estimated{"SPR-C, estimated", "estimated", "#7f7f7f", nullptr};
+const PressureKind estimated{"SPR-C, estimated", "estimated", "#1a9850", nullptr};
 
 std::optional<double> drawn_error(const StudyRow& row, const std::string& zone, const PressureKind& kind) {
   if (kind.error) return pressure_error(row, zone, kind);
@@ -121,15 +124,25 @@ std::string curve_style(const Curve& curve) {
 
 /// Panels in two columns below title and legend.
 struct Layout {
-  int columns, width, height, top;
+  int columns, width, height, top, title_height, legend_columns;
+  GnuplotTitle title;
 
-  Layout(std::size_t panels, std::size_t variants)
-      : columns(panels == 1 ? 1 : 2),
-        width(panels == 1 ? 3 * panel_width / 2 : 2 * panel_width),
-        top(title_height + legend_line_height * static_cast<int>(variants)) {
+  Layout(std::size_t panels, const std::string& heading, const std::vector<std::string>& entries)
+      : columns(panels == 1 ? 1 : 2), width(panels == 1 ? 3 * panel_width / 2 : 2 * panel_width) {
+    title = gnuplot_title(heading, width - 20, 16);
+    title_height = 28 + line_height * title.lines;
+    int longest = 1;
+    for (const std::string& entry : entries) longest = std::max(longest, columns_of(entry));
+    const int count = std::max<int>(1, static_cast<int>(entries.size()));
+    legend_columns = std::clamp(static_cast<int>((width - 40) / (letter_width * longest + entry_width)), 1, count);
+    top = title_height + line_height * ((count + legend_columns - 1) / legend_columns);
     height = top + (static_cast<int>(panels) + columns - 1) / columns * panel_height;
   }
   double from_top(int pixels) const { return 1 - static_cast<double>(pixels) / height; }
+  std::string key() const {
+    return fmt::format("set key at screen 0.5,{} center top vertical maxcols {} Left reverse samplen 2.6\n",
+                       from_top(title_height), legend_columns);
+  }
   std::string margins(std::size_t panel) const {
     const int column = static_cast<int>(panel) % columns, row = static_cast<int>(panel) / columns;
     const double step = static_cast<double>(width) / columns;
@@ -141,8 +154,7 @@ struct Layout {
 };
 
 /// Everything but the curves.
-std::string frame(const Study& study, const Abscissa& abscissa, const Layout& layout, const LogRange& x,
-                  const LogRange& y) {
+std::string frame(const Abscissa& abscissa, const Layout& layout, const LogRange& x, const LogRange& y) {
   std::string script = fmt::format(
       "set encoding utf8\nset terminal svg size {},{} fixed noenhanced font 'sans-serif,14' background 'white'\n",
       layout.width, layout.height);
@@ -152,11 +164,7 @@ std::string frame(const Study& study, const Abscissa& abscissa, const Layout& la
   script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x.low, x.high, y.low, y.high);
   script += fmt::format("set xtics {}\nset ytics {}\n", tics(x), tics(y));
   script += fmt::format("set xlabel '{}'\nset ylabel 'error of the contact pressure [%]'\n", abscissa.label);
-  script += fmt::format("set key at screen 0.5,{} center top vertical maxrows {} Left reverse samplen 2.6\n",
-                        layout.from_top(title_height), study.variants.size());
-  return script + fmt::format("set multiplot title {} font ',16'\n",
-                              gnuplot_text(fmt::format("{}: {}{}", abscissa.title, study.title,
-                                                       study.own_reference ? " (reference: own finest run)" : "")));
+  return script + layout.key() + fmt::format("set multiplot title {} font ',16'\n", layout.title.text);
 }
 
 std::string panel(const Study& study, const std::vector<Curve>& curves, const std::string& file, std::size_t first) {
@@ -183,8 +191,12 @@ void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs)
   const std::string file = fmt::format("{}.dat", abscissa.picture);
   write_text(runs.directory() + "/plots/" + file, data_of(curves));
 
-  const Layout layout(zones.size(), study.variants.size());
-  std::string script = frame(study, abscissa, layout, x.widened(), y.widened());
+  std::vector<std::string> entries;
+  for (const Curve& curve : curves.front()) entries.push_back(curve_name(study, curve));
+  const std::string heading =
+      fmt::format("{}: {}{}", abscissa.title, study.title, study.own_reference ? " (reference: own finest run)" : "");
+  const Layout layout(zones.size(), heading, entries);
+  std::string script = frame(abscissa, layout, x.widened(), y.widened());
   for (std::size_t z = 0; z < zones.size(); ++z) {
     script += layout.margins(z) +
               fmt::format("set title {}\n", gnuplot_text(zones[z] == "whole" ? "whole contact face" : zones[z]));
@@ -193,6 +205,80 @@ void write_plot(const Study& study, const Abscissa& abscissa, GnuplotRuns& runs)
   }
   script += "unset multiplot\n";
   runs.start(abscissa.picture, script, {std::string(abscissa.picture) + ".svg"});
+}
+
+/// One quantity of the contact pairs over the sizes.
+struct Quantity {
+  const char* name;
+  double RunFigures::Pair::*value;
+  DisplayUnit (*unit)(double largest);
+};
+constexpr std::size_t num_quantities = 3, most_curves = 8;
+const Quantity quantities[num_quantities] = {{"force", &RunFigures::Pair::force, force_unit},
+                                             {"largest pressure", &RunFigures::Pair::max_pressure, stress_unit},
+                                             {"contact area", &RunFigures::Pair::area, area_unit}};
+
+/// The pair of one variant, from left to right.
+struct FigureCurve {
+  std::string name;
+  std::vector<std::pair<double, RunFigures::Pair>> points;
+};
+
+std::vector<FigureCurve> figure_curves(const Study& study) {
+  std::vector<FigureCurve> curves;
+  std::size_t pairs = 0;
+  for (const StudyRow& row : study.rows) pairs = std::max(pairs, row.figures.pairs.size());
+  for (std::size_t pair = 0; pair < pairs; ++pair)
+    for (const std::string& variant : study.variants) {
+      FigureCurve curve;
+      for (const StudyRow& row : study.rows) {
+        if (row.variant != variant || row.status != StudyRow::Status::solved || pair >= row.figures.pairs.size())
+          continue;
+        curve.name = row.figures.pairs[pair].name + (study.variants.size() > 1 ? ", " + variant : "");
+        curve.points.emplace_back(std::stod(row.size), row.figures.pairs[pair]);
+      }
+      std::stable_sort(curve.points.begin(), curve.points.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+      if (!curve.points.empty() && curves.size() < most_curves) curves.push_back(std::move(curve));
+    }
+  return curves;
+}
+
+/// Force, largest pressure and area over what the study varies: figures.svg.
+void write_figures_plot(const Study& study, GnuplotRuns& runs) {
+  static const char* const colours[] = {"#2070b8", "#d2501e", "#1a9850", "#7b3fa0",
+                                        "#b8860b", "#17a2a2", "#c03060", "#606060"};
+  const std::vector<FigureCurve> curves = figure_curves(study);
+  if (curves.empty()) return;
+  std::vector<std::string> entries;
+  std::string data;
+  for (const FigureCurve& curve : curves) {
+    entries.push_back(curve.name);
+    for (const auto& [size, pair] : curve.points)
+      fmt::format_to(std::back_inserter(data), "{} {} {} {}\n", size, pair.force, pair.max_pressure, pair.area);
+    data += "\n\n";
+  }
+  write_text(runs.directory() + "/plots/figures.dat", data);
+  const Layout layout(num_quantities, "Contact over " + study.key + ": " + study.title, entries);
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal svg size {},{} fixed noenhanced font 'sans-serif,14' background 'white'\n"
+      "set output '../figures.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n"
+      "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset yrange [0:*]\nset offsets graph 0.05, graph 0.05, graph 0.08, 0\n"
+      "set xlabel {}\n{}set multiplot title {} font ',16'\n",
+      layout.width, layout.height, gnuplot_text(study.key), layout.key(), layout.title.text);
+  for (std::size_t q = 0; q < num_quantities; ++q) {
+    double largest = 0;
+    for (const FigureCurve& curve : curves)
+      for (const auto& point : curve.points) largest = std::max(largest, point.second.*quantities[q].value);
+    const DisplayUnit unit = quantities[q].unit(largest);
+    script += layout.margins(q) + fmt::format("set ylabel '{} [{}]'\nplot", quantities[q].name, unit.name);
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      script += fmt::format(
+          "{} 'figures.dat' index {} using 1:(${}*{}) with linespoints lc rgb '{}' lw 2 pt 7 ps 0.7 title {}",
+          c ? ", \\\n " : "", c, q + 2, unit.factor, colours[c % most_curves], gnuplot_text(curves[c].name));
+    script += "\nunset key\n";
+  }
+  runs.start("figures", script + "unset multiplot\n", {"figures.svg"});
 }
 
 }  // namespace
@@ -207,6 +293,7 @@ void write_study_plots(const Study& study, const std::string& directory, std::ve
              {"error_unknowns", "unknowns [-]", "Error against unknowns",
               [](const RunFigures& run) { return static_cast<double>(run.unknowns); }},
              runs);
+  write_figures_plot(study, runs);
   const std::vector<std::string>& found = runs.finish();
   warnings.insert(warnings.end(), found.begin(), found.end());
 }

@@ -1,4 +1,5 @@
-/// error_time.svg and error_unknowns.svg: the error of the contact pressure against what it costs.
+/// error_time.svg and error_unknowns.svg: the error of the contact pressure against what it costs; figures.svg: force,
+/// largest pressure and area over what the study varies.
 #pragma once
 
 #include <string>

@@ -240,7 +240,7 @@ void write_vtk_boundary(const std::vector<DrawnBody>& bodies, const std::vector<
 }
 
 void write_vtk_contact(const ContactSurface& surface, const std::string& file_name) {
-  static const char* const names[] = {"gap", "pressure_raw", "pressure_spr", "pressure_sprc"};
+  static const char* const names[] = {"gap", "pressure_raw", "pressure_spr", "pressure_sprc", "pressure_error"};
   HdfFile file;
   write_header({surface.position.size(), surface.size(), 3 * surface.size()}, file);
   const auto flat = [](const std::vector<Vec3>& vectors, auto zero) {

@@ -15,7 +15,7 @@ namespace cgcontact {
 void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& file_name);
 
 /// Triangles of the contact faces. Cell arrays: body, pair, status (1 closed, 0 open), gap, pressure_raw, pressure_spr,
-/// pressure_sprc; the last four as point arrays "..._smooth" too, and displacement.
+/// pressure_sprc, pressure_error; the last five as point arrays "..._smooth" too, and displacement.
 void write_vtk_contact(const ContactSurface& surface, const std::string& file_name);
 
 /// The bodies of a scene without results. Cell arrays: body, cell, cut (1: a boundary passes), volume_fraction.

@@ -1,11 +1,11 @@
 #include "core/part_outline.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
 #include "core/scene_mesh.hpp"
 #include "core/triangle_faces.hpp"
-#include "core/triangle_reader.hpp"
 
 namespace cgcontact {
 
@@ -108,24 +108,67 @@ double enclosed_volume(const TriangleSurface& surface) {
   return volume;
 }
 
-}  // namespace
-
-PartOutline outline_part(const std::string& file, double scale) {
-  TriangleSoup soup = read_triangles(file);
-  for (Vec3& x : soup.points) x *= scale;
-  const SurfaceRepairs repairs = repair_and_check(soup, file);
-  const TriangleSurface surface = make_surface(soup, name_faces(soup, "part", {}), default_crease_angle);
-  PartOutline outline;
+/// Everything that depends on how the part is turned.
+void find_ends(const TriangleSurface& surface, PartOutline& outline) {
   outline.min = surface.tree().min();
   outline.max = surface.tree().max();
-  const Vec3 extent = outline.max - outline.min;
+  const double height = outline.max[2] - outline.min[2];
+  outline.top = find_end(surface, 1, outline.max[2], height);
+  outline.bottom = find_end(surface, -1, -outline.min[2], height);
+  outline.below_top.clear();
+  for (int t = 0; t < static_cast<int>(surface.triangles().size()); ++t) {
+    const std::array<Vec3, 3> corners{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
+    const bool near = std::any_of(corners.begin(), corners.end(),
+                                  [&](const Vec3& x) { return x[2] >= outline.max[2] - face_share * height; });
+    if (near) outline.below_top.push_back(corners);
+  }
+}
+
+}  // namespace
+
+double PartOutline::push_for(double half_width, double most) const {
+  const auto is_wide = [&](double push) {
+    const double level = max[2] - push;
+    double cut = 0,
+           rim = 0;  // of the plane through the part: by the divergence theorem, what lies above it projects on it
+    for (const auto& corners : below_top) {
+      std::vector<Vec3> above, ends;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 &a = corners[k], &b = corners[(k + 1) % 3];
+        const double da = a[2] - level, db = b[2] - level;
+        if (da >= 0) above.push_back(a);
+        if ((da >= 0) != (db >= 0)) ends.push_back(a + da / (da - db) * (b - a)), above.push_back(ends.back());
+      }
+      for (std::size_t k = 2; k < above.size(); ++k) cut += (above[k - 1] - above[0]).cross(above[k] - above[0])[2] / 2;
+      if (ends.size() == 2) rim += (ends[1] - ends[0]).norm();
+    }
+    return cut >= half_width * rim;
+  };
+  double narrow = 0, wide = most;
+  if (!is_wide(most)) return most;
+  for (int pass = 0; pass < 30; ++pass) (is_wide((narrow + wide) / 2) ? wide : narrow) = (narrow + wide) / 2;
+  return wide;
+}
+
+PartOutline outline_part(const std::string& file, double scale, bool repair) {
+  const BodySurface read = read_body_surface(file, scale, repair);
+  const TriangleSoup& soup = read.soup;
+  const TriangleSurface surface = make_surface(soup, name_faces(soup, "part", {}), default_crease_angle);
+  PartOutline outline;
+  const Vec3 extent = surface.tree().max() - surface.tree().min();
   outline.volume = enclosed_volume(surface);
-  outline.note = describe_surface(file, repairs, extent);
+  outline.note = describe_surface(file, read, extent);
   outline.doubt = doubtful_unit(extent);
-  outline.top = find_end(surface, 1, outline.max[2], extent[2]);
-  outline.bottom = find_end(surface, -1, -outline.min[2], extent[2]);
   outline.parts = find_parts(surface);
-  return outline;
+  for (const SmoothPart& part : outline.parts) outline.area += part.area;
+  find_ends(surface, outline);
+  const auto flat = std::find_if(outline.parts.begin(), outline.parts.end(),
+                                 [&](const SmoothPart& part) { return part.flat && part.area > 0.05 * outline.area; });
+  if (outline.top.faces_outwards || flat == outline.parts.end()) return outline;
+  PartOutline turned = outline;
+  turned.turn = Eigen::Quaterniond::FromTwoVectors(flat->normal, Vec3::UnitZ()).toRotationMatrix();
+  find_ends(surface.transformed(turned.turn, Vec3::Zero(), 1), turned);
+  return turned.top.faces_outwards ? turned : outline;
 }
 
 }  // namespace cgcontact

@@ -2,6 +2,7 @@
 /// parts. `cgcontact init --stl` lays out a scene by it.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -32,11 +33,19 @@ struct PartOutline {
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
   double volume = 0;                            ///< m^3
   PartEnd top, bottom;
-  std::vector<SmoothPart> parts;  ///< largest first
+  std::vector<SmoothPart> parts;  ///< largest first, places and normals as in the file
+  Mat3 turn = Mat3::Identity();   ///< min, max, top and bottom are those of the part turned so about the origin
+  double area = 0;                ///< m^2
+  /// How far a horizontal plane is to come down on the part for the cut to be twice this wide (area over length of its
+  /// rim), m; at most `most`.
+  double push_for(double half_width, double most) const;
+  /// Triangles that come near the top, turned, m below it: corners by their depth.
+  std::vector<std::array<Vec3, 3>> below_top;
 };
 
-/// Reads, checks and repairs the surface (.stl, .obj, .ply) as a scene would. scale: m per unit of the file. Throws
+/// Reads, checks and repairs the surface (.stl, .obj, .ply, .off) as a scene would. A part that ends in a tip or edge
+/// at its top is turned such that its largest flat part is there, if it has one. scale: m per unit of the file. Throws
 /// InputError that names the file.
-PartOutline outline_part(const std::string& file, double scale);
+PartOutline outline_part(const std::string& file, double scale, bool repair = false);
 
 }  // namespace cgcontact

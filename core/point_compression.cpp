@@ -193,6 +193,29 @@ void compress_weights(const FunctionTable& functions, std::vector<double>& weigh
   for (std::size_t i = 0; i < basis.size(); ++i) weights[basis[i]] = solution[i];
 }
 
+void compress_many_weights(const FunctionTable& functions, std::vector<double>& weights) {
+  const std::size_t n = weights.size(), batch = 2 * static_cast<std::size_t>(functions.num_functions);
+  std::vector<int> chosen;
+  FunctionTable table;
+  Vector part;
+  for (std::size_t next = 0; next < n;) {
+    while (next < n && chosen.size() < batch) chosen.push_back(static_cast<int>(next++));
+    table.resize(functions.num_functions, static_cast<int>(chosen.size()));
+    part.resize(chosen.size());
+    for (std::size_t i = 0; i < chosen.size(); ++i) part[i] = weights[chosen[i]];
+    for (int f = 0; f < functions.num_functions; ++f)
+      for (std::size_t i = 0; i < chosen.size(); ++i) table[f][i] = functions[f][chosen[i]];
+    compress_weights(table, part);
+    std::vector<int> left;
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      weights[chosen[i]] = part[i];
+      if (part[i] > 0) left.push_back(chosen[i]);
+    }
+    if (left.size() >= batch) left.clear();  // not to rounding accuracy: these stay as they are
+    chosen.swap(left);
+  }
+}
+
 FunctionTable surface_polynomials(std::vector<double> (&points)[3], int degree, bool curved) {
   const int n = static_cast<int>(points[0].size());
   for (Vector& x : points) {

@@ -23,6 +23,9 @@ struct FunctionTable {
 /// it cannot reach rounding accuracy. The functions should be of size one.
 void compress_weights(const FunctionTable& functions, std::vector<double>& weights);
 
+/// The same for many points, a part of them at a time: time proportional to the number of points.
+void compress_many_weights(const FunctionTable& functions, std::vector<double>& weights);
+
 /// The polynomials of total degree <= degree in (s, t), and with `curved` also those of degree <= degree - 1 times the
 /// height: on a plane, a sphere or a cylinder these are all polynomials of that degree in space. `points`: s, t,
 /// height of all points; scaled in place.

@@ -21,9 +21,11 @@ RunFigures figures_of(const Json& json) {
   figures.cut_cells = json.at("cells").at("cut");
   for (const Json& pair : json.at("contact")) {
     figures.contact_points += pair.at("points").get<long long>();
-    if (figures.force) continue;
     const Json& force = pair.at("force").at(pair.at("bodies").at(0).get<std::string>());
-    figures.force = Vec3(force.at(0), force.at(1), force.at(2)).norm();
+    const double size = Vec3(force.at(0), force.at(1), force.at(2)).norm();
+    figures.pairs.push_back({pair.at("name"), size, pair.at("area"), pair.at("max_pressure")});
+    if (figures.force) continue;
+    figures.force = size;
     figures.pressure_error_estimate = pair.at("pressure_error_estimate").get<double>();
     if (const auto& estimate = pair.at("force_error_estimate"); !estimate.is_null())
       figures.force_error_estimate = estimate.get<double>();

@@ -27,6 +27,11 @@ struct RunFigures {
   std::optional<double> force;                                          ///< N, of the first contact pair
   std::optional<double> pressure_error_estimate, force_error_estimate;  ///< relative, of the first contact pair
   std::vector<ZoneError> pressure_errors;
+  struct Pair {
+    std::string name;
+    double force = 0, area = 0, max_pressure = 0;  ///< N, m^2, Pa
+  };
+  std::vector<Pair> pairs;
 
   double total_time_s() const;
 };

@@ -24,16 +24,27 @@ struct BodyFields {
   /// Per active cell: the largest numbers of the patches of its eight nodes (Results::patch_kinds, patch_statuses).
   /// Empty without constrained recovery.
   std::vector<unsigned char> patch_kind, patch_status;
+  /// Index into Scene::contacts for each boundary point that has something opposite, else -1.
+  std::vector<int> contact_of_point;
+};
+
+/// Largest values of one body at the points of its drawn mesh, and where they are (undeformed).
+struct BodyExtremes {
+  double displacement = 0;  ///< m
+  Vec3 displacement_at = Vec3::Zero();
+  double von_mises = 0;  ///< Pa, recovered stress
+  Vec3 von_mises_at = Vec3::Zero();
 };
 
 /// One boundary point of a contact face.
 struct ContactRow {
   int body = 0;
   int pair = 0;
-  int cell = 0;                                                  ///< active cell of the body
-  Vec3 x = Vec3::Zero(), normal = Vec3::Zero();                  ///< m; outward
-  double weight = 0;                                             ///< m^2
-  double gap = 0;                                                ///< m, after deformation, positive when open
+  int cell = 0;                                  ///< active cell of the body
+  Vec3 x = Vec3::Zero(), normal = Vec3::Zero();  ///< m; outward
+  double weight = 0;                             ///< m^2
+  double gap = 0;                                ///< m, after deformation, positive when open
+  double distance = 0;  ///< m, of the geometry before, without interference; infinite: nothing opposite
   double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;  ///< Pa, positive in compression
   double pressure_opposite = 0;                                  ///< Pa, SPR-C of the other body; NaN: nothing opposite
   double pressure_transmitted = 0;  ///< Pa, what the solution transmits at the nearest contact point; NaN: none
@@ -48,6 +59,7 @@ struct ContactRow {
 /// Pressure along the scene's path, one entry per sample and body.
 struct PathSample {
   int body = 0;
+  int pair = 0;
   double s = 0;  ///< m, the coordinate that the reference uses, else arc length
   Vec3 x = Vec3::Zero();
   double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;
@@ -73,6 +85,7 @@ struct PairFigures {
   Vec3 max_pressure_at = Vec3::Zero();  ///< m
   Vec3 centre = Vec3::Zero();           ///< m, of the transmitted pressure: where the resultant acts
   int points = 0, active_points = 0;
+  double interference = 0;             ///< m, as the scene gives it
   double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
   /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
   std::optional<double> force_error_estimate;
@@ -104,6 +117,17 @@ inline const char* name_of(Verdict::State state) {
 struct SupportFigures {
   std::string face;           ///< "body.face"
   Vec3 force = Vec3::Zero();  ///< N, acts on the body
+  std::string condition;      ///< "symmetry", "x = 0, z = -1.6e-06 m"
+  double area = 0;            ///< m^2
+};
+
+/// Resultant of one load, as it acts in the last step.
+struct LoadFigures {
+  std::string face;           ///< "body.face", or the body that a body force acts on
+  std::string condition;      ///< "pressure 0 .. 1e+07 Pa, traction"
+  Vec3 force = Vec3::Zero();  ///< N
+  double area = 0;            ///< m^2; of a body force: its volume, m^3
+  bool of_body = false;       ///< a body force
 };
 
 /// Resultants of what acts on one body; they sum to zero up to the tolerance of the linear solver.
@@ -146,7 +170,9 @@ struct Results {
   std::vector<PairFigures> pairs;
   std::vector<StepFigures> steps;  ///< in order, the last one too; empty without [steps]
   std::vector<SupportFigures> supports;
-  std::vector<BodyBalance> balance;                          ///< by body
+  std::vector<LoadFigures> loads;
+  std::vector<BodyExtremes> extremes;  ///< by body; empty if neither pictures nor fields are written
+  std::vector<BodyBalance> balance;    ///< by body
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;
@@ -159,6 +185,7 @@ struct Results {
   std::vector<BodyFields> bodies;
   std::vector<ContactRow> contact_rows;
   std::vector<PathSample> path;
+  bool path_from_largest = false;  ///< the path runs through the largest pressure of each pair, s is zero there
   std::vector<StressErrorSample> stress_errors;
   std::vector<ZoneError> pressure_errors;
 };

@@ -12,6 +12,7 @@
 #include "core/suggest.hpp"
 #include "core/triangle_faces.hpp"
 #include "core/triangle_reader.hpp"
+#include "core/triangle_repair.hpp"
 
 namespace cgcontact {
 
@@ -104,13 +105,10 @@ std::vector<TriangleSelector> read_selectors(const TomlCursor& node, const Trian
   return selectors;
 }
 
-/// The checked surface in metres; what is wrong with it is said of the key that names the file.
-TriangleSoup read_surface(const TomlCursor& node, const std::string& file, double scale, SurfaceRepairs& repairs) {
+/// What is wrong with a surface is said of the key that names the file.
+BodySurface read_surface(const TomlCursor& node, const std::string& file, double scale, bool repair) {
   try {
-    TriangleSoup soup = read_triangles(file);
-    for (Vec3& x : soup.points) x *= scale;
-    repairs = repair_and_check(soup, file);
-    return soup;
+    return read_body_surface(file, scale, repair);
   } catch (const InputError& error) {
     node.fail(error.what());
   }
@@ -124,11 +122,40 @@ const std::map<std::string, double>& mesh_units() {
   return units;
 }
 
-std::string describe_surface(const std::string& file, const SurfaceRepairs& repairs, const Vec3& extent) {
+BodySurface read_body_surface(const std::string& file, double scale, bool repair) {
+  BodySurface surface;
+  surface.soup = read_triangles(file);
+  for (Vec3& x : surface.soup.points) x *= scale;
+  const TriangleSoup as_read = repair ? surface.soup : TriangleSoup();
+  try {
+    surface.repairs = repair_and_check(surface.soup, file);
+    return surface;
+  } catch (const InputError& error) {
+    if (!repair)
+      throw InputError(std::string(error.what()) +
+                       "; with repair = true in the mesh it is repaired as far as that goes (docs/scene.md)");
+  }
+  surface.soup = as_read;
+  SurfaceRepair done = repair_surface(surface.soup, file);
+  try {
+    const TriangleSoup repaired = surface.soup;
+    surface.repairs = check_parted(surface.soup, file);
+    if (surface.soup.triangles.size() != repaired.triangles.size()) done.is_new.clear();
+  } catch (const InputError& error) {
+    throw InputError(std::string(error.what()) + "; that is what repair = true has left (" + done.text() + ")");
+  }
+  surface.repair = done.text();
+  surface.is_new = std::move(done.is_new);
+  return surface;
+}
+
+std::string describe_surface(const std::string& file, const BodySurface& surface, const Vec3& extent) {
+  const SurfaceRepairs& repairs = surface.repairs;
   std::string text =
       fmt::format("{}: {} triangles in {} shell{}, {:.4g} x {:.4g} x {:.4g} m", file, repairs.num_triangles,
                   repairs.shells, repairs.shells > 1 ? "s" : "", extent[0], extent[1], extent[2]);
   if (repairs.any()) text += "; repaired: " + repairs.text();
+  if (!surface.repair.empty()) text += "; repaired on request: " + surface.repair;
   return text;
 }
 
@@ -139,16 +166,17 @@ std::string doubtful_unit(const Vec3& extent) {
 }
 
 MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
-  node.expect_keys({"file", "unit", "scale", "crease", "faces"});
-  const TomlCursor file_node = node.at("file", "an .stl, .obj or .ply file");
+  node.expect_keys({"file", "unit", "scale", "crease", "repair", "faces"});
+  const TomlCursor file_node = node.at("file", "an .stl, .obj, .ply or .off file");
   const std::string given = file_node.string("a file name");
   const std::string file = (std::filesystem::path(node.text().file).parent_path() / given).string();
   const double scale = read_scale(node);
   const auto crease = node.find("crease");
   const double crease_angle = crease ? crease->number(angle_range()) * degree : default_crease_angle;
 
-  SurfaceRepairs repairs;
-  const TriangleSoup soup = read_surface(file_node, file, scale, repairs);
+  const auto repair = node.find("repair");
+  const BodySurface read = read_surface(file_node, file, scale, repair && repair->boolean());
+  const TriangleSoup& soup = read.soup;
   const NamedTriangles faces = name_faces(soup, name, read_selectors(node, soup));
   TriangleSurface surface = make_surface(soup, faces, crease_angle);
   if (surface.face_names().size() > most_patches)
@@ -161,8 +189,9 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   Vec3 min, max;
   shape.solid.bounding_box(min, max);
   shape.extent = max - min;
-  shape.repaired = repairs.any();
-  shape.note = describe_surface(given, repairs, shape.extent);
+  shape.repaired = read.repairs.any() || !read.repair.empty();
+  if (!read.repair.empty()) shape.mended.push_back({name, soup.points, soup.triangles, read.is_new});
+  shape.note = describe_surface(given, read, shape.extent);
   return shape;
 }
 

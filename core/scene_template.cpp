@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -105,7 +106,7 @@ p0 = "3*F/(2*pi*a^2)"            # pressure in its centre, Pa
 
 const char* const part_scene = R"toml(# {note}
 #
-# A plate is pressed onto the top (z+) of the part, which stands on its bottom (z-). It runs as it is:
+# A plate is pressed onto the top (z+) of the part, which stands on its bottom (z-). {state}
 #
 #   cgcontact check {file}       what the scene contains
 #   cgcontact run {file}         solve; results in out/{stem}
@@ -131,14 +132,14 @@ faces = [                          # TODO parts of the surface that supports, lo
 
 [body.shape]
 name = "surface"
-
+{turn}
 # TODO name the faces you need: remove the "#" before a line and give the face a better name. It is then
 # "part.surface.face1" in supports, loads and contact. (Triangles in none of them make up the face "rest".)
 # These are the smooth parts of the surface, largest first; edges of more than 30 degrees divide them.
 [body.shape.mesh]
 file = {surface}
 unit = "{unit}"
-faces = [
+{repair}faces = [
 {faces}]
 
 [[body]]
@@ -202,22 +203,24 @@ double two_digits(double value) {
 struct Layout {
   double cell_size, plate_cell, push;
   Vec3 plate_min, plate_max;
+  bool is_narrow;  ///< the plate would have to come down too far for a contact zone of some cells
 };
 
-Layout lay_out(const PartOutline& part, int cells) {
+Layout lay_out(const PartOutline& part, double cells) {
   const Vec3 extent = part.max - part.min;
   const double longest = extent.maxCoeff(), shortest = extent.minCoeff();
   constexpr double cells_through = 4, most_cells = 30000, most_plate_cells_across = 60;
   Layout layout{};
   double h = std::min(longest / cells, shortest / cells_through);
   const double affordable = std::cbrt(part.volume / (most_cells * std::pow(cells / 20.0, 3)));
-  h = two_digits(std::min(std::max(h, affordable), shortest / 1.2));
+  h = std::min(std::max(h, affordable), shortest / 1.2);
+  // Sheets: rather less than a cell through the thickness than too many cells.
+  h = two_digits(std::max(h, std::sqrt(part.area / 2 / (4 * most_cells))));
   layout.cell_size = h;
 
   const PartEnd& top = part.top;
-  const double narrowest = std::min(extent[0], extent[1]), end_height = 0.02 * extent[2];
+  const double narrowest = std::min(extent[0], extent[1]);
   Vec3 half = (top.max - top.min) / 2;
-  const double radius_of_end = std::min(half[0], half[1]);
   for (int k = 0; k < 2; ++k) half[k] = std::max({1.1 * half[k], 0.2 * narrowest, 3 * h});
   layout.plate_cell = std::max(0.8 * h, 2 * std::max(half[0], half[1]) / most_plate_cells_across);
   const double thickness =
@@ -226,11 +229,12 @@ Layout lay_out(const PartOutline& part, int cells) {
   layout.plate_min = {center[0] - half[0], center[1] - half[1], part.max[2]};
   layout.plate_max = {center[0] + half[0], center[1] + half[1], part.max[2] + thickness};
 
-  // Flat: a thousandth. Round, of radius r^2 / (2 end_height): so that the contact zone has a radius of some two cells.
-  const double round = 4 * h * h * 2 * end_height / (radius_of_end * radius_of_end);
-  double push = std::min(round, std::max(0.01 * extent[2], 0.4 * h));
-  if (top.flat) push = 1e-3 * extent[2];
+  // Flat: a thousandth. Others: so far that the planes would cut out some five cells across; a contact zone is 0.7 of
+  // that.
+  const double most = std::max(0.01 * extent[2], 0.4 * h);
+  const double push = top.flat ? 1e-3 * extent[2] : part.push_for(1.2 * h, most);
   layout.push = two_digits(push);
+  layout.is_narrow = !top.flat && push == most;
   return layout;
 }
 
@@ -283,15 +287,22 @@ void expect_new(const std::string& file) {
     throw InputError(file + ": exists already, and init does not overwrite (allowed: the name of a new file)");
 }
 
-std::string scene_of_part(const InitOptions& options, const std::string& file, std::string& told) {
-  for (const std::string& name : {options.surface, file})
-    if (printable(name) != name)
-      throw InputError(
-          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
-                      "(allowed: another name)",
-                      name));
-  const PartOutline part = outline_part(options.surface, mesh_units().at(options.unit));
-  const Layout layout = lay_out(part, options.cells);
+/// "" or the line of the shape that turns it.
+std::string rotation_line(const Mat3& turn) {
+  const Eigen::AngleAxisd rotation(turn);
+  if (turn.isIdentity()) return "";
+  const Vec3& axis = rotation.axis();
+  return fmt::format(
+      "rotate = {{axis = [{:.15g}, {:.15g}, {:.15g}], angle = {:.15g}}}   # its largest flat part is its top\n",
+      axis[0], axis[1], axis[2], rotation.angle() * 180 / 3.14159265358979323846);
+}
+
+const char* const runs = "It runs as it is:";
+
+/// A scene around a part with this many cells along its longest side, and what to tell of it. `state`: does it run?
+std::string scene_of_part(const InitOptions& options, const PartOutline& part, double cells, const std::string& file,
+                          const std::string& state, std::string& told) {
+  const Layout layout = lay_out(part, cells);
   const Vec3 extent = part.max - part.min;
   const fs::path folder = fs::absolute(file).parent_path();
   const std::string surface = fs::path(options.surface).is_absolute()
@@ -299,14 +310,20 @@ std::string scene_of_part(const InitOptions& options, const std::string& file, s
                                   : fs::absolute(options.surface).lexically_proximate(folder).string();
   told = part.note + "\n";
   if (!part.doubt.empty()) told += fmt::format("warning: {}: {}\n", options.surface, part.doubt);
-  if (!part.top.faces_outwards)
+  if (!part.turn.isIdentity())
+    told += "the part ends in a tip or a sharp edge at its top (z+): it is turned (rotate)\n";
+  if (layout.is_narrow)
     told +=
-        "warning: the part ends in a tip or a sharp edge at its top (z+), where the plate finds nothing that faces it: "
-        "turn the part (rotate, docs/scene.md) or press on another face\n";
+        "warning: the part ends in a tip or a sharp edge at its top (z+): its contact zone is smaller than the cells, "
+        "so that the force is rough or zero: smaller cells (--cells), or press on another face\n";
+  if (extent.minCoeff() < layout.cell_size)
+    told +=
+        fmt::format("warning: the part is {:.3g} m thin, less than a cell: its bending is rough\n", extent.minCoeff());
   told += fmt::format("cells of {:.3g} m; the part has {} smooth face{}\n", layout.cell_size, part.parts.size(),
                       part.parts.size() == 1 ? "" : "s");
   return fmt::format(
-      part_scene, fmt::arg("note", part.note), fmt::arg("file", shell_word(file)),
+      part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", shell_word(file)),
+      fmt::arg("turn", rotation_line(part.turn)), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
       fmt::arg("stem", shell_word(fs::path(file).stem().string())),
       fmt::arg("finer", fmt::format("{:.3g}", layout.cell_size / 1.5)),
       fmt::arg("title", quoted(fs::path(options.surface).stem().string() + " under a plate")),
@@ -319,9 +336,32 @@ std::string scene_of_part(const InitOptions& options, const std::string& file, s
       fmt::arg("plate_ratio", layout.plate_cell / layout.cell_size));
 }
 
+/// Tries cells of several sizes until the scene passes `find_fault`.
+std::string passing_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
+                          std::string& told) {
+  for (const std::string& name : {options.surface, file})
+    if (printable(name) != name)
+      throw InputError(
+          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
+                      "(allowed: another name)",
+                      name));
+  const PartOutline part = outline_part(options.surface, mesh_units().at(options.unit), options.repair);
+  std::string first_fault;
+  for (const double factor : {1.0, 0.7, 1.4, 0.5, 2.0}) {
+    const std::string text = scene_of_part(options, part, options.cells * factor, file, runs, told);
+    const std::string fault = find_fault ? find_fault(text, file) : "";
+    if (fault.empty()) return text;
+    if (first_fault.empty()) first_fault = fault;
+  }
+  const std::string text =
+      scene_of_part(options, part, options.cells, file, "It does not run yet (see `check`):", told);
+  told += fmt::format("warning: the scene does not pass check yet: {}\n", first_fault);
+  return text;
+}
+
 }  // namespace
 
-std::string init_scene(const InitOptions& options) {
+std::string init_scene(const InitOptions& options, const FindFault& find_fault) {
   const bool from_surface = !options.surface.empty();
   if (from_surface && options.unit.empty())
     throw InputError(
@@ -336,7 +376,8 @@ std::string init_scene(const InitOptions& options) {
   expect_new(file);
   std::string told;
   const std::string name = shell_word(file), stem = shell_word(fs::path(file).stem().string());
-  const std::string text = from_surface ? scene_of_part(options, file, told) : fmt::format(example, name, stem);
+  const std::string text =
+      from_surface ? passing_scene(options, file, find_fault, told) : fmt::format(example, name, stem);
   write_new_file(file, text);
   told += fmt::format("wrote {}\nNext:\n", file);
   if (from_surface) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";

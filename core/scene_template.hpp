@@ -1,6 +1,8 @@
-/// Scenes to start from, for `cgcontact init`: commented, and such that they run as they are.
+/// Scenes to start from, for `cgcontact init`: commented, and such that they run as they are, or say what keeps them
+/// from it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -8,15 +10,20 @@ namespace cgcontact {
 
 struct InitOptions {
   std::string file;     ///< scene to write; empty: scene.toml, or the name of the surface with .toml
-  std::string surface;  ///< .stl, .obj or .ply file of a part; empty: the example without a file
+  std::string surface;  ///< .stl, .obj, .ply or .off file of a part; empty: the example without a file
   std::string unit;     ///< of the surface, as in a scene
+  bool repair = false;  ///< the surface, as the key of that name does
   int cells = 20;       ///< along the longest side of the part
 };
 
 constexpr int fewest_init_cells = 4, most_init_cells = 200;
 
-/// Writes the scene, which must not exist yet, and returns what to tell the user. Throws InputError.
-std::string init_scene(const InitOptions& options);
+/// What keeps a scene (its text, the name of its file) from running; "": nothing.
+using FindFault = std::function<std::string(const std::string& text, const std::string& file)>;
+
+/// Writes the scene, which must not exist yet, and returns what to tell the user: also that it does not pass
+/// `find_fault` with cells of any of several sizes. Throws InputError.
+std::string init_scene(const InitOptions& options, const FindFault& find_fault = {});
 
 /// An integer from fewest_init_cells to most_init_cells; throws InputError.
 int parse_init_cells(const std::string& text);

@@ -262,6 +262,27 @@ void check_crossings(const TriangleSoup& soup, const std::string& file) {
        "triangles that meet at common edges and corners only");
 }
 
+void check_finite(const TriangleSoup& soup, const std::string& file) {
+  for (std::size_t p = 0; p < soup.points.size(); ++p)
+    if (!soup.points[p].allFinite()) fail(file, fmt::format("point {} is not finite", p + 1), "finite coordinates");
+}
+
+/// Everything but the merging of points.
+void check_merged(TriangleSoup& soup, const std::string& file, SurfaceRepairs& repairs) {
+  for (int gone = 1, pass = 0; gone > 0 && pass < most_passes; repairs.zero_area += gone, ++pass)
+    gone = remove_needles(soup);
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+    if (edge_of_needle(soup, soup.triangles[t]) >= 0)
+      fail(file,
+           soup.place(static_cast<int>(t)) + " has no area, and its neighbours do not close the surface without it",
+           "triangles with an area");
+  if (soup.triangles.empty()) fail(file, "no triangle has an area", "a closed surface");
+  check_edges(soup, file);
+  check_crossings(soup, file);
+  orient(soup, file, repairs);
+  repairs.num_triangles = static_cast<int>(soup.triangles.size());
+}
+
 }  // namespace
 
 std::string SurfaceRepairs::text() const {
@@ -280,8 +301,7 @@ std::string SurfaceRepairs::text() const {
 
 SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file) {
   SurfaceRepairs repairs;
-  for (std::size_t p = 0; p < soup.points.size(); ++p)
-    if (!soup.points[p].allFinite()) fail(file, fmt::format("point {} is not finite", p + 1), "finite coordinates");
+  check_finite(soup, file);
   repairs.merged_points = merge_equal_points(soup);
   repairs.zero_area = drop_collapsed(soup);
   repairs.duplicates = drop_duplicates(soup);
@@ -289,18 +309,14 @@ SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file) {
     repairs.merged_points += merged;
     repairs.zero_area += drop_collapsed(soup);
   }
-  for (int gone = 1, pass = 0; gone > 0 && pass < most_passes; repairs.zero_area += gone, ++pass)
-    gone = remove_needles(soup);
-  for (std::size_t t = 0; t < soup.triangles.size(); ++t)
-    if (edge_of_needle(soup, soup.triangles[t]) >= 0)
-      fail(file,
-           soup.place(static_cast<int>(t)) + " has no area, and its neighbours do not close the surface without it",
-           "triangles with an area");
-  if (soup.triangles.empty()) fail(file, "no triangle has an area", "a closed surface");
-  check_edges(soup, file);
-  check_crossings(soup, file);
-  orient(soup, file, repairs);
-  repairs.num_triangles = static_cast<int>(soup.triangles.size());
+  check_merged(soup, file, repairs);
+  return repairs;
+}
+
+SurfaceRepairs check_parted(TriangleSoup& soup, const std::string& file) {
+  SurfaceRepairs repairs;
+  check_finite(soup, file);
+  check_merged(soup, file, repairs);
   return repairs;
 }
 

@@ -25,4 +25,7 @@ struct SurfaceRepairs {
 /// and shells that are inside out.
 SurfaceRepairs repair_and_check(TriangleSoup& soup, const std::string& file);
 
+/// The same without merging points: those that coincide are meant to be several (shells that touch along an edge).
+SurfaceRepairs check_parted(TriangleSoup& soup, const std::string& file);
+
 }  // namespace cgcontact

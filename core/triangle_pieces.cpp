@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <unordered_map>
 
 #include "core/face_dividers.hpp"
 #include "core/gauss_rules.hpp"
@@ -20,7 +21,11 @@ constexpr double flat_tolerance = 1e-12;
 constexpr double join_tolerance = 1e-12;      // relative: parts as large as their convex hull fill it
 constexpr double straight_tolerance = 1e-13;  // sine of the angle at a corner
 constexpr double parallel_tolerance = 1e-14;
+/// Planes up to which they get the full rule, or one of degree 2: of a patch in a cell, of all patches in a cell.
 constexpr int full_rule_planes = 8, quadratic_rule_planes = 32;
+constexpr int full_rule_planes_of_cell = 32, quadratic_rule_planes_of_cell = 128;
+/// Of patches with more planes: pieces of at least this area (cell units) get the full rule, a rule of degree 2.
+constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 
 /// Sides of all dividers, one bit each.
 using Sides = std::array<std::uint64_t, 4>;
@@ -35,7 +40,7 @@ struct Part {
 };
 
 struct PatchPlane {
-  int patch;
+  int number;  ///< among those of the cell
   Vec3 normal, point;
 };
 
@@ -177,6 +182,37 @@ void compress(const Vec3& normal, int degree, std::vector<RulePoint>& points) {
   for (std::size_t i = 0; i < points.size(); ++i) points[i].weight = weights[i];
 }
 
+/// A point of a patch with many planes.
+struct FacetPoint {
+  RulePoint point;
+  Vec3 normal;
+};
+
+/// What the points of a patch with many planes keep: with s, t, z along the coordinate axes, z the one nearest to the
+/// mean normal, all polynomials of degree 3 in (s, t), those of degree 2 times z, z^2, and each component of the normal
+/// times 1, s, t, z. So forces and moments of pressures and tractions stay, and the second moments of the area.
+FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
+  constexpr int degree = 3;
+  Vec3 mean = Vec3::Zero();
+  for (const FacetPoint& p : points) mean += p.point.weight * p.normal;
+  const auto [s, t] = plane_axes(mean);
+  const int axes[3] = {s, t, 3 - s - t}, n = static_cast<int>(points.size());
+  std::vector<double> local[3];
+  for (int k = 0; k < 3; ++k)
+    for (const FacetPoint& p : points) local[k].push_back(p.point.position[axes[k]]);
+  FunctionTable table = surface_polynomials(local, degree, true);  // scales the places to -1 .. 1
+  int f = table.num_functions;
+  table.num_functions += 13;
+  table.values.resize(static_cast<std::size_t>(table.num_functions) * n);
+  for (int k = 0; k < 3; ++k, f += 4)
+    for (int p = 0; p < n; ++p) {
+      table[f][p] = points[p].normal[k];
+      for (int i = 0; i < 3; ++i) table[f + 1 + i][p] = points[p].normal[k] * local[i][p];
+    }
+  for (int p = 0; p < n; ++p) table[f][p] = local[2][p] * local[2][p];
+  return table;
+}
+
 class PointMaker {
  public:
   PointMaker(const TriangleSurface& surface, const std::vector<Plane>& dividers, int order, bool with_pieces)
@@ -197,23 +233,31 @@ class PointMaker {
       double area = 0;
       for (end = begin; end < sorted_.size() && part(end).patch == part(begin).patch; ++end)
         area += twice_area(part(end).polygon).norm() / 2;
-      if (area > lost_piece) make_patch_points(begin, end, owner, points);
+      if (area <= lost_piece) continue;
+      if (num_planes(part(begin).patch) > quadratic_rule_planes)
+        make_facet_points(begin, end, owner, points);
+      else
+        make_patch_points(begin, end, owner, points);
     }
   }
 
  private:
-  /// Number of the plane, shared by the coplanar triangles of a patch.
+  /// Number of the plane, shared by the coplanar triangles of a patch. Beyond those that get a rule each the planes of
+  /// a patch are only counted.
   int find_plane(int triangle) {
     const Vec3& n = surface_.normal(triangle);
     const Vec3& x = surface_.corner(triangle, 0);
-    const int patch = surface_.patch(triangle);
-    for (std::size_t i = 0; i < planes_.size(); ++i)
-      if (planes_[i].patch == patch && (planes_[i].normal - n).squaredNorm() < plane_tolerance * plane_tolerance &&
-          std::abs(n.dot(x - planes_[i].point)) < plane_tolerance)
-        return static_cast<int>(i);
-    planes_.push_back({patch, n, x});
-    return static_cast<int>(planes_.size()) - 1;
+    std::vector<PatchPlane>& planes = planes_[surface_.patch(triangle)];
+    if (planes.size() > quadratic_rule_planes) return -1;
+    for (const PatchPlane& plane : planes)
+      if ((plane.normal - n).squaredNorm() < plane_tolerance * plane_tolerance &&
+          std::abs(n.dot(x - plane.point)) < plane_tolerance)
+        return plane.number;
+    planes.push_back({num_planes_++, n, x});
+    return planes.back().number;
   }
+
+  int num_planes(int patch) const { return static_cast<int>(planes_.at(patch).size()); }
 
   /// Cuts the part at all dividers from the given one on.
   void divide(Part part, std::size_t divider) {
@@ -237,23 +281,47 @@ class PointMaker {
   /// In the order of the keys.
   const Part& part(std::size_t i) const { return parts_[sorted_[i]]; }
 
-  int degree_of(std::size_t begin, std::size_t end) const {
-    std::vector<int> planes;
-    for (std::size_t i = begin; i < end; ++i) planes.push_back(part(i).plane);
-    std::sort(planes.begin(), planes.end());
-    const auto count = std::unique(planes.begin(), planes.end()) - planes.begin();
-    const int full = 2 * order_ - 1;
-    return count <= full_rule_planes ? full : std::min(full, count <= quadratic_rule_planes ? 2 : 1);
+  int degree_of(int patch) const {
+    const int full = 2 * order_ - 1, count = num_planes(patch);
+    if (count <= full_rule_planes && num_planes_ <= full_rule_planes_of_cell) return full;
+    return std::min(full, num_planes_ <= quadratic_rule_planes_of_cell ? 2 : 1);
   }
 
   /// Points of the parts begin .. end, those of one patch.
   void make_patch_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
-    const int degree = degree_of(begin, end);
+    const int degree = degree_of(part(begin).patch);
     for (std::size_t next = begin; begin < end; begin = next) {
       double area = 0;
       for (; next < end && part(next).key() == part(begin).key(); ++next)
         area += twice_area(part(next).polygon).norm() / 2;
       if (area > lost_group) make_group_points(begin, next, degree, owner, points);
+    }
+  }
+
+  /// Points of the parts begin .. end, those of a patch with many planes: a bounded number on one side of every
+  /// divider.
+  void make_facet_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
+    const int patch = part(begin).patch;
+    for (std::size_t next = begin; begin < end; begin = next) {
+      std::vector<FacetPoint> facets;
+      double area = 0;
+      for (; next < end && part(next).sides == part(begin).sides; ++next) {
+        const double own = twice_area(part(next).polygon).norm() / 2;
+        std::vector<RulePoint> rule;
+        add_polygon_rule(part(next).polygon,
+                         own >= full_rule_area        ? 2 * order_ - 1
+                         : own >= quadratic_rule_area ? 2
+                                                      : 1,
+                         rule);
+        for (const RulePoint& p : rule) facets.push_back({p, surface_.normal(part(next).triangle)});
+        area += own;
+      }
+      if (area <= lost_group) continue;
+      std::vector<double> weights;
+      for (const FacetPoint& p : facets) weights.push_back(p.point.weight);
+      compress_many_weights(facet_functions(facets), weights);
+      for (std::size_t i = 0; i < facets.size(); ++i)
+        if (weights[i] > 0) points.append(facets[i].point.position, facets[i].normal, weights[i], owner, patch);
     }
   }
 
@@ -305,7 +373,8 @@ class PointMaker {
   const std::vector<Plane>& dividers_;
   const int order_;
   const bool with_pieces_;
-  std::vector<PatchPlane> planes_;
+  std::unordered_map<int, std::vector<PatchPlane>> planes_;  ///< by patch
+  int num_planes_ = 0;
   std::vector<Part> parts_;
   std::vector<int> sorted_;
 };

@@ -15,6 +15,7 @@
 #include <tuple>
 
 #include "core/errors.hpp"
+#include "core/polygon_triangles.hpp"
 
 namespace cgcontact {
 
@@ -68,8 +69,8 @@ class LineReader {
     words_.remove_prefix(word.size());
     return word;
   }
-  double number(const char* what) {
-    std::string_view word = next_word();
+  double number(const char* what) { return number(next_word(), what); }
+  double number(std::string_view word, const char* what) const {
     if (word.empty())
       fail(file_, line_, rest_.empty() ? "the file ends here: is it truncated?" : "a number is missing", what);
     const std::string_view whole = word;
@@ -109,20 +110,21 @@ std::string lower(std::string_view word) {
   return result;
 }
 
-/// Adds a polygon as triangles around its first corner; `line` 0: the file has none.
+/// Adds a polygon as triangles; `line` 0: the file has none.
 void add_polygon(const std::string& file, const std::vector<int>& corners, int number, int line, TriangleSoup& soup) {
   const std::string where = fmt::format("face {}", number);
   if (corners.size() < 3) fail(file, line, where + " has fewer than three corners");
-  for (const int c : corners)
+  std::vector<Vec3> places;
+  for (const int c : corners) {
     if (c < 0 || c >= static_cast<int>(soup.points.size()))
       fail(file, line, fmt::format("{} refers to vertex {} of {}", where, c + 1, soup.points.size()));
-  Vec3 first = Vec3::Zero();
-  for (std::size_t k = 1; k + 1 < corners.size(); ++k) {
-    const Vec3& a = soup.points[corners[0]];
-    const Vec3 normal = (soup.points[corners[k]] - a).cross(soup.points[corners[k + 1]] - a);
-    if (k == 1) first = normal;
-    if (first.dot(normal) < 0) fail(file, line, where + " is not convex", "convex polygons; triangles are best");
-    soup.triangles.push_back({corners[0], corners[k], corners[k + 1]});
+    places.push_back(soup.points[c]);
+  }
+  const std::vector<Triangle> triangles = polygon_triangles(places);
+  if (triangles.empty())
+    fail(file, line, where + " crosses itself or has no area", "simple polygons; triangles are best");
+  for (const Triangle& t : triangles) {
+    soup.triangles.push_back({corners[t[0]], corners[t[1]], corners[t[2]]});
     soup.number.push_back(number);
     if (line > 0) soup.line.push_back(line);
   }
@@ -263,6 +265,52 @@ TriangleSoup read_obj(const std::string& file, const std::string& text) {
     }
   }
   later.finish(file, soup);
+  return soup;
+}
+
+/// Text in OFF, also with colours, normals or texture coordinates behind the places (COFF, NOFF, STOFF, ...), which say
+/// nothing about the shape.
+TriangleSoup read_off(const std::string& file, const std::string& text) {
+  TriangleSoup soup;
+  LineReader reader(file, text);
+  const auto next_line = [&](const char* wanted) {
+    std::string_view word = reader.next_line();
+    while (!word.empty() && word[0] == '#') word = reader.next_line();
+    if (word.empty()) fail(file, reader.line(), fmt::format("the file ends before its {}: is it truncated?", wanted));
+    return word;
+  };
+  const std::string kind = lower(next_line("header"));
+  for (const char* const allowed : {"off", "coff", "noff", "cnoff", "stoff", "stcoff", "stnoff", "stcnoff"})
+    if (kind == allowed) soup.line.push_back(0);
+  if (soup.line.empty())
+    fail(file, reader.line(), fmt::format("\"{}\" does not begin an OFF file in three dimensions", kind),
+         "OFF, COFF, NOFF, CNOFF, STOFF, ...");
+  soup.line.clear();
+  std::string_view word = reader.next_word();
+  if (lower(word) == "binary") fail(file, reader.line(), "the file is in binary OFF", "OFF in text, or STL, OBJ, PLY");
+  if (word.empty() || word[0] == '#') word = next_line("numbers of vertices and faces");
+  const char* const counts = "numbers of vertices, faces and edges";
+  const long long vertices = reader.integer(word, counts), faces = reader.integer(counts);
+  if (vertices < 0 || faces < 0) fail(file, reader.line(), "a negative number of vertices or faces", counts);
+  for (long long v = 0; v < vertices; ++v) {
+    Vec3 x;
+    x[0] = reader.number(next_line("last vertex"), "x y z");
+    for (int k = 1; k < 3; ++k) x[k] = reader.number("x y z");
+    soup.points.push_back(x);
+  }
+  std::vector<int> corners;
+  for (long long f = 0; f < faces; ++f) {
+    const long long count = reader.integer(next_line("last face"), "number of corners, corners");
+    corners.clear();
+    for (long long k = 0; k < count; ++k) {
+      const long long corner = reader.integer("number of corners, corners");
+      if (corner < 0 || corner >= vertices)
+        fail(file, reader.line(), fmt::format("face {} refers to vertex {}", f + 1, corner),
+             fmt::format("0 to {}", vertices - 1));
+      corners.push_back(static_cast<int>(corner));
+    }
+    add_polygon(file, corners, static_cast<int>(f) + 1, reader.line(), soup);
+  }
   return soup;
 }
 
@@ -431,20 +479,21 @@ class PlyReader {
   LaterPolygons later_;
 };
 
-/// ".ply" or words for what is certainly something else than a surface; empty: not known.
+/// ".ply", ".off" or words for what is certainly something else than a surface; empty: not known.
 std::string other_kind(const std::string& bytes) {
   const auto begins = [&](std::string_view start) { return bytes.compare(0, start.size(), start) == 0; };
   if (begins("\x1f\x8b")) return "compressed (gzip)";
   if (begins("PK\x03\x04")) return "a zip archive";
   if (begins("\xff\xfe") || begins("\xfe\xff")) return "not a text in UTF-8 but in UTF-16";
+  if (begins("OFF\n") || begins("OFF\r")) return ".off";
   return begins("ply\n") || begins("ply\r") ? ".ply" : "";
 }
 
 /// Throws if the name does not end like one of the formats.
 std::string extension_of(const std::string& file) {
   const std::string extension = lower(std::filesystem::path(file).extension().string());
-  if (extension != ".stl" && extension != ".obj" && extension != ".ply")
-    fail(file, 0, "unknown kind of file \"" + extension + "\"", ".stl, .obj, .ply");
+  if (extension != ".stl" && extension != ".obj" && extension != ".ply" && extension != ".off")
+    fail(file, 0, "unknown kind of file \"" + extension + "\"", ".stl, .obj, .ply, .off");
   return extension;
 }
 
@@ -489,9 +538,10 @@ TriangleSoup parse_triangles(const std::string& file, const std::string& bytes) 
   if (bytes.rfind("\xef\xbb\xbf", 0) == 0) return parse_triangles(file, bytes.substr(3));  // a byte order mark
   const std::string other = other_kind(bytes);
   if (!other.empty() && other != extension)
-    fail(file, 0, "the content is " + other, "what the name says: .stl, .obj or .ply");
+    fail(file, 0, "the content is " + other, "what the name says: .stl, .obj, .ply or .off");
   TriangleSoup soup = extension == ".stl"   ? read_stl(file, bytes)
                       : extension == ".obj" ? read_obj(file, bytes)
+                      : extension == ".off" ? read_off(file, bytes)
                                             : PlyReader(file, bytes).read();
   if (soup.triangles.empty()) fail(file, 0, "there is no triangle in the file");
   if (soup.triangles.size() > most_triangles) fail(file, 0, "has more than 1e8 triangles");

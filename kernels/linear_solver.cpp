@@ -4,6 +4,7 @@
 #include <Tpetra_Vector.hpp>
 #include <cstdlib>
 
+#include "core/parallel.hpp"
 #include "kernels/conjugate_gradients.hpp"
 #include "kernels/muelu.hpp"
 #include "kernels/multigrid.hpp"
@@ -88,6 +89,21 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   result.residual = norm;
   result.converged = norm <= tolerance;
   return result;
+}
+
+double LinearSolver::energy(const RealView& x) const {
+  const ExecSpace exec;
+  const RealView zero("cgcontact::linear_solver::zero", x.size()), Ax("cgcontact::linear_solver::Ax", x.size());
+  impl_->op->kernel().residual(exec, zero, x, Ax);  // -A x
+  exec.fence();
+  constexpr std::size_t grain = 4096;  // sums in a fixed order
+  std::vector<double> parts(num_chunks(x.size(), grain), 0.0);
+  parallel_chunks(x.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) parts[chunk] -= x(i) * Ax(i);
+  });
+  double sum = 0;
+  for (const double part : parts) sum += part;
+  return sum;
 }
 
 struct TrilinosScope::Impl {

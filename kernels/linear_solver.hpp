@@ -37,6 +37,9 @@ class LinearSolver {
   /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.
   LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);
 
+  /// x . A x, after an update.
+  double energy(const RealView& x) const;
+
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;

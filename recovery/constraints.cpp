@@ -16,6 +16,13 @@ constexpr double min_spread = 0.1 / 3.4641016151377544;
 /// whole plane however small the piece in the patch is.
 constexpr double min_contact_spread = 0.1;
 
+/// Pieces of a patch that stay as they are, whatever their number; with more, those below a share of the patch's area
+/// are joined where their normals are near to each other.
+constexpr std::size_t most_pieces = 12;
+constexpr double own_share = 1.0 / 8;
+/// Cosine of 60 degrees: at most 12 directions are that far apart.
+constexpr double joined_cosine = 0.5;
+
 Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_distance(x) * surface.gradient(x); }
 
 }  // namespace
@@ -60,10 +67,14 @@ BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& bo
 void BoundaryPieces::add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end) {
   const BoundaryPoints& points = cut_cells_.boundary;
   const std::size_t first = pieces_.size();
+  std::size_t latest = first;  // points of a piece mostly come one after the other
   const auto piece_of = [&](std::size_t p) -> Piece& {
     const std::array<int, 3> kind{points.surface[p], boundary.condition_of_point[p], boundary.pair_of_point[p]};
+    if (latest < pieces_.size() && pieces_[latest].kind() == std::tie(kind[0], kind[1], kind[2]))
+      return pieces_[latest];
     for (std::size_t i = first; i < pieces_.size(); ++i)
-      if (pieces_[i].kind() == std::tie(kind[0], kind[1], kind[2])) return pieces_[i];
+      if (pieces_[i].kind() == std::tie(kind[0], kind[1], kind[2])) return pieces_[latest = i];
+    latest = pieces_.size();
     pieces_.push_back({kind[0], kind[1], kind[2]});
     return pieces_.back();
   };
@@ -126,6 +137,11 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int de
   }
   for (int i = 0; i < count; ++i) {
     const Vec3 near = g.centroid + offsets[i][0] * t1 + offsets[i][1] * t2;
+    if (g.is_rough) {
+      group.position[i] = near;
+      group.normal[i] = g.normal.normalized();
+      continue;
+    }
     const Vec3 x = surface.kind == Surface::Kind::patch ? project(surface.near(near), near) : project(surface, near);
     Vec3 n = surface.gradient(x);
     if (n.dot(g.normal) < 0) n = -n;
@@ -133,6 +149,40 @@ void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int de
     group.normal[i] = n;
   }
   group.num_points = count;
+}
+
+/// A rough surface (a scan, a knurl) has more small faces in a patch than the patch has unknowns: they act like their
+/// mean planes, over which the force is that of all of them.
+void BoundaryPieces::join_small(std::vector<Piece>& wholes) {
+  if (wholes.size() <= most_pieces) return;
+  double area = 0;
+  for (const Piece& piece : wholes) area += piece.area;
+  std::stable_sort(wholes.begin(), wholes.end(), [](const Piece& a, const Piece& b) { return a.area > b.area; });
+  struct Joined {
+    Piece piece;
+    Vec3 direction;  ///< of its largest part
+  };
+  std::vector<Joined> joined;
+  std::vector<Piece> kept;
+  for (const Piece& part : wholes) {
+    if (part.area >= own_share * area) {
+      kept.push_back(part);
+      continue;
+    }
+    const Vec3 direction = part.normal.normalized();
+    const auto like = std::find_if(joined.begin(), joined.end(), [&](const Joined& j) {
+      return j.piece.condition == part.condition && j.piece.pair == part.pair &&
+             j.direction.dot(direction) > joined_cosine;
+    });
+    if (like == joined.end()) {
+      joined.push_back({part, direction});
+    } else {
+      join(like->piece, part);
+      like->piece.is_rough = true;
+    }
+  }
+  for (const Joined& j : joined) kept.push_back(j.piece);
+  wholes.swap(kept);
 }
 
 void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const {
@@ -152,11 +202,13 @@ void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::ve
         wholes.insert(whole, part);
     }
   }
+  join_small(wholes);
   groups.assign(wholes.size(), {});
   for (std::size_t i = 0; i < wholes.size(); ++i) {
     std::tie(groups[i].surface, groups[i].condition, groups[i].pair) = wholes[i].kind();
     groups[i].area = wholes[i].area;
-    place_points(wholes[i], cut_cells_.solid.surfaces()[wholes[i].surface], degree, groups[i]);
+    place_points(wholes[i], cut_cells_.solid.surfaces()[wholes[i].surface],
+                 wholes[i].is_rough ? std::min(degree, 1) : degree, groups[i]);
   }
 }
 

@@ -41,7 +41,8 @@ class BoundaryPieces {
   BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
 
   /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair; points for polynomials
-  /// of the given degree (0: one point each).
+  /// of the given degree (0: one point each). Of more than 12 pieces those with less than an eighth of the area are
+  /// joined by direction (60 degrees) into mean planes, whose `surface` is that of the largest piece.
   void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const;
   std::vector<ConstraintGroup> groups(const int* cells, int num_cells, int degree = 1) const {
     std::vector<ConstraintGroup> found;
@@ -55,9 +56,11 @@ class BoundaryPieces {
     double area = 0;
     Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();  ///< normal: integral over the piece
     Mat3 second = Mat3::Zero();                           ///< about the centroid
+    bool is_rough = false;                                ///< joined from pieces of several surfaces
     auto kind() const { return std::tie(surface, condition, pair); }
   };
   void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end);
+  static void join_small(std::vector<Piece>& wholes);
   static void join(Piece& whole, const Piece& part);
   static void place_points(const Piece& whole, const Surface& surface, int degree, ConstraintGroup& group);
 

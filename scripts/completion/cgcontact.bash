@@ -63,7 +63,7 @@ _cgcontact() {
       _cgcontact_words "$(_cgcontact_keys "$scene")"
       COMPREPLY=("${COMPREPLY[@]/%/=}") ;;
     -o | --out) compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -d -- "$current")) ;;
-    --stl) _cgcontact_files stl obj ply ;;
+    --stl) _cgcontact_files stl obj ply off ;;
     --unit) _cgcontact_words "$("$program" init --help 2>/dev/null | sed -nE 's/.*Unit of the surface: //p' | tr -d ,)" ;;
     --preconditioner) _cgcontact_words "multigrid muelu" ;;
     -t | --threads) _cgcontact_words "$(seq 1 "$(nproc 2>/dev/null || echo 1)")" ;;

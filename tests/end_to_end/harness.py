@@ -18,7 +18,7 @@ THREAD_SANITIZER = os.environ.get("CGCONTACT_SANITIZED") == "thread"
 PROGRAM = ""
 SOURCE = pathlib.Path()
 
-CSV_HEADER = "body,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active"
+CSV_HEADER = "body,pair,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active"
 
 
 @dataclasses.dataclass
@@ -58,7 +58,7 @@ def report(directory):
 def contact_rows(directory):
     """Rows of contact.csv, numbers as floats."""
     with open(pathlib.Path(directory) / "contact.csv", newline="") as file:
-        return [{key: text if key == "body" else float(text) for key, text in row.items()}
+        return [{key: text if key in ("body", "pair") else float(text) for key, text in row.items()}
                 for row in csv.DictReader(file)]
 
 
@@ -86,7 +86,7 @@ def largest_difference(first, second):
         return float("inf"), "number of rows of contact.csv"
     for column in CSV_HEADER.split(",") if rows else []:
         values = [(row[column], other[column]) for row, other in zip(rows, others)]
-        if column in ("body", "active"):
+        if column in ("body", "pair", "active"):
             differences += [(float("inf"), column) for a, b in values if a != b][:1]
         else:
             scale = max(max(abs(a) for a, _ in values), 1e-300)

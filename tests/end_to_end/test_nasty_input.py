@@ -209,7 +209,7 @@ SURFACES = {
     "two_corners.obj": (obj([[1, 2]]), ["two_corners.obj:9", "fewer than three corners"]),
     "one_corner_thrice.obj": (obj([[1, 1, 1]]), ["no triangle has an area"]),
     "both_sides_of_a_sheet.obj": (obj([[1, 2, 3], [1, 3, 2]]), ["triangle 1", "triangle 2"]),
-    "bent_quad.obj": (obj([[2, 3, 4, 1]], [(0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)]), ["bent_quad.obj:5", "not convex"]),
+    "bent_quad.obj": (obj([[2, 3, 4, 1]], [(0, 0, 0), (2, 0, 0), (0, 1, 0), (2, 2, 0)]), ["bent_quad.obj:5", "crosses itself"]),
     "one_shell_inside_out.obj": (obj(one_based(QUADS) + INSIDE_OUT, CUBE + SECOND), ["1 of 2 shells is inside out"]),
     "picture.obj": (b"\xff\xd8\xff\xe0" + bytes(range(256)) * 20, ["is not a text"]),
     "utf16.obj": (obj(one_based(QUADS)).encode("utf-16"), ["is not a text"]),
@@ -239,7 +239,7 @@ SURFACES = {
                     ["two shells overlap or lie on each other"]),
     "side_by_side.obj": (obj(one_based(QUADS) + one_based(QUADS, 9), CUBE + [(x + 1, y + 0.3, z) for x, y, z in CUBE]),
                          ["two shells overlap or lie on each other"]),
-    "part.step": ("ISO-10303-21;\n", ["unknown kind of file", ".stl, .obj, .ply"]),
+    "part.step": ("ISO-10303-21;\n", ["unknown kind of file", ".stl, .obj, .ply, .off"]),
 }
 
 

@@ -13,7 +13,7 @@ import harness
 from harness import cgcontact, report, scene, settings
 
 PNG = b"\x89PNG\r\n\x1a\n"
-ALWAYS = ["verdict", "reliability", "contact", "balance", "bodies", "convergence", "recovery", "cost", "reproduce"]
+ALWAYS = ["verdict", "reliability", "contact", "conditions", "balance", "bodies", "convergence", "recovery", "cost", "reproduce"]
 
 
 def page(directory):
@@ -59,11 +59,13 @@ class Pages(unittest.TestCase):
             else:
                 self.assertEqual(kind, "data:image/svg+xml")
                 xml.etree.ElementTree.fromstring(data)
-        rows = section(root, "contact").findall(".//tbody/tr")
-        self.assertEqual(len(rows), len(written["contact"]))
-        for row, pair in zip(rows, written["contact"]):
+        tables = section(root, "contact").findall(".//tbody")
+        rows, places = (table.findall("tr") for table in tables) if tables else ([], [])
+        self.assertEqual((len(rows), len(places)), 2 * (len(written["contact"]),))
+        for row, at, pair in zip(rows, places, written["contact"]):
             force = pair["force"][pair["bodies"][0]]
-            expected = [math.hypot(*force), pair["force_error_estimate"], *force, pair["max_pressure"],
+            self.close(values(at), [*force, *pair["centre"], *pair["max_pressure_at"]])
+            expected = [math.hypot(*force), pair["force_error_estimate"], pair["max_pressure"],
                         pair["pressure_error_estimate"], pair["area"], pair["active_points"], pair["points"]]
             self.close(values(row), [value for value in expected if value is not None])
             self.assertEqual("not resolved" in words(row), pair["force_error_estimate"] is None)
@@ -81,6 +83,18 @@ class Pages(unittest.TestCase):
         self.assertAlmostEqual(math.fsum(values(row)[-2] ** 2 for row in rows) / written["estimated_error"]["absolute"]**2,
                                1, delta=1e-9)
         self.assertEqual(sum(values(row)[2] for row in rows), written["cells"]["active"])
+        for row, body in zip(rows, written["bodies"]):
+            self.assertEqual(row.find("th").text, body["name"])
+            if body["max_von_mises"] is not None:
+                self.close(values(row)[5:13], [body["max_von_mises"], *body["max_von_mises_at"], body["max_displacement"],
+                                               *body["max_displacement_at"]])
+            self.close(values(row)[-2:-1], [body["estimated_error"]])
+        conditions = section(root, "conditions").find(".//tbody").findall("tr")
+        self.assertEqual(len(conditions), len(written["supports"]) + len(written["loads"]))
+        for row, acting in zip(conditions, [*written["supports"], *written["loads"]]):
+            self.assertEqual(row.find("th").text, acting.get("face", acting.get("body")))
+            self.assertIn(" ".join(acting["condition"].split()), words(row))
+            self.close(values(row)[-3:], acting["force"])
         reactions = section(root, "balance").findall("./div")[-1].findall(".//tbody/tr")
         self.assertEqual(len(reactions), len(written["supports"]))
         for row, support in zip(reactions, written["supports"]):

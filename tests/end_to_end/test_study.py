@@ -16,7 +16,7 @@ import harness
 from harness import cgcontact, report, scene, settings
 
 SVG = "{http://www.w3.org/2000/svg}"
-PLOTS = ["error_time.svg", "error_unknowns.svg"]
+PLOTS = ["error_time.svg", "error_unknowns.svg", "figures.svg"]
 KINDS = ("raw", "spr", "sprc")
 
 
@@ -81,7 +81,8 @@ class Table(unittest.TestCase):
                         "outer_iterations": run["outer_iterations"], "linear_iterations": sum(run["linear_iterations"]),
                         "time_total_s": sum(times.values()), "peak_memory_bytes": run["peak_memory_bytes"],
                         "estimated_error": run["estimated_error"]["absolute"], "cell_size_m": 0.01 / n,
-                        "contact_force_N": math.hypot(*force),
+                        "contact_force_N": math.hypot(*force), "max_pressure_Pa": run["contact"][0]["max_pressure"],
+                        "contact_area_m2": run["contact"][0]["area"],
                         "pressure_error_estimate": run["contact"][0]["pressure_error_estimate"],
                         "force_error_estimate": run["contact"][0]["force_error_estimate"],
                         "force_error": abs(math.hypot(*force) / (39179.7 / 2 * 0.01 / (1.3 * n)) - 1)}

@@ -241,8 +241,11 @@ TEST(Hertz, OnFewCells) {
     EXPECT_GE(whole.spr / whole.sprc, c.ratio);
     EXPECT_LE(test::zone(r, "outside").sprc, 1e-3);
     const double estimate = r.pairs[0].pressure_error_estimate / whole.sprc;
-    EXPECT_LE(estimate, 2.5);
-    EXPECT_GE(estimate, 1 / 2.5);
+    // Below four cells across the difference to SPR counts as well: on the safe side, and the verdict says so.
+    const bool coarse = r.verdict.pairs.at(0).cells_across.value_or(10) < 4;
+    EXPECT_EQ(coarse, std::string(c.n) == "n=8");
+    EXPECT_LE(estimate, coarse ? 3.5 : 2.5);
+    EXPECT_GE(estimate, coarse ? 0.7 : 1 / 2.5);
   }
 }
 

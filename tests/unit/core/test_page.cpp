@@ -33,7 +33,7 @@ Results small_results() {
   pair.pressure_error_estimate = 0.03;
   pair.force_error_estimate = 0.004;
   results.pairs = {pair};
-  results.supports = {{"upper.z+", Vec3(0, 0, 7)}};
+  results.supports = {{"upper.z+", Vec3(0, 0, 7), "symmetry", 1e-4}};
   results.balance = {{"lower", Vec3(1, 0, 0), Vec3(-3, 0, 0), Vec3(2, 0, 0)}};
   results.pressure_errors = {{"whole", 0.5, 0.25, 0.125}};
   results.patches_by_kind = {{"interior", 1234}, {"contact", 8}};

@@ -149,10 +149,28 @@ TEST(TriangleReader, PolygonsAndLines) {
   EXPECT_EQ(soup.place(1), "triangle 1 (line 6) at (0.333333, 0.666667, 0)");
 }
 
+// Proves that OFF is read with comments, counts behind the header, colours and normals, and that inward corners are.
+TEST(TriangleReader, OffFiles) {
+  const std::string corners = "0 0 0\n3 0 0\n1 1 0 # inward\n0 3 0\n";
+  for (const std::string& text :
+       {"OFF 4 1 0\n" + corners + "4 0 1 2 3 255 0 0\n", "# part\nOFF\n\n4 1 4\n" + corners + "4 0 1 2 3\n",
+        std::string("COFF\n4 1 0\n0 0 0 1 1 1 1\n3 0 0 1 1 1 1\n1 1 0 1 0 0 1\n0 3 0 1 1 1 1\n"
+                    "4 0 1 2 3\n")}) {
+    const TemporaryFile file(".off", text);
+    const TriangleSoup soup = read_triangles(file.name());
+    ASSERT_EQ(soup.points.size(), 4u) << text;
+    ASSERT_EQ(soup.triangles.size(), 2u) << text;
+    double area = 0;
+    for (const Triangle& t : soup.triangles)
+      area += (soup.points[t[1]] - soup.points[t[0]]).cross(soup.points[t[2]] - soup.points[t[0]])[2] / 2;
+    EXPECT_DOUBLE_EQ(area, 3) << text;
+  }
+}
+
 // Proves that bad files give their file, line and what is wrong.
 TEST(TriangleReader, BadFilesAreNamed) {
   expect_message(".stl", "", "the file is empty");
-  expect_message(".stp", "x", "unknown kind of file \".stp\" (allowed: .stl, .obj, .ply)");
+  expect_message(".stp", "x", "unknown kind of file \".stp\" (allowed: .stl, .obj, .ply, .off)");
   expect_message(".stl", "solid t\nendsolid t\n", "there is no triangle");
   expect_message(".stl", stl_text().substr(0, 200), ".stl:11: the file ends here: is it truncated?");
   expect_message(".stl", "solid t\n" + facet("0 0 0", "1 0 0", "0 1 0"), ":8: the file ends before \"endsolid\"");
@@ -166,7 +184,13 @@ TEST(TriangleReader, BadFilesAreNamed) {
   expect_message(".stl", "solid t\nfacit\n", ":2: \"facit\" is no word of an STL file");
   expect_message(".obj", "v 0 0 0\nf 1 2 3\n", ":2: face 1 refers to vertex 2 of 1");
   expect_message(".obj", "v 0 0 0\nv 1 0 0\nf 1 2\n", ":3: face 1 has fewer than three corners");
-  expect_message(".obj", "v 0 0 0\nv 3 0 0\nv 1 1 0\nv 0 3 0\nf 1 2 3 4\nf 2 3 4 1\n", ":6: face 2 is not convex");
+  expect_message(".obj", "v 0 0 0\nv 3 0 0\nv 0 1 0\nv 3 3 0\nf 1 2 4\nf 1 2 3 4\n", ":6: face 2 crosses itself");
+  expect_message(".off", "OF\n", ":1: \"of\" does not begin an OFF file");
+  expect_message(".off", "OFF BINARY\n", ":1: the file is in binary OFF");
+  expect_message(".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n", ":4: the file ends before its last vertex: is it truncated?");
+  expect_message(".off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n",
+                 ":6: face 1 refers to vertex 3 (allowed: 0 to 2)");
+  expect_message(".off", "OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2\n", ":4: a number is missing (allowed: x y z)");
   expect_message(".obj", "v 0 0 1e999\n", ":1: ");
   expect_message(".ply", "plu\n", ":1: a PLY file begins with \"ply\"");
   expect_message(".ply", ply_header("ascii"), "the file ends before its 4 elements \"vertex\"");

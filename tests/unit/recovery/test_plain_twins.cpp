@@ -6,6 +6,7 @@
 #include "recovery/recover_stress.hpp"
 #include "tests/support/bodies.hpp"
 #include "tests/support/constrained_fit.hpp"
+#include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {
 namespace {
@@ -230,6 +231,30 @@ TEST(PlainTwins, ConstraintGroups) {
     }
   }
   EXPECT_GT(threes, 100);
+}
+
+/// Of a shaft with 20 grooves in a cell every patch has a bounded number of constraint points; they keep the area, and
+/// the mean planes of the groups the force of a pressure (area times normal) of each patch up to the spread of the
+/// normals in a group: less than 60 degrees, here 45 on both sides.
+TEST(PlainTwins, GroupsOfRoughSurfacesAreBounded) {
+  const TriangleSoup soup = test::prism_soup(test::star(800, 3, 2.9), {0, 0}, 4);
+  const Solid solid = Solid::bounded_by(test::surface_of(soup)).transformed(Mat3::Identity(), {4.1, 4.2, 1.3});
+  Grid grid;
+  grid.num_cells = {8, 8, 8};
+  const CutCells cells = make_cut_cells(solid, grid);
+  BoundaryData boundary;
+  boundary.condition_of_point.assign(cells.boundary.size(), 0);
+  boundary.pair_of_point.assign(cells.boundary.size(), -1);
+  const BoundaryPieces pieces(cells, boundary);
+  std::vector<double> area(cells.cells.size(), 0);
+  for (std::size_t p = 0; p < cells.boundary.size(); ++p) area[cells.boundary.cell[p]] += cells.boundary.weight[p];
+  for (int c = 0; c < static_cast<int>(cells.cells.size()); ++c) {
+    double of_groups = 0;
+    const std::vector<ConstraintGroup> groups = pieces.groups(&c, 1, 2);
+    EXPECT_LE(groups.size(), 16u);
+    for (const ConstraintGroup& group : groups) of_groups += group.area;
+    EXPECT_NEAR(of_groups, area[c], 1e-12);
+  }
 }
 
 }  // namespace

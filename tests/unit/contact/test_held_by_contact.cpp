@@ -1,0 +1,175 @@
+/// Bodies that contact alone holds: forces against statics, whatever the order of the bodies; what is free is named.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// The scene with its bodies in the opposite order; they come first in the files.
+std::string reversed(const std::string& name) {
+  std::ifstream file(std::string(CGCONTACT_SOURCE_DIR) + "/tests/scenes/" + name + ".toml");
+  std::stringstream text;
+  text << file.rdbuf();
+  const std::string all = text.str(), mark = "[[body]]";
+  const std::size_t end = all.find("[[support]]");
+  std::vector<std::size_t> start;
+  for (std::size_t at = all.find(mark); at < end; at = all.find(mark, at + 1)) start.push_back(at);
+  start.push_back(end);
+  std::string result = all.substr(0, start.front());
+  for (std::size_t k = start.size() - 1; k-- > 0;) result += all.substr(start[k], start[k + 1] - start[k]);
+  const std::string path = testing::TempDir() + "/" + name + "_reversed.toml";
+  std::ofstream(path) << result + all.substr(end);
+  return path;
+}
+
+std::unique_ptr<test::SolvedScene> solve(const std::string& path, const std::vector<std::string>& overrides = {}) {
+  auto solved = std::make_unique<test::SolvedScene>();
+  solved->scene = read_scene(path, overrides);
+  solved->simulation = std::make_unique<Simulation>(solved->scene);
+  solved->simulation->run({});
+  return solved;
+}
+
+std::vector<std::unique_ptr<test::SolvedScene>> in_both_orders(const std::string& name,
+                                                               std::vector<std::string> overrides = {}) {
+  overrides.push_back("recovery.spr_c=false");
+  std::vector<std::unique_ptr<test::SolvedScene>> solved;
+  solved.push_back(test::run_scene("tests/scenes/" + name + ".toml", overrides));
+  solved.push_back(solve(reversed(name), overrides));
+  return solved;
+}
+
+int body_named(const test::SolvedScene& solved, const std::string& name) {
+  for (std::size_t b = 0; b < solved.scene.bodies.size(); ++b)
+    if (solved.scene.bodies[b].name == name) return static_cast<int>(b);
+  throw std::logic_error("no body " + name);
+}
+
+/// Of all contact between two bodies, on the first one, N.
+Vec3 force_on(const test::SolvedScene& solved, const std::string& first, const std::string& second) {
+  const int a = body_named(solved, first), b = body_named(solved, second);
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < solved.simulation->pairs.size(); ++k) {
+    const ContactPair& pair = solved.simulation->pairs[k];
+    const Vec3& force = solved.results().pairs[k].force_on_first;
+    if (pair.spec->first.body == a && pair.spec->second.body == b) sum += force;
+    if (pair.spec->first.body == b && pair.spec->second.body == a) sum -= force;
+  }
+  return sum;
+}
+
+/// Sum of the magnitudes at points that are no support of the scene, N.
+double force_of_holds(const test::SolvedScene& solved) {
+  double held = 0;
+  for (std::size_t s = 0; s < solved.simulation->supports.size(); ++s) {
+    const SupportPoint& p = solved.simulation->supports[s];
+    if (p.support < 0) held += std::abs(p.weight * solved.simulation->outer.support_stress[s]);
+  }
+  return held;
+}
+
+bool warns(const Results& results, const std::string& text) {
+  return std::any_of(results.warnings.begin(), results.warnings.end(),
+                     [&](const std::string& warning) { return warning.find(text) != std::string::npos; });
+}
+
+/// Each ball is in equilibrium to the tolerance of the outer iteration, and nothing but contact carries it. Where
+/// exactly a ball touches is known to a part of a cell (the zones are smaller than one here), and with it the direction
+/// of the force: the forces between the balls are those of statics to 0.5 h / R.
+TEST(HeldByContact, ThreeBallsInABox) {
+  const double r = 10e-3, weight = 1e9 * 4 * M_PI / 3 * r * r * r;
+  const double slope = std::sqrt(4 * r * r - 14e-3 * 14e-3) / 14e-3;  // of the line of centres
+  for (const auto& solved : in_both_orders("balls_in_box")) {
+    const Results& results = solved->results();
+    ASSERT_TRUE(results.converged) << results.diagnosis;
+    const Vec3 load(0.1 * weight, 0.2 * weight, -weight);
+    const Vec3 left = force_on(*solved, "top", "left"), right = force_on(*solved, "top", "right");
+    EXPECT_LT((load + left + right + force_on(*solved, "top", "box")).norm(), 1e-6 * weight);
+    EXPECT_LT((load - left + force_on(*solved, "left", "box") + force_on(*solved, "left", "right")).norm(),
+              1e-6 * weight);
+    EXPECT_LT((load - right + force_on(*solved, "right", "box") + force_on(*solved, "right", "left")).norm(),
+              1e-6 * weight);
+    EXPECT_LT(force_of_holds(*solved), 1e-6 * weight);
+    // On top: the weight is shared alike, the lean towards +x by its difference.
+    EXPECT_NEAR(left[2] / weight, 0.5 + 0.05 * slope, 0.125);
+    EXPECT_NEAR(right[2] / weight, 0.5 - 0.05 * slope, 0.125);
+  }
+}
+
+/// Opposite walls would cancel, whatever they carry: only the floor may.
+TEST(HeldByContact, BlockInACavity) {
+  for (const char* clearance : {"clearance=1e-5", "clearance=1e-8"})
+    for (const auto& solved : in_both_orders("block_in_cavity", {clearance})) {
+      const Results& results = solved->results();
+      ASSERT_TRUE(results.converged) << results.diagnosis;
+      const double weight = 1e7 * 0.02 * 0.018 * 0.016;
+      EXPECT_LT((force_on(*solved, "block", "shell") - Vec3(0, 0, weight)).norm(), 1e-6 * weight);
+      double carried = 0;
+      for (const ContactPoint& q : solved->simulation->pairs[0].points) EXPECT_TRUE(!q.active || q.x[2] < 1e-6) << q.x;
+      for (const double force : solved->simulation->outer.group_force) carried += std::abs(force);
+      const Scales& scales = solved->simulation->scales;
+      EXPECT_NEAR(carried * scales.stress * scales.length * scales.length / weight, 1, 1e-6);
+    }
+}
+
+/// The ball may slide and spin, whichever body is coarser, and no load drives it: springs that take nothing in the end,
+/// and a warning. A load that drives it is refused.
+TEST(HeldByContact, BallBetweenPlates) {
+  for (const char* ratio : {"ratio=0.8", "ratio=1.25"}) {
+    for (const auto& solved : in_both_orders("ball_between_plates", {ratio})) {
+      const Results& results = solved->results();
+      ASSERT_TRUE(results.converged) << results.diagnosis;
+      EXPECT_TRUE(warns(results, "body \"ball\" is free to move in the plane normal to z"));
+      const double force = 1e5 * 9e-4;
+      EXPECT_NEAR(force_on(*solved, "ball", "lower")[2] / force, 1, 1e-6);
+      EXPECT_NEAR(force_on(*solved, "ball", "upper")[2] / -force, 1, 1e-6);
+      EXPECT_LT(force_of_holds(*solved), 1e-6 * force);
+    }
+    try {
+      test::run_scene("tests/scenes/ball_between_plates.toml", {ratio, "sideways=1e5"});
+      FAIL() << "accepted";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("body \"ball\" is free to move"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("the loads drive it"), std::string::npos) << error.what();
+    }
+  }
+}
+
+/// Flush faces: the active set of the plain iteration cycles between two states here, even while the lagged stress is
+/// kept; the energy along each step decides instead. Vertical forces by statics.
+TEST(HeldByContact, StackInACorner) {
+  for (const auto& solved : in_both_orders("stack_in_corner")) {
+    const Results& results = solved->results();
+    ASSERT_TRUE(results.converged) << results.diagnosis;
+    const double low = 1e7 * 0.017 * 0.0129 * 0.0115, middle = 1e7 * 0.017 * 0.0129 * 0.0088,
+                 top = 1e7 * 0.0152 * 0.0129 * 0.0112, weight = low + middle + top;
+    EXPECT_LT((force_on(*solved, "top", "middle") - Vec3(0, 0, top)).norm(), 1e-6 * weight);
+    EXPECT_LT((force_on(*solved, "middle", "low") - Vec3(0, 0, top + middle)).norm(), 1e-6 * weight);
+    EXPECT_LT((force_on(*solved, "low", "corner") - Vec3(0.1 * low, 0.07 * low, weight)).norm(), 1e-6 * weight);
+  }
+}
+
+/// Nothing acts: no force, no motion, and the next step is solved as if it were the first.
+TEST(HeldByContact, StepWithoutLoad) {
+  const auto solved = test::run_scene("tests/scenes/stack_in_corner.toml", {"steps.factors=[0, 1]"});
+  const Results& results = solved->results();
+  ASSERT_TRUE(results.converged) << results.diagnosis;
+  ASSERT_EQ(results.steps.size(), 2u);
+  EXPECT_TRUE(results.steps[0].converged);
+  for (const PairFigures& pair : results.steps[0].pairs) {
+    EXPECT_EQ(pair.force_on_first.norm(), 0);
+    EXPECT_EQ(pair.max_pressure, 0);
+  }
+  EXPECT_TRUE(warns(results, "step 1 of 2: nothing acts"));
+  const double low = 1e7 * 0.017 * 0.0129 * 0.0115;
+  EXPECT_NEAR(force_on(*solved, "low", "corner")[0] / (0.1 * low), 1, 1e-5);
+}
+
+}  // namespace
+}  // namespace cgcontact
