@@ -268,7 +268,6 @@ def figures_of(report, frame, young):
         area, pressure = pair["area"] / frame.length ** 2, pair["max_pressure"] / frame.stress
         figures["area " + name] = (area, area, recovered)
         figures["largest pressure " + name] = (pressure, max(NOTHING * young, pressure), recovered)
-        figures["closed points " + name] = (pair["active_points"], 1, 0)
     energy = report["estimated_error"]["absolute"] ** 2 / (frame.stress * frame.length ** 3)
     figures["energy of the error"] = (energy, max(NOTHING ** 2 * young, energy), recovered)
     return figures
