@@ -1,5 +1,5 @@
 /// Columns of nodes through the thickness where a body is thin: all nodes of a grid line between two surfaces, if there
-/// are no more than four. The smoother inverts them as one block: across a thin body the nodes hang together much more
+/// are no more than five. The smoother inverts them as one block: across a thin body the nodes hang together much more
 /// firmly than along it (slivers, supports on both sides, cells that are wider than the body is thick).
 #pragma once
 
@@ -11,7 +11,7 @@ namespace cgcontact {
 
 template <class Real>
 struct NodeColumns {
-  static constexpr int longest = 4;
+  static constexpr int longest = 5;
   struct Column {
     int body, axis;
     int size;            ///< nodes

@@ -19,6 +19,58 @@ constexpr int runs_at_once = 16;
 }  // namespace
 
 template <class Real>
+SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Real>& columns) {
+  SupportRows result;
+  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    std::vector<SupportTerm> terms;
+    for (const SupportTerm& t : system.supports[b])
+      if (t.thin && std::none_of(mesh.cell_nodes[t.cell].begin(), mesh.cell_nodes[t.cell].end(),
+                                 [&](const int n) { return columns.column_of_node(n) >= 0; }))
+        terms.push_back(t);
+    std::stable_sort(terms.begin(), terms.end(),
+                     [](const SupportTerm& x, const SupportTerm& y) { return x.cell < y.cell; });
+    for (std::size_t first = 0, last; first < terms.size(); first = last) {
+      for (last = first; last < terms.size() && terms[last].cell == terms[first].cell;) ++last;
+      // Directions of one cell that lie within 45 degrees share a row.
+      std::vector<Vec3> direction;
+      std::vector<std::array<double, 24>> sum;
+      std::vector<double> stiffness;
+      for (std::size_t t = first; t < last; ++t) {
+        std::size_t r = 0;
+        while (r < direction.size() && direction[r].dot(terms[t].direction) < 0.7) ++r;
+        if (r == direction.size()) {
+          direction.push_back(terms[t].direction);
+          sum.emplace_back();
+          stiffness.push_back(0);
+        }
+        double N[8];
+        hex_shape(terms[t].xi.data(), N);
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i) sum[r][3 * a + i] += terms[t].stiffness * N[a] * terms[t].direction[i];
+        stiffness[r] += terms[t].stiffness;
+      }
+      for (std::size_t r = 0; r < direction.size(); ++r) {
+        GroupRow row;
+        row.body = static_cast<int>(b);
+        row.cell = terms[first].cell;
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i)
+            if (sum[r][3 * a + i] != 0)
+              row.entries.emplace_back(3 * mesh.cell_nodes[row.cell][a] + i, sum[r][3 * a + i] / stiffness[r]);
+        std::sort(row.entries.begin(), row.entries.end());
+        result.rows.push_back(std::move(row));
+        result.stiffness.push_back(stiffness[r]);
+      }
+    }
+  }
+  return result;
+}
+
+template SupportRows make_support_rows(const ElasticSystem&, const NodeColumns<float>&);
+template SupportRows make_support_rows(const ElasticSystem&, const NodeColumns<double>&);
+
+template <class Real>
 struct SurfaceSmoother<Real>::Factor {
   Eigen::SimplicialLLT<Eigen::SparseMatrix<Real>> llt;
 };
@@ -53,7 +105,12 @@ void SurfaceSmoother<Real>::invert_columns(const BlocksView& blocks) {
 template <class Real>
 SurfaceSmoother<Real>::SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks,
                                        const NodeColumns<Real>& columns)
-    : num_nodes_(system.num_nodes), columns_(columns) {
+    : num_nodes_(system.num_nodes), columns_(columns), supports_(make_support_rows(system, columns)) {
+  for (std::size_t r = 0; r < supports_.rows.size(); ++r)
+    for (const auto& [p, vp] : supports_.rows[r].entries)
+      for (const auto& [q, vq] : supports_.rows[r].entries)
+        if (p / 3 == q / 3 && p <= q)
+          blocks(p / 3, at[p % 3][q % 3]) -= static_cast<Real>(supports_.stiffness[r] * vp * vq);
   // The blocks of the stencil are multiples of the identity: most nodes need no matrix.
   std::vector<std::array<int, 3>> runs;
   std::vector<Real> run_inverse;
@@ -114,12 +171,15 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
   std::vector<Vec3> row_b, row_w;  // sqrt(k) b and D^-1 sqrt(k) b of each node of each row
   std::vector<std::pair<int, Vec3>> entries;
   std::vector<int> row_columns;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (stiffness[r] <= 0) continue;
-    const double root = std::sqrt(stiffness[r]);
+  const std::size_t num_supports = supports_.rows.size();
+  for (std::size_t r = 0; r < num_supports + rows.size(); ++r) {
+    const GroupRow& row = r < num_supports ? supports_.rows[r] : rows[r - num_supports];
+    const double k = r < num_supports ? supports_.stiffness[r] : stiffness[r - num_supports];
+    if (k <= 0) continue;
+    const double root = std::sqrt(k);
     entries.clear();
     row_columns.clear();
-    for (const auto& [dof, value] : rows[r].entries) {
+    for (const auto& [dof, value] : row.entries) {
       if (entries.empty() || entries.back().first != dof / 3) {
         entries.emplace_back(dof / 3, Vec3::Zero());
         if (columns_.column_of_node(dof / 3) >= 0) row_columns.push_back(columns_.column_of_node(dof / 3));
@@ -313,6 +373,8 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
   step_columns<2>(exec, r, alpha, beta, d, x, overwrite);
   step_columns<3>(exec, r, alpha, beta, d, x, overwrite);
   step_columns<4>(exec, r, alpha, beta, d, x, overwrite);
+  step_columns<5>(exec, r, alpha, beta, d, x, overwrite);
+  static_assert(NodeColumns<Real>::longest == 5);
   if (num_rows == 0) return;
   const auto touched = touched_, node_begin = node_begin_, node_row = node_row_;
   const auto w = node_w_;

@@ -1,8 +1,8 @@
 /// Chebyshev smoothing of one multigrid level. Its base is M = D + B^T k B: D the 3 x 3 node blocks of stiffness, ghost
 /// penalty and supports, where the body is thin the blocks of whole columns of nodes (node_columns.hpp); B the rows of
-/// contact groups with their stiffness k, so that the surface's unknowns are held together whatever kappa is.
-/// M^-1 = D^-1 - W C^-1 W^T (Woodbury) with W = D^-1 B^T k^1/2 and the sparse, surface-sized
-/// C = 1 + k^1/2 B D^-1 B^T k^1/2.
+/// contact groups with their stiffness k (and mean rows of the supports of small bodies, make_support_rows), so that
+/// the surface's unknowns are held together whatever kappa is. M^-1 = D^-1 - W C^-1 W^T (Woodbury)
+/// with W = D^-1 B^T k^1/2 and the sparse, surface-sized C = 1 + k^1/2 B D^-1 B^T k^1/2.
 #pragma once
 
 #include <memory>
@@ -12,6 +12,15 @@
 
 namespace cgcontact {
 
+/// Mean row and summed stiffness of the supports of every cell (one per direction) of small bodies, whose supports are
+/// stiffer, away from columns.
+struct SupportRows {
+  std::vector<GroupRow> rows;
+  std::vector<double> stiffness;
+};
+template <class Real>
+SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Real>& columns);
+
 /// Node blocks and surface rows: applies M^-1.
 template <class Real>
 class SurfaceSmoother {
@@ -19,8 +28,8 @@ class SurfaceSmoother {
   using Vector = Kokkos::View<Real*, MemSpace>;
   using BlocksView = Kokkos::View<Real* [6], Kokkos::LayoutRight, MemSpace>;  ///< xx, yy, zz, xy, yz, zx
 
-  /// blocks: node blocks of the operator without contact groups; columns: with the blocks between their nodes. The
-  /// matrices of the columns become their inverses.
+  /// blocks: node blocks of the operator without contact groups; the support rows' own blocks are taken out here.
+  /// columns: with the blocks between their nodes. The matrices of the columns become their inverses.
   SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks, const NodeColumns<Real>& columns);
 
   /// Rows and stiffness of the contact groups; factorises C.
@@ -39,7 +48,8 @@ class SurfaceSmoother {
                     bool overwrite) const;
 
   int num_nodes_ = 0;
-  NodeColumns<Real> columns_;                                  // inverse matrices
+  NodeColumns<Real> columns_;  // inverse matrices
+  SupportRows supports_;
   IntView block_of_node_;                                      // -1: a multiple of the identity, -2: in a column
   BlocksView inverse_;                                         // of the other nodes
   Kokkos::View<int* [3], Kokkos::LayoutRight, MemSpace> run_;  // first node, nodes, first block, -1 or -2

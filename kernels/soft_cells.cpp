@@ -7,7 +7,8 @@ namespace cgcontact {
 
 template <class Real>
 SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns) {
-  constexpr double thin = 0.75;
+  constexpr double thin = 0.75;       // cells
+  constexpr double free_part = 0.25;  // of the thin cells: held ones do not bend
   constexpr int most_halvings = 6;
   SoftCells soft;
   std::vector<char> counted(columns.num_columns(), 0);
@@ -18,9 +19,8 @@ SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& 
     std::vector<char> supported(cc.cells.size(), 0);
     for (const SupportTerm& t : system.supports[b]) supported[t.cell] = 1;
     double volume = 0;  // cells
-    int lines = 0;
+    int lines = 0, thin_cells = 0, soft_cells = 0;
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
-      if (supported[e] || cc.cut_of_active[e] < 0) continue;
       const auto& nodes = mesh.cell_nodes[e];
       const int first = columns.column_of_node(nodes[0]);
       if (first < 0) continue;
@@ -30,16 +30,16 @@ SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& 
             return c >= 0 && columns.columns(c).axis == d;
           }))
         continue;
-      axis[e] = static_cast<signed char>(d);
+      ++thin_cells;
       volume += cc.volume_fraction(static_cast<int>(e));
-      for (const int n : nodes) {
-        char& seen = counted[columns.column_of_node(n)];
-        lines += !seen;
-        seen = 1;
-      }
+      lines += !counted[first];  // cells across the body have their first corner in the same column
+      counted[first] = 1;
+      if (supported[e] || cc.cut_of_active[e] < 0) continue;
+      ++soft_cells;
+      axis[e] = static_cast<signed char>(d);
     }
     const double thickness = lines > 0 ? volume / lines : 1;
-    if (thickness < thin)
+    if (thickness < thin && soft_cells >= free_part * thin_cells)
       soft.halvings =
           std::max(soft.halvings, std::min(most_halvings, static_cast<int>(std::lround(-std::log2(thickness)))));
     else

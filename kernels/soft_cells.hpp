@@ -18,7 +18,7 @@ struct SoftCells {
 };
 
 /// Cut cells whose nodes all belong to columns along one axis and which carry no support, of bodies that are less than
-/// three quarters of a cell thick there.
+/// three quarters of a cell thick there on average, and not held nearly everywhere.
 template <class Real>
 SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns);
 

@@ -115,6 +115,11 @@ struct Smoothing {
     for (int n = 0; n < problem.system.num_nodes; ++n)
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) Md(3 * n + i) += D(n, at[i][j]) * dd(3 * n + j);
+    const SupportRows supports = make_support_rows(problem.system, columns);
+    for (std::size_t g = 0; g < supports.rows.size(); ++g)
+      for (const auto& [p, vp] : supports.rows[g].entries)
+        for (const auto& [q, vq] : supports.rows[g].entries)
+          if (p / 3 != q / 3) Md(p) += supports.stiffness[g] * vp * vq * dd(q);
     for (int c = 0; c < columns.num_columns(); ++c) {
       const auto& column = columns.columns(c);
       const int entries = 3 * column.size;
