@@ -71,7 +71,11 @@ class PairFace {
   void shapes(int cell, const Vec3& x, int number[8], double N[8]) {
     const Vec3 xi = coordinates_in_cell(*mesh_.cut_cells, cell, x);
     hex_shape(xi.data(), N);
-    for (int a = 0; a < 8; ++a) number[a] = add_node(mesh_.cell_nodes[cell][a] - mesh_.first_node);
+    if (cell != latest_cell_) {
+      latest_cell_ = cell;
+      for (int a = 0; a < 8; ++a) latest_[a] = add_node(mesh_.cell_nodes[cell][a] - mesh_.first_node);
+    }
+    std::copy_n(latest_, 8, number);
   }
 
   /// Points come cell by cell.
@@ -190,6 +194,7 @@ class PairFace {
   const BodyMesh& mesh_;
   double area_unit_;
   std::map<int, int> number_;
+  int latest_cell_ = -1, latest_[8];  ///< points mostly come cell by cell
   std::vector<CellFace> cells_;
 };
 

@@ -68,6 +68,10 @@ const PairState* find_state(const std::vector<PairState>& states, int pair) {
   return nullptr;
 }
 
+bool is_on_face_of(const ContactEdge& edge, const ConstraintGroup& group) {
+  return std::abs(edge.closed.cross(edge.along).dot(group.normal[0])) >= same_face;
+}
+
 /// The row holds for the whole stress: what the term of the edge contributes goes to the right-hand side.
 void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit& own, PatchRow& row) {
   double s[6];
@@ -206,7 +210,9 @@ bool PatchAssembly::has_closed_points(const ConstraintGroup& group, const int* c
   for (int c = 0; c < num_cells; ++c)
     for (int l : body_.boundary->links_of_cell[cells[c]]) {
       const ContactLink& link = body_.boundary->links[l];
-      if (link.pair == group.pair && link.active && link.normal.dot(group.normal[0]) >= same_face) return true;
+      if (link.pair != group.pair || !link.active) continue;
+      for (int p = 0; p < group.num_points; ++p)
+        if (link.normal.dot(group.normal[p]) >= same_face) return true;
     }
   return false;
 }
@@ -354,18 +360,14 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     const TractionCondition& condition = body_.boundary->conditions[group.condition];
     const PairState* state = find_state(states, group.pair);
     const double closed_part = closed_on_surface(group.surface);
-    const auto is_alone = [&] {
-      return std::count_if(groups.begin(), groups.end(), [&](const auto& g) { return g.pair == group.pair; }) == 1;
-    };
-    // Where the pair is closed in the patch, but on another side of the body.
-    const bool elsewhere = state && state->closed_area > 0 && mode_of(*state) != ContactMode::open &&
-                           mode_of(*state) != ContactMode::edge && !is_alone() &&
-                           !has_closed_points(group, cells, num_cells);
+    // Where the pair is closed in the patch (or its edge runs through it), but on another side of the body.
+    const bool elsewhere =
+        state && mode_of(*state) != ContactMode::open && !has_closed_points(group, cells, num_cells) &&
+        (mode_of(*state) == ContactMode::edge ? !is_on_face_of(problem.edge[0], group) : state->closed_area > 0);
     // Points that see the other body although none of its contact points is here: the rim of what is closed beside
     // them, or open.
     const bool unseen = group.pair >= 0 && !state && !(closed_part > closed_fraction * (closed_part + group.area));
-    if (elsewhere && (problem.open_sides.empty() || problem.open_sides.back() != group.surface))
-      problem.open_sides.push_back(group.surface);
+    if (elsewhere) problem.open_sides.push_back(group.surface);
     ContactMode mode = state && !elsewhere ? mode_of(*state) : ContactMode::open;
     const bool is_loaded = condition.traction || condition.is_support();
     const bool is_open = (state || unseen) && mode == ContactMode::open;

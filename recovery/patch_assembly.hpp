@@ -116,7 +116,7 @@ struct PatchProblem {
   ContactEdge edge[2];             ///< own, auxiliary
   double factor = 0;
   std::vector<int> pressed;     ///< pairs that are not open, ascending
-  std::vector<int> open_sides;  ///< surfaces of these that are open all the same, ascending
+  std::vector<int> open_sides;  ///< surfaces of these that are open all the same
   bool loose = false;           ///< after the solution: not all rows are met
 
   PatchProblem() {}  // not "= default", which zeroes 4 kB of matrices first

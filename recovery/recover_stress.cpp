@@ -215,7 +215,9 @@ void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, const Re
     const int n = problem.node;
     if (problem.status != PatchStatus::singular) store(problem, body.field.values, result);
     for (const int pair : problem.pressed) result.pressed.emplace_back(n, pair);
-    for (const int surface : problem.open_sides) result.open_sides.emplace_back(n, surface);
+    std::vector<int> open_sides = problem.open_sides;
+    std::sort(open_sides.begin(), open_sides.end());
+    for (const int surface : open_sides) result.open_sides.emplace_back(n, surface);
     if (problem.has_edge) result.terms.push_back({n, {problem.edge[0], problem.factor}});
     result.counts.grown += body.patches->grown[n];
     result.counts.lowered += problem.lowered;
