@@ -42,7 +42,7 @@ std::vector<GhostFace> ghost_faces(const BodyMesh& mesh) {
       Index3 c = cc.cells[e];
       ++c[d];
       const int f = cc.find(c);
-      if (f < 0 || !is_ghost_face(cc, e, f)) continue;
+      if (f < 0 || !is_ghost_face(mesh, e, f)) continue;
       const int t1 = (d + 1) % 3, t2 = (d + 2) % 3;
       GhostFace face;
       face.colour = ((d * 3 + c[d] % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);

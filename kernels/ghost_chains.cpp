@@ -28,7 +28,7 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
       Index3 c = cc.cells[e];
       ++c[d];
       const int f = cc.find(c);
-      return f < 0 || !is_ghost_face(cc, e, f) ? -1 : f;
+      return f < 0 || !is_ghost_face(mesh, e, f) ? -1 : f;
     };
     for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e)
       for (int d = 0; d < 3; ++d) {

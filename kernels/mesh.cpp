@@ -37,9 +37,13 @@ void number_nodes(BodyMesh& mesh) {
 
 }  // namespace
 
-bool is_ghost_face(const CutCells& cut_cells, int e, int f) {
+bool is_ghost_face(const BodyMesh& mesh, int e, int f) {
   constexpr double well_filled = 0.25;
-  return cut_cells.volume_fraction(e) < well_filled || cut_cells.volume_fraction(f) < well_filled;
+  const auto badly = [&](int cell) {
+    const double full = mesh.full_volume.empty() ? 1.0 : mesh.full_volume[cell];
+    return mesh.cut_cells->volume_fraction(cell) < well_filled * full;
+  };
+  return badly(e) || badly(f);
 }
 
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {

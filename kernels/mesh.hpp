@@ -27,6 +27,7 @@ struct BodyMesh {
   int first_node = 0, num_nodes = 0;
   std::vector<Index3> nodes;                   ///< grid index of each active node
   std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
+  std::vector<double> full_volume;             ///< of each active cell where the body is thinner than a cell; empty: 1
 
   /// Factor from gradients per cell unit to stresses in units of Scales::stress.
   double stress_factor() const { return modulus / cell_size; }
@@ -34,9 +35,9 @@ struct BodyMesh {
 };
 
 /// Whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a quarter,
-/// which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs twice the time and gives
-/// nothing: docs/decisions.md, "Ghost penalty".
-bool is_ghost_face(const CutCells& cut_cells, int e, int f);
+/// of BodyMesh::full_volume, which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs
+/// twice the time and gives nothing: docs/decisions.md, "Ghost penalty".
+bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node);
 

@@ -106,13 +106,22 @@ struct Multigrid::Impl {
       from.transfer = make_transfer(*from.system, *to->system);
       levels.push_back(std::move(to));
     }
+    const ElasticSystem* finer = nullptr;
+    SoftCells of_finer;
     for (auto& level : levels) {
       report.unknowns.push_back(level->system->num_dofs());
       const int n = level->system->num_dofs();
       level->b = LevelVector("cgcontact::multigrid::b", n);
       level->x = LevelVector("cgcontact::multigrid::x", n);
       const NodeColumns<Real> columns = make_node_columns<Real>(*level->system);
-      if (level != levels.front() && settings.soft_cells) level->soft = make_soft_cells(*level->system, columns);
+      if (settings.soft_cells) {
+        SoftCells soft = make_soft_cells(*level->system, columns, finer, &of_finer);
+        for (std::size_t b = 0; b < level->own_system.meshes.size(); ++b)
+          level->own_system.meshes[b].full_volume = soft.full_volume[b];
+        if (finer) level->soft = soft;
+        finer = level->system;
+        of_finer = std::move(soft);
+      }
       level->smoother_degree = settings.smoother_degree << level->soft.halvings;
       level->smoother_ratio = settings.smoother_ratio * std::pow(4.0, level->soft.halvings);
       if (level == levels.back()) break;

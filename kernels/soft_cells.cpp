@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/coarsen.hpp"
+
 namespace cgcontact {
 
 template <class Real>
-SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns) {
+SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns, const ElasticSystem* finer,
+                          const SoftCells* of_finer) {
   constexpr double thin = 0.75;       // cells
   constexpr double free_part = 0.25;  // of the thin cells: held ones do not bend
   constexpr int most_halvings = 6;
@@ -16,21 +19,30 @@ SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& 
     const BodyMesh& mesh = system.meshes[b];
     const CutCells& cc = *mesh.cut_cells;
     std::vector<signed char> axis(cc.cells.size(), -1);
+    std::vector<int> all_thin;
+    std::vector<char> is_thin(cc.cells.size(), 1);
+    if (finer) {
+      const CutCells& from = *finer->meshes[b].cut_cells;
+      const int factor = is_coarsened(from, cc) ? 2 : 1;
+      for (std::size_t e = 0; e < from.cells.size(); ++e) {
+        const Index3& c = from.cells[e];
+        if (!of_finer->thin[b][e]) is_thin[cc.find({c[0] / factor, c[1] / factor, c[2] / factor})] = 0;
+      }
+    }
     std::vector<char> supported(cc.cells.size(), 0);
     for (const SupportTerm& t : system.supports[b]) supported[t.cell] = 1;
     double volume = 0;  // cells
-    int lines = 0, thin_cells = 0, soft_cells = 0;
+    int lines = 0, soft_cells = 0;
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
       const auto& nodes = mesh.cell_nodes[e];
       const int first = columns.column_of_node(nodes[0]);
-      if (first < 0) continue;
-      const int d = columns.columns(first).axis;
-      if (!std::all_of(nodes.begin(), nodes.end(), [&](const int n) {
-            const int c = columns.column_of_node(n);
-            return c >= 0 && columns.columns(c).axis == d;
-          }))
-        continue;
-      ++thin_cells;
+      const int d = first < 0 ? -1 : columns.columns(first).axis;
+      is_thin[e] &= std::all_of(nodes.begin(), nodes.end(), [&](const int n) {
+        const int c = columns.column_of_node(n);
+        return c >= 0 && columns.columns(c).axis == d;
+      });
+      if (!is_thin[e]) continue;
+      all_thin.push_back(static_cast<int>(e));
       volume += cc.volume_fraction(static_cast<int>(e));
       lines += !counted[first];  // cells across the body have their first corner in the same column
       counted[first] = 1;
@@ -39,17 +51,26 @@ SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& 
       axis[e] = static_cast<signed char>(d);
     }
     const double thickness = lines > 0 ? volume / lines : 1;
-    if (thickness < thin && soft_cells >= free_part * thin_cells)
+    if (thickness < thin && soft_cells >= free_part * static_cast<double>(all_thin.size()))
       soft.halvings =
           std::max(soft.halvings, std::min(most_halvings, static_cast<int>(std::lround(-std::log2(thickness)))));
     else
       std::fill(axis.begin(), axis.end(), static_cast<signed char>(-1));
+    std::vector<double> full_volume;
+    if (thickness < thin) {
+      full_volume.assign(cc.cells.size(), 1.0);
+      for (const int e : all_thin) full_volume[e] = thickness;
+    }
+    soft.thin.push_back(std::move(is_thin));
+    soft.full_volume.push_back(std::move(full_volume));
     soft.axis.push_back(std::move(axis));
   }
   return soft;
 }
 
-template SoftCells make_soft_cells(const ElasticSystem&, const NodeColumns<float>&);
-template SoftCells make_soft_cells(const ElasticSystem&, const NodeColumns<double>&);
+template SoftCells make_soft_cells(const ElasticSystem&, const NodeColumns<float>&, const ElasticSystem*,
+                                   const SoftCells*);
+template SoftCells make_soft_cells(const ElasticSystem&, const NodeColumns<double>&, const ElasticSystem*,
+                                   const SoftCells*);
 
 }  // namespace cgcontact

@@ -12,14 +12,20 @@
 namespace cgcontact {
 
 struct SoftCells {
+  /// (body, active cell): all nodes belong to columns along one axis, and so do those of all cells that it is made of
+  /// on the finer levels: a corner of a solid body is not thin.
+  std::vector<std::vector<char>> thin;
   std::vector<std::vector<signed char>> axis;  ///< (body, active cell): direction across the plate, -1: none
+  /// (body, active cell): BodyMesh::full_volume, the mean thickness where a body is thin; empty: none is.
+  std::vector<std::vector<double>> full_volume;
   int halvings = 0;  ///< log2 of cell size over thickness of the thinnest such body, rounded; 0 without such cells
   signed char of(std::size_t body, std::size_t cell) const { return axis.empty() ? -1 : axis[body][cell]; }
 };
 
-/// Cut cells whose nodes all belong to columns along one axis and which carry no support, of bodies that are less than
-/// three quarters of a cell thick there on average, and not held nearly everywhere.
+/// Thin cut cells that carry no support, of bodies that are less than three quarters of a cell thick there on average,
+/// and not held nearly everywhere. finer: the next finer level and its thin cells, nullptr on the finest.
 template <class Real>
-SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns);
+SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns, const ElasticSystem* finer,
+                          const SoftCells* of_finer);
 
 }  // namespace cgcontact
