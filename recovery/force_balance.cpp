@@ -17,7 +17,7 @@ constexpr std::size_t grain = 128;
 constexpr double node_scatter = 0.05;
 /// Width (standard deviation, cells of the coarser body) of the mean, what it may be off without any change, and from
 /// where on all of it is changed. Smooth contacts are within (docs/recovery.md).
-constexpr double mean_width = 1, mean_exact = 0.02, mean_wrong = 0.04;
+constexpr double mean_width = 1, mean_exact = 0.03, mean_wrong = 0.06;
 /// The total may be farther off than that of the plain recovery by that part of the force.
 constexpr double total_exact = 0.003;
 /// A smoothing pass (below) has this variance, cells squared.
