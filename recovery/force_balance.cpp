@@ -13,8 +13,9 @@ namespace {
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 128;
 
-/// What a node's force may be off, part of the pressure around: the forces of single groups scatter by that much.
-constexpr double node_scatter = 0.05;
+/// What the force of a node that has half a cell's face of the coarser body or more may be off, part of the pressure
+/// around: the forces of single groups scatter by that much. With less, by the root of the area more.
+constexpr double node_scatter = 0.05, half_cell = 0.5;
 /// Width (standard deviation, cells of the coarser body) of the mean, what it may be off without any change, and from
 /// where on all of it is changed. Smooth contacts are within (docs/recovery.md).
 constexpr double mean_width = 1, mean_exact = 0.03, mean_wrong = 0.06;
@@ -200,7 +201,7 @@ class PairFace {
 
 /// The pressure, at the nodes, that is to be added.
 std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term,
-                                     int passes) {
+                                     double area_of_cell, int passes) {
   const std::size_t size = face.nodes.size();
   std::vector<double> added(size, 0.0), step(size, 0.0);
   const auto defect = [&] {
@@ -221,8 +222,11 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
 
   std::vector<double> force = defect();
   for (std::size_t n = 0; n < size; ++n) {
-    const double pressure = pressed[n] ? face.pressure_of(force[n], static_cast<int>(n)) : 0.0;
-    step[n] = std::copysign(std::max(std::abs(pressure) - node_scatter * level[n], 0.0), pressure);
+    const double share = std::max(face.area[n], face.covered[n]) / area_of_cell;
+    if (!pressed[n] || !(share > 0)) continue;
+    const double pressure = face.pressure_of(force[n], static_cast<int>(n));
+    const double scatter = node_scatter * std::max(1.0, std::sqrt(half_cell / share)) * level[n];
+    step[n] = std::copysign(std::max(std::abs(pressure) - scatter, 0.0), pressure);
   }
   add(step);
   force = defect();
@@ -338,7 +342,8 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
     }
     const double coarser = std::max(1.0, bodies[other_body].mesh->cut_cells->grid.cell_size / cc.grid.cell_size);
     const int passes = static_cast<int>(std::lround(std::pow(mean_width * coarser, 2) / pass_variance + 1e-6));
-    const std::vector<double> added = missing_pressure(face, pressed, term, passes);
+    const std::vector<double> added =
+        missing_pressure(face, pressed, term, std::pow(coarser * cc.grid.cell_size, 2), passes);
     const std::vector<Vec6> stress = pressing_stresses(body, face, points[pair], added);
     for (std::size_t n = 0; n < added.size(); ++n) {
       if (added[n] == 0) continue;
