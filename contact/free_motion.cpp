@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "contact/surface_normals.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -48,36 +50,6 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
 }
 
 using Resistance = Eigen::Matrix<double, 6, 6>;
-
-/// Normals of a body's surfaces.
-class SurfaceNormals {
- public:
-  explicit SurfaceNormals(const BodyModel& body) : body_(body), surfaces_of_cell_(body.cut_cells.cells.size()) {
-    const BoundaryPoints& boundary = body.cut_cells.boundary;
-    for (std::size_t p = 0; p < boundary.size(); ++p) {
-      std::vector<int>& list = surfaces_of_cell_[boundary.cell[p]];
-      if (std::find(list.begin(), list.end(), boundary.surface[p]) == list.end()) list.push_back(boundary.surface[p]);
-    }
-  }
-  /// Of the surface in the cell that is nearest to a point in grid coordinates; global axes. The exact one, where
-  /// quadrature points have that of their facet.
-  Vec3 operator()(int cell, const Vec3& x) const {
-    double nearest = 1e300;
-    Vec3 normal = Vec3::Zero();
-    for (const int s : surfaces_of_cell_[cell]) {
-      const Surface& surface = body_.cut_cells.solid.surfaces()[s];
-      const double distance = std::abs(surface.signed_distance(x));
-      if (distance >= nearest) continue;
-      nearest = distance;
-      normal = surface.gradient(x);
-    }
-    return body_.cut_cells.grid.rotation * normal;
-  }
-
- private:
-  const BodyModel& body_;
-  std::vector<std::vector<int>> surfaces_of_cell_;
-};
 
 /// What all contact of a body resists, with the normals of its own surface and with those of the other bodies.
 std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,

@@ -527,6 +527,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     forget();
     initialise_active_set();
   }
+  unbalanced_ = floating_.any() ? floating_.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress);
 }
 
@@ -566,7 +567,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       return stop(describe_linear_solve(solve));
     const double length = search ? search_along_step(before) : 1;
     const double spring_force = force_of_followers();
-    if (floating_.any() && !balance_floating_bodies()) {
+    if (floating_.any() && (!unbalanced_.empty() || !balance_floating_bodies())) {
       update_active_set();
       return stop(driven_motions().empty() ? "the loads push a body out of its contact" : describe_loss_of_contact());
     }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/surface_normals.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -13,6 +15,8 @@ constexpr double softer = 0.01;
 constexpr double regularisation = 1e-9;
 /// Of the loads and contact forces: forces that are in balance, and what is asked for where rounding allows.
 constexpr double balanced = 1e-6, well_balanced = 1e-11;
+/// Of the loads: what the exact normals of one side may leave over.
+constexpr double little_load = 0.02;
 constexpr int most_steps = 100, most_bisections = 80;
 
 /// A spring that presses at points: force = sum w [stress - stiffness gap]_+, gap = distance + row . motion. second =
@@ -223,12 +227,49 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
   }
 }
 
+/// On the motions that are free.
+Eigen::VectorXd FloatingBodies::load() const {
+  Eigen::VectorXd load = loads_on(bodies_, pieces_).first;
+  for (std::size_t b = 0; b < pieces_.size(); ++b) load.segment<6>(6 * b) = free_[b] * load.segment<6>(6 * b).eval();
+  return load;
+}
+
+FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
+  RigidBodies rigid;
+  rigid.load = load();
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  const std::vector<SurfaceNormals> normals(bodies_.begin(), bodies_.end());
+  for (const ContactPair& pair : pairs_)
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring;
+      spring.first = pair.primary;
+      spring.second = pair.secondary;
+      for (int q = group.first_point; q < group.last_point; ++q) {
+        const ContactPoint& point = pair.points[q];
+        Vec3 n = normals[pair.secondary](point.secondary_cell, point.secondary_position);
+        if (n.dot(point.normal) > 0) n = -n;  // a surface of what is taken away
+        const double share = point.weight / group.area;
+        spring.row_first += share * free_[pair.primary] * pieces_[pair.primary].row(point.x, n);
+        spring.row_second -= share * free_[pair.secondary] * pieces_[pair.secondary].row(point.x, n);
+      }
+      spring.stiffness = pair.stiffness;
+      spring.distance = group.initial_gap;
+      spring.first_point = static_cast<int>(rigid.points.size());
+      rigid.points.push_back({group.area, 0});
+      spring.last_point = static_cast<int>(rigid.points.size());
+      rigid.springs.push_back(spring);
+    }
+  FreeMotions moving;
+  if (rigid.solve() || rigid.unbalanced().norm() <= little_load * rigid.load.norm()) return moving;
+  moving.bodies = pieces_;
+  moving.modes = rigid.unbalanced().normalized();
+  return moving;
+}
+
 FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap,
                                                 const std::vector<std::vector<double>>& stress) const {
   RigidBodies rigid;
-  rigid.load = loads_on(bodies_, pieces_).first;
-  for (std::size_t b = 0; b < pieces_.size(); ++b)
-    rigid.load.segment<6>(6 * b) = free_[b] * rigid.load.segment<6>(6 * b).eval();
+  rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const ContactPair& pair = pairs_[k];

@@ -37,8 +37,14 @@ class FloatingBodies {
   /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
   /// each pair and point, Pa.
   Balance balance(const std::vector<double>& gap, const std::vector<std::vector<double>>& stress) const;
+  /// Can contact carry the loads of the present step with the exact normals of the secondary bodies? On coarse cells
+  /// the other points of a round body seem to lean on a plane that only its lowest one touches. Empty, or the motion
+  /// that nothing stops.
+  FreeMotions not_stopped_by_the_other_side() const;
 
  private:
+  Eigen::VectorXd load() const;
+
   const std::vector<BodyModel>& bodies_;
   const std::vector<ContactPair>& pairs_;
   std::vector<RigidPiece> pieces_;
