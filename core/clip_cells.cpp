@@ -84,6 +84,7 @@ class Clipper {
   int side(int point, int surface) const;
   double distance(int point, int surface) const;
   double distance_of(const Vec3& x, int surface) const;
+  double crossing(const Vec3& x, const Vec3& d, double at_0, double at_1) const;
   bool is_patch(int surface) const;
   const TriangleSurface& patch_alone(int surface) const;
   static int side_by_distance(double distance);
@@ -368,6 +369,24 @@ int Clipper::node(const Index3& fine) {
   return *number;
 }
 
+/// Where the line x + t d, 0 < t < 1, meets the triangle surface, given the distances at its ends, which have different
+/// signs: regula falsi with halved ends (Illinois), as the distance has kinks at edges.
+double Clipper::crossing(const Vec3& x, const Vec3& d, double at_0, double at_1) const {
+  double low = 0, high = 1, t = at_0 / (at_0 - at_1);
+  int last = 0;
+  for (int pass = 0; pass < 8; ++pass) {
+    const double at_t = distance_of(x + t * d, whole_);
+    if (std::abs(at_t) <= on_tolerance) break;
+    const bool is_low = (at_t < 0) == (at_0 < 0);
+    (is_low ? low : high) = t;
+    (is_low ? at_0 : at_1) = at_t;
+    if (last == (is_low ? -1 : 1)) (is_low ? at_1 : at_0) /= 2;
+    last = is_low ? -1 : 1;
+    t = low + (high - low) * at_0 / (at_0 - at_1);
+  }
+  return t;
+}
+
 int Clipper::edge_point(int a, int b, int surface) {
   const EdgeKey key{(static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint64_t>(b), surface};
   const auto [entry, added] = edge_points_.try_emplace(key, static_cast<int>(mesh_.points.size()));
@@ -383,6 +402,7 @@ int Clipper::edge_point(int a, int b, int surface) {
       best = std::abs(roots[r] - linear);
       t = roots[r];
     }
+  if (surface == whole_) t = crossing(x, d, da, distance(b, surface));
   const Vec3 middle = x + t * d;
   fixed_sides_.emplace_back(surface, 0);
   for (int s : cell_surfaces_) {

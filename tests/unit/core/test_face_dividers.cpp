@@ -130,7 +130,9 @@ TEST(FaceDividers, CoincidentPlanesAreOne) {
     if (plane.surface == 5 && std::abs(plane.offset) > 0.5 && std::abs(plane.offset) < 5.5) of_top.push_back(plane);
   ASSERT_EQ(of_top.size(), 2u);  // y = 1 and x = 3.3
   for (const Plane& plane : of_top)
-    if (plane.normal[1] != 0) EXPECT_EQ(std::abs(plane.offset), 1);
+    if (plane.normal[1] != 0) {
+      EXPECT_EQ(std::abs(plane.offset), 1);
+    }
 }
 
 }  // namespace
