@@ -10,6 +10,7 @@ namespace {
 
 constexpr double rank_tolerance = 1e-11;
 constexpr double accuracy = 1e-12;
+constexpr double dependent = 1e-11;  // of a function's norm: what is left of it beside the others is rounding
 /// Sizes this near to each other are equal, and the first one counts: points of symmetric rules tie, and rounding (of
 /// units, of a turn) shall not choose among them.
 constexpr double tie = 1 + 1e-6;
@@ -179,6 +180,35 @@ bool final_weights(const FunctionTable& table, const std::vector<int>& functions
   return error <= accuracy * size;
 }
 
+/// Functions that span the same, orthogonal with these weights (modified Gram-Schmidt, twice) and at most one; those
+/// that depend on the others up to rounding go.
+void orthogonalise(FunctionTable& functions, const Vector& weights) {
+  const int n = functions.num_points;
+  const auto product = [&](const double* a, const double* b) {
+    double sum = 0;
+    for (int p = 0; p < n; ++p) sum += weights[p] * a[p] * b[p];
+    return sum;
+  };
+  int kept = 0;
+  for (int f = 0; f < functions.num_functions; ++f) {
+    double* const row = functions[kept];
+    if (kept != f) std::copy_n(functions[f], n, row);
+    const double before = product(row, row);
+    for (int pass = 0; pass < 2; ++pass)
+      for (int g = 0; g < kept; ++g) {
+        const double* const other = functions[g];
+        const double part = product(row, other) / product(other, other);
+        for (int p = 0; p < n; ++p) row[p] -= part * other[p];
+      }
+    if (!(product(row, row) > dependent * dependent * before)) continue;
+    double largest = 0;
+    for (int p = 0; p < n; ++p) largest = std::max(largest, std::abs(row[p]));
+    for (int p = 0; p < n; ++p) row[p] /= largest;
+    ++kept;
+  }
+  functions.num_functions = kept;
+}
+
 }  // namespace
 
 void compress_weights(const FunctionTable& functions, std::vector<double>& weights) {
@@ -193,13 +223,20 @@ void compress_weights(const FunctionTable& functions, std::vector<double>& weigh
   for (std::size_t i = 0; i < basis.size(); ++i) weights[basis[i]] = solution[i];
 }
 
-void compress_many_weights(const FunctionTable& functions, std::vector<double>& weights) {
+void compress_many_weights(FunctionTable functions, std::vector<double>& weights) {
+  orthogonalise(functions, weights);
   const std::size_t n = weights.size(), batch = 2 * static_cast<std::size_t>(functions.num_functions);
+  // Points that follow each other lie near each other, where the functions nearly depend on each other: every part of
+  // them is from all over.
+  const std::size_t parts = 1 + n / batch;
+  std::vector<int> order;
+  for (std::size_t first = 0; first < parts; ++first)
+    for (std::size_t p = first; p < n; p += parts) order.push_back(static_cast<int>(p));
   std::vector<int> chosen;
   FunctionTable table;
   Vector part;
   for (std::size_t next = 0; next < n;) {
-    while (next < n && chosen.size() < batch) chosen.push_back(static_cast<int>(next++));
+    while (next < n && chosen.size() < batch) chosen.push_back(order[next++]);
     table.resize(functions.num_functions, static_cast<int>(chosen.size()));
     part.resize(chosen.size());
     for (std::size_t i = 0; i < chosen.size(); ++i) part[i] = weights[chosen[i]];

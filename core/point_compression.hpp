@@ -24,7 +24,7 @@ struct FunctionTable {
 void compress_weights(const FunctionTable& functions, std::vector<double>& weights);
 
 /// The same for many points, a part of them at a time: time proportional to the number of points.
-void compress_many_weights(const FunctionTable& functions, std::vector<double>& weights);
+void compress_many_weights(FunctionTable functions, std::vector<double>& weights);
 
 /// The polynomials of total degree <= degree in (s, t), and with `curved` also those of degree <= degree - 1 times the
 /// height: on a plane, a sphere or a cylinder these are all polynomials of that degree in space. `points`: s, t,

@@ -195,14 +195,15 @@ TEST(clip_cells, round_patches_that_touch_flat_ones_leave_no_gaps) {
 }
 
 // A shaft with 400 grooves, 20 of them in a cell: its cells are cut at the surface as a whole, in a bounded number of
-// pieces; the boundary is the triangles all the same. Volume to 2 %: pieces of half a cell on a mean radius of 3.
+// pieces; the boundary is the triangles all the same. Volume to 5 %: pieces of half a cell cut off the rims of both
+// ends (a ninth of a cell's face along 37 cells, of 109) and the bulge between their corners (1 %).
 TEST(clip_cells, many_patches_in_a_cell) {
   const TriangleSoup soup = test::prism_soup(test::star(800, 3, 2.9), {0, 0}, 4);
   const Solid solid = Solid::bounded_by(test::surface_of(soup)).transformed(Mat3::Identity(), {4.1, 4.2, 1.3});
   const CutCells cells = cut(solid, 8);
   const ClippedMesh mesh = clip_cells(cells);
   expect_sound(cells, mesh);
-  EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 0.02);
+  EXPECT_NEAR(mesh.volume() / volume_of_moments(cells), 1, 0.05);
   EXPECT_NEAR(enclosed_volume(mesh) / volume_of_moments(cells), 1, 1e-11);
   EXPECT_LT(mesh.tetrahedra.size(), 8 * 6 * 10 * cells.moments.size());
 }
