@@ -71,7 +71,7 @@ std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel
       continue;
     // The cell on the inner side of the surface, also where the surface lies on a grid plane.
     const int cell = other.cut_cells.locate(y - inward_step * crossing.normal);
-    if (cell >= 0) best = OppositePoint{crossing.t, cell, y};
+    if (cell >= 0) best = OppositePoint{crossing.t, cell, y, grid.rotation * crossing.normal};
   }
   if (!best) return best;
   best->distance *= grid.cell_size;

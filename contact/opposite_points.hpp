@@ -18,6 +18,7 @@ struct OppositePoint {
   double distance;  ///< m, along the ray (negative: the bodies overlap there)
   int cell;         ///< active cell of the other body
   Vec3 position;    ///< grid coordinates of the other body
+  Vec3 normal;      ///< outward of the other body, global axes
 };
 
 /// The boundary point of `other` (face `face`) on the line x + t n that a boundary point x of `own` with the outward

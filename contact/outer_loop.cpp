@@ -12,6 +12,7 @@
 #include "contact/free_motion.hpp"
 #include "contact/free_pieces.hpp"
 #include "contact/rigid_contact.hpp"
+#include "contact/small_zones.hpp"
 #include "core/memory.hpp"
 #include "core/parallel.hpp"
 
@@ -34,6 +35,8 @@ constexpr double small_kappa = 1;
 /// Of the contact forces: what springs that follow a motion may still take.
 constexpr double most_hold = 1e-6;
 constexpr int most_bisections = 30;
+/// Outer iterations in which groups may join or leave zones smaller than the cells.
+constexpr int last_decision = 8;
 /// Points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
@@ -81,7 +84,8 @@ struct ContactSolver::Impl {
   double force_of_followers() const;
   double total_force() const;
   void follow();
-  void update_active_set();
+  void update_active_set(bool decide);
+  std::vector<char> led_pairs() const;
   double update_recovered_stress();
   long long count_active() const;
   std::string describe_loss_of_contact() const;
@@ -99,6 +103,7 @@ struct ContactSolver::Impl {
   RealView u_, rhs_;                                 // u_: without the rigid parts
   RigidParts rigid_parts_;
   FloatingBodies floating_;
+  SmallZones small_zones_;
   FreeMotions unbalanced_;                // what the loads drive without end
   std::vector<double> rigid_gap_change_;  // m, of each contact group
   double force_norm_ = 0, kappa_norm_ = 0;
@@ -111,7 +116,8 @@ ContactSolver::Impl::Impl(const OuterProblem& problem)
       solver_(problem.system,
               problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid),
       rigid_parts_(problem.system.meshes, problem.scales),
-      floating_(problem.bodies, problem.supports, problem.pairs) {
+      floating_(problem.bodies, problem.supports, problem.pairs),
+      small_zones_(problem.bodies, problem.pairs, led_pairs()) {
   const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
   boundary_stress_.reserve(cells.size());
   for (std::size_t b = 0; b < cells.size(); ++b)
@@ -127,10 +133,19 @@ void ContactSolver::Impl::forget() {
   rigid_gap_change_.assign(problem_.system.group_rows.size(), 0.0);
   kappa_norm_ = 0;
   support_stress_.assign(problem_.supports.size(), 0.0);
+  small_zones_.forget();
   contact_stress_.clear();
   for (const ContactPair& pair : problem_.pairs) contact_stress_.emplace_back(pair.points.size(), 0.0);
   for (SupportPoint& p : problem_.supports)
     if (p.follows) p.value = 0;
+}
+
+/// Of each pair: do the supports of both bodies hold them?
+std::vector<char> ContactSolver::Impl::led_pairs() const {
+  std::vector<char> led;
+  for (const ContactPair& pair : problem_.pairs)
+    led.push_back(!floating_.floats(pair.primary) && !floating_.floats(pair.secondary));
+  return led;
 }
 
 /// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
@@ -165,6 +180,10 @@ std::vector<double> ContactSolver::Impl::group_stiffness() const {
   std::vector<double> stiffness;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& g : pair.groups) {
+      if (small_zones_.has(stiffness.size())) {
+        stiffness.push_back(small_zones_.stiffness(stiffness.size()) / (scales().stress * scales().length));
+        continue;
+      }
       double area = 0;
       for (int q = g.first_point; q < g.last_point; ++q)
         if (pair.points[q].active) area += pair.points[q].weight;
@@ -216,6 +235,11 @@ std::vector<double> ContactSolver::Impl::group_force(bool with_displacement) con
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
     for (const ContactGroup& g : pair.groups) {
+      if (small_zones_.has(forces.size())) {
+        const double force = small_zones_.force(forces.size(), g.initial_gap + change[forces.size()]);
+        forces.push_back(force / (scales().stress * area_scale));
+        continue;
+      }
       const double gap = (g.initial_gap + change[forces.size()]) / scales().length;
       double force = 0;
       for (int q = g.first_point; q < g.last_point; ++q)
@@ -288,7 +312,9 @@ double ContactSolver::Impl::search_along_step(const RealView& before) {
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& group : pair.groups) {
       double at_start = 0, along = 0;
+      const bool linear = small_zones_.has(groups.size());  // their part of the energy is in the system's as it is
       for (const auto& [dof, value] : problem_.system.group_rows[groups.size()].entries) {
+        if (linear) break;
         at_start += value * before(dof);
         along += value * step(dof);
       }
@@ -372,9 +398,12 @@ void ContactSolver::Impl::follow() {
 }
 
 /// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
-/// the displacements (bodies that touch without force) nothing changes.
-void ContactSolver::Impl::update_active_set() {
+/// the displacements (bodies that touch without force) nothing changes. decide: also which groups lie in zones smaller
+/// than the cells.
+void ContactSolver::Impl::update_active_set(bool decide) {
   const std::vector<double> change = group_gap_change();
+  std::vector<double> force = group_force(true);
+  for (double& f : force) f *= scales().stress * scales().length * scales().length;
   const double moved = rigid_parts_.largest_displacement(u_) * scales().length;
   std::size_t first_group = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
@@ -390,6 +419,7 @@ void ContactSolver::Impl::update_active_set() {
       for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
     first_group += pair.groups.size();
   }
+  small_zones_.update(change, force, decide);
 }
 
 /// New sigma* at supports and contact; returns the relative change (area-weighted, L2).
@@ -511,6 +541,9 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.rigid_parts = rigid_parts_.of_bodies();
   result.support_stress.clear();
   result.group_force = group_force(true);
+  result.small_zone_groups.clear();
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k)
+    result.small_zone_groups.push_back(small_zones_.count(static_cast<int>(k)));
   result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, load_);
   const auto u = host_copy(u_);
   for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
@@ -565,16 +598,18 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     };
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
       return stop(describe_linear_solve(solve));
+    const auto not_in_balance = [&] {
+      update_active_set(false);
+      return stop(driven_motions().empty() ? "the loads push a body out of its contact" : describe_loss_of_contact());
+    };
+    if (!unbalanced_.empty()) return not_in_balance();
     const double length = search ? search_along_step(before) : 1;
     const double spring_force = force_of_followers();
-    if (floating_.any() && (!unbalanced_.empty() || !balance_floating_bodies())) {
-      update_active_set();
-      return stop(driven_motions().empty() ? "the loads push a body out of its contact" : describe_loss_of_contact());
-    }
+    if (floating_.any() && !balance_floating_bodies()) return not_in_balance();
     follow();
-    update_active_set();
+    update_active_set(iteration <= last_decision);
     step.changed_points = history.record(problem_.pairs);
-    step.residual = update_recovered_stress();
+    step.residual = std::max(update_recovered_stress(), small_zones_.relative_change());
     step.active_points = count_active();
     result.residuals.push_back(step.residual);
     result.active_points.push_back(step.active_points);

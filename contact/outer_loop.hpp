@@ -33,6 +33,7 @@ struct OuterResult {
   int preconditioner_setups = 0;
   std::vector<double> support_stress;  ///< lambda of each support point, Pa
   std::vector<double> group_force;     ///< force of each contact group, Scales::stress * Scales::length^2
+  std::vector<int> small_zone_groups;  ///< of each pair: that press by a zone smaller than the cells
   bool converged = false;
   std::string diagnosis;
 };

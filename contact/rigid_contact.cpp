@@ -223,9 +223,11 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
   }
   for (const auto& resistance : held) {
     free_.push_back(projection_on_free(resistance));
-    any_ |= free_.back().norm() > 0.5;
+    any_ |= floats(static_cast<int>(free_.size()) - 1);
   }
 }
+
+bool FloatingBodies::floats(int body) const { return free_[body].norm() > 0.5; }
 
 /// On the motions that are free.
 Eigen::VectorXd FloatingBodies::load() const {

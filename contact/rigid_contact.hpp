@@ -25,6 +25,8 @@ class FloatingBodies {
                  const std::vector<ContactPair>& pairs);
   /// Is there a body that its supports alone do not hold?
   bool any() const { return any_; }
+  /// Do its supports alone not hold this body?
+  bool floats(int body) const;
   const std::vector<RigidPiece>& pieces() const { return pieces_; }
 
   struct Balance {

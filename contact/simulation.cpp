@@ -215,6 +215,12 @@ void Simulation::solve_steps(const ProgressCallbacks& progress) {
                                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), outer.diagnosis);
     ++k;
   }
+  for (std::size_t k = 0; k < pairs.size() && k < outer.small_zone_groups.size(); ++k)
+    if (outer.small_zone_groups[k] > 0)
+      add_warning(
+          fmt::format("contact \"{}\": a zone smaller than the cells in {} of them; its force is that of an "
+                      "indented half-space, right to some 30 %",
+                      pairs[k].spec->name, outer.small_zone_groups[k]));
   outer.converged = first_failure.empty();
   outer.diagnosis = first_failure;
 }

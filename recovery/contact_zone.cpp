@@ -19,9 +19,11 @@ ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t in
                        link.weight, link.weight * link.pressure, link.weight * link.spread_pressure});
   }
   if (other_of_pair.empty()) return;
-  const std::vector<SymmetryPlane> planes = symmetry_planes(bodies[index]);
+  const std::vector<SymmetryPlane> planes = symmetry_planes(*bodies[index].mesh->cut_cells, *bodies[index].boundary);
   for (const auto& [pair, other] : other_of_pair)
-    if (!planes.empty()) add_images(pair, common_planes(planes, symmetry_planes(bodies[other]), cell_size_));
+    if (!planes.empty())
+      add_images(pair, common_planes(planes, symmetry_planes(*bodies[other].mesh->cut_cells, *bodies[other].boundary),
+                                     cell_size_));
 }
 
 /// Images in every plane, and of images in planes across: four quarters of a quarter.

@@ -22,8 +22,7 @@ bool holds_normal_only(const TractionCondition& condition, const Vec3& normal) {
 
 }  // namespace
 
-std::vector<SymmetryPlane> symmetry_planes(const RecoveryBody& body) {
-  const CutCells& cc = *body.mesh->cut_cells;
+std::vector<SymmetryPlane> symmetry_planes(const CutCells& cc, const BoundaryData& boundary) {
   const BoundaryPoints& points = cc.boundary;
   struct Face {
     Vec3 point, normal;  // grid coordinates
@@ -31,8 +30,8 @@ std::vector<SymmetryPlane> symmetry_planes(const RecoveryBody& body) {
   };
   std::map<std::pair<int, int>, Face> faces;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    const int condition = body.boundary->condition_of_point[p];
-    if (!body.boundary->conditions[condition].is_support()) continue;
+    const int condition = boundary.condition_of_point[p];
+    if (!boundary.conditions[condition].is_support()) continue;
     Face& face =
         faces.try_emplace({points.surface[p], condition}, Face{points.position[p], points.normal[p]}).first->second;
     face.plane = face.plane && (points.normal[p] - face.normal).norm() < tolerance &&
@@ -41,10 +40,25 @@ std::vector<SymmetryPlane> symmetry_planes(const RecoveryBody& body) {
   std::vector<SymmetryPlane> planes;
   for (const auto& [key, face] : faces) {
     const Vec3 normal = cc.grid.rotation * face.normal;
-    if (face.plane && holds_normal_only(body.boundary->conditions[key.second], normal))
+    if (face.plane && holds_normal_only(boundary.conditions[key.second], normal))
       planes.push_back({cc.grid.to_global(face.point), normal});
   }
   return planes;
+}
+
+std::vector<Vec3> with_images(const Vec3& x, const std::vector<SymmetryPlane>& planes) {
+  std::vector<Vec3> all{x};
+  std::vector<unsigned> planes_of{0};
+  for (std::size_t p = 0; p < planes.size() && p < 31; ++p)
+    for (std::size_t i = 0, size = all.size(); i < size; ++i) {
+      bool parallel = false;
+      for (std::size_t k = 0; k < p; ++k)
+        parallel |= (planes_of[i] >> k & 1) != 0 && std::abs(planes[k].normal.dot(planes[p].normal)) > 0.5;
+      if (parallel) continue;
+      all.push_back(planes[p].image(all[i]));
+      planes_of.push_back(planes_of[i] | 1U << p);
+    }
+  return all;
 }
 
 std::vector<SymmetryPlane> common_planes(const std::vector<SymmetryPlane>& a, const std::vector<SymmetryPlane>& b,

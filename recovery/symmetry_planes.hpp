@@ -1,7 +1,8 @@
 /// Planes that a body goes on behind as its own mirror image.
 #pragma once
 
-#include "recovery/patch_assembly.hpp"
+#include "core/cut_cells.hpp"
+#include "recovery/boundary_data.hpp"
 
 namespace cgcontact {
 
@@ -14,7 +15,10 @@ struct SymmetryPlane {
 };
 
 /// Plane faces whose support holds the normal direction and no other.
-std::vector<SymmetryPlane> symmetry_planes(const RecoveryBody& body);
+std::vector<SymmetryPlane> symmetry_planes(const CutCells& cut_cells, const BoundaryData& boundary);
+
+/// A point and its images in the planes, and in planes across those: four quarters of a quarter.
+std::vector<Vec3> with_images(const Vec3& x, const std::vector<SymmetryPlane>& planes);
 
 /// Those planes of two bodies that are the same.
 std::vector<SymmetryPlane> common_planes(const std::vector<SymmetryPlane>& a, const std::vector<SymmetryPlane>& b,

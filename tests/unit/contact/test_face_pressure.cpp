@@ -103,7 +103,7 @@ TEST(FacePressure, tables_are_read_back) {
   scene.bodies.resize(2);
   scene.bodies[0].name = "lower";
   scene.bodies[1].name = "upper";
-  write_text(file, "names\nupper,1,2,3,0,0,1,0.5,inf,10,20,30,2,1\n");
+  write_text(file, "names\nupper,pair,1,2,3,0,0,1,0.5,inf,10,20,30,2,1\n");
   const auto rows = read_contact_rows(file, scene);
   ASSERT_EQ(rows.size(), 1u);
   EXPECT_EQ(rows[0].body, 1);
@@ -111,7 +111,7 @@ TEST(FacePressure, tables_are_read_back) {
   EXPECT_EQ(rows[0].weight, 0.5);
   EXPECT_EQ(rows[0].pressure_raw, 10);
   EXPECT_EQ(rows[0].pressure_sprc, 30);
-  for (const char* line : {"names\nother,1,2,3,0,0,1,0.5,inf,10,20,30,2,1\n", "names\nupper,1\n"}) {
+  for (const char* line : {"names\nother,pair,1,2,3,0,0,1,0.5,inf,10,20,30,2,1\n", "names\nupper,1\n"}) {
     write_text(file, line);
     EXPECT_THROW(read_contact_rows(file, scene), InputError);
   }

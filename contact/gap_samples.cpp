@@ -1,0 +1,190 @@
+#include "contact/gap_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace cgcontact {
+namespace {
+
+/// Leaves over a side of the first grid, four samples each.
+constexpr int first_leaves = 4;
+/// Change of the distance over a quarter of a leaf, of the depth below the limit, that need not be resolved.
+constexpr double resolved_part = 0.2;
+/// Cells: depths below this are not looked for.
+constexpr double least_depth = 1e-5;
+constexpr int most_levels = 14;
+constexpr std::size_t most_leaves = 4096;
+/// Cells, from a surface into the body: less than the thinnest cells that are kept.
+constexpr double inward_step = 1e-12;
+/// Cosine between the group's mean normal and surfaces that face it.
+constexpr double least_cosine = 0.1;
+
+/// A square of the plane across the group's mean normal, with the samples in the middles of its quarters.
+struct Leaf {
+  double s = 0, t = 0, size = 0;  ///< centre and side, m
+  struct Sample {
+    bool hit = false;                ///< both bodies
+    bool inside = false;             ///< of the group's cell
+    double distance = 0, slope = 0;  ///< m; of the distance over the plane
+    Vec3 x;
+  } samples[4];
+
+  /// From a sample to the farthest point that it stands for, m: in its quarter, or in the whole leaf where other
+  /// samples miss the bodies.
+  double reach() const {
+    const bool all = std::all_of(samples, samples + 4, [](const Sample& sample) { return sample.hit; });
+    return (all ? 1 : 3) * size * std::sqrt(2.0) / 4;
+  }
+  /// No distance in the leaf is below this.
+  double lower_bound() const {
+    double bound = 1e300;
+    for (const Sample& sample : samples)
+      if (sample.hit) bound = std::min(bound, sample.distance - sample.slope * reach());
+    return bound;
+  }
+  double change() const {
+    double largest = 0;
+    for (const Sample& sample : samples)
+      if (sample.hit) largest = std::max(largest, sample.slope * reach());
+    return largest;
+  }
+};
+
+/// Of the height of a surface with normal m over the plane with normal n.
+Vec3 height_gradient(const Vec3& m, const Vec3& n) { return -(m - m.dot(n) * n) / m.dot(n); }
+
+class Sampler {
+ public:
+  Sampler(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
+      : bodies_(bodies), pair_(pair), group_(group), primary_(bodies[pair.primary]) {
+    const Grid& grid = primary_.cut_cells.grid;
+    cell_ = pair.points[group.first_point].primary_cell;
+    Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
+    for (int q = group.first_point; q < group.last_point; ++q) {
+      normal += pair.points[q].weight * pair.points[q].normal;
+      mean += pair.points[q].weight / group.area * pair.points[q].x;
+    }
+    normal_ = normal.normalized();
+    const Index3& c = primary_.cut_cells.cells[cell_];
+    const Vec3 middle = grid.to_global(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
+    centre_ = middle + (mean - middle).dot(normal_) * normal_;
+    along_s_ = normal_.unitOrthogonal();
+    along_t_ = normal_.cross(along_s_);
+    side_ = std::sqrt(3.0) * grid.cell_size;  // covers the cell in any direction
+  }
+
+  Leaf leaf(double s, double t, double size) const {
+    Leaf l{s, t, size, {}};
+    for (int k = 0; k < 4; ++k)
+      l.samples[k] = sample(s + ((k & 1) - 0.5) * 0.5 * size, t + ((k >> 1) - 0.5) * 0.5 * size);
+    return l;
+  }
+  double side() const { return side_; }
+  /// May the leaf lie in the group's cell?
+  bool may_hold(const Leaf& leaf) const {
+    const Grid& grid = primary_.cut_cells.grid;
+    const Index3& c = primary_.cut_cells.cells[cell_];
+    const double reach = leaf.size / std::sqrt(2.0) / grid.cell_size;
+    // A surface may lie above or below the plane: the distance across it does not count.
+    const Vec3 normal = grid.rotation.transpose() * normal_;
+    const Vec3 x = grid.to_grid(centre_ + leaf.s * along_s_ + leaf.t * along_t_);
+    for (int k = 0; k < 3; ++k) {
+      const double slack = reach + std::sqrt(3.0) * std::abs(normal[k]);
+      if (x[k] < c[k] - slack || x[k] > c[k] + 1 + slack) return false;
+    }
+    return true;
+  }
+
+ private:
+  Leaf::Sample sample(double s, double t) const {
+    Leaf::Sample result;
+    const Grid& grid = primary_.cut_cells.grid;
+    const Solid& solid = primary_.cut_cells.solid;
+    const Vec3 start = grid.to_grid(centre_ + s * along_s_ + t * along_t_);
+    const Vec3 direction = grid.rotation.transpose() * normal_;
+    static thread_local std::vector<Crossing> crossings;
+    crossings.clear();
+    solid.crossings(start, direction, side_ / grid.cell_size, crossings);
+    std::optional<Crossing> own;
+    bool inside = false;
+    for (const Crossing& c : crossings) {
+      if (c.surface != group_.surface || c.normal.dot(direction) < least_cosine) continue;
+      if (own && std::abs(c.t) >= std::abs(own->t)) continue;
+      const Vec3 y = start + c.t * direction;
+      if (!pair_.face(pair_.primary)
+               .contains(solid.surfaces()[c.surface].names, grid.to_global(y), grid.rotation * c.normal))
+        continue;
+      own = c;
+      inside = primary_.cut_cells.locate(y - inward_step * c.normal) == cell_;
+    }
+    if (!own) return result;
+    result.x = grid.to_global(start + own->t * direction);
+    const auto opposite = find_opposite(bodies_, pair_, pair_.primary, result.x, normal_);
+    if (!opposite) return result;
+    result.hit = true;
+    result.inside = inside;
+    result.distance = opposite->distance;
+    result.slope =
+        (height_gradient(opposite->normal, normal_) - height_gradient(grid.rotation * own->normal, normal_)).norm();
+    return result;
+  }
+
+  const std::vector<BodyModel>& bodies_;
+  const ContactPair& pair_;
+  const ContactGroup& group_;
+  const BodyModel& primary_;
+  int cell_ = 0;
+  Vec3 normal_, centre_, along_s_, along_t_;
+  double side_ = 0;
+};
+
+}  // namespace
+
+std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
+                                  const ContactGroup& group, double limit) {
+  const Sampler sampler(bodies, pair, group);
+  const double h = bodies[pair.primary].cut_cells.grid.cell_size;
+  std::vector<Leaf> leaves;
+  const double first = sampler.side() / first_leaves;
+  for (int i = 0; i < first_leaves; ++i)
+    for (int j = 0; j < first_leaves; ++j)
+      leaves.push_back(
+          sampler.leaf((i + 0.5) * first - 0.5 * sampler.side(), (j + 0.5) * first - 0.5 * sampler.side(), first));
+  double smallest = 1e300;
+  const auto look = [&](const Leaf& leaf) {
+    for (const Leaf::Sample& sample : leaf.samples)
+      if (sample.inside) smallest = std::min(smallest, sample.distance);
+  };
+  for (const Leaf& leaf : leaves) look(leaf);
+  for (int level = 0; level < most_levels; ++level) {
+    const double depth = std::max(limit - smallest, least_depth * h);
+    std::vector<Leaf> finer;
+    bool refined = false;
+    for (const Leaf& leaf : leaves) {
+      const bool fine = leaf.lower_bound() >= limit || !sampler.may_hold(leaf) ||
+                        leaf.change() <= resolved_part * depth || finer.size() + leaves.size() >= most_leaves;
+      if (fine) {
+        finer.push_back(leaf);
+        continue;
+      }
+      refined = true;
+      for (int k = 0; k < 4; ++k) {
+        const double quarter = 0.25 * leaf.size;
+        finer.push_back(sampler.leaf(leaf.s + (k & 1 ? quarter : -quarter), leaf.t + (k & 2 ? quarter : -quarter),
+                                     0.5 * leaf.size));
+        look(finer.back());
+      }
+    }
+    leaves.swap(finer);
+    if (!refined) break;
+  }
+  std::vector<GapSample> samples;
+  if (!(smallest < limit)) return samples;
+  for (const Leaf& leaf : leaves)
+    for (const Leaf::Sample& sample : leaf.samples)
+      if (sample.inside) samples.push_back({sample.x, 0.25 * leaf.size * leaf.size, sample.distance});
+  return samples;
+}
+
+}  // namespace cgcontact
