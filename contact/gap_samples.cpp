@@ -69,9 +69,12 @@ class Sampler {
     const Index3& c = primary_.cut_cells.cells[cell_];
     const Vec3 middle = grid.to_global(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
     centre_ = middle + (mean - middle).dot(normal_) * normal_;
-    along_s_ = normal_.unitOrthogonal();
+    // Along the grid, so that leaves end where the cell does if its face is parallel to a grid plane.
+    Eigen::Index across;
+    (grid.rotation.transpose() * normal_).cwiseAbs().minCoeff(&across);
+    along_s_ = (grid.rotation.col(across) - grid.rotation.col(across).dot(normal_) * normal_).normalized();
     along_t_ = normal_.cross(along_s_);
-    side_ = std::sqrt(3.0) * grid.cell_size;  // covers the cell in any direction
+    side_ = 2 * grid.cell_size;  // covers the cell in any direction
   }
 
   Leaf leaf(double s, double t, double size) const {

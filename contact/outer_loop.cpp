@@ -542,8 +542,11 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.support_stress.clear();
   result.group_force = group_force(true);
   result.small_zone_groups.clear();
-  for (std::size_t k = 0; k < problem_.pairs.size(); ++k)
-    result.small_zone_groups.push_back(small_zones_.count(static_cast<int>(k)));
+  result.small_zone_width.clear();
+  for (int k = 0; k < static_cast<int>(problem_.pairs.size()); ++k) {
+    result.small_zone_groups.push_back(small_zones_.count(k));
+    result.small_zone_width.push_back(small_zones_.width(k));
+  }
   result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, load_);
   const auto u = host_copy(u_);
   for (std::size_t s = 0; s < problem_.supports.size(); ++s) {

@@ -21,6 +21,7 @@ Resistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>
     sum.try_emplace({i, j}, Block::Zero()).first->second += block;
   };
   for (const SupportPoint& p : supports) {
+    if (p.follows) continue;
     const int k = pieces.of_cell[p.body][p.cell];
     const RigidPiece& piece = pieces.list[k];
     const RigidMotion q = piece.row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);

@@ -28,8 +28,9 @@ namespace {
 constexpr double nearly_one = 0.99;
 /// A pair that has to see farther is solved again; so many times at most.
 constexpr int most_extensions = 5;
-/// Stiffness of what holds bodies while contact does not, of a support's: less than what contact resists, so that its
-/// rest position follows within the outer iteration.
+/// Stiffness of what holds bodies while contact does not, of a support's on the softest body that contact joins them
+/// to: less than what contact and the bodies below it resist, so that its rest position follows within the outer
+/// iteration.
 constexpr double soft_hold = 1e-4;
 /// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9, or
 /// to less where a face ends between quadrature points.
@@ -78,6 +79,21 @@ Scales make_scales(const Scene& scene) {
   return scales;
 }
 
+/// For each body the least Young's modulus of those that contact pairs join to it, directly or over others, Pa.
+static std::vector<double> softest_moduli(const Preparation& p) {
+  std::vector<double> moduli;
+  for (const BodyModel& body : p.bodies) moduli.push_back(body.spec->material.youngs_modulus);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const ContactPair& pair : p.pairs) {
+      const double least = std::min(moduli[pair.primary], moduli[pair.secondary]);
+      changed |= moduli[pair.primary] != least || moduli[pair.secondary] != least;
+      moduli[pair.primary] = moduli[pair.secondary] = least;
+    }
+  }
+  return moduli;
+}
+
 /// Motions that are free although all contact is closed: pieces that nothing holds, flat faces that slide on each
 /// other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with nothing to
 /// drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the other side's
@@ -112,10 +128,10 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   else if (!on_both_sides.empty())
     p.warnings.push_back(describe(on_both_sides, scene) +
                          ": no load drives this motion, it is held where it is, which takes no force");
+  const std::vector<double> softest = softest_moduli(p);
   for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
     for (SupportPoint point : hold(motions, p.bodies)) {
-      const Material& material = p.bodies[point.body].spec->material;
-      point.weight *= soft_hold * material.youngs_modulus / stabilising_modulus(material);
+      point.weight *= soft_hold * softest[point.body] / stabilising_modulus(p.bodies[point.body].spec->material);
       point.follows = true;
       held.push_back(point);
     }

@@ -40,6 +40,8 @@ class SmallZones {
   double stiffness(std::size_t group) const { return groups_[group].stiffness; }  ///< N/m
   /// Groups of a pair that are in small zones and carry force.
   int count(int pair) const;
+  /// Mean width of a pair's small zones, by their forces, m; 0 without any.
+  double width(int pair) const;
   /// Of the forces in the last update, relative to all of small zones.
   double relative_change() const { return relative_change_; }
 
@@ -48,6 +50,7 @@ class SmallZones {
     bool small = false;
     double force = 0, stiffness = 0, gap = 0;  ///< N, N/m, m: what force() is made of
     double bedding = 0;                        ///< Pa/m: force over volume, kept once groups no longer join
+    double width = 0;                          ///< m, of the zone there
     double limit = 0;                          ///< m: the depth that the samples are made for
     std::vector<GapSample> samples;
   };

@@ -173,6 +173,10 @@ std::vector<ZoneWidth> zone_widths(const Simulation& sim) {
       if (std::isfinite(cells)) widths[p].cells = cells;
     }
   }
+  for (std::size_t p = 0; p < sim.pairs.size() && p < sim.outer.small_zone_width.size(); ++p)
+    if (const double width = sim.outer.small_zone_width[p]; width > 0)
+      widths[p].cells =
+          std::min(widths[p].cells.value_or(1e300), width / sim.bodies[sim.pairs[p].primary].cut_cells.grid.cell_size);
   return widths;
 }
 

@@ -17,7 +17,8 @@ struct ZoneWidth {
 /// One per pair. A zone is a connected set of closed cells; planes of symmetry of both bodies complete it. Its width is
 /// twice the largest distance of a closed point from all open ones, so that the ends of a face (and the faces of a
 /// plate one cell thick) do not count, made finer than whole cells by the spread of the transmitted forces along that
-/// direction. Needs the contact links with their pressures (Simulation::recover).
+/// direction. Of zones smaller than the cells it is the width that their law gives (small_zones.hpp). Needs the contact
+/// links with their pressures (Simulation::recover).
 std::vector<ZoneWidth> zone_widths(const Simulation& simulation);
 
 }  // namespace cgcontact

@@ -1,0 +1,85 @@
+/// Contact zones smaller than the cells: point-wise gaps and the forces that follow from them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "contact/gap_samples.hpp"
+#include "contact/small_zones.hpp"
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+double force(const std::string& scene, const std::vector<std::string>& overrides) {
+  const auto solved = test::run_scene(scene, overrides);
+  const Results& r = solved->results();
+  EXPECT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_EQ(r.verdict.state, Verdict::State::not_resolved);
+  EXPECT_EQ(r.warnings.size(), 1u);
+  EXPECT_NE(r.warnings.at(0).find("zone smaller than the cells"), std::string::npos);
+  return r.pairs[0].force_on_first.norm();
+}
+
+/// A wedge of 45 degrees to either side over a plane: below a limit d above the edge lies, per metre of edge, a strip 2
+/// d wide with the volume d^2. The samples of all groups give both within the refinement's part (a fifth of the depth;
+/// measured 10 and 3 %), although no contact point lies in the strip.
+TEST(GapSamples, FindAnEdgeBetweenTheContactPoints) {
+  const Scene scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/tests/scenes/cube_on_edge.toml", {});
+  const Preparation p = prepare(scene);
+  ASSERT_EQ(p.pairs.size(), 1u);
+  for (const double limit : {3e-3, 3e-4}) {
+    double area = 0, volume = 0, least = 1e300;
+    for (const ContactGroup& group : p.pairs[0].groups)
+      for (const GapSample& sample : sample_gap(p.bodies, p.pairs[0], group, limit)) {
+        least = std::min(least, sample.distance);
+        if (sample.distance >= limit) continue;
+        area += sample.area;
+        volume += sample.area * (limit - sample.distance);
+        EXPECT_NEAR(sample.distance, std::abs(sample.x[0]), 1e-12);
+      }
+    const double length = 0.8;
+    EXPECT_NEAR(area / (2 * limit * length), 1, 0.15);
+    EXPECT_NEAR(volume / (limit * limit * length), 1, 0.05);
+    EXPECT_LT(least, 0.2 * limit);
+    for (const ContactPoint& q : p.pairs[0].points) EXPECT_GT(q.distance, 3e-3);
+  }
+}
+
+/// Two planes: no samples where no distance is below the limit, else all of the face (slivers of it between samples
+/// count nothing: measured 1 %).
+TEST(GapSamples, NoneAboveTheLimit) {
+  const Scene scene = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/tests/scenes/gap.toml", {});
+  const Preparation p = prepare(scene);
+  double area = 0, found = 0;
+  for (const ContactGroup& group : p.pairs[0].groups) {
+    EXPECT_TRUE(sample_gap(p.bodies, p.pairs[0], group, 0.0099).empty());
+    area += group.area;
+    for (const GapSample& sample : sample_gap(p.bodies, p.pairs[0], group, 0.0101)) found += sample.area;
+  }
+  EXPECT_NEAR(found / area, 1, 0.03);
+}
+
+/// The edge of a cube, pressed in by 0.005 to 0.05 cells: the force is the same for all cells within 8 % (measured 6 %;
+/// the mean gaps of the cells see no contact at all).
+TEST(SmallZones, ForceOfAnEdgeDoesNotDependOnTheCells) {
+  const double coarse = force("tests/scenes/cube_on_edge.toml", {});
+  EXPECT_GT(coarse, 0);
+  for (const char* h : {"h=0.12", "h=0.07"})
+    EXPECT_NEAR(force("tests/scenes/cube_on_edge.toml", {h}) / coarse, 1, 0.08);
+}
+
+/// The zone's radius is 0.1 m, cells are 0.25 to 0.125 m: the force is that of cells of 25 mm, 3.585e7 N, within a
+/// quarter (measured: 0.78, 0.93, 1.03; by mean gaps 0 and up to 1.4).
+TEST(SmallZones, ForceOfABall) {
+  for (const char* n : {"n=2", "n=3", "n=4"}) EXPECT_NEAR(force("scenes/hertz.toml", {n, "L=0.5"}) / 3.585e7, 1, 0.3);
+}
+
+/// Where the zone is several cells wide everything is as without them.
+TEST(SmallZones, ResolvedZonesAreLeftAlone) {
+  const auto solved = test::run_scene("scenes/hertz.toml", {"n=16", "L=0.5"});
+  for (const int count : solved->simulation->outer.small_zone_groups) EXPECT_EQ(count, 0);
+  EXPECT_TRUE(solved->results().warnings.empty());
+}
+
+}  // namespace
+}  // namespace cgcontact
