@@ -235,7 +235,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress) {
     if (outer.small_zone_groups[k] > 0)
       add_warning(
           fmt::format("contact \"{}\": a zone smaller than the cells in {} of them; its force is that of an "
-                      "indented half-space, right to some 30 %",
+                      "indented half-space, not resolved",
                       pairs[k].spec->name, outer.small_zone_groups[k]));
   outer.converged = first_failure.empty();
   outer.diagnosis = first_failure;

@@ -6,11 +6,27 @@
 #include "kernels/coarsen.hpp"
 
 namespace cgcontact {
+namespace {
+
+/// Is one of the cells that share a face with this one not thin? A knife edge ends in thin cells, but does not bend as
+/// a plate does.
+bool beside_thick_one(const CutCells& cells, std::size_t e, const std::vector<char>& is_thin) {
+  for (int face = 0; face < 6; ++face) {
+    Index3 c = cells.cells[e];
+    c[face / 2] += face % 2 == 0 ? -1 : 1;
+    const int other = cells.find(c);
+    if (other >= 0 && !is_thin[other]) return true;
+  }
+  return false;
+}
+
+}  // namespace
 
 template <class Real>
 SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns, const ElasticSystem* finer,
                           const SoftCells* of_finer) {
   constexpr double thin = 0.75;       // cells
+  constexpr double sliver = 1e-5;     // cells: thinner than any plate on its coarsest level
   constexpr double free_part = 0.25;  // of the thin cells: held ones do not bend
   constexpr int most_halvings = 6;
   SoftCells soft;
@@ -41,7 +57,11 @@ SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& 
         const int c = columns.column_of_node(n);
         return c >= 0 && columns.columns(c).axis == d;
       });
-      if (!is_thin[e]) continue;
+    }
+    for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+      if (!is_thin[e] || cc.volume_fraction(static_cast<int>(e)) < sliver || beside_thick_one(cc, e, is_thin)) continue;
+      const int first = columns.column_of_node(mesh.cell_nodes[e][0]);
+      const int d = columns.columns(first).axis;
       all_thin.push_back(static_cast<int>(e));
       volume += cc.volume_fraction(static_cast<int>(e));
       lines += !counted[first];  // cells across the body have their first corner in the same column
