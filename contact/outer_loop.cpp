@@ -46,6 +46,12 @@ double norm(const std::vector<double>& v) {
   return std::sqrt(sum);
 }
 
+const char* const all_open = "all contact has opened and nothing else holds the bodies";
+
+std::string describe_open(const std::vector<std::string>& contacts) {
+  return fmt::format("contact {} has opened wholly, and nothing else holds the body", fmt::join(contacts, ", "));
+}
+
 RealView::HostMirror host_copy(const RealView& u) {
   auto host = Kokkos::create_mirror_view(u);
   Kokkos::deep_copy(host, u);
@@ -84,11 +90,12 @@ struct ContactSolver::Impl {
   double force_of_followers() const;
   double total_force() const;
   void follow();
-  void update_active_set(bool decide);
+  void update_active_set(const std::vector<double>& gap_change, bool decide);
   std::vector<char> led_pairs() const;
   double update_recovered_stress();
   long long count_active() const;
   std::string describe_loss_of_contact() const;
+  std::string open_what_parts();
   std::string describe_residual(const OuterResult& result) const;
   std::string describe_linear_solve(const LinearSolveResult& solve) const;
   LinearSolveResult solve_linear(double tolerance);
@@ -399,9 +406,8 @@ void ContactSolver::Impl::follow() {
 
 /// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
 /// the displacements (bodies that touch without force) nothing changes. decide: also which groups lie in zones smaller
-/// than the cells.
-void ContactSolver::Impl::update_active_set(bool decide) {
-  const std::vector<double> change = group_gap_change();
+/// than the cells. change: of the mean gaps, m.
+void ContactSolver::Impl::update_active_set(const std::vector<double>& change, bool decide) {
   std::vector<double> force = group_force(true);
   for (double& f : force) f *= scales().stress * scales().length * scales().length;
   const double moved = rigid_parts_.largest_displacement(u_) * scales().length;
@@ -465,14 +471,25 @@ long long ContactSolver::Impl::count_active() const {
 
 /// Why nothing holds a body any more.
 std::string ContactSolver::Impl::describe_loss_of_contact() const {
-  if (count_active() == 0) return "all contact has opened and nothing else holds the bodies";
+  if (count_active() == 0) return all_open;
   std::vector<std::string> opened;
   for (const ContactPair& pair : problem_.pairs)
     if (std::none_of(pair.points.begin(), pair.points.end(), [](const ContactPoint& q) { return q.active; }))
       opened.push_back('"' + pair.spec->name + '"');
-  return opened.empty()
-             ? "the contact that is left closed does not hold the bodies"
-             : fmt::format("contact {} has opened wholly, and nothing else holds the body", fmt::join(opened, ", "));
+  return opened.empty() ? "the contact that is left closed does not hold the bodies" : describe_open(opened);
+}
+
+/// Opens the pairs that part as the loads move the bodies that contact does not balance; says so.
+std::string ContactSolver::Impl::open_what_parts() {
+  const std::vector<char> open = floating_.pairs_that_open(unbalanced_);
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    if (!open[k]) continue;
+    names.push_back('"' + problem_.pairs[k].spec->name + '"');
+    for (ContactPoint& q : problem_.pairs[k].points) q.active = false;
+  }
+  if (names.empty()) return "the loads push a body out of its contact";
+  return names.size() == open.size() ? all_open : describe_open(names);
 }
 
 /// Where the iteration stood when it was cut off.
@@ -602,15 +619,14 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= solver.max_linear_iterations))
       return stop(describe_linear_solve(solve));
     const auto not_in_balance = [&] {
-      update_active_set(false);
-      return stop(driven_motions().empty() ? "the loads push a body out of its contact" : describe_loss_of_contact());
+      update_active_set(group_gap_change(), false);
+      return stop(open_what_parts());
     };
-    if (!unbalanced_.empty()) return not_in_balance();
     const double length = search ? search_along_step(before) : 1;
     const double spring_force = force_of_followers();
-    if (floating_.any() && !balance_floating_bodies()) return not_in_balance();
+    if (floating_.any() && (!unbalanced_.empty() || !balance_floating_bodies())) return not_in_balance();
     follow();
-    update_active_set(iteration <= last_decision);
+    update_active_set(group_gap_change(), iteration <= last_decision);
     step.changed_points = history.record(problem_.pairs);
     step.residual = std::max(update_recovered_stress(), small_zones_.relative_change());
     step.active_points = count_active();

@@ -236,6 +236,26 @@ Eigen::VectorXd FloatingBodies::load() const {
   return load;
 }
 
+std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) const {
+  constexpr double opens = 0.05;  // of the fastest point of a pair
+  std::vector<char> open(pairs_.size(), 0);
+  if (motions.empty()) return open;
+  const Eigen::VectorXd motion = motions.modes * (motions.modes.transpose() * load());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const ContactPair& pair = pairs_[k];
+    const RigidMotion first = motion.segment<6>(6 * pair.primary), second = motion.segment<6>(6 * pair.secondary);
+    double slowest = 1e300, fastest = 0;
+    for (const ContactPoint& q : pair.points) {
+      const double rate =
+          pieces_[pair.secondary].row(q.x, q.normal).dot(second) - pieces_[pair.primary].row(q.x, q.normal).dot(first);
+      slowest = std::min(slowest, rate);
+      fastest = std::max(fastest, std::abs(rate));
+    }
+    open[k] = fastest > 0 && slowest > opens * fastest;
+  }
+  return open;
+}
+
 FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
   RigidBodies rigid;
   rigid.load = load();

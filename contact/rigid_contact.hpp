@@ -43,6 +43,8 @@ class FloatingBodies {
   /// the other points of a round body seem to lean on a plane that only its lowest one touches. Empty, or the motion
   /// that nothing stops.
   FreeMotions not_stopped_by_the_other_side() const;
+  /// Of each pair: do its faces part everywhere as the loads move the bodies along these motions?
+  std::vector<char> pairs_that_open(const FreeMotions& motions) const;
 
  private:
   Eigen::VectorXd load() const;

@@ -156,15 +156,9 @@ GnuplotTitle gnuplot_title(const std::string& text, int width, int font_size) {
     lines.resize(most_lines);
     lines.back() += " ...";
   }
-  GnuplotTitle title{"\"", static_cast<int>(lines.size())};
-  for (std::size_t k = 0; k < lines.size(); ++k) {
-    title.text += k ? "\\n" : "";
-    for (const char c : lines[k]) {  // in double quotes gnuplot would run what stands in backquotes
-      if (c == '"' || c == '\\') title.text += '\\';
-      title.text += c == '`' ? '\'' : static_cast<unsigned char>(c) < ' ' ? ' ' : c;
-    }
-  }
-  title.text += '"';
+  GnuplotTitle title{"", static_cast<int>(lines.size())};
+  for (std::size_t k = 0; k < lines.size(); ++k)
+    title.text += (k ? ".\"\\n\"." : "") + gnuplot_text(lines[k]);  // in double quotes gnuplot would run backquotes
   return title;
 }
 

@@ -229,10 +229,10 @@ Layout lay_out(const PartOutline& part, double cells) {
   layout.plate_min = {center[0] - half[0], center[1] - half[1], part.max[2]};
   layout.plate_max = {center[0] + half[0], center[1] + half[1], part.max[2] + thickness};
 
-  // Flat: a thousandth. Others: so far that the planes would cut out some five cells across; a contact zone is 0.7 of
+  // Flat: a thousandth. Others: so far that the planes would cut out some six cells across; a contact zone is 0.7 of
   // that.
-  const double most = std::max(0.01 * extent[2], 0.4 * h);
-  const double push = top.flat ? 1e-3 * extent[2] : part.push_for(1.2 * h, most);
+  const double most = std::max(0.01 * extent[2], 0.6 * h);
+  const double push = top.flat ? 1e-3 * extent[2] : part.push_for(1.42 * h, most);
   layout.push = two_digits(push);
   layout.is_narrow = !top.flat && push == most;
   return layout;

@@ -85,7 +85,7 @@ def check_arrays(data, kind, tuples, expected, may_be_nan, problems):
         if array.GetName() in may_be_nan and not isnan(values).all():
             values = values[~isnan(values)]
         print(f"{kind} {array.GetName()} = {array.GetNumberOfComponents()} x {array.GetNumberOfTuples()}"
-              f" [{values.min():.6g}, {values.max():.6g}]")
+              f" [{values.min():.9g}, {values.max():.9g}]")
         if array.GetNumberOfTuples() != tuples:
             problems.append(f"{kind} {array.GetName()} has {array.GetNumberOfTuples()} values, not {tuples}")
         if not (abs(values) < 1e300).all():

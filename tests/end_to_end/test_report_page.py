@@ -86,7 +86,7 @@ class Pages(unittest.TestCase):
         for row, body in zip(rows, written["bodies"]):
             self.assertEqual(row.find("th").text, body["name"])
             if body["max_von_mises"] is not None:
-                self.close(values(row)[5:13], [body["max_von_mises"], *body["max_von_mises_at"], body["max_displacement"],
+                self.close(values(row)[4:12], [body["max_von_mises"], *body["max_von_mises_at"], body["max_displacement"],
                                                *body["max_displacement_at"]])
             self.close(values(row)[-2:-1], [body["estimated_error"]])
         conditions = section(root, "conditions").find(".//tbody").findall("tr")
