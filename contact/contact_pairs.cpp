@@ -157,14 +157,15 @@ void mark_boundary_points(const ContactPair& pair, int index, int body, std::vec
                           std::vector<double>& nearest) {
   BodyModel& model = bodies[body];
   const BodyFace face(pair.face(body), model);
-  parallel_for(model.cut_cells.boundary.size(), grain, [&](std::size_t point) {
-    const int p = static_cast<int>(point);
-    if (!face.contains(p)) return;
-    const auto opposite = find_opposite(bodies, pair, body, model.point(p), model.normal(p));
-    if (!opposite || std::abs(opposite->distance) >= nearest[p]) return;
-    nearest[p] = std::abs(opposite->distance);
-    model.boundary.pair_of_point[p] = index;
-  });
+  parallel_for("cgcontact::contact_pairs::boundary_in_reach", model.cut_cells.boundary.size(), grain,
+               [&](std::size_t point) {
+                 const int p = static_cast<int>(point);
+                 if (!face.contains(p)) return;
+                 const auto opposite = find_opposite(bodies, pair, body, model.point(p), model.normal(p));
+                 if (!opposite || std::abs(opposite->distance) >= nearest[p]) return;
+                 nearest[p] = std::abs(opposite->distance);
+                 model.boundary.pair_of_point[p] = index;
+               });
 }
 
 /// Least distance from the points of the primary face to the secondary one, m; 0 if they touch or overlap somewhere.
@@ -174,13 +175,15 @@ double closest_distance(const std::vector<BodyModel>& bodies, ContactPair pair) 
   const BodyFace face(pair.face(pair.primary), primary);
   const std::size_t size = primary.cut_cells.boundary.size();
   std::vector<double> least(num_chunks(size, grain), 1e300);
-  parallel_chunks(size, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
-      if (!face.contains(p)) continue;
-      const auto opposite = find_opposite(bodies, pair, pair.primary, primary.point(p), primary.normal(p));
-      if (opposite) least[chunk] = std::min(least[chunk], opposite->distance);
-    }
-  });
+  parallel_chunks("cgcontact::contact_pairs::closest_distance", size, grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+                      if (!face.contains(p)) continue;
+                      const auto opposite =
+                          find_opposite(bodies, pair, pair.primary, primary.point(p), primary.normal(p));
+                      if (opposite) least[chunk] = std::min(least[chunk], opposite->distance);
+                    }
+                  });
   const double closest = least.empty() ? 1e300 : *std::min_element(least.begin(), least.end());
   return closest < 1e300 ? std::max(closest, 0.0) : 0.0;
 }
@@ -215,7 +218,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
   std::vector<GroupPoints> groups(places.size());
-  parallel_for(places.size(), 8,
+  parallel_for("cgcontact::contact_pairs::borders", places.size(), 8,
                [&](std::size_t i) { groups[i] = find_group(bodies, pair, places[i].first, places[i].second); });
   for (const GroupPoints& group : groups) add_group(group, pair);
   set_interference(pair, spec.interference);
@@ -234,7 +237,7 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
       if (a == b || box_distance(bodies[a], bodies[b]) > 0) continue;
       const CutCells& other = bodies[b].cut_cells;
       const double limit = overlap(a, b) + 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
-      parallel_for(bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
+      parallel_for("cgcontact::contact_pairs::overlap", bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
         const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
         if (!other.solid.contains(g)) return;
         const double depth = other.solid.distance_to_surfaces(g) * other.grid.cell_size;

@@ -21,6 +21,7 @@
 #include "core/output.hpp"
 #include "core/output_summary.hpp"
 #include "core/output_text.hpp"
+#include "core/parallel.hpp"
 #include "core/progress.hpp"
 #include "core/resources.hpp"
 #include "core/scene_text.hpp"
@@ -89,8 +90,6 @@ int check(const Scene& scene, const CommandLine& options) {
 int run(const Scene& scene, const CommandLine& options, char** argv) {
   const std::string directory = output_directory(options, scene);
   check_output_directory(directory);
-  if (TrilinosScope::has_openmp()) restart_with_openmp_settings(options.threads, argv);
-  // The affinity of this thread changes when OpenMP starts.
   const std::string threads_warning = too_many_threads(options);
   set_interruption_note(directory + " is as it was");
   const TrilinosScope trilinos(options.threads);
@@ -103,6 +102,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   Simulation simulation(scene);
   simulation.run(callbacks);
   progress.begin_phase("output");
+  const ProfiledRegion region("output");
   Results& results = simulation.results;
   results.command = command_text(argv);
   results.backend = TrilinosScope::backend();
@@ -115,6 +115,11 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   if (results.converged) return 0;
   fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
   return 2;
+}
+
+Scene read_scene_as_region(const CommandLine& options) {
+  const ProfiledRegion region("scene");
+  return read_scene(options.scene, options.overrides);
 }
 
 /// What `check` would say of a scene; "": it passes.
@@ -135,14 +140,17 @@ int main(int argc, char** argv) {
   const auto options = parse_command_line(argc, argv, exit_code);
   if (!options) return exit_code;
   try {
+    if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
+    if (options->command == CommandLine::study) return run_study(*options);
+    if (options->command == CommandLine::run && TrilinosScope::has_openmp())
+      restart_with_openmp_settings(options->threads, argv);
+    const KokkosScope kokkos(options->threads);
     if (options->command == CommandLine::init) {
       fmt::print("{}", init_scene(options->init_options, fault_of));
       return 0;
     }
-    if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
-    if (options->command == CommandLine::study) return run_study(*options);
     const InterruptionWatch watch;
-    const Scene scene = read_scene(options->scene, options->overrides);
+    const Scene scene = read_scene_as_region(*options);
     exit_code = options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
     if (std::fflush(stdout) != 0)
       throw InputError(std::string("cannot write to standard output: ") + std::strerror(errno));

@@ -34,22 +34,24 @@ double missed_distance(const Simulation& sim, const ContactPair& seen) {
   const BodyFace face(seen.face(seen.primary), primary);
   const BoundaryPoints& boundary = primary.cut_cells.boundary;
   std::vector<double> farthest(num_chunks(boundary.size(), grain), 0.0);
-  parallel_chunks(boundary.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
-      if (!face.contains(p)) continue;
-      const Vec3 n = primary.normal(p);
-      const auto opposite = find_opposite(sim.bodies, all, seen.primary, primary.point(p), n);
-      if (!opposite || opposite->distance <= seen.reach.ahead) continue;
-      const auto moved = [&](int body, int cell, const Vec3& position) {
-        return displacement(sim, body, cell, cell_coordinates(sim.bodies[body].cut_cells, cell, position)).dot(n);
-      };
-      const double gap = opposite->distance - seen.interference +
-                         moved(seen.secondary, opposite->cell, opposite->position) -
-                         moved(seen.primary, boundary.cell[p], boundary.position[p]);
-      if (gap < -least_overlap * secondary.cut_cells.grid.cell_size)
-        farthest[chunk] = std::max(farthest[chunk], opposite->distance);
-    }
-  });
+  parallel_chunks(
+      "cgcontact::missed_contact::look_farther", boundary.size(), grain,
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+          if (!face.contains(p)) continue;
+          const Vec3 n = primary.normal(p);
+          const auto opposite = find_opposite(sim.bodies, all, seen.primary, primary.point(p), n);
+          if (!opposite || opposite->distance <= seen.reach.ahead) continue;
+          const auto moved = [&](int body, int cell, const Vec3& position) {
+            return displacement(sim, body, cell, cell_coordinates(sim.bodies[body].cut_cells, cell, position)).dot(n);
+          };
+          const double gap = opposite->distance - seen.interference +
+                             moved(seen.secondary, opposite->cell, opposite->position) -
+                             moved(seen.primary, boundary.cell[p], boundary.position[p]);
+          if (gap < -least_overlap * secondary.cut_cells.grid.cell_size)
+            farthest[chunk] = std::max(farthest[chunk], opposite->distance);
+        }
+      });
   return farthest.empty() ? 0.0 : *std::max_element(farthest.begin(), farthest.end());
 }
 

@@ -276,7 +276,7 @@ std::vector<double> ContactSolver::Impl::group_gap_change() const {
 void ContactSolver::Impl::set_rigid_parts_aside() {
   rigid_parts_.set_aside(u_);
   const std::vector<GroupRow>& rows = problem_.system.group_rows;
-  parallel_for(rows.size(), grain, [&](std::size_t r) {
+  parallel_for("cgcontact::outer_loop::rigid_gap_change", rows.size(), grain, [&](std::size_t r) {
     double sum = 0;
     for (const auto& [dof, value] : rows[r].entries) sum += value * rigid_parts_.at_dof(dof);
     rigid_gap_change_[r] = sum;
@@ -306,7 +306,7 @@ double ContactSolver::Impl::displacement_of(const SupportPoint& p, const RealVie
 /// falls, so that the active set cannot cycle while p* stays. Returns the part of the step, 1 if whole.
 double ContactSolver::Impl::search_along_step(const RealView& before) {
   const RealView step("cgcontact::outer_loop::step", u_.size());
-  parallel_for(u_.size(), 4096, [&](std::size_t i) { step(i) = u_(i) - before(i); });
+  parallel_for("cgcontact::outer_loop::step", u_.size(), 4096, [&](std::size_t i) { step(i) = u_(i) - before(i); });
   const double curvature = solver_.energy(step);
   struct Group {
     const ContactPair* pair;
@@ -352,7 +352,8 @@ double ContactSolver::Impl::search_along_step(const RealView& before) {
     const double middle = 0.5 * (low + high);
     (slope(middle) <= 0 ? low : high) = middle;
   }
-  parallel_for(u_.size(), 4096, [&](std::size_t i) { u_(i) = before(i) + high * step(i); });
+  parallel_for("cgcontact::outer_loop::go_along_step", u_.size(), 4096,
+               [&](std::size_t i) { u_(i) = before(i) + high * step(i); });
   return high;
 }
 
@@ -439,7 +440,8 @@ double ContactSolver::Impl::update_recovered_stress() {
   const auto replace = [&](std::vector<double>& values, const auto& points, const auto& stress_at) {
     std::vector<double> before(values.size());
     before.swap(values);
-    parallel_for(points.size(), grain, [&](std::size_t i) { values[i] = stress_at(points[i]); });
+    parallel_for("cgcontact::outer_loop::recovered_stress", points.size(), grain,
+                 [&](std::size_t i) { values[i] = stress_at(points[i]); });
     for (std::size_t i = 0; i < points.size(); ++i) add(points[i].weight, before[i], values[i]);
   };
   replace(support_stress_, problem_.supports, [&](const SupportPoint& p) {

@@ -260,17 +260,20 @@ void fill_contact_rows(const Simulation& sim, Results& results) {
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     std::vector<std::vector<int>> points(num_chunks(boundary.size(), grain));
     std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain));
-    parallel_chunks(boundary.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
-        int pair = body.boundary.pair_of_point[p];
-        if (pair < 0) pair = pair_of_face(sim, b, p);
-        if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic)) continue;
-        ContactRow row = contact_row(sim, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
-        row.weight = body.area(p);
-        chunks[chunk].push_back(row);
-        points[chunk].push_back(p);
-      }
-    });
+    parallel_chunks("cgcontact::postprocess::contact_rows", boundary.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+                        int pair = body.boundary.pair_of_point[p];
+                        if (pair < 0) pair = pair_of_face(sim, b, p);
+                        if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && sim.pairs[pair].spec->automatic))
+                          continue;
+                        ContactRow row =
+                            contact_row(sim, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
+                        row.weight = body.area(p);
+                        chunks[chunk].push_back(row);
+                        points[chunk].push_back(p);
+                      }
+                    });
     for (const auto& rows : chunks) results.contact_rows.insert(results.contact_rows.end(), rows.begin(), rows.end());
     for (const auto& part : points) boundary_point.insert(boundary_point.end(), part.begin(), part.end());
   }

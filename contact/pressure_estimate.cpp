@@ -107,7 +107,7 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     const ContactPair& pair = sim.pairs[p];
     const double h = sim.bodies[pair.primary].cut_cells.grid.cell_size;  // the coarser body
     std::vector<EdgeAtRow> edges(rows.size());
-    parallel_for(rows.size(), 128, [&](std::size_t i) {
+    parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
       if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(sim, rows[i]);
     });
     const LocalMean mean(rows, edges, static_cast<int>(p), mean_width * h, edge_reach * h);
@@ -116,7 +116,7 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     const bool resolved = verdict.state != Verdict::State::not_resolved;
     const double coarse = std::clamp(
         (no_coarse_zone - verdict.cells_across.value_or(no_coarse_zone)) / (no_coarse_zone - coarse_zone), 0.0, 1.0);
-    parallel_for(rows.size(), 128, [&](std::size_t i) {
+    parallel_for("cgcontact::pressure_estimate::mean_difference", rows.size(), 128, [&](std::size_t i) {
       ContactRow& row = rows[i];
       if (row.pair != static_cast<int>(p)) return;
       const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;

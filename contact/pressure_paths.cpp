@@ -156,7 +156,7 @@ class Sampler {
     for (int b = 0; b < static_cast<int>(sim_.bodies.size()); ++b) {
       if (pair >= 0 && sim_.pairs[pair].primary != b && sim_.pairs[pair].secondary != b) continue;
       std::vector<std::optional<ContactRow>> rows(places.size());
-      parallel_for(places.size(), 8,
+      parallel_for("cgcontact::pressure_paths::points", places.size(), 8,
                    [&](std::size_t i) { rows[i] = project_to_face(sim_, results_, b, pair, places[i].x); });
       for (std::size_t i = 0; i < places.size(); ++i) {
         if (!rows[i]) continue;

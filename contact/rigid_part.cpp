@@ -29,15 +29,16 @@ struct Momentum {
 
 Momentum momentum(const BodyMesh& mesh, const Vec3& centre, const RealView& u) {
   std::vector<Momentum> parts(num_chunks(mesh.nodes.size(), grain));
-  parallel_chunks(mesh.nodes.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    Momentum part;
-    for (std::size_t n = begin; n < end; ++n) {
-      const Vec3 v = displacement(mesh, u, n);
-      part.sum += v;
-      part.moment += (grid_position(mesh, n) - centre).cross(v);
-    }
-    parts[chunk] = part;
-  });
+  parallel_chunks("cgcontact::rigid_part::fit", mesh.nodes.size(), grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    Momentum part;
+                    for (std::size_t n = begin; n < end; ++n) {
+                      const Vec3 v = displacement(mesh, u, n);
+                      part.sum += v;
+                      part.moment += (grid_position(mesh, n) - centre).cross(v);
+                    }
+                    parts[chunk] = part;
+                  });
   Momentum all;
   for (const Momentum& part : parts) {
     all.sum += part.sum;
@@ -77,7 +78,7 @@ void RigidParts::set_aside(const RealView& u) {
     const Momentum found = momentum(mesh, centre_[b], u);
     const Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
     const Vec3 rotation = inertia_[b].llt().solve(found.moment);
-    parallel_for(mesh.nodes.size(), grain, [&](std::size_t n) {
+    parallel_for("cgcontact::rigid_part::subtract", mesh.nodes.size(), grain, [&](std::size_t n) {
       const Vec3 moved = translation + rotation.cross(grid_position(mesh, n) - centre_[b]);
       for (int i = 0; i < 3; ++i) u(3 * (mesh.first_node + n) + i) -= moved[i];
     });

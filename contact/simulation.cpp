@@ -19,6 +19,7 @@
 #include "contact/reference.hpp"
 #include "contact/small_strain.hpp"
 #include "contact/verdict.hpp"
+#include "core/parallel.hpp"
 #include "core/resources.hpp"
 
 namespace cgcontact {
@@ -51,6 +52,7 @@ class PhaseClock {
   template <class Work>
   void operator()(const std::string& phase, const Work& work) {
     progress_.phase(phase);
+    const ProfiledRegion region(phase.c_str());
     const auto start = std::chrono::steady_clock::now();
     work();
     Kokkos::fence();

@@ -320,7 +320,7 @@ void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_ch
       nearest = std::min(nearest, p.points[q].distance);
     if (nearest - approach(pair, g, gap_change, group_force) < h) candidates.push_back(g);
   }
-  parallel_for(candidates.size(), 1, [&](std::size_t i) {
+  parallel_for("cgcontact::small_zones::sample_candidates", candidates.size(), 1, [&](std::size_t i) {
     const std::size_t g = candidates[i];
     sample(pair, g, approach(pair, g, gap_change, group_force));
   });
@@ -368,7 +368,7 @@ void SmallZones::update(const std::vector<double>& gap_change, const std::vector
       if (has(first_[pair] + k)) groups.push_back(first_[pair] + k);
     if (groups.empty()) continue;
     if (decide)
-      parallel_for(groups.size(), 1,
+      parallel_for("cgcontact::small_zones::sample_groups", groups.size(), 1,
                    [&](std::size_t i) { sample(pair, groups[i], approach(pair, groups[i], gap_change, group_force)); });
     for (const Zone& zone : zones(pair, groups)) {
       const Law law = evaluate(pair, zone, gap_change, group_force, decide);

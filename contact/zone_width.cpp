@@ -115,7 +115,7 @@ class PairZones {
     PointBuckets near(reach);
     for (std::size_t i = 0; i < open_.size(); ++i) near.add(open_[i]->position, static_cast<int>(i));
     std::vector<Nearest> nearest(points.size());
-    parallel_for(points.size(), 64, [&](std::size_t i) {
+    parallel_for("cgcontact::zone_width::nearest_open", points.size(), 64, [&](std::size_t i) {
       near.each_near(points[i]->position, [&](int k) {
         const double distance = (open_[k]->position - points[i]->position).norm();
         if (distance > reach || distance >= nearest[i].distance || open_[k]->normal.dot(points[i]->normal) < 0.5)

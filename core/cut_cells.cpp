@@ -93,9 +93,10 @@ class CutCellBuilder {
     classes_ = classify_cells(result_.solid, result_.grid);
     const std::vector<Index3>& cells = classes_.candidates;
     std::vector<std::vector<Candidate>> found(num_chunks(cells.size(), grain));
-    parallel_chunks(cells.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) integrate(cells[i], found[chunk]);
-    });
+    parallel_chunks("cgcontact::cut_cells::surfaces", cells.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (std::size_t i = begin; i < end; ++i) integrate(cells[i], found[chunk]);
+                    });
     collect_candidates(found);
     classes_.candidates = {};
   }
@@ -104,14 +105,15 @@ class CutCellBuilder {
     classes_.inside.assign(result_.grid.num_cells_total(), 0);
     const TriangleCells cells(surface, result_.face_dividers);
     std::vector<std::vector<Candidate>> found(num_chunks(cells.num_rows(), 1));
-    parallel_chunks(cells.num_rows(), 1, [&](std::size_t chunk, std::size_t row, std::size_t) {
-      std::vector<CellIntegrals> cut;
-      std::vector<std::pair<Index3, int>> inside;
-      cells.sweep(row, default_order, cut, inside);
-      for (CellIntegrals& cell : cut) keep(std::move(cell), found[chunk]);
-      for (const auto& [first, number] : inside)
-        for (int i = 0; i < number; ++i) set_inside({first[0] + i, first[1], first[2]});
-    });
+    parallel_chunks("cgcontact::cut_cells::triangles", cells.num_rows(), 1,
+                    [&](std::size_t chunk, std::size_t row, std::size_t) {
+                      std::vector<CellIntegrals> cut;
+                      std::vector<std::pair<Index3, int>> inside;
+                      cells.sweep(row, default_order, cut, inside);
+                      for (CellIntegrals& cell : cut) keep(std::move(cell), found[chunk]);
+                      for (const auto& [first, number] : inside)
+                        for (int i = 0; i < number; ++i) set_inside({first[0] + i, first[1], first[2]});
+                    });
     collect_candidates(found);
   }
 

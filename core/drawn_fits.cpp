@@ -75,7 +75,7 @@ void close(const ClosedFace& face, double share, double reach, double exaggerati
   PointBuckets buckets(reach);
   for (std::size_t k = 0; k < face.place.size(); ++k) buckets.add(face.place[k], static_cast<int>(k));
   const double width = 0.5 * cube_part * reach;
-  parallel_for(body.position.size(), 512, [&](std::size_t p) {
+  parallel_for("cgcontact::drawn_fits::closed_gaps", body.position.size(), 512, [&](std::size_t p) {
     double nearest = reach, total = 0;
     Vec3 normal = Vec3::Zero();
     buckets.each_near(body.position[p],

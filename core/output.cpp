@@ -194,7 +194,8 @@ void replace(const fs::path& written, const fs::path& target, const std::vector<
 
 std::vector<DrawnBody> draw_bodies(const Results& results) {
   std::vector<DrawnBody> drawn(results.bodies.size());
-  parallel_for(drawn.size(), 1, [&](std::size_t b) { drawn[b] = draw_body(results.bodies[b]); });
+  parallel_for("cgcontact::output::draw_bodies", drawn.size(), 1,
+               [&](std::size_t b) { drawn[b] = draw_body(results.bodies[b]); });
   return drawn;
 }
 
@@ -251,7 +252,7 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
       write_vtk(results, drawn, temporary.file("result.vtkhdf"));
       if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
     };
-    parallel_for(2, 1, [&](std::size_t task) {
+    parallel_for("cgcontact::output::files", 2, 1, [&](std::size_t task) {
       if (task == 0 && scene.output.plots) draw();
       if (task == 1 && scene.output.vtk) write_fields();
     });

@@ -315,7 +315,7 @@ RenderedImage draw_slice(const CutCells& cells) {
   const double step = static_cast<double>(std::max(n[right], n[up])) / (0.94 * panel);
   const double layer = n[axis] / 2 + 0.5;  // NOLINT(bugprone-integer-division): the middle of a cell
   RenderedImage image{panel, panel, std::string(std::size_t{3} * panel * panel, '\0'), {}};
-  parallel_for(panel, 8, [&](std::size_t row) {
+  parallel_for("cgcontact::output_check::panel", panel, 8, [&](std::size_t row) {
     for (int column = 0; column < panel; ++column) {
       Vec3 x = Vec3::Constant(layer);
       x[right] = n[right] / 2.0 + (column + 0.5 - panel / 2.0) * step;
@@ -480,7 +480,7 @@ Drawing make_drawing(const Scene& scene, const std::vector<CheckedBody>& bodies,
   Drawing drawing{
       scene, bodies, faces, std::vector<DrawnBody>(bodies.size()), std::vector<std::vector<int>>(bodies.size()),
       {},    ""};
-  parallel_for(bodies.size(), 1, [&](std::size_t b) {
+  parallel_for("cgcontact::output_check::draw_bodies", bodies.size(), 1, [&](std::size_t b) {
     BodyFields fields;
     fields.cut_cells = bodies[b].cut_cells;
     drawing.drawn[b] = draw_body(fields, clip_boundary(*fields.cut_cells));

@@ -174,7 +174,7 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
   drawn.position.resize(n);
   if (fields.displacement) drawn.displacement.resize(n);
   if (fields.stress_recovered) drawn.stress.resize(n);
-  parallel_for(n, 512, [&](std::size_t p) {
+  parallel_for("cgcontact::output_fields::fields", n, 512, [&](std::size_t p) {
     const int cell = drawn.mesh.cell_of_point[p];
     const Vec3 xi = clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]);
     drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);

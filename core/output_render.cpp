@@ -47,7 +47,7 @@ RenderedImage render(const std::array<int, 2>& size, const Camera& camera, Colou
   const auto strips = triangles_by_strip(camera, count, triangle, num_strips);
   RenderedImage image{size[0], size[1], std::string(3 * num_pixels(size[1]), '\0'),
                       std::vector<int>(num_pixels(size[1]))};
-  parallel_for(num_strips, 1, [&](std::size_t s) {
+  parallel_for("cgcontact::output_render::strips", num_strips, 1, [&](std::size_t s) {
     const int first = static_cast<int>(s) * strip_rows, rows = std::min(strip_rows, size[1] - first);
     const int below = std::min(outline_reach, first), above = std::min(outline_reach, size[1] - first - rows);
     Camera part_of_view = camera;

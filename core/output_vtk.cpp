@@ -97,7 +97,8 @@ class BodyWriter {
     std::vector<T> values(total * width);
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       const std::size_t n = count(bodies_[b].mesh);
-      parallel_for(n, 1024, [&](std::size_t i) { fill(b, i, &values[(first + i) * width]); });
+      parallel_for("cgcontact::output_vtk::values", n, 1024,
+                   [&](std::size_t i) { fill(b, i, &values[(first + i) * width]); });
       first += n;
     }
     file_.write("/VTKHDF/" + name, values, columns);
@@ -108,7 +109,7 @@ class BodyWriter {
     std::size_t first_id = 0, first_point = 0;
     for (const DrawnBody& body : bodies_) {
       const std::size_t n = num_cells(body.mesh);
-      parallel_for(n, 1024, [&](std::size_t i) {
+      parallel_for("cgcontact::output_vtk::connectivity", n, 1024, [&](std::size_t i) {
         const DrawnCell cell = drawn_cell(body.mesh, i);
         long long* id = &values[first_id + offset_of_cell(body.mesh, i)];
         for (int p = 0; p < cell.num_points; ++p) id[p] = static_cast<long long>(first_point) + cell.points[p];

@@ -41,9 +41,10 @@ class CrossingFinder {
 
   std::vector<std::pair<int, int>> run() const {
     std::vector<std::vector<std::pair<int, int>>> found(num_chunks(triangles_.size(), grain));
-    parallel_chunks(triangles_.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      for (std::size_t t = begin; t < end; ++t) look_around(static_cast<int>(t), found[chunk]);
-    });
+    parallel_chunks("cgcontact::triangle_crossings::search", triangles_.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (std::size_t t = begin; t < end; ++t) look_around(static_cast<int>(t), found[chunk]);
+                    });
     std::vector<std::pair<int, int>> pairs;
     for (const auto& chunk : found) pairs.insert(pairs.end(), chunk.begin(), chunk.end());
     std::sort(pairs.begin(), pairs.end());

@@ -98,15 +98,18 @@ double LinearSolver::energy(const RealView& x) const {
   exec.fence();
   constexpr std::size_t grain = 4096;  // sums in a fixed order
   std::vector<double> parts(num_chunks(x.size(), grain), 0.0);
-  parallel_chunks(x.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) parts[chunk] -= x(i) * Ax(i);
-  });
+  parallel_chunks("cgcontact::linear_solver::energy", x.size(), grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    for (std::size_t i = begin; i < end; ++i) parts[chunk] -= x(i) * Ax(i);
+                  });
   double sum = 0;
   for (const double part : parts) sum += part;
   return sum;
 }
 
 struct TrilinosScope::Impl {
+  explicit Impl(int threads) : kokkos(threads) {}
+  KokkosScope kokkos;
   std::unique_ptr<Tpetra::ScopeGuard> guard;
 };
 
@@ -126,21 +129,12 @@ void quiet_mpi() {
 
 }  // namespace
 
-TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>()) {
-#if KOKKOS_VERSION >= 30700
-  std::string option = "--kokkos-num-threads=" + std::to_string(threads);
-#else
-  std::string option = "--kokkos-threads=" + std::to_string(threads);
-#endif
-  std::string program = "cgcontact";
-  std::string no_warnings =
-      "--kokkos-disable-warnings";  // on binding and on the number of threads: the program's own task
-  std::vector<char*> arguments{program.data(), no_warnings.data()};
-  if (threads > 0) arguments.push_back(option.data());
+TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>(threads)) {
   quiet_mpi();
-  int argc = static_cast<int>(arguments.size());
-  arguments.push_back(nullptr);
-  char** argv = arguments.data();
+  std::string program = "cgcontact";
+  char* arguments[] = {program.data(), nullptr};
+  int argc = 1;
+  char** argv = arguments;
   impl_->guard = std::make_unique<Tpetra::ScopeGuard>(&argc, &argv);
 }
 TrilinosScope::~TrilinosScope() = default;

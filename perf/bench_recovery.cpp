@@ -297,10 +297,11 @@ struct PatchBatch {
     constexpr int chunk = 128;
     fitted = inputs;
     status.resize(inputs.size());
-    parallel_chunks(inputs.size(), chunk, [&](std::size_t, std::size_t begin, std::size_t end) {
-      fit_patches(&fitted[begin], static_cast<int>(end - begin), RecoveryOptions{}.rank_tolerance_of(degree),
-                  &status[begin]);
-    });
+    parallel_chunks("cgcontact::bench_recovery::fit", inputs.size(), chunk,
+                    [&](std::size_t, std::size_t begin, std::size_t end) {
+                      fit_patches(&fitted[begin], static_cast<int>(end - begin),
+                                  RecoveryOptions{}.rank_tolerance_of(degree), &status[begin]);
+                    });
   }
 };
 

@@ -46,7 +46,7 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
   const QuadraticMass full = quadratic_mass(out.moments[0]);
   out.stress.resize(size);
   out.square.resize(size);
-  parallel_for(size, grain, [&](std::size_t row) {
+  parallel_for("cgcontact::cell_stress::integrals", size, grain, [&](std::size_t row) {
     const int cell = out.cells.number(static_cast<int>(row)), place = out.moments_of_row[row];
     const CellPolynomial polynomial = stress(cell);
     CellPolynomial integrals;

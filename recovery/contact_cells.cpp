@@ -28,7 +28,7 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
       cells.push_back(cell);
     }
   pieces_.resize(cells.size());
-  parallel_for(cells.size(), grain, [&](std::size_t row) {
+  parallel_for("cgcontact::contact_cells::sums", cells.size(), grain, [&](std::size_t row) {
     std::vector<ContactPiece>& pieces = pieces_[row];
     for (int l : boundary.links_of_cell[cells[row]]) {
       const ContactLink& link = boundary.links[l];

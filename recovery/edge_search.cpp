@@ -117,7 +117,7 @@ double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
 void measure_widths(const ContactZone& zone, std::vector<EdgeSample>& samples) {
   constexpr std::size_t measured = 24;
   const std::size_t stride = samples.size() / measured + 1;
-  parallel_for((samples.size() + stride - 1) / stride, 1,
+  parallel_for("cgcontact::edge_search::widths", (samples.size() + stride - 1) / stride, 1,
                [&](std::size_t i) { samples[i * stride].inverse_width = inverse_width_at(zone, samples[i * stride]); });
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (i % stride == 0) continue;
@@ -139,7 +139,7 @@ void keep_found(std::vector<EdgeSample>& samples) {
 /// Moves all samples to where the forces put the edge; those without such a place are dropped.
 void place_edges(const ContactZone& zone, const Scales& scales, double scatter, std::vector<EdgeSample>& samples) {
   const FoundEdges edges(samples, zone.cell_size(), scatter);
-  parallel_for(samples.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::edge_search::samples", samples.size(), grain, [&](std::size_t i) {
     EdgeSample& sample = samples[i];
     EdgePiece piece;
     edges.near(sample.pair, sample.origin, piece);
@@ -242,7 +242,7 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
     for (std::size_t i = 0; i < zone.forces().size(); ++i)
       if (!zone.forces()[i].closed) open.add(zone.forces()[i].position, static_cast<int>(i));
     std::vector<EdgeSample> samples(closed.size());
-    parallel_for(closed.size(), grain, [&](std::size_t i) {
+    parallel_for("cgcontact::edge_search::closed_points", closed.size(), grain, [&](std::size_t i) {
       samples[i].cell = static_cast<int>(i);
       bool inner = true;
       open.each_near(closed[i].position, [&](int) { inner = false; });

@@ -203,10 +203,11 @@ EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const Reco
   EnergySums sums;
   sums.error_of_cell.resize(num_cells);
   std::vector<EnergySums> chunks(num_chunks(num_cells, grain));
-  parallel_chunks(num_cells, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (std::size_t e = begin; e < end; ++e)
-      sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), chunks[chunk]), 0.0);
-  });
+  parallel_chunks("cgcontact::error_estimate::cells", num_cells, grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    for (std::size_t e = begin; e < end; ++e)
+                      sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), chunks[chunk]), 0.0);
+                  });
   for (const EnergySums& chunk : chunks) {
     sums.error += chunk.error;
     sums.solution += chunk.solution;

@@ -274,7 +274,7 @@ std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, co
       stress[number[a]] -= weight * scaled;
     }
   }
-  parallel_for(stress.size(), grain, [&](std::size_t n) {
+  parallel_for("cgcontact::force_balance::constant_stress", stress.size(), grain, [&](std::size_t n) {
     if (added[n] == 0) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(products[n]);
     const double least = normal_tolerance * normal_tolerance * eigen.eigenvalues()[5];
@@ -295,7 +295,7 @@ std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, co
 std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredField& field) {
   const CutCells& cc = *body.mesh->cut_cells;
   std::vector<double> pressures(cc.boundary.size(), 0.0);
-  parallel_for(pressures.size(), grain, [&](std::size_t p) {
+  parallel_for("cgcontact::force_balance::pressures", pressures.size(), grain, [&](std::size_t p) {
     if (body.boundary->pair_of_point[p] < 0) return;
     const int cell = cc.boundary.cell[p];
     const Vec3 xi = coordinates_in_cell(cc, cell, cc.boundary.position[p]);

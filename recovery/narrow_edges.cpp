@@ -185,7 +185,7 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
   const NarrowZones zones(zone, closed);
   const double h = zone.cell_size();
   std::vector<Part> parts = make_parts(zones, zones.candidates(samples), h);
-  parallel_for(parts.size(), 1, [&](std::size_t i) {
+  parallel_for("cgcontact::narrow_edges::parts", parts.size(), 1, [&](std::size_t i) {
     Part& part = parts[i];
     NarrowZone fitted;
     const bool fits = zones.fit(part.cells.front(), part.middle, part.normal, stress_unit, fitted);

@@ -125,10 +125,10 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
   const RecoveryBody& body = bodies[index];
   const PatchSet& patches = *body.patches;
   std::vector<CellsAcross> across(body.mesh->cell_nodes.size());
-  parallel_for(across.size(), grain,
+  parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain,
                [&](std::size_t cell) { across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell)); });
   std::vector<PatchPolynomial> polynomials(body.mesh->num_nodes);
-  parallel_for(polynomials.size(), grain, [&](std::size_t n) {
+  parallel_for("cgcontact::patch_polynomials::polynomials", polynomials.size(), grain, [&](std::size_t n) {
     const int node = static_cast<int>(n);
     CellsAcross least;  // at the closed points of the patch
     for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) least.take_thinner(across[patches.cells[p]]);

@@ -136,9 +136,10 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
   set.grown.assign(mesh.num_nodes, 0);
   set.full.assign(mesh.num_nodes, 0);
   std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain));
-  parallel_chunks(mesh.num_nodes, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    ranges[chunk] = patches_of_nodes(mesh, least_volume, begin, end, set);
-  });
+  parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    ranges[chunk] = patches_of_nodes(mesh, least_volume, begin, end, set);
+                  });
   std::size_t total = 0;
   for (const PatchRange& range : ranges) total += range.cells.size();
   set.begin.reserve(mesh.num_nodes + 1);

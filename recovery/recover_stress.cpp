@@ -257,7 +257,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
     PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}, {}};
     std::vector<char> interior(num_nodes);
-    parallel_for(num_nodes, interior_grain, [&](std::size_t n) {
+    parallel_for("cgcontact::recover_stress::interior_patches", num_nodes, interior_grain, [&](std::size_t n) {
       interior[n] = options.degree.interior == 1 && assembly.is_interior(static_cast<int>(n));
       if (interior[n]) recover_interior(assembly, static_cast<int>(n));
     });
@@ -266,9 +266,10 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
       if (!interior[n]) others.push_back(static_cast<int>(n));
     const std::vector<double> plain = contact_pressures(bodies[b], bodies[b].field);
     std::vector<ChunkResult> chunks(num_chunks(others.size(), grain));
-    parallel_chunks(others.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      recover_chunk(assembly, used_edges, options, &others[begin], end - begin, states, chunks[chunk]);
-    });
+    parallel_chunks("cgcontact::recover_stress::boundary_patches", others.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      recover_chunk(assembly, used_edges, options, &others[begin], end - begin, states, chunks[chunk]);
+                    });
     EdgeTerms terms;
     QuadraticTerms quadratic_terms;
     for (const ChunkResult& chunk : chunks) {

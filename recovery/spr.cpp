@@ -131,7 +131,7 @@ void full_cell_stress_integrals(const UnitElasticity& law, double factor, const 
 void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const Subset& cells, const RealView& u,
                            const CellStressView& out) {
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
-  parallel_for(cells.size(), grain, [&](std::size_t row) {
+  parallel_for("cgcontact::spr::cell_integrals", cells.size(), grain, [&](std::size_t row) {
     const int cell = cells.number(static_cast<int>(row));
     double corner[8][3];
     for (int a = 0; a < 8; ++a)
@@ -219,22 +219,23 @@ void cholesky_solve(const double L[num_terms][num_terms], double b[num_terms]) {
 int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
                 const RecoveredField& field) {
   std::vector<int> singular(num_chunks(field.nodes.size(), grain), 0);
-  parallel_chunks(field.nodes.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-    for (std::size_t row = begin; row < end; ++row) {
-      const int n = field.nodes.number(static_cast<int>(row));
-      const int* cells = patches.cells.data() + patches.begin[n];
-      double* a = &field.values(row, 0, 0);
-      if (patches.full[n]) {
-        fit_full_patch(cells, stress, stressed, a);
-        continue;
-      }
-      const Index3& node = mesh.nodes[n];
-      const double centre[3] = {double(node[0]), double(node[1]), double(node[2])};
-      PatchSums sums =
-          gather_patch(mesh, patches, cells, patches.begin[n + 1] - patches.begin[n], centre, stress, stressed);
-      singular[chunk] += !fit_patch(sums, a);
-    }
-  });
+  parallel_chunks(
+      "cgcontact::spr::fit", field.nodes.size(), grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+          const int n = field.nodes.number(static_cast<int>(row));
+          const int* cells = patches.cells.data() + patches.begin[n];
+          double* a = &field.values(row, 0, 0);
+          if (patches.full[n]) {
+            fit_full_patch(cells, stress, stressed, a);
+            continue;
+          }
+          const Index3& node = mesh.nodes[n];
+          const double centre[3] = {double(node[0]), double(node[1]), double(node[2])};
+          PatchSums sums =
+              gather_patch(mesh, patches, cells, patches.begin[n + 1] - patches.begin[n], centre, stress, stressed);
+          singular[chunk] += !fit_patch(sums, a);
+        }
+      });
   int sum = 0;
   for (int count : singular) sum += count;
   return sum;

@@ -14,21 +14,21 @@ TEST(Parallel, VisitsEveryItemOnce) {
   for (std::size_t n : {0u, 1u, 7u, 8u, 1000u})
     for (std::size_t grain : {1u, 8u, 4096u}) {
       std::vector<int> visits(n, 0);
-      parallel_for(n, grain, [&](std::size_t i) { ++visits[i]; });
+      parallel_for("test", n, grain, [&](std::size_t i) { ++visits[i]; });
       EXPECT_EQ(visits, std::vector<int>(n, 1));
     }
 }
 
 TEST(Parallel, ChunksDependOnTheGrainOnly) {
   std::vector<std::pair<std::size_t, std::size_t>> chunks(num_chunks(10, 4));
-  parallel_chunks(10, 4, [&](std::size_t c, std::size_t begin, std::size_t end) { chunks[c] = {begin, end}; });
+  parallel_chunks("test", 10, 4, [&](std::size_t c, std::size_t begin, std::size_t end) { chunks[c] = {begin, end}; });
   const std::vector<std::pair<std::size_t, std::size_t>> expected{{0, 4}, {4, 8}, {8, 10}};
   EXPECT_EQ(chunks, expected);
 }
 
 TEST(Parallel, ThrowsWhatALoopOnOneThreadWouldThrow) {
   for (int repeat = 0; repeat < 50; ++repeat) try {
-      parallel_for(1000, 1, [](std::size_t i) {
+      parallel_for("test", 1000, 1, [](std::size_t i) {
         if (i % 100 == 37) throw std::runtime_error(std::to_string(i));
       });
       FAIL() << "no exception";
