@@ -28,8 +28,33 @@ constexpr double guess_scatter = 0.2, place_scatter = 0.02, expected_slope = 0.2
 /// Cells around a place whose points say where the edge may be.
 constexpr double guess_reach = 2;
 
+/// A strip of the face (a slab of few cells, a narrow land): points within edge_fit_reach spread less than that across
+/// it, cells squared (of a strip of three and a half cells; of the end and the corner of a wide face: 1.7 and 1.2).
+constexpr double strip_variance = 1;
+/// A line across a strip parts its points if less of them than that lies on the wrong side.
+constexpr double parted = 0.2;
+
+/// Direction across the strip that the face is around x; false: it is none. One row of cells more on one side of a strip
+/// would turn the line that parts the points by 45 degrees and more.
+bool is_strip(const std::vector<const TransmittedForce*>& points, double cell_size, Vec3& across) {
+  double area = 0;
+  Vec3 mean = Vec3::Zero();
+  Mat3 square = Mat3::Zero();
+  for (const TransmittedForce* f : points) {
+    const Vec3 d = (f->position - points.front()->position) / cell_size;
+    area += f->area;
+    mean += f->area * d;
+    square += f->area * d * d.transpose();
+  }
+  if (!(area > 0)) return false;
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(square / area - mean / area * (mean / area).transpose());
+  across = eigen.eigenvectors().col(1);  // the smallest one is along the normal
+  return eigen.eigenvalues()[1] < strip_variance;
+}
+
 /// The line that parts the closed from the open points around x best: least squares of +1 and -1 by a
-/// linear function on the face, both sorts counting alike. False if there is only one sort or no line parts them.
+/// linear function on the face, both sorts counting alike; in a strip a line across it, if one parts them. False if
+/// there is only one sort or no line parts them.
 bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSample& sample) {
   const double h = zone.cell_size();
   const auto points = zone.forces_near(sample.pair, x, n, guess_reach);
@@ -43,28 +68,36 @@ bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSamp
     normal += weight(*f) * f->normal;
   }
   normal.normalize();
-  const auto [t1, t2] = tangents(normal);
-  const auto tangential = [&, &e1 = t1, &e2 = t2](const TransmittedForce& f) {
-    return Vec3(1, e1.dot(f.position - centroid) / h, e2.dot(f.position - centroid) / h);
+  const auto part = [&](const Vec3& t1, const Vec3& t2, double held) {
+    const auto tangential = [&](const TransmittedForce& f) {
+      return Vec3(1, t1.dot(f.position - centroid) / h, t2.dot(f.position - centroid) / h);
+    };
+    Mat3 A = Mat3::Zero();
+    Vec3 b = Vec3::Zero();
+    for (const TransmittedForce* f : points) {
+      const Vec3 p = tangential(*f);
+      A += weight(*f) * p * p.transpose();
+      b += weight(*f) * (f->closed ? 1 : -1) * p;
+    }
+    A.diagonal() += Vec3(0, 1e-6, held);  // points on one line
+    const Vec3 c = A.ldlt().solve(b);
+    const double steep = c.tail<2>().norm();
+    if (!(steep > 0.05)) return false;
+    double wrong = 0;
+    for (const TransmittedForce* f : points)
+      if (f->closed != (c.dot(tangential(*f)) > 0)) wrong += weight(*f);
+    sample.closed = (c[1] * t1 + c[2] * t2) / steep;
+    sample.origin = centroid - c[0] / steep * h * sample.closed;
+    sample.normal = normal;
+    return wrong < parted;
   };
-  Mat3 A = Mat3::Zero();
-  Vec3 b = Vec3::Zero();
-  for (const TransmittedForce* f : points) {
-    const Vec3 p = tangential(*f);
-    A += weight(*f) * p * p.transpose();
-    b += weight(*f) * (f->closed ? 1 : -1) * p;
+  Vec3 across;
+  if (is_strip(zone.forces_near(sample.pair, x, n, edge_fit_reach), h, across)) {
+    across = (across - across.dot(normal) * normal).normalized();
+    if ((sample.in_strip = part(normal.cross(across), across, 1e6))) return true;
   }
-  A.diagonal().tail<2>().array() += 1e-6;  // points on one line
-  const Vec3 c = A.ldlt().solve(b);
-  const double steep = c.tail<2>().norm();
-  if (!(steep > 0.05)) return false;
-  double wrong = 0;
-  for (const TransmittedForce* f : points)
-    if (f->closed != (c.dot(tangential(*f)) > 0)) wrong += weight(*f);
-  sample.closed = (c[1] * t1 + c[2] * t2) / steep;
-  sample.origin = centroid - c[0] / steep * h * sample.closed;
-  sample.normal = normal;
-  return wrong < 0.2;
+  const auto [t1, t2] = tangents(normal);
+  return part(t1, t2, 1e-6);
 }
 
 /// First guess from around a closed point, then from around that.
@@ -74,20 +107,24 @@ bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSam
          part_points(zone, Vec3(sample.origin), Vec3(sample.normal), sample);
 }
 
+/// Zones of fewer cells have the width that their forces spread over (a quarter of it under Hertz's contact): closed groups
+/// are whole cells, and measured from an edge that is off by some tenths the width moves the edge farther off.
+constexpr double few_cells = 6;
+
 /// Across the zone from a sample to its other side, over the points within a cell along the edge: to the opposite edge
 /// where open points follow, else to a plane of symmetry (or an edge of the body) that the zone is taken to go on
 /// behind. The mean and variance of the distances give the side without regard to how the points lie.
 double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
   const double h = zone.cell_size();
   struct PointInBand {
-    double across, area;
+    double across, area, force;
     bool closed;
   };
   std::vector<PointInBand> band;
   for (const TransmittedForce& f : zone.forces()) {
     const Vec3 d = f.position - sample.origin;
     const double across = sample.closed.dot(d);
-    if (f.pair == sample.pair && d.squaredNorm() - across * across < h * h) band.push_back({across, f.area, f.closed});
+    if (f.pair == sample.pair && d.squaredNorm() - across * across < h * h) band.push_back({across, f.area, f.spread_force, f.closed});
   }
   // Open points behind the zone: more open than closed area in a strip of one cell. Single points inside may be open.
   std::vector<double> surplus;
@@ -100,17 +137,25 @@ double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
   const auto first_open = std::find_if(surplus.begin(), surplus.end(), [](double open) { return open > 0; });
   const bool has_opposite = first_open != surplus.end();
   const double gap = has_opposite ? h * static_cast<double>(first_open - surplus.begin()) : 1e300;
-  double area = 0, mean = 0, square = 0;
-  for (const PointInBand& p : band) {
-    if (!p.closed || p.across > gap + h) continue;
-    area += p.area;
-    mean += p.area * p.across;
-    square += p.area * p.across * p.across;
-  }
-  if (area == 0) return 0;
-  mean /= area;
-  const double closed = mean + std::sqrt(3 * std::max(square / area - mean * mean, 0.0));
-  return closed > h ? 1 / (has_opposite ? closed : 2 * closed) : 0;
+  const auto spread = [&](auto weight) {
+    double sum = 0, mean = 0, square = 0;
+    for (const PointInBand& p : band) {
+      if (!p.closed || p.across > gap + h) continue;
+      sum += weight(p);
+      mean += weight(p) * p.across;
+      square += weight(p) * p.across * p.across;
+    }
+    mean /= sum;
+    return std::pair(mean, std::sqrt(std::max(square / sum - mean * mean, 0.0)));
+  };
+  const auto [mean, deviation] = spread([](const PointInBand& p) { return p.area; });
+  const double closed = mean + std::sqrt(3.0) * deviation, whole = 2 * std::sqrt(3.0) * deviation;
+  if (!(closed > h)) return 0;
+  if (!has_opposite) return 1 / (2 * closed);
+  if (!(whole < few_cells * h)) return 1 / closed;
+  const double by_forces = spread([](const PointInBand& p) { return p.force; }).second;
+  const double width = 4 * std::sqrt(std::max(by_forces * by_forces - h * h / 12, 0.0));
+  return 1 / std::clamp(width, std::max(whole - 1.5 * h, 0.5 * whole), whole + h);
 }
 
 /// Some samples are measured, the others take the value of the nearest of these.
@@ -161,7 +206,7 @@ void place_edges(const ContactZone& zone, const Scales& scales, double scatter, 
 FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double scatter)
     : samples_(std::move(samples)),
       width_(width),
-      ridge_(std::pow(scatter / expected_slope, 2)),
+      scatter_(scatter),
       buckets_(reach * width) {
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     // All normals of a pair point the same way.
@@ -169,17 +214,55 @@ FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double sca
     if (samples_[first].normal.dot(samples_[i].normal) < 0) samples_[i].normal *= -1;
     buckets_.add(samples_[i].origin, static_cast<int>(i));
   }
+  number_zones();
+}
+
+void FoundEdges::number_zones() {
+  zone_.assign(samples_.size(), -1);
+  std::vector<int> members;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    if (zone_[i] >= 0) continue;
+    const int number = zone_[i] = static_cast<int>(num_zones_++);
+    members.assign(1, static_cast<int>(i));
+    for (std::size_t next = 0; next < members.size(); ++next) {
+      const EdgeSample& from = samples_[members[next]];
+      buckets_.each_near(from.origin, [&](int k) {
+        if (zone_[k] >= 0 || samples_[k].pair != from.pair ||
+            (samples_[k].origin - from.origin).norm() > reach * width_)
+          return;
+        zone_[k] = number;
+        members.push_back(k);
+      });
+    }
+  }
+}
+
+FoundEdges FoundEdges::without(const std::vector<char>& zones) const {
+  std::vector<EdgeSample> kept;
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    if (!zones[zone_[i]]) kept.push_back(samples_[i]);
+  return FoundEdges(std::move(kept), width_, scatter_);
+}
+
+int FoundEdges::zone(int pair, const Vec3& x) const {
+  const EdgeSample* sample = nearest(pair, x);
+  return sample ? zone_[sample - samples_.data()] : -1;
+}
+
+const EdgeSample* FoundEdges::nearest(int pair, const Vec3& x) const {
+  const EdgeSample* found = nullptr;
+  double least = reach * width_;
+  buckets_.each_near(x, [&](int i) {
+    const EdgeSample& s = samples_[i];
+    const double distance = (s.origin - x).norm();
+    if (s.pair == pair && distance < least) found = &s, least = distance;
+  });
+  return found;
 }
 
 bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   if (samples_.empty()) return false;
-  const EdgeSample* first = nullptr;
-  double nearest = reach * width_;
-  buckets_.each_near(x, [&](int i) {
-    const EdgeSample& s = samples_[i];
-    const double distance = (s.origin - x).norm();
-    if (s.pair == pair && distance < nearest) first = &s, nearest = distance;
-  });
+  const EdgeSample* const first = nearest(pair, x);
   if (!first) return false;
   // Farther outside there may be another zone, one without edges.
   if (first->narrow)
@@ -189,7 +272,7 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     buckets_.each_near(foot, [&](int i) {
       const EdgeSample& s = samples_[i];
       const double distance = (s.origin - foot).norm() / width_;
-      if (s.pair == pair && !s.narrow && distance < reach)
+      if (s.pair == pair && !s.narrow && distance < reach && s.closed.dot(first->closed) > 0)  // not the opposite edge
         use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
     });
   };
@@ -218,8 +301,8 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     inverse_width += w * s.inverse_width;
     factor += w * s.factor;
   });
-  A(1, 1) += ridge_;
-  A(2, 2) += ridge_;
+  const double ridge = first->in_strip ? 1e6 : std::pow(scatter_ / expected_slope, 2);
+  A.diagonal() += Vec3(0, ridge, ridge);
   const Vec3 c = A.ldlt().solve(b);
   piece.origin = foot + width_ * (c[0] * closed + height / sum * normal);
   piece.closed = (closed - c[1] * along).normalized();

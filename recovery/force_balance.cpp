@@ -25,6 +25,9 @@ constexpr double total_exact = 0.003;
 constexpr double pass_variance = 1. / 3;
 /// Forces of patches that carry no pressure go to others within so many cells.
 constexpr int steps_aside = 2;
+/// The same of the mean that the edges of a zone are judged by: within a cell and a half of an edge the solution's own
+/// zone of whole groups is another one.
+constexpr double misfit_width = 1.5;
 /// Singular values of the normals around a node up to this times the largest one are dropped.
 constexpr double normal_tolerance = 0.1;
 
@@ -290,24 +293,20 @@ std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, co
   return stress;
 }
 
-}  // namespace
+/// One pair of a body that carries force.
+struct PressedPair {
+  int number = 0;
+  double coarser = 1;             ///< cells of the coarser body of the pair over the body's own
+  const std::vector<int>& points;  ///< boundary points of the body
+};
 
-std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredField& field) {
-  const CutCells& cc = *body.mesh->cut_cells;
-  std::vector<double> pressures(cc.boundary.size(), 0.0);
-  parallel_for("cgcontact::force_balance::pressures", pressures.size(), grain, [&](std::size_t p) {
-    if (body.boundary->pair_of_point[p] < 0) return;
-    const int cell = cc.boundary.cell[p];
-    const Vec3 xi = coordinates_in_cell(cc, cell, cc.boundary.position[p]);
-    double s[6];
-    evaluate_recovered(*body.mesh, field, cell, xi.data(), s);
-    pressures[p] = -normal_weights(cc.boundary.normal[p]).dot(Eigen::Map<const Vec6>(s));
-  });
-  return pressures;
-}
+int passes_of_mean(double width) { return static_cast<int>(std::lround(width * width / pass_variance + 1e-6)); }
 
-void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
-                    const std::vector<double>& plain, const Scales& scales, PatchStates& states) {
+/// use(face, pair) for all pairs of a body that carry force.
+template <class Use>
+void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
+                       const std::vector<double>& plain, const Scales& scales, const PatchStates& states,
+                       const Use& use) {
   const RecoveryBody& body = bodies[index];
   const CutCells& cc = *body.mesh->cut_cells;
   std::map<int, std::vector<int>> points;  // of the pairs
@@ -335,16 +334,40 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
     for (const ContactLink& link : body.boundary->links)
       if (link.pair == pair && link.spread_pressure != 0)
         face.add_contact(link.cell, link.position, link.weight, link.active ? link.pressure / scales.stress : 0.0);
+    const double coarser = std::max(1.0, bodies[other_body].mesh->cut_cells->grid.cell_size / cc.grid.cell_size);
+    use(face, PressedPair{pair, coarser, points[pair]});
+  }
+}
+
+}  // namespace
+
+std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredField& field) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<double> pressures(cc.boundary.size(), 0.0);
+  parallel_for("cgcontact::force_balance::pressures", pressures.size(), grain, [&](std::size_t p) {
+    if (body.boundary->pair_of_point[p] < 0) return;
+    const int cell = cc.boundary.cell[p];
+    const Vec3 xi = coordinates_in_cell(cc, cell, cc.boundary.position[p]);
+    double s[6];
+    evaluate_recovered(*body.mesh, field, cell, xi.data(), s);
+    pressures[p] = -normal_weights(cc.boundary.normal[p]).dot(Eigen::Map<const Vec6>(s));
+  });
+  return pressures;
+}
+
+void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
+                    const std::vector<double>& plain, const Scales& scales, PatchStates& states) {
+  const RecoveryBody& body = bodies[index];
+  const double h = body.mesh->cut_cells->grid.cell_size;
+  each_pressed_face(bodies, index, field, plain, scales, states, [&](PairFace& face, const PressedPair& pair) {
     std::vector<char> pressed(face.nodes.size()), term(face.nodes.size());
     for (std::size_t n = 0; n < face.nodes.size(); ++n) {
       term[n] = field.edge && field.edge->of_node(face.nodes[n]);
-      pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair);
+      pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair.number);
     }
-    const double coarser = std::max(1.0, bodies[other_body].mesh->cut_cells->grid.cell_size / cc.grid.cell_size);
-    const int passes = static_cast<int>(std::lround(std::pow(mean_width * coarser, 2) / pass_variance + 1e-6));
-    const std::vector<double> added =
-        missing_pressure(face, pressed, term, std::pow(coarser * cc.grid.cell_size, 2), passes);
-    const std::vector<Vec6> stress = pressing_stresses(body, face, points[pair], added);
+    const std::vector<double> added = missing_pressure(face, pressed, term, std::pow(pair.coarser * h, 2),
+                                                       passes_of_mean(mean_width * pair.coarser));
+    const std::vector<Vec6> stress = pressing_stresses(body, face, pair.points, added);
     for (std::size_t n = 0; n < added.size(); ++n) {
       if (added[n] == 0) continue;
       double* a = &field.values(face.nodes[n], 0, 0);
@@ -352,7 +375,28 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
       PatchStatus& status = states.status[face.nodes[n]];
       status = std::max(status, PatchStatus::balanced);
     }
-  }
+  });
+}
+
+std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                                 const RecoveredField& field, const Scales& scales, const PatchStates& states,
+                                 const FoundEdges& edges) {
+  const BodyMesh& mesh = *bodies[index].mesh;
+  std::vector<double> missed(edges.num_zones(), 0.0), force(edges.num_zones(), 0.0);
+  each_pressed_face(bodies, index, field, {}, scales, states, [&](const PairFace& face, const PressedPair& pair) {
+    std::vector<double> defect(face.nodes.size());
+    for (std::size_t n = 0; n < defect.size(); ++n) defect[n] = face.transmitted[n] - face.carried[n];
+    face.smooth(std::vector<char>(defect.size(), 1), passes_of_mean(misfit_width * pair.coarser), defect);
+    for (std::size_t n = 0; n < defect.size(); ++n) {
+      const Index3& node = mesh.nodes[face.nodes[n]];
+      const int zone = edges.zone(pair.number, mesh.cut_cells->grid.to_global(Vec3(node[0], node[1], node[2])));
+      if (zone < 0) continue;
+      missed[zone] += std::abs(defect[n]);
+      force[zone] += std::abs(face.transmitted[n]);
+    }
+  });
+  for (std::size_t z = 0; z < missed.size(); ++z) missed[z] = force[z] > 0 ? missed[z] / force[z] : 0.0;
+  return missed;
 }
 
 }  // namespace cgcontact

@@ -4,6 +4,7 @@
 /// Evidence: docs/recovery.md.
 #pragma once
 
+#include "recovery/edge_search.hpp"
 #include "recovery/recover_stress.hpp"
 
 namespace cgcontact {
@@ -21,6 +22,12 @@ namespace cgcontact {
 /// `balanced`, if no worse one.
 void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
                     const std::vector<double>& plain, const Scales& scales, PatchStates& states);
+
+/// Of the forces near the edges of each zone (FoundEdges::zone) the part that the pressure of a body misses: sums of the
+/// magnitudes of what it misses in the mean over about three cells, alike where it carries too much or elsewhere.
+std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                                 const RecoveredField& field, const Scales& scales, const PatchStates& states,
+                                 const FoundEdges& edges);
 
 /// Pressure (Scales::stress, positive in compression) at the boundary points of a body that see another one; 0 at the
 /// others.

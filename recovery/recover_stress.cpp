@@ -40,6 +40,11 @@ constexpr double held = 1e-8;
 /// Rank tolerance of the firm rows alone: they agree with each other.
 constexpr double firm_tolerance = 1e-3;
 
+/// Of the forces around the edges of a contact zone, smoothed over some cells, that the pressure may miss in size or
+/// place. Where it misses more the edges are not where they were found, or the pressure there does not end like a square
+/// root: it is recovered without (docs/recovery.md, "Transmitted forces").
+constexpr double largest_misfit = 0.04;
+
 /// How much more one body's misfit may count than the other's in a coupled patch.
 constexpr double most_weight = 1e4;
 
@@ -233,19 +238,16 @@ void add(const RecoveryCounts& from, RecoveryCounts& to) {
   to.lowered += from.lowered;
 }
 
-}  // namespace
-
-ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u,
-                                        const Scales& scales, const RecoveryOptions& options) {
+/// The patches of all bodies one by one, before the forces are balanced.
+ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, const RealView& u, const Scales& scales,
+                                    const RecoveryOptions& options, const EdgeMap* edges) {
   ConstrainedRecovery recovery;
   std::vector<StressIntegrals> integrals;
   std::vector<std::vector<PatchPolynomial>> polynomials;
-  const FoundEdges edges = find_contact_edges(bodies, scales, options);
-  const EdgeMap* const used_edges = options.contact_edge ? &edges : nullptr;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const RecoveryBody& body = bodies[b];
     const CellStress stress = body.stress ? body.stress : stress_of_displacements(*body.mesh, u);
-    polynomials.push_back(patch_polynomials(bodies, b, used_edges, options));
+    polynomials.push_back(patch_polynomials(bodies, b, edges, options));
     integrals.push_back(integrate_stress(body, polynomials.back(), stress, options));
   }
   std::vector<PatchAssembly> assemblies;
@@ -264,11 +266,10 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
     std::vector<int> others;
     for (std::size_t n = 0; n < num_nodes; ++n)
       if (!interior[n]) others.push_back(static_cast<int>(n));
-    const std::vector<double> plain = contact_pressures(bodies[b], bodies[b].field);
     std::vector<ChunkResult> chunks(num_chunks(others.size(), grain));
     parallel_chunks("cgcontact::recover_stress::boundary_patches", others.size(), grain,
                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                      recover_chunk(assembly, used_edges, options, &others[begin], end - begin, states, chunks[chunk]);
+                      recover_chunk(assembly, edges, options, &others[begin], end - begin, states, chunks[chunk]);
                     });
     EdgeTerms terms;
     QuadraticTerms quadratic_terms;
@@ -287,17 +288,56 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
       states.pressed.insert(states.pressed.end(), chunk.pressed.begin(), chunk.pressed.end());
       states.open_sides.insert(states.open_sides.end(), chunk.open_sides.begin(), chunk.open_sides.end());
     }
-    RecoveredField field = bodies[b].field;
-    if (!terms.terms.empty()) field.edge = {std::shared_ptr<void>(), &terms};
-    if (!quadratic_terms.values.empty()) field.quadratic = {std::shared_ptr<void>(), &quadratic_terms};
-    balance_forces(bodies, b, field, plain, scales, states);
-    for (std::size_t n = 0; n < num_nodes; ++n) {
-      ++recovery.counts.kinds[static_cast<int>(states.kind[n])];
-      ++recovery.counts.statuses[static_cast<int>(states.status[n])];
-    }
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));
     recovery.quadratic.push_back(std::move(quadratic_terms));
+  }
+  return recovery;
+}
+
+/// A body's field with its terms; refers to `recovery`.
+RecoveredField field_of(const RecoveryBody& body, const ConstrainedRecovery& recovery, std::size_t index) {
+  RecoveredField field = body.field;
+  if (!recovery.edges[index].terms.empty()) field.edge = {std::shared_ptr<void>(), &recovery.edges[index]};
+  if (!recovery.quadratic[index].values.empty())
+    field.quadratic = {std::shared_ptr<void>(), &recovery.quadratic[index]};
+  return field;
+}
+
+/// Marks the edges in whose zones the pressure does not carry the transmitted forces in one of the bodies.
+std::vector<char> wrong_edges(const std::vector<RecoveryBody>& bodies, const ConstrainedRecovery& recovery,
+                              const Scales& scales, const FoundEdges& edges) {
+  std::vector<char> wrong(edges.num_zones(), 0);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (recovery.edges[b].terms.empty()) continue;
+    const std::vector<double> misfit =
+        zone_misfits(bodies, b, field_of(bodies[b], recovery, b), scales, recovery.states[b], edges);
+    for (std::size_t z = 0; z < wrong.size(); ++z) wrong[z] |= misfit[z] > largest_misfit;
+  }
+  return wrong;
+}
+
+}  // namespace
+
+ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u,
+                                        const Scales& scales, const RecoveryOptions& options) {
+  std::vector<std::vector<double>> plain;  // before the polynomials are replaced
+  for (const RecoveryBody& body : bodies) plain.push_back(contact_pressures(body, body.field));
+  const FoundEdges edges = find_contact_edges(bodies, scales, options);
+  ConstrainedRecovery recovery =
+      recover_patches(bodies, u, scales, options, options.contact_edge ? &edges : nullptr);
+  const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges);
+  if (std::find(wrong.begin(), wrong.end(), 1) != wrong.end()) {
+    const FoundEdges kept = edges.without(wrong);
+    recovery = recover_patches(bodies, u, scales, options, &kept);
+  }
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    PatchStates& states = recovery.states[b];
+    balance_forces(bodies, b, field_of(bodies[b], recovery, b), plain[b], scales, states);
+    for (std::size_t n = 0; n < states.kind.size(); ++n) {
+      ++recovery.counts.kinds[static_cast<int>(states.kind[n])];
+      ++recovery.counts.statuses[static_cast<int>(states.status[n])];
+    }
   }
   return recovery;
 }
