@@ -28,6 +28,8 @@ constexpr int steps_aside = 2;
 /// The same of the mean that the edges of a zone are judged by: within a cell and a half of an edge the solution's own
 /// zone of whole groups is another one.
 constexpr double misfit_width = 1.5;
+/// A contact point lies on the side of a boundary point if the cosine between the normals is more.
+constexpr double same_face = 0.5;
 /// Singular values of the normals around a node up to this times the largest one are dropped.
 constexpr double normal_tolerance = 0.1;
 
@@ -52,6 +54,19 @@ bool is_held(const RecoveryBody& body, std::size_t point) {
   bool held = condition.normal_held;
   for (int i = 0; i < 3; ++i) held = held || (condition.component_held[i] && std::abs(n[i]) > across);
   return held;
+}
+
+/// Part of the area of a boundary point that counts: forces act along the normal of the body with the larger cells, on
+/// faces that are inclined to it (the flank of a wedge) the pressure on the area across it.
+double facing(const RecoveryBody& body, std::size_t point) {
+  const BoundaryPoints& points = body.mesh->cut_cells->boundary;
+  const int pair = body.boundary->pair_of_point[point];
+  Vec3 direction = Vec3::Zero();
+  for (const int l : body.boundary->links_of_cell[points.cell[point]]) {
+    const ContactLink& link = body.boundary->links[l];
+    if (link.pair == pair && link.normal.dot(points.normal[point]) > same_face) direction += link.weight * link.normal;
+  }
+  return direction.isZero() ? 1.0 : direction.normalized().dot(points.normal[point]);
 }
 
 /// Cell coordinates of a place (grid coordinates).
@@ -328,7 +343,8 @@ void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t inde
     for (const int p : points[pair]) {
       const int cell = cc.boundary.cell[p];
       const double pressure = states.presses(*body.mesh, cell, pair, -1) ? pressures[p] : 0.0;
-      face.add_point(cell, cc.boundary.position[p], cc.boundary.weight[p], pressure, plain.empty() ? 0.0 : plain[p]);
+      face.add_point(cell, cc.boundary.position[p], cc.boundary.weight[p] * facing(body, p), pressure,
+                     plain.empty() ? 0.0 : plain[p]);
     }
     if (face.empty()) continue;
     for (const ContactLink& link : body.boundary->links)
