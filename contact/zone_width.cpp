@@ -14,8 +14,9 @@
 namespace cgcontact {
 namespace {
 
-/// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells.
-constexpr double connected = 1.8;
+/// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells: a single row of open
+/// ones (the discrete pressure oscillates beside a peak) does not part it.
+constexpr double connected = 2.3;
 /// Zones that carry less of the pair's force are its noise.
 constexpr double relevant_part = 0.05;
 /// Half the thickness of the slice through a zone in which the spread of the forces counts, cells.
