@@ -19,6 +19,8 @@ namespace {
 constexpr std::size_t grain = 128;
 /// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
 constexpr double same_face = 0.5;
+/// Of the largest pressure of a pair.
+constexpr double rounding = 1e-9;
 
 /// Stress in Pa and global axes of one of the three fields at cell coordinates.
 Sym3 to_global(const Simulation& sim, int body, const double s[6]) {
@@ -112,6 +114,15 @@ void look_across(const Simulation& sim, int cell, const Vec3& xi, ContactRow& ro
 /// Open for certain: nothing lies opposite, or more than one of the larger cells away.
 bool is_far_from_contact(const Simulation& sim, const ContactRow& row) {
   return !(row.gap < sim.bodies[sim.pairs[row.pair].primary].cut_cells.grid.cell_size);
+}
+
+/// What patches with closed points leave at open ones, where they carry nothing, is rounding: zero.
+void clear_rounding(const Simulation& sim, std::vector<ContactRow>& rows) {
+  if (!sim.scene.recovery.spr_c) return;
+  std::vector<double> largest(sim.pairs.size(), 0.0);
+  for (const ContactRow& r : rows) largest[r.pair] = std::max(largest[r.pair], std::abs(r.pressure_sprc));
+  for (ContactRow& r : rows)
+    if (!r.active && std::abs(r.pressure_sprc) < rounding * largest[r.pair]) r.pressure_sprc = 0;
 }
 
 /// Kinds and statuses of the patches around each cell.
@@ -277,6 +288,7 @@ void fill_contact_rows(const Simulation& sim, Results& results) {
     for (const auto& rows : chunks) results.contact_rows.insert(results.contact_rows.end(), rows.begin(), rows.end());
     for (const auto& part : points) boundary_point.insert(boundary_point.end(), part.begin(), part.end());
   }
+  clear_rounding(sim, results.contact_rows);
   mark_touching_rows(sim, boundary_point, results.contact_rows);
 }
 

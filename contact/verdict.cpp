@@ -39,8 +39,7 @@ std::vector<Judged> judge_pairs(const Simulation& sim, const std::vector<MissedO
     if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
       j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across ? State::not_resolved : State::resolved;
-      if (j.pair.state == State::not_resolved)
-        j.pair.cell_size_needed = h * std::max(*widths[p].cells, 0.5) / wanted_cells_across;
+      if (j.pair.state == State::not_resolved) j.pair.cell_size_needed = h * *widths[p].cells / wanted_cells_across;
     }
     for (const MissedOverlap& overlap : missed) {
       if (overlap.pair != static_cast<int>(p)) continue;

@@ -14,11 +14,13 @@
 namespace cgcontact {
 namespace {
 
-/// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells: a single row of open
-/// ones (the discrete pressure oscillates beside a peak) does not part it.
+/// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells: a single row
+/// of open ones (the discrete pressure oscillates beside a peak) does not part it.
 constexpr double connected = 2.3;
 /// Zones that carry less of the pair's force are its noise.
 constexpr double relevant_part = 0.05;
+/// One closed group says no more than that the zone is about a cell: counted zones are no narrower than that, cells.
+constexpr double narrowest = 0.5;
 /// Half the thickness of the slice through a zone in which the spread of the forces counts, cells.
 constexpr double slice = 0.75;
 /// The spread may change the width that the states of the points give by that much, cells: groups are whole cells.
@@ -38,7 +40,7 @@ class PairZones {
   }
 
   /// Cells; infinite: no open point bounds a zone that matters.
-  double narrowest() const {
+  double least_width() const {
     double total = 0, least = std::numeric_limits<double>::infinity();
     for (const auto& [name, zone] : zones_) total += zone.force;
     for (const auto& [name, zone] : zones_)
@@ -170,8 +172,8 @@ std::vector<ZoneWidth> zone_widths(const Simulation& sim) {
     for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
     const std::vector<TransmittedForce> closed = zone.closed_cells();
     for (const int p : pairs) {
-      const double cells = PairZones(zone, closed, p).narrowest();
-      if (std::isfinite(cells)) widths[p].cells = cells;
+      const double cells = PairZones(zone, closed, p).least_width();
+      if (std::isfinite(cells)) widths[p].cells = std::max(cells, narrowest);
     }
   }
   for (std::size_t p = 0; p < sim.pairs.size() && p < sim.outer.small_zone_width.size(); ++p)

@@ -34,8 +34,8 @@ constexpr double strip_variance = 1;
 /// A line across a strip parts its points if less of them than that lies on the wrong side.
 constexpr double parted = 0.2;
 
-/// Direction across the strip that the face is around x; false: it is none. One row of cells more on one side of a strip
-/// would turn the line that parts the points by 45 degrees and more.
+/// Direction across the strip that the face is around x; false: it is none. One row of cells more on one side of a
+/// strip would turn the line that parts the points by 45 degrees and more.
 bool is_strip(const std::vector<const TransmittedForce*>& points, double cell_size, Vec3& across) {
   double area = 0;
   Vec3 mean = Vec3::Zero();
@@ -107,8 +107,8 @@ bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSam
          part_points(zone, Vec3(sample.origin), Vec3(sample.normal), sample);
 }
 
-/// Zones of fewer cells have the width that their forces spread over (a quarter of it under Hertz's contact): closed groups
-/// are whole cells, and measured from an edge that is off by some tenths the width moves the edge farther off.
+/// Zones of fewer cells have the width that their forces spread over (a quarter of it under Hertz's contact): closed
+/// groups are whole cells, and measured from an edge that is off by some tenths the width moves the edge farther off.
 constexpr double few_cells = 6;
 
 /// Across the zone from a sample to its other side, over the points within a cell along the edge: to the opposite edge
@@ -124,7 +124,8 @@ double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
   for (const TransmittedForce& f : zone.forces()) {
     const Vec3 d = f.position - sample.origin;
     const double across = sample.closed.dot(d);
-    if (f.pair == sample.pair && d.squaredNorm() - across * across < h * h) band.push_back({across, f.area, f.spread_force, f.closed});
+    if (f.pair == sample.pair && d.squaredNorm() - across * across < h * h)
+      band.push_back({across, f.area, f.spread_force, f.closed});
   }
   // Open points behind the zone: more open than closed area in a strip of one cell. Single points inside may be open.
   std::vector<double> surplus;
@@ -204,10 +205,7 @@ void place_edges(const ContactZone& zone, const Scales& scales, double scatter, 
 }  // namespace
 
 FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double scatter)
-    : samples_(std::move(samples)),
-      width_(width),
-      scatter_(scatter),
-      buckets_(reach * width) {
+    : samples_(std::move(samples)), width_(width), scatter_(scatter), buckets_(reach * width) {
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     // All normals of a pair point the same way.
     const std::size_t first = first_of_pair_.try_emplace(samples_[i].pair, i).first->second;

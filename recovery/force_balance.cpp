@@ -311,7 +311,7 @@ std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, co
 /// One pair of a body that carries force.
 struct PressedPair {
   int number = 0;
-  double coarser = 1;             ///< cells of the coarser body of the pair over the body's own
+  double coarser = 1;              ///< cells of the coarser body of the pair over the body's own
   const std::vector<int>& points;  ///< boundary points of the body
 };
 
@@ -381,8 +381,8 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
       term[n] = field.edge && field.edge->of_node(face.nodes[n]);
       pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair.number);
     }
-    const std::vector<double> added = missing_pressure(face, pressed, term, std::pow(pair.coarser * h, 2),
-                                                       passes_of_mean(mean_width * pair.coarser));
+    const std::vector<double> added =
+        missing_pressure(face, pressed, term, std::pow(pair.coarser * h, 2), passes_of_mean(mean_width * pair.coarser));
     const std::vector<Vec6> stress = pressing_stresses(body, face, pair.points, added);
     for (std::size_t n = 0; n < added.size(); ++n) {
       if (added[n] == 0) continue;

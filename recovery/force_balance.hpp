@@ -23,8 +23,8 @@ namespace cgcontact {
 void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
                     const std::vector<double>& plain, const Scales& scales, PatchStates& states);
 
-/// Of the forces near the edges of each zone (FoundEdges::zone) the part that the pressure of a body misses: sums of the
-/// magnitudes of what it misses in the mean over about three cells, alike where it carries too much or elsewhere.
+/// Of the forces near the edges of each zone (FoundEdges::zone) the part that the pressure of a body misses: sums of
+/// the magnitudes of what it misses in the mean over about three cells, alike where it carries too much or elsewhere.
 std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
                                  const RecoveredField& field, const Scales& scales, const PatchStates& states,
                                  const FoundEdges& edges);

@@ -41,8 +41,8 @@ constexpr double held = 1e-8;
 constexpr double firm_tolerance = 1e-3;
 
 /// Of the forces around the edges of a contact zone, smoothed over some cells, that the pressure may miss in size or
-/// place. Where it misses more the edges are not where they were found, or the pressure there does not end like a square
-/// root: it is recovered without (docs/recovery.md, "Transmitted forces").
+/// place. Where it misses more the edges are not where they were found, or the pressure there does not end like a
+/// square root: it is recovered without (docs/recovery.md, "Transmitted forces").
 constexpr double largest_misfit = 0.04;
 
 /// How much more one body's misfit may count than the other's in a coupled patch.
@@ -324,8 +324,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   std::vector<std::vector<double>> plain;  // before the polynomials are replaced
   for (const RecoveryBody& body : bodies) plain.push_back(contact_pressures(body, body.field));
   const FoundEdges edges = find_contact_edges(bodies, scales, options);
-  ConstrainedRecovery recovery =
-      recover_patches(bodies, u, scales, options, options.contact_edge ? &edges : nullptr);
+  ConstrainedRecovery recovery = recover_patches(bodies, u, scales, options, options.contact_edge ? &edges : nullptr);
   const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges);
   if (std::find(wrong.begin(), wrong.end(), 1) != wrong.end()) {
     const FoundEdges kept = edges.without(wrong);

@@ -148,6 +148,43 @@ TEST(FoundEdges, DrawTheCircleThatTheSamplesLieOn) {
   EXPECT_FALSE(edges.near(2, Vec3(0, 0, 0), piece));
 }
 
+/// The two edges of a zone three cells wide do not pull at each other; in a strip (a slab) single places beside the
+/// others do not turn the edge. Zones of edges are told apart, and those marked are gone.
+TEST(FoundEdges, KeepOppositeEdgesAndZonesApart) {
+  std::vector<EdgeSample> samples;
+  const auto add = [&](double x, double closed, bool in_strip) {
+    for (int i = 0; i < 3; ++i)
+      samples.push_back({0, i, Vec3(x + 0.1 * (i - 1), 0.4 * i, 0), closed * Vec3::UnitX(), Vec3::UnitZ(), 1. / 3,
+                         -closed, nullptr, in_strip});
+  };
+  add(0, 1, true);
+  add(3, -1, true);
+  add(20, 1, false);
+  const FoundEdges edges(samples, 1, 0.02);
+  EdgePiece piece;
+  ASSERT_TRUE(edges.near(0, Vec3(0.2, 0.4, 0), piece));
+  EXPECT_NEAR(piece.origin[0], 0, 1e-3);
+  EXPECT_NEAR(piece.closed[0], 1, 1e-9);
+  EXPECT_NEAR(piece.curvature, 0, 1e-3);
+  EXPECT_DOUBLE_EQ(piece.factor, -1);
+  ASSERT_TRUE(edges.near(0, Vec3(2.9, 0.4, 0), piece));
+  EXPECT_NEAR(piece.origin[0], 3, 1e-3);
+  EXPECT_DOUBLE_EQ(piece.factor, 1);
+  ASSERT_TRUE(edges.near(0, Vec3(20, 0.4, 0), piece));
+  EXPECT_LT(piece.closed[0], 0.999);  // on a wide face the places turn the edge
+
+  ASSERT_EQ(edges.num_zones(), 2u);
+  const int zone = edges.zone(0, Vec3::Zero());
+  EXPECT_EQ(edges.zone(0, Vec3(3, 0, 0)), zone);
+  EXPECT_NE(edges.zone(0, Vec3(20, 0, 0)), zone);
+  EXPECT_EQ(edges.zone(0, Vec3(10, 0, 0)), -1);
+  std::vector<char> wrong(2, 0);
+  wrong[zone] = 1;
+  const FoundEdges kept = edges.without(wrong);
+  EXPECT_FALSE(kept.near(0, Vec3::Zero(), piece));
+  EXPECT_TRUE(kept.near(0, Vec3(20, 0, 0), piece));
+}
+
 /// A contact face of unit cells, turned against the edge by `angle`, 3 x 3 points per cell, pressed with
 /// 7 sqrt(s (1 - s / width)) by a zone that is a circle of the given radius (0: a half plane). As in a solution the
 /// pressure is constant over a cell, with the right force.
