@@ -109,7 +109,7 @@ bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSam
 
 /// Zones of fewer cells have the width that their forces spread over (a quarter of it under Hertz's contact): closed
 /// groups are whole cells, and measured from an edge that is off by some tenths the width moves the edge farther off.
-constexpr double few_cells = 6;
+constexpr double few_cells = 9;
 
 /// Across the zone from a sample to its other side, over the points within a cell along the edge: to the opposite edge
 /// where open points follow, else to a plane of symmetry (or an edge of the body) that the zone is taken to go on
