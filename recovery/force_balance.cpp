@@ -30,6 +30,8 @@ constexpr int steps_aside = 2;
 constexpr double misfit_width = 1.5;
 /// A contact point lies on the side of a boundary point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
+/// Of the magnitudes of a pair's forces: what their sum has to be, to have a direction.
+constexpr double least_resultant = 0.5;
 /// Singular values of the normals around a node up to this times the largest one are dropped.
 constexpr double normal_tolerance = 0.1;
 
@@ -56,9 +58,22 @@ bool is_held(const RecoveryBody& body, std::size_t point) {
   return held;
 }
 
-/// Part of the area of a boundary point that counts: forces act along the normal of the body with the larger cells, on
-/// faces that are inclined to it (the flank of a wedge) the pressure on the area across it.
-double facing(const RecoveryBody& body, std::size_t point) {
+/// Sum of the forces of a pair on a body, Pa m^2, outwards; grid axes. Zero if they mostly cancel (a pin in a hole).
+Vec3 resultant_of_pair(const RecoveryBody& body, int pair) {
+  Vec3 sum = Vec3::Zero();
+  double magnitudes = 0;
+  for (const ContactLink& link : body.boundary->links) {
+    if (link.pair != pair || !link.active) continue;
+    sum += link.weight * link.pressure * link.normal;
+    magnitudes += link.weight * std::abs(link.pressure);
+  }
+  return sum.norm() > least_resultant * magnitudes ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
+}
+
+/// How much of the area of a boundary point counts. Forces act along the normal of the body with the larger cells; on
+/// faces that are inclined to each other (the flank of a wedge) the pressure is to have the same part along
+/// `resultant`.
+double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant) {
   const BoundaryPoints& points = body.mesh->cut_cells->boundary;
   const int pair = body.boundary->pair_of_point[point];
   Vec3 direction = Vec3::Zero();
@@ -66,7 +81,8 @@ double facing(const RecoveryBody& body, std::size_t point) {
     const ContactLink& link = body.boundary->links[l];
     if (link.pair == pair && link.normal.dot(points.normal[point]) > same_face) direction += link.weight * link.normal;
   }
-  return direction.isZero() ? 1.0 : direction.normalized().dot(points.normal[point]);
+  const double along = direction.normalized().dot(resultant), own = points.normal[point].dot(resultant);
+  return std::min(along, own) > same_face ? own / along : 1.0;
 }
 
 /// Cell coordinates of a place (grid coordinates).
@@ -340,10 +356,11 @@ void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t inde
   const std::vector<double> pressures = contact_pressures(body, field);
   for (const auto& [pair, other_body] : other) {
     PairFace face(*body.mesh, cc.grid.cell_size * cc.grid.cell_size);
+    const Vec3 resultant = resultant_of_pair(body, pair);
     for (const int p : points[pair]) {
       const int cell = cc.boundary.cell[p];
       const double pressure = states.presses(*body.mesh, cell, pair, -1) ? pressures[p] : 0.0;
-      face.add_point(cell, cc.boundary.position[p], cc.boundary.weight[p] * facing(body, p), pressure,
+      face.add_point(cell, cc.boundary.position[p], cc.boundary.weight[p] * facing(body, p, resultant), pressure,
                      plain.empty() ? 0.0 : plain[p]);
     }
     if (face.empty()) continue;
