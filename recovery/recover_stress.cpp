@@ -323,12 +323,14 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
                                         const Scales& scales, const RecoveryOptions& options) {
   std::vector<std::vector<double>> plain;  // before the polynomials are replaced
   for (const RecoveryBody& body : bodies) plain.push_back(contact_pressures(body, body.field));
-  const FoundEdges edges = find_contact_edges(bodies, scales, options);
+  FoundEdges edges = find_contact_edges(bodies, scales, options);
   ConstrainedRecovery recovery = recover_patches(bodies, u, scales, options, options.contact_edge ? &edges : nullptr);
-  const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges);
-  if (std::find(wrong.begin(), wrong.end(), 1) != wrong.end()) {
-    const FoundEdges kept = edges.without(wrong);
-    recovery = recover_patches(bodies, u, scales, options, &kept);
+  // A patch has one edge: without that of one pair it may take that of another.
+  for (;;) {
+    const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges);
+    if (std::find(wrong.begin(), wrong.end(), 1) == wrong.end()) break;
+    edges = edges.without(wrong);
+    recovery = recover_patches(bodies, u, scales, options, &edges);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     PatchStates& states = recovery.states[b];
