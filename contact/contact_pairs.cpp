@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "contact/opposite_borders.hpp"
+#include "contact/press_direction.hpp"
 #include "core/parallel.hpp"
 
 namespace cgcontact {
@@ -92,10 +93,15 @@ struct GroupPoints {
   int surface = 0;
   std::vector<ContactPoint> points;
   double area = 0, distance = 0;
+  FacingNormals normals;
 };
 
-/// Points of one cell and surface that have an opposite.
-GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface) {
+/// Cosine between the direction of a gap and faces that it is measured from.
+constexpr double least_cosine = 0.1;
+
+/// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
+GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface,
+                       const Vec3& direction) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
   const Index3& place = primary.cut_cells.cells[cell];
@@ -117,6 +123,12 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     if (!pair.face(pair.primary)
              .contains(names, grid.to_global(points.position_of_piece(q)), grid.rotation * points.normal_of_piece(q)))
       continue;
+    double cosine = 1;
+    if (!direction.isZero()) {
+      cosine = point.normal.dot(direction);
+      if (cosine < least_cosine) continue;
+      point.normal = direction;
+    }
     const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
     if (!opposite) continue;
     point.primary_cell = cell;
@@ -125,11 +137,12 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     point.secondary_cell = opposite->cell;
     point.secondary_position = opposite->position;
     point.secondary_xi = cell_coordinates(secondary.cut_cells, opposite->cell, opposite->position);
-    point.weight = points.weight[q] * grid.cell_size * grid.cell_size;
+    point.weight = cosine * points.weight[q] * grid.cell_size * grid.cell_size;
     // Coincident faces: a distance of rounding is none.
     point.distance = std::abs(opposite->distance) > 1e-12 * grid.cell_size ? opposite->distance : 0.0;
     group.area += point.weight;
     group.distance += point.weight * point.distance;
+    group.normals.add(point.weight, point.x, point.normal, opposite->normal);
     group.points.push_back(point);
   }
   if (group.area > 0) group.distance /= group.area;
@@ -218,8 +231,22 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
   std::vector<GroupPoints> groups(places.size());
-  parallel_for("cgcontact::contact_pairs::borders", places.size(), 8,
-               [&](std::size_t i) { groups[i] = find_group(bodies, pair, places[i].first, places[i].second); });
+  const auto find = [&](std::size_t i, const Vec3& direction) {
+    groups[i] = find_group(bodies, pair, places[i].first, places[i].second, direction);
+  };
+  parallel_for("cgcontact::contact_pairs::borders", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
+  std::vector<Index3> cells;
+  std::vector<int> surfaces;
+  std::vector<FacingNormals> normals;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    cells.push_back(bodies[pair.primary].cut_cells.cells[places[i].first]);
+    surfaces.push_back(places[i].second);
+    normals.push_back(groups[i].normals);
+  }
+  const std::vector<Vec3> directions = press_directions(cells, surfaces, normals);
+  parallel_for("cgcontact::contact_pairs::edges", places.size(), 8, [&](std::size_t i) {
+    if (!directions[i].isZero()) find(i, directions[i]);
+  });
   for (const GroupPoints& group : groups) add_group(group, pair);
   set_interference(pair, spec.interference);
   return pair;

@@ -12,7 +12,7 @@ struct ContactPoint {
   int primary_cell = 0, secondary_cell = 0;
   Vec3 primary_xi, secondary_xi;              ///< cell coordinates
   Vec3 primary_position, secondary_position;  ///< grid coordinates
-  Vec3 normal;                                ///< outward of the primary body, global axes
+  Vec3 normal;                                ///< outward of the primary body, or press_direction.hpp; global axes
   Vec3 x;                                     ///< m
   double weight = 0;                          ///< m^2
   double distance = 0;                        ///< m, before deformation, along the normal

@@ -10,11 +10,11 @@ namespace {
 /// Leaves over a side of the first grid, four samples each.
 constexpr int first_leaves = 4;
 /// Change of the distance over a quarter of a leaf, of the depth below the limit, that need not be resolved.
-constexpr double resolved_part = 0.2;
+constexpr double resolved_part = 0.1;
 /// Cells: depths below this are not looked for.
 constexpr double least_depth = 1e-5;
 constexpr int most_levels = 14;
-constexpr std::size_t most_leaves = 4096;
+constexpr std::size_t most_leaves = 8192;
 /// Cells, from a surface into the body: less than the thinnest cells that are kept.
 constexpr double inward_step = 1e-12;
 /// Cosine between the group's mean normal and surfaces that face it.
@@ -25,29 +25,17 @@ struct Leaf {
   double s = 0, t = 0, size = 0;  ///< centre and side, m
   struct Sample {
     bool hit = false;                ///< both bodies
-    bool inside = false;             ///< of the group's cell
+    bool inside = false;             ///< of the group's surface, in its cell
     double distance = 0, slope = 0;  ///< m; of the distance over the plane
     Vec3 x;
   } samples[4];
+  double lower_bound = 1e300;  ///< no distance in the leaf is below this
+  double change = 0;           ///< largest one of the distance from a sample to a place that it stands for
 
-  /// From a sample to the farthest point that it stands for, m: in its quarter, or in the whole leaf where other
-  /// samples miss the bodies.
-  double reach() const {
-    const bool all = std::all_of(samples, samples + 4, [](const Sample& sample) { return sample.hit; });
-    return (all ? 1 : 3) * size * std::sqrt(2.0) / 4;
-  }
-  /// No distance in the leaf is below this.
-  double lower_bound() const {
-    double bound = 1e300;
-    for (const Sample& sample : samples)
-      if (sample.hit) bound = std::min(bound, sample.distance - sample.slope * reach());
-    return bound;
-  }
-  double change() const {
-    double largest = 0;
-    for (const Sample& sample : samples)
-      if (sample.hit) largest = std::max(largest, sample.slope * reach());
-    return largest;
+  void see(const Sample& sample, double reach) {
+    if (!sample.hit) return;
+    lower_bound = std::min(lower_bound, sample.distance - sample.slope * reach);
+    change = std::max(change, sample.slope * reach);
   }
 };
 
@@ -81,6 +69,16 @@ class Sampler {
     Leaf l{s, t, size, {}};
     for (int k = 0; k < 4; ++k)
       l.samples[k] = sample(s + ((k & 1) - 0.5) * 0.5 * size, t + ((k >> 1) - 0.5) * 0.5 * size);
+    const bool all = std::all_of(l.samples, l.samples + 4, [](const Leaf::Sample& sample) { return sample.hit; });
+    // To the farthest point of its quarter, or of the leaf where other samples miss the bodies: there an edge or a tip
+    // ends, and what lies beside the leaf tells how deep.
+    for (const Leaf::Sample& sample : l.samples) l.see(sample, (all ? 1 : 3) * size * std::sqrt(2.0) / 4);
+    if (all) return l;
+    for (int k = 0; k < 16; ++k) {
+      const int i = k % 4, j = k / 4;
+      if ((i == 1 || i == 2) && (j == 1 || j == 2)) continue;
+      l.see(sample(s + (i - 1.5) * 0.5 * size, t + (j - 1.5) * 0.5 * size), 5 * size * std::sqrt(2.0) / 4);
+    }
     return l;
   }
   double side() const { return side_; }
@@ -112,14 +110,15 @@ class Sampler {
     std::optional<Crossing> own;
     bool inside = false;
     for (const Crossing& c : crossings) {
-      if (c.surface != group_.surface || c.normal.dot(direction) < least_cosine) continue;
+      // Other surfaces of the face, too: beside an edge or a corner they tell how deep the group's own one may lie.
+      if (c.normal.dot(direction) < least_cosine) continue;
       if (own && std::abs(c.t) >= std::abs(own->t)) continue;
       const Vec3 y = start + c.t * direction;
       if (!pair_.face(pair_.primary)
                .contains(solid.surfaces()[c.surface].names, grid.to_global(y), grid.rotation * c.normal))
         continue;
       own = c;
-      inside = primary_.cut_cells.locate(y - inward_step * c.normal) == cell_;
+      inside = c.surface == group_.surface && primary_.cut_cells.locate(y - inward_step * c.normal) == cell_;
     }
     if (!own) return result;
     result.x = grid.to_global(start + own->t * direction);
@@ -162,16 +161,18 @@ std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const Co
   for (const Leaf& leaf : leaves) look(leaf);
   for (int level = 0; level < most_levels; ++level) {
     const double depth = std::max(limit - smallest, least_depth * h);
+    const auto fine = [&](const Leaf& leaf) {
+      return leaf.lower_bound >= limit || !sampler.may_hold(leaf) || leaf.change <= resolved_part * depth;
+    };
+    const std::size_t coarse = leaves.size() - std::count_if(leaves.begin(), leaves.end(), fine);
+    // All or none: a strip that is finer on one part of it would count for less on the other.
+    if (coarse == 0 || leaves.size() + 3 * coarse > most_leaves) break;
     std::vector<Leaf> finer;
-    bool refined = false;
     for (const Leaf& leaf : leaves) {
-      const bool fine = leaf.lower_bound() >= limit || !sampler.may_hold(leaf) ||
-                        leaf.change() <= resolved_part * depth || finer.size() + leaves.size() >= most_leaves;
-      if (fine) {
+      if (fine(leaf)) {
         finer.push_back(leaf);
         continue;
       }
-      refined = true;
       for (int k = 0; k < 4; ++k) {
         const double quarter = 0.25 * leaf.size;
         finer.push_back(sampler.leaf(leaf.s + (k & 1 ? quarter : -quarter), leaf.t + (k & 2 ? quarter : -quarter),
@@ -180,7 +181,6 @@ std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const Co
       }
     }
     leaves.swap(finer);
-    if (!refined) break;
   }
   std::vector<GapSample> samples;
   if (!(smallest < limit)) return samples;

@@ -450,9 +450,15 @@ double ContactSolver::Impl::update_recovered_stress() {
   });
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
+    // The softer body's counts more, as in the stiffness: the other one's changes more with the gap, and what is lagged
+    // would converge slowly.
+    const double first = stabilising_modulus(problem_.scene.bodies[pair.primary].material),
+                 second = stabilising_modulus(problem_.scene.bodies[pair.secondary].material);
+    const double part = second / (first + second);
     replace(contact_stress_[k], pair.points, [&](const ContactPoint& c) {
-      return -0.5 * (boundary_stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.normal) +
-                     boundary_stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.normal));
+      return -part * boundary_stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.normal) -
+             (1 - part) *
+                 boundary_stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.normal);
     });
   }
   // A motion without stress: what is recovered is rounding of E u / h, not a stress to converge to.

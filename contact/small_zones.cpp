@@ -16,6 +16,8 @@ constexpr double own_displacement = 0.946;
 /// Part of the approach that the deformation of the cells may stand for: a zone joins below the first, leaves above the
 /// second. Zones above are wider than a cell: their groups' mean gaps give the force within 25 % (docs/theory.md).
 constexpr double joins_below = 0.4, leaves_above = 0.5;
+/// Of the change of a force: what the cells' own deformation may do.
+constexpr double largest_own_part = 0.8;
 /// Cells: what acts on the depth at one place as a zone does, not as cells see it: the next groups.
 constexpr double zone_reach = 1.5;
 /// Width of a contact zone over that of the overlap: 0.71 for spheres, 0.64 for cones and wedges.
@@ -89,6 +91,7 @@ struct SmallZones::Overlap {
 struct SmallZones::Law {
   std::vector<double> force, stiffness, bedding, width;  ///< N, N/m, Pa/m, m
   std::vector<double> extra;                             ///< m: approach that the cells' deformation stands for
+  std::vector<double> own_part;                          ///< change of the force with the force that extra is made of
   double total = 0, part_of_cells = 0;                   ///< N; of the approach
 };
 
@@ -255,11 +258,13 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
   const std::size_t n = zone.groups.size();
   const double h = cell_size(pair), modulus = effective_modulus(pair);
   const Neighbours near = neighbours(pair, zone);
+  const auto compliance = [&](const Neighbours::Image& image) {
+    return std::min(own_displacement / h, 1 / (M_PI * std::max(image.distance, 1e-6 * h))) / modulus;
+  };
   const auto approach_of_cells = [&](std::size_t i, const auto& force_of) {
     double sum = 0;
     for (const Neighbours::Image& image : near.of_group[i])
-      sum += std::max(force_of(image.group), 0.0) / modulus *
-             std::min(own_displacement / h, 1 / (M_PI * std::max(image.distance, 1e-6 * h)));
+      sum += std::max(force_of(image.group), 0.0) * compliance(image);
     return sum;
   };
   Law law;
@@ -287,6 +292,10 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
     law.bedding.push_back(bedding);
     law.force.push_back(bedding * overlaps[i].volume);
     law.stiffness.push_back(bedding * overlaps[i].area);
+    double own = 0;
+    for (const Neighbours::Image& image : near.of_group[i])
+      if (image.group == i) own += compliance(image);
+    law.own_part.push_back(std::min(law.stiffness.back() * own, largest_own_part));
     law.total += law.force.back();
     if (overlaps[i].area > 0) depth += law.force.back() * overlaps[i].volume / overlaps[i].area;
   }
@@ -378,8 +387,10 @@ void SmallZones::update(const std::vector<double>& gap_change, const std::vector
         const double gap = group(pair, g).initial_gap + gap_change[g];
         change += std::abs(law.force[i] - group_force[g]);
         sum += law.force[i];
-        state.force = law.force[i];
-        state.stiffness = law.stiffness[i];
+        // Newton's step for the force that is also the one which deforms the cells.
+        const double rest = 1 - law.own_part[i];
+        state.force = std::max((law.force[i] - law.own_part[i] * std::max(group_force[g], 0.0)) / rest, 0.0);
+        state.stiffness = law.stiffness[i] / rest;
         state.bedding = law.bedding[i];
         state.width = law.width[i];
         state.gap = gap;
