@@ -16,7 +16,7 @@ double force(const std::string& scene, const std::vector<std::string>& overrides
   const Results& r = solved->results();
   EXPECT_TRUE(r.converged) << r.diagnosis;
   EXPECT_EQ(r.verdict.state, Verdict::State::not_resolved);
-  EXPECT_EQ(r.warnings.size(), 1u);
+  // First: the recovered pressure of such a zone may be warned of as well.
   EXPECT_NE(r.warnings.at(0).find("zone smaller than the cells"), std::string::npos);
   return r.pairs[0].force_on_first.norm();
 }
