@@ -216,11 +216,19 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
                                const std::vector<ContactPair>& pairs)
     : bodies_(bodies), pairs_(pairs), pieces_(whole_bodies(bodies).list) {
   std::vector<Eigen::Matrix<double, 6, 6>> held(bodies.size(), Eigen::Matrix<double, 6, 6>::Zero());
-  for (const SupportPoint& p : supports) {
-    if (p.follows) continue;
+  const auto add = [&](const SupportPoint& p) {
     const RigidMotion q = pieces_[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     held[p.body] += p.weight * q * q.transpose();
-  }
+  };
+  for (const SupportPoint& p : supports)
+    if (!p.follows) add(p);
+  // A body that supports carry and that only spins (a ball held along its normals): what follows the spin holds it.
+  std::vector<char> carried;
+  for (const auto& resistance : held)
+    carried.push_back(Eigen::SelfAdjointEigenSolver<Mat3>(resistance.topLeftCorner<3, 3>()).eigenvalues()[0] >
+                      1e-3 * resistance.topLeftCorner<3, 3>().trace());
+  for (const SupportPoint& p : supports)
+    if (p.follows && carried[p.body]) add(p);
   for (const auto& resistance : held) {
     free_.push_back(projection_on_free(resistance));
     any_ |= floats(static_cast<int>(free_.size()) - 1);
