@@ -19,7 +19,12 @@ constexpr double negligible = 1e-3;
 constexpr double worth_holding = 0.02;
 constexpr std::size_t most_pieces = 1000;
 
-std::string as_text(const Vec3& x) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]); }
+/// Components that are rounding beside the others, or beside `size`, are zero.
+std::string as_text(Vec3 x, double size = 0) {
+  for (double& component : x)
+    if (std::abs(component) < 1e-9 * std::max(size, x.norm())) component = 0;
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", x[0], x[1], x[2]);
+}
 
 std::string motion_text(const RigidPiece& piece, const RigidMotion& m) {
   const Vec3 t = m.head<3>(), r = m.tail<3>() / piece.size();
@@ -29,7 +34,7 @@ std::string motion_text(const RigidPiece& piece, const RigidMotion& m) {
   const Vec3 point = piece.centre() + r.cross(t) / r.squaredNorm();
   const bool slides = std::abs(t.dot(axis)) > negligible * m.norm();
   return fmt::format("{} about the axis along {} through {}", slides ? "turn and move" : "rotate", direction_text(axis),
-                     as_text(point));
+                     as_text(point, piece.size()));
 }
 
 /// Orthonormal basis of the motions of `free` (columns) that `gram` does not resist.

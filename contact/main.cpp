@@ -131,6 +131,13 @@ std::string fault_of(const std::string& text, const std::string& file) try {
   return error.what();
 }
 
+/// The exit code, once all that was printed has been written.
+int flushed(int exit_code) {
+  if (std::fflush(stdout) != 0)
+    throw InputError(std::string("cannot write to standard output: ") + std::strerror(errno));
+  return exit_code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -141,20 +148,18 @@ int main(int argc, char** argv) {
   if (!options) return exit_code;
   try {
     if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
-    if (options->command == CommandLine::study) return run_study(*options);
+    if (options->command == CommandLine::study) return flushed(run_study(*options));
     if (options->command == CommandLine::run && TrilinosScope::has_openmp())
       restart_with_openmp_settings(options->threads, argv);
     const KokkosScope kokkos(options->threads);
     if (options->command == CommandLine::init) {
       fmt::print("{}", init_scene(options->init_options, fault_of));
-      return 0;
+      return flushed(0);
     }
     const InterruptionWatch watch;
     const Scene scene = read_scene_as_region(*options);
     exit_code = options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
-    if (std::fflush(stdout) != 0)
-      throw InputError(std::string("cannot write to standard output: ") + std::strerror(errno));
-    return exit_code;
+    return flushed(exit_code);
   } catch (const InputError& error) {
     fmt::print(stderr, "cgcontact: {}\n", printable(options->with_variables(error.what())));
   } catch (const std::exception& error) {

@@ -10,7 +10,8 @@ namespace {
 
 /// Part of the transmitted force by which the integral of the recovered pressure may be off without a word.
 constexpr double lost_force = 0.15;
-/// Of all forces in the scene: what a pair transmits below that is rounding.
+/// Of all forces in the scene: what a pair transmits below that is rounding. So is a resultant below that part of the
+/// forces that add up to it (a shrink fit).
 constexpr double no_force = 1e-9;
 /// A support holds the normal direction if its own has that cosine with it.
 constexpr double holds_normal = 1e-3;
@@ -61,8 +62,9 @@ double forces_of_scene(const Simulation& sim, const std::vector<double>& of_pair
 }
 
 /// Force and moment on both bodies of a pair, and where the force acts, from the nodal forces of its groups: what
-/// really acts in the discrete equilibrium. `row`: number of its first group.
-void add_forces(const Simulation& sim, const ContactPair& pair, std::size_t row, PairFigures& figures) {
+/// really acts in the discrete equilibrium. `row`: number of its first group, `magnitude`: sum of its groups' forces.
+void add_forces(const Simulation& sim, const ContactPair& pair, std::size_t row, double magnitude,
+                PairFigures& figures) {
   Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()}, centre = Vec3::Zero();
   double total = 0;
   for (const ContactGroup& group : pair.groups) {
@@ -83,6 +85,9 @@ void add_forces(const Simulation& sim, const ContactPair& pair, std::size_t row,
     total += group_force;
     ++row;
   }
+  for (Vec3& f : force)
+    for (double& component : f)
+      if (std::abs(component) <= no_force * magnitude) component = 0;
   const int first = pair.spec->first.body == pair.primary ? 0 : 1;
   figures.force_on_first = force[first];
   figures.force_on_second = force[1 - first];
@@ -145,7 +150,7 @@ void fill_pair_figures(const Simulation& sim, Results& results) {
     figures.points = static_cast<int>(pair.points.size());
     for (const ContactPoint& q : pair.points) figures.active_points += q.active;
     if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
-      add_forces(sim, pair, first_group, figures);
+      add_forces(sim, pair, first_group, forces[k], figures);
       add_zone(sim, static_cast<int>(k), results, figures);
     }
     results.pairs.push_back(figures);

@@ -136,7 +136,7 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     const Vec3 force = figures.force_on_first;
     figures.force_given_by_loads =
         force.norm() > 0 && force_follows_from_loads(sim, static_cast<int>(p), force.normalized());
-    if (figures.force_given_by_loads)
+    if (figures.force_given_by_loads || force.isZero(0))
       figures.force_error_estimate = 0;
     else if (resolved)
       figures.force_error_estimate = (verdict.cells_across ? edge_factor : 1) * force_error;

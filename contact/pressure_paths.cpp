@@ -107,16 +107,24 @@ void walk(const Simulation& sim, const Results& results, const ContactRow& top, 
   }
 }
 
-/// How far a path goes: a little beyond the zone, or to the end of the face.
-double length_of(const Simulation& sim, const Results& results, const ContactRow& top, const Vec3& along) {
+/// How far a path goes.
+struct Extent {
+  double length = 0;
+  bool closed = false;  ///< back at its beginning
+};
+
+/// A little beyond the zone, to the end of the face, or once around it.
+Extent extent_of(const Simulation& sim, const Results& results, const ContactRow& top, const Vec3& along) {
   const double h = sim.bodies[top.body].cut_cells.grid.cell_size;
-  double last_pressed = 0, end = 0;
+  double last_pressed = 0;
+  Extent extent;
   walk(sim, results, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
-    end = way;
+    extent.length = way;
+    extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
     if (row.pressure_sprc > no_pressure * top.pressure_sprc) last_pressed = way;
     return way < (1 + beyond) * last_pressed + beyond_cells * h;
   });
-  return end;
+  return extent;
 }
 
 struct Place {
@@ -127,7 +135,9 @@ struct Place {
 /// From one end to the other, s = 0 at the largest pressure.
 std::vector<Place> places_of(const Simulation& sim, const Results& results, const ContactRow& top) {
   const Vec3 along = direction_of(results, top);
-  const double back = length_of(sim, results, top, -along), ahead = length_of(sim, results, top, along);
+  const Extent whole = extent_of(sim, results, top, along);
+  const double ahead = whole.closed ? whole.length / 2 : whole.length;
+  const double back = whole.closed ? ahead : extent_of(sim, results, top, -along).length;
   if (!(back + ahead > 0)) return {};
   const double step = (back + ahead) / (num_samples - 1);
   std::vector<Place> places;

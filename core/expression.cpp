@@ -106,6 +106,10 @@ std::string format_number(double value) {
     all.insert(all.end(), functions.begin(), functions.end());
     const bool coordinate = token == "x" || token == "y" || token == "z";
     std::string why = "unknown name " + quoted(token) + did_you_mean(token, all);
+    static const std::vector<std::string> units = {"m",  "mm",  "cm",  "um",  "km",  "in",  "ft", "N", "kN", "MN",
+                                                   "Pa", "kPa", "MPa", "GPa", "deg", "rad", "kg", "s", "K",  "C"};
+    if (contains(units, token) && did_you_mean(token, known).empty())
+      why = "unknown name " + quoted(token) + ": numbers have no units here, all values are in SI units (m, N, Pa)";
     if (coordinate) why = "must be one number, it cannot depend on " + quoted(token);
     if (token == contact_force_name)
       why = quoted(token) +

@@ -55,9 +55,9 @@ constexpr Rgb full_cell{0.66, 0.80, 0.91}, cut_cell{0.95, 0.66, 0.33}, cut_outsi
 enum class Role { free, support, load, contact };
 
 Role role_of(const FaceRegion& region) {
-  if (!region.contacts.empty()) return Role::contact;
   if (!region.loads.empty()) return Role::load;
-  return region.supports.empty() ? Role::free : Role::support;
+  if (!region.supports.empty()) return Role::support;  // also where a contact names the whole face
+  return region.contacts.empty() ? Role::free : Role::contact;
 }
 
 Rgb colour_of(Role role, int k) {
@@ -202,6 +202,26 @@ void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const
                   tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
 }
 
+/// The coordinate axes as they are seen and a length, at the lower corners of a panel.
+void add_axes_and_scale(const Panel& view, Sheet& sheet) {
+  constexpr double axis_length = 24, corner = 30, foot = 4;
+  const double x = view.left + corner, y = view.bottom + corner;
+  static const char* const names[] = {"x", "y", "z"};
+  for (int k = 0; k < 3; ++k) {
+    const double right = view.camera.right[k], up = view.camera.up[k];
+    sheet.settings += fmt::format("set arrow from {},{} to {},{} front filled size 7,20 lw 1.5 lc rgb '#303030'\n", x,
+                                  y, x + axis_length * right, y + axis_length * up);
+    sheet.label(names[k], x + (axis_length + 8) * right, y + (axis_length + 8) * up, "center front font ',11'");
+  }
+  const double length = round_down(0.3 * panel / view.camera.pixels_per_metre);
+  const double end = view.left + panel, begin = end - length * view.camera.pixels_per_metre, line = view.bottom + foot;
+  sheet.settings += fmt::format("set arrow from {},{} to {},{} heads front size 4,90 lw 1.5 lc rgb '#303030'\n", begin,
+                                line, end, line);
+  const DisplayUnit unit = length_unit(length);
+  sheet.label(short_number(length * unit.factor) + " " + unit.name, (begin + end) / 2, line + 10,
+              "center front font ',11'");
+}
+
 /// Mean prescribed displacement in global axes, zero where there is none.
 Vec3 prescribed(const FaceRegion& region) {
   Vec3 u = Vec3::Zero();
@@ -342,6 +362,7 @@ void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, d
     const RenderedImage image = draw(drawing, bodies, view, colour, part);
     add_panel(view, image, name + (behind ? "_behind" : "_front"),
               behind ? "from below, behind" : "from above, in front", drawing.folder, sheet);
+    add_axes_and_scale(view, sheet);
     if (numbered) add_marks(drawing, view, image, sheet);
   }
 }

@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/errors.hpp"
 #include "core/output_text.hpp"
 
 extern char** environ;
@@ -30,6 +31,48 @@ constexpr std::array<std::array<double, 3>, 7> colours{{{0.15, 0.18, 0.50},
                                                         {0.97, 0.86, 0.45},
                                                         {0.93, 0.50, 0.20},
                                                         {0.68, 0.11, 0.13}}};
+
+/// Letters of DejaVu Sans, the font of gnuplot on Debian: those of Europe, mathematics, symbols. A letter that no font
+/// has covers a whole PNG in black (gnuplot 5.4 with Pango 1.50).
+constexpr char32_t drawable[][2] = {{0x20, 0x7e},     {0xa0, 0x2e9},    {0x300, 0x34f},   {0x38e, 0x3a1},
+                                    {0x3a3, 0x525},   {0x1e00, 0x1efb}, {0x2010, 0x2027}, {0x2030, 0x205e},
+                                    {0x2074, 0x208e}, {0x20a0, 0x20b5}, {0x2100, 0x2109}, {0x2150, 0x2185},
+                                    {0x2190, 0x2311}, {0x2500, 0x269c}};
+constexpr char32_t instead_of_others = 0x25a1;  // a square
+
+bool is_drawable(char32_t letter) {
+  return std::any_of(std::begin(drawable), std::end(drawable),
+                     [&](const auto& range) { return letter >= range[0] && letter <= range[1]; });
+}
+
+/// The letters of a text; control characters are spaces, and what is no UTF-8 are question marks.
+std::u32string letters_of(const std::string& text) {
+  std::u32string letters;
+  for (const char c : printable(text, text.size())) {
+    const auto byte = static_cast<unsigned char>(c);
+    if ((byte & 0xc0) == 0x80)
+      letters.back() = letters.back() << 6 | (byte & 0x3f);
+    else
+      letters += byte < 0x80 ? byte : byte < 0xe0 ? byte & 0x1f : byte < 0xf0 ? byte & 0x0f : byte & 0x07;
+  }
+  return letters;
+}
+
+std::string utf8(char32_t letter) {
+  if (letter < 0x80) return {static_cast<char>(letter)};
+  if (letter < 0x800) return {static_cast<char>(0xc0 | letter >> 6), static_cast<char>(0x80 | (letter & 0x3f))};
+  return {static_cast<char>(0xe0 | letter >> 12), static_cast<char>(0x80 | (letter >> 6 & 0x3f)),
+          static_cast<char>(0x80 | (letter & 0x3f))};
+}
+
+/// Width of a letter over the size of the font, about.
+double width_of(char32_t letter) {
+  static const std::u32string narrow = U" ilj.,:;'|!()[]ftrI-/", wide = U"mwMW@%";
+  if (narrow.find(letter) != std::u32string::npos) return 0.4;
+  return wide.find(letter) != std::u32string::npos || letter >= 0x2000 ? 1.0
+         : letter < 'a' && letter >= 'A'                               ? 0.72
+                                                                       : 0.63;
+}
 
 /// Starts gnuplot in a folder; 0, or an error number when it could not be started.
 int spawn_gnuplot(const std::string& folder, const std::string& script, const std::string& log, pid_t& child) {
@@ -126,17 +169,23 @@ std::string gnuplot_palette() {
 
 std::string gnuplot_text(const std::string& text) {
   std::string quoted = "'";
-  for (char c : text) {
-    if (c == '\'') quoted += c;
-    quoted += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  for (const char32_t letter : letters_of(text)) {
+    if (letter == '\'') quoted += '\'';
+    quoted += utf8(is_drawable(letter) ? letter : instead_of_others);
   }
   return quoted + "'";
 }
 
-GnuplotTitle gnuplot_title(const std::string& text, int width, int font_size) {
+double gnuplot_width(const std::string& text, double pixels) {
+  double width = 0;
+  for (const char32_t letter : letters_of(text)) width += width_of(letter) * pixels;
+  return width;
+}
+
+GnuplotTitle gnuplot_title(const std::string& text, int width, double pixels) {
   constexpr std::size_t most_lines = 4;
-  constexpr double letter = 0.62;  // width of a letter over the size of the font
-  const int columns = std::max(10, static_cast<int>(width / (letter * font_size)));
+  const double letter = gnuplot_width(text, pixels) / std::max(1, columns_of(text));
+  const int columns = std::max(10, static_cast<int>(width / std::max(letter, 0.1 * pixels)));
   std::vector<std::string> lines;
   for (std::string line : wrapped(text, "", columns)) {
     while (columns_of(line) > columns) {  // a word longer than a line is divided

@@ -45,15 +45,24 @@ std::array<double, 3> palette_colour(double value);
 std::string gnuplot_palette();
 
 /// Text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
-/// interpreted if the terminal is set to noenhanced.
+/// interpreted if the terminal is set to noenhanced. Letters that its font may not have are drawn as squares.
 std::string gnuplot_text(const std::string& text);
 
-/// A heading for "set title" in lines that fit `width` pixels at that font size; longer than four lines it ends in
-/// dots.
+/// Letters of a name in a legend, so that a plot keeps its width.
+constexpr int longest_entry = 24;
+
+/// Height in pixels of a font of so many points in the terminal pngcairo; in svg points are pixels.
+constexpr double png_pixels(double points) { return points * 4 / 3; }
+
+/// About the width in pixels of a text in a font of that height.
+double gnuplot_width(const std::string& text, double pixels);
+
+/// A heading for "set title" in lines that fit `width` pixels in a font of that height; longer than four lines it ends
+/// in dots.
 struct GnuplotTitle {
   std::string text;  ///< in quotes
   int lines = 1;
 };
-GnuplotTitle gnuplot_title(const std::string& text, int width, int font_size);
+GnuplotTitle gnuplot_title(const std::string& text, int width, double pixels);
 
 }  // namespace cgcontact

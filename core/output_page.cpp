@@ -89,6 +89,17 @@ std::string estimate(const Results& results, const PairFigures& pair, const std:
   return coarse ? figure(*error, "not resolved") : percent(*error);
 }
 
+/// The largest of all forces: of loads, supports, pairs, and what the pressures of a pair would give if all had one
+/// direction (those of a shrink fit add up to nothing).
+double force_scale(const Results& results) {
+  double scale = 0;
+  for (const PairFigures& pair : results.pairs)
+    scale = std::max({scale, pair.force_on_first.norm(), pair.max_pressure * pair.area});
+  for (const LoadFigures& load : results.loads) scale = std::max(scale, load.force.norm());
+  for (const SupportFigures& support : results.supports) scale = std::max(scale, support.force.norm());
+  return scale;
+}
+
 std::string stress(double pa) { return figure(pa, stress_unit(std::abs(pa)), 4); }
 std::string force(double newton, double scale = 0) {
   return std::abs(newton) <= no_force * scale ? figure(newton, "0") : figure(newton, force_unit(std::abs(newton)), 5);
@@ -242,6 +253,7 @@ std::string reliability(const Results& results) {
   std::string text;
   double pressure = 0, forces = 0;
   std::size_t unresolved = 0;
+  bool given_by_loads = true;
   for (std::size_t k = 0; k < results.pairs.size(); ++k) {
     const PairFigures& pair = results.pairs[k];
     if (k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved) {
@@ -250,6 +262,7 @@ std::string reliability(const Results& results) {
     }
     pressure = std::max(pressure, pair.pressure_error_estimate);
     forces = std::max(forces, pair.force_error_estimate.value_or(0));
+    given_by_loads &= pair.force_given_by_loads;
   }
   if (unresolved > 0)
     text += paragraph(fmt::format(
@@ -259,11 +272,12 @@ std::string reliability(const Results& results) {
         unresolved == 1 ? "" : "s", unresolved, unresolved == 1 ? "" : "s", unresolved == 1 ? "has" : "have"));
   const char* const which = results.pairs.size() - unresolved > 1 ? ", for the worst of all resolved pairs" : "";
   if (results.pairs.size() > unresolved)
-    text +=
-        paragraph(fmt::format("<b>Contact force:</b> off by about {}{}. <b>Contact pressure:</b> off by about {} in "
-                              "the mean over the contact "
-                              "face{} (root mean square).",
-                              percent(forces), which, percent(pressure), which));
+    text += paragraph(
+        (given_by_loads ? std::string("<b>Contact force:</b> given by the loads. ")
+         : forces == 0  ? ""
+                        : fmt::format("<b>Contact force:</b> off by about {}{}. ", percent(forces), which)) +
+        fmt::format("<b>Contact pressure:</b> off by about {} in the mean over the contact face{} (root mean square).",
+                    percent(pressure), which));
   text += paragraph(fmt::format(
       "<b>Stress in the bodies:</b> the finite element stress differs from the recovered one, which is shown here, by "
       "{} "
@@ -300,9 +314,7 @@ std::string pairs_section(const Results& results) {
 
 /// Supports, loads and interferences with their resultants; every face of the picture by its number.
 std::string conditions_section(const Results& results, const PageParts& parts) {
-  double scale = 0;
-  for (const LoadFigures& load : results.loads) scale = std::max(scale, load.force.norm());
-  for (const SupportFigures& support : results.supports) scale = std::max(scale, support.force.norm());
+  const double scale = force_scale(results);
   std::vector<std::string> rows;
   const auto text_cell = [](const std::string& text) { return "<td class=\"text\">" + html_text(text) + "</td>"; };
   for (const SupportFigures& support : results.supports)
@@ -322,7 +334,7 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
                      text_cell(pair.interference > 0 ? "interference" : "clearance") +
                      cell(force(pair.force_on_first.norm())));
   if (!fits.empty())
-    text += "<h3>Interferences</h3>\n" + table({"Pair", "", "given as", "Resultant of the pressure"}, fits);
+    text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);
   const std::string shown =
       picture(parts.directory, "conditions.png", "Faces of the bodies, numbered, in the colour of what holds there",
               "Each body from above in front and from below behind.");
@@ -378,7 +390,7 @@ std::string profile_section(const Results& results, const PageParts& parts) {
 }
 
 std::string balance_section(const Results& results) {
-  double scale = 0, worst = 0;
+  double scale = force_scale(results), worst = 0;
   for (const BodyBalance& body : results.balance)
     for (const Vec3& f : {body.loads, body.supports, body.contact}) scale = std::max(scale, f.norm());
   std::vector<std::string> rows;

@@ -48,14 +48,6 @@ struct View {
   Box box;
 };
 
-/// 1, 2 or 5 times a power of ten, not above the value.
-double round_down(double value) {
-  const double power = std::pow(10, std::floor(std::log10(value)));
-  for (double digit : {5.0, 2.0})
-    if (digit * power <= value * (1 + 1e-9)) return digit * power;
-  return power;
-}
-
 double choose_exaggeration(const std::vector<DrawnBody>& bodies, const Box& box) {
   double largest = 0;
   for (const DrawnBody& body : bodies)
@@ -275,8 +267,8 @@ std::optional<std::size_t> most_stressed(const Results& results) {
   return most;
 }
 
-/// "largest 42.7 MPa in shell at (0.1, 0, 0.5) m", and whether the colours end below it.
-std::string largest_text(const Results& results, std::size_t body, const View& view) {
+/// "largest (ring): 42.7 MPa in shell at (0.1, 0, 0.5) m", and whether the colours end below it.
+std::string largest_text(const Results& results, std::size_t body, const View& view, bool has_ring) {
   const BodyExtremes& most = results.extremes[body];
   const DisplayUnit length = length_unit(most.von_mises_at.cwiseAbs().maxCoeff());
   const double rounding = 1e-9 * most.von_mises_at.cwiseAbs().maxCoeff();
@@ -284,9 +276,9 @@ std::string largest_text(const Results& results, std::size_t body, const View& v
     const double x = most.von_mises_at[k];
     return short_number(std::abs(x) <= rounding ? 0 : x * length.factor, 4);
   };
-  return fmt::format("largest (ring): {} in {} at ({}, {}, {}) {}{}", scaled(most.von_mises, "Pa"),
-                     results.bodies[body].name, component(0), component(1), component(2), length.name,
-                     most.von_mises > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
+  return fmt::format("largest ({}): {} in {} at ({}, {}, {}) {}{}", has_ring ? "ring" : "cut away",
+                     scaled(most.von_mises, "Pa"), results.bodies[body].name, component(0), component(1), component(2),
+                     length.name, most.von_mises > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
 }
 
 std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size,
@@ -297,8 +289,9 @@ std::string picture_script(const Results& results, const View& view, const std::
   const int left = flat ? 125 : 30, right = 170;
   const auto most = most_stressed(results);
   const int width = size[0] + left + right;
-  const GnuplotTitle title = gnuplot_title(results.title, width - 20, 18);
-  const GnuplotTitle largest = gnuplot_title(most ? largest_text(results, *most, view) : "", width - 20, 14);
+  const GnuplotTitle title = gnuplot_title(results.title, width - 20, png_pixels(18));
+  const GnuplotTitle largest =
+      gnuplot_title(most ? largest_text(results, *most, view, largest_at.has_value()) : "", width - 20, png_pixels(14));
   const int notes = 10 + 20 * largest.lines;
   const int bottom = notes + (flat ? 80 : 125), top = 36 + 24 * title.lines;
   const int height = size[1] + bottom + top;

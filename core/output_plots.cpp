@@ -86,7 +86,7 @@ std::string pressure_curves(const Results& results, const std::vector<std::vecto
   if (bodies.size() > 1)
     for (int b = 0; b < 2; ++b)
       text += fmt::format("  NaN with lines lc rgb '#606060' lw 1.6 dt {} title {}, \\\n", b == 0 ? "1" : "(6,4)",
-                          gnuplot_text(results.bodies[bodies[b].front().body].name));
+                          gnuplot_text(shortened_name(results.bodies[bodies[b].front().body].name, longest_entry)));
   return text;
 }
 
@@ -117,7 +117,9 @@ void write_pressure_plot(const Results& results, const Scene& scene, int pair, G
   script +=
       "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset key outside right center vertical Left reverse samplen 2.6 spacing "
       "1.25\n";
-  script += fmt::format("set title {}\n", title.text);
+  const double height = 560 + 20 * (title.lines - 1);
+  script += fmt::format("set label {} at screen 0.5,{} center font ',15'\nset tmargin at screen {}\n", title.text,
+                        1 - 24 / height, 1 - (24 + 20 * title.lines) / height);
   const char* const along =
       results.path_from_largest ? "along the face, from the largest pressure" : "position on the path";
   script += fmt::format("set xlabel '{} [{}]'\nset ylabel 'contact pressure [{}]'\n",
@@ -167,7 +169,8 @@ void write_steps_plot(const Results& results, GnuplotRuns& runs) {
       "set encoding utf8\nset terminal svg size 1080,420 fixed noenhanced font 'sans-serif,13' background 'white'\n"
       "set output '../steps.svg'\nset multiplot layout 1,3 title {}\nset border 3 lw 1 lc rgb '#404040'\n"
       "set tics nomirror out\nset grid lc rgb '#e4e4e4' lw 1 dt 1\nset xlabel 'step'\nset xrange [0.5:{}]\n"
-      "set xtics {}\nset yrange [0:*]\nset key bottom right Left reverse\n",
+      "set xtics {}\nset yrange [0:*]\n"
+      "set key outside bottom center horizontal Left reverse\n",
       gnuplot_title("Contact in steps: " + results.title, 1000, 15).text,
       static_cast<double>(results.steps.size()) + 0.5, 1 + results.steps.size() / 12);
   int column = 2;
@@ -175,7 +178,8 @@ void write_steps_plot(const Results& results, GnuplotRuns& runs) {
     script += fmt::format("set ylabel '{} [{}]'\nplot ", name, unit);
     for (std::size_t p = 0; p < num_pairs; ++p)
       script += fmt::format("{}'steps.dat' index {} using 1:(${}*{}) with linespoints lw 2 pt 7 ps 0.6 title {}",
-                            p == 0 ? "" : ", ", p, column, factor, gnuplot_text(results.steps.back().pairs[p].name));
+                            p == 0 ? "" : ", ", p, column, factor,
+                            gnuplot_text(shortened_name(results.steps.back().pairs[p].name, longest_entry)));
     script += "\n";
     ++column;
   }

@@ -214,7 +214,7 @@ class Pieces {
 };
 
 GnuplotTitle title_of(const Results& results, const Face& face, int width) {
-  return gnuplot_title("Contact pressure: " + results.pairs[face.pair].name, width, 15);
+  return gnuplot_title("Contact pressure: " + results.pairs[face.pair].name, width, png_pixels(15));
 }
 
 /// Map of a face; `name` of the data and picture.
@@ -243,7 +243,8 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   const DisplayUnit stress = stress_unit(limit);
   const int left = 110, right = 180, bottom = 125;
   const double width = size[0] + left + right;
-  const GnuplotTitle title = title_of(results, face, static_cast<int>(width) - 20);
+  const GnuplotTitle title =
+      title_of(results, face, static_cast<int>(width) - (right - left) - 20);  // centred over the map
   const int top = 40 + 20 * title.lines;
   const double height = size[1] + bottom + top;
   std::string script = fmt::format(
@@ -313,7 +314,7 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
   write_text(folder + "/" + name + ".dat", curve_data(results, face, chart, axis, length, stress, bodies, borders));
   std::string script = "set terminal pngcairo size 900,520 noenhanced font 'sans-serif,14' background 'white'\n";
   script += fmt::format("set output '../{}.png'\nset title {}\nset grid lc rgb '#e4e4e4' lw 1 dt 1\n", name,
-                        title_of(results, face, 880).text);
+                        title_of(results, face, 800).text);
   script +=
       "set xtics norotate\nset key outside top right horizontal Left reverse samplen 2.6\nunset colorbox\nset lmargin "
       "-1\nset rmargin "
@@ -327,7 +328,8 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
   script += "plot ";
   for (std::size_t k = 0; k < bodies.size(); ++k)
     script += fmt::format("{}'{}.dat' index {} with lines lc rgb '#d2501e' lw {} dt {} title {}", k ? ", \\\n  " : "",
-                          name, k, k ? 1.6 : 2.4, k ? "(6,4)" : "1", gnuplot_text(results.bodies[bodies[k]].name));
+                          name, k, k ? 1.6 : 2.4, k ? "(6,4)" : "1",
+                          gnuplot_text(shortened_name(results.bodies[bodies[k]].name, longest_entry)));
   if (!borders.empty())
     script += ", \\\n  NaN with lines lc rgb '#606060' dt (6,4) title 'border of the closed points'";
   return script + "\nunset arrow\nunset grid\n";

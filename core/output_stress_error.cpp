@@ -112,6 +112,13 @@ std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies
   return data;
 }
 
+/// In one line, so that the panels keep their places.
+std::string title_of(const Results& results, int width) {
+  std::string title = "Error of the recovered stress on the contact face: " + results.title;
+  if (gnuplot_width(title, 16) <= width) return gnuplot_text(title);
+  return gnuplot_text("Error of the recovered stress on the contact face");
+}
+
 std::string curve_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,
                          const Layout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
   std::string script =
@@ -119,8 +126,7 @@ std::string curve_script(const Results& results, const std::vector<std::vector<S
   script += "set output '../stress_error.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n";
   script += "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset key outside top center horizontal Left reverse samplen 2.6\n";
   script +=
-      fmt::format("set multiplot layout 1,2 title {} font ',16'\nset xlabel '{} [{}]'\n",
-                  gnuplot_text("Error of the recovered stress on the contact face: " + results.title),
+      fmt::format("set multiplot layout 1,2 title {} font ',16'\nset xlabel '{} [{}]'\n", title_of(results, 1080),
                   layout.kind == Layout::Kind::arc ? "arc length" : std::string(1, "xyz"[layout.first]), length.name);
   double highest = 0;
   for (const auto& samples : bodies)
@@ -134,7 +140,7 @@ std::string curve_script(const Results& results, const std::vector<std::vector<S
     for (std::size_t b = 0; b < std::min<std::size_t>(bodies.size(), 2); ++b)
       script += fmt::format("{} 'stress_error.dat' index {} using 1:{} with lines lc rgb '{}' lw {} dt {} title {}",
                             b ? ", \\\n " : "", b, 3 + method, colours[method], b ? 1.6 : 2.0, b ? "(6,4)" : "1",
-                            gnuplot_text(results.bodies[bodies[b].front().body].name));
+                            gnuplot_text(shortened_name(results.bodies[bodies[b].front().body].name, longest_entry)));
     script += "\n";
   }
   return script + "unset multiplot\n";
@@ -215,11 +221,10 @@ std::string map_script(const Results& results, const std::vector<std::vector<Str
                           (layout.low[axis] + layout.extent[axis]) * length.factor, "xy"[k], "xyz"[axis], length.name);
   }
   script += fmt::format("set multiplot layout {},2 title {} font ',16' margins 0.08,0.87,{},{} spacing 0.10,{}\n", rows,
-                        gnuplot_text("Error of the recovered stress on the contact face: " + results.title),
-                        rows == 1 ? 0.13 : 0.08, rows == 1 ? 0.84 : 0.90, 0.13);
+                        title_of(results, 1040), rows == 1 ? 0.13 : 0.08, rows == 1 ? 0.84 : 0.90, 0.13);
   for (int b = 0; b < rows; ++b)
     for (int method = 0; method < 2; ++method) {
-      const std::string name = results.bodies[bodies[b].front().body].name;
+      const std::string name = shortened_name(results.bodies[bodies[b].front().body].name, longest_entry);
       script += fmt::format("set title {}\n", gnuplot_text((method == 0 ? "SPR, " : "SPR-C, ") + name));
       script += method == 0 ? "unset colorbox\n"
                             : fmt::format("set colorbox\nset cblabel '|stress error| [{}]'\n", stress.name);

@@ -20,6 +20,8 @@ constexpr int panel_width = 520, panel_height = 410, line_height = 22;
 /// Pixels of a letter, and of an entry's line and gaps.
 constexpr double letter_width = 8.2;
 constexpr int entry_width = 70;
+/// Letters of the name of a pair.
+constexpr int longest_pair = 60;
 constexpr int left_margin = 80, right_margin = 20, top_margin = 45, bottom_margin = 85;
 
 /// What is drawn to the right.
@@ -226,16 +228,18 @@ struct FigureCurve {
 
 std::vector<FigureCurve> figure_curves(const Study& study) {
   std::vector<FigureCurve> curves;
-  std::size_t pairs = 0;
-  for (const StudyRow& row : study.rows) pairs = std::max(pairs, row.figures.pairs.size());
-  for (std::size_t pair = 0; pair < pairs; ++pair)
+  std::vector<std::string> pairs;  // automatic contact may have other ones in other runs
+  for (const StudyRow& row : study.rows)
+    for (const auto& pair : row.figures.pairs)
+      if (std::find(pairs.begin(), pairs.end(), pair.name) == pairs.end()) pairs.push_back(pair.name);
+  for (const std::string& pair : pairs)
     for (const std::string& variant : study.variants) {
       FigureCurve curve;
       for (const StudyRow& row : study.rows) {
-        if (row.variant != variant || row.status != StudyRow::Status::solved || pair >= row.figures.pairs.size())
-          continue;
-        curve.name = row.figures.pairs[pair].name + (study.variants.size() > 1 ? ", " + variant : "");
-        curve.points.emplace_back(std::stod(row.size), row.figures.pairs[pair]);
+        if (row.variant != variant || row.status != StudyRow::Status::solved) continue;
+        curve.name = shortened_name(pair, longest_pair) + (study.variants.size() > 1 ? ", " + variant : "");
+        for (const auto& figures : row.figures.pairs)
+          if (figures.name == pair) curve.points.emplace_back(std::stod(row.size), figures);
       }
       std::stable_sort(curve.points.begin(), curve.points.end(),
                        [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -38,18 +38,6 @@ Lines paragraph(const std::string& label, const std::string& text, std::size_t l
   return shortened(wrapped(text, label, screen_width - 4), longest);
 }
 
-/// A name cut to a column.
-std::string cut(const std::string& name, int width) {
-  if (columns_of(name) <= width) return name + std::string(static_cast<std::size_t>(width - columns_of(name)), ' ');
-  std::string kept;
-  for (char c : name) {
-    const bool starts_letter = (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-    if (starts_letter && columns_of(kept + c) > width - 2) break;
-    kept += c;
-  }
-  return kept + std::string(static_cast<std::size_t>(std::max(0, width - 2 - columns_of(kept))), ' ') + "..";
-}
-
 std::string in_unit(double value, const DisplayUnit& unit, int digits) {
   return short_number(value * unit.factor, digits) + " " + unit.name;
 }
@@ -69,7 +57,7 @@ Lines pair_table(const Results& results, std::size_t rows) {
     const auto error = [&](const std::optional<double>& estimate) {
       return coarse ? "coarse" : pair.active_points > 0 && estimate ? percent(*estimate) : "-";
     };
-    lines.push_back(fmt::format("  {} {:>11} {:>7} {:>12} {:>11} {:>12}", cut(pair.name, 20),
+    lines.push_back(fmt::format("  {:<20} {:>11} {:>7} {:>12} {:>11} {:>12}", shortened_name(pair.name, 20),
                                 in_unit(force, force_unit(force), 5), error(pair.force_error_estimate),
                                 in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 5),
                                 error(pair.pressure_error_estimate), in_unit(pair.area, area_unit(pair.area), 4)));
@@ -89,7 +77,7 @@ Lines step_lines(const Results& results, std::size_t rows) {
     if (!s.pairs.empty()) {
       const PairFigures& pair = s.pairs.front();
       const double force = pair.force_on_first.norm();
-      text += fmt::format(" {} {}, at most {}", cut(pair.name, 22), in_unit(force, force_unit(force), 4),
+      text += fmt::format(" {:<22} {}, at most {}", shortened_name(pair.name, 22), in_unit(force, force_unit(force), 4),
                           in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 4));
     }
     lines.push_back(text + (s.converged ? "" : " NOT CONVERGED"));

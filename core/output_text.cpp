@@ -53,7 +53,7 @@ std::string csv_text(const std::string& text) {
 
 std::string html_text(const std::string& text) {
   std::string escaped;
-  for (char c : text) switch (c) {
+  for (char c : printable(text, text.size())) switch (c) {
       case '<':
         escaped += "&lt;";
         break;
@@ -70,7 +70,7 @@ std::string html_text(const std::string& text) {
         escaped += "&#39;";
         break;
       default:
-        escaped += static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t' ? ' ' : c;
+        escaped += c;
     }
   return escaped;
 }
@@ -121,6 +121,13 @@ std::vector<std::string> wrapped(const std::string& text, const std::string& fir
   return lines;
 }
 
+std::string shortened_name(const std::string& name, int columns) {
+  const auto size = static_cast<std::size_t>(columns);
+  if (name.size() <= size) return name;
+  const std::size_t end = (size - 2) / 2;
+  return name.substr(0, size - 2 - end) + ".." + name.substr(name.size() - end);
+}
+
 std::string grouped(long long value) {
   std::string text = std::to_string(value);
   const std::ptrdiff_t first = text[0] == '-' ? 1 : 0;
@@ -153,6 +160,13 @@ DisplayUnit force_unit(double largest) {
   if (largest >= 1e3) return {1e-3, "kN"};
   if (largest >= 0.1 || largest == 0) return {1, "N"};
   return {1e3, "mN"};
+}
+
+double round_down(double value) {
+  const double power = std::pow(10, std::floor(std::log10(value)));
+  for (double digit : {5.0, 2.0})
+    if (digit * power <= value * (1 + 1e-9)) return digit * power;
+  return power;
 }
 
 std::string short_number(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }

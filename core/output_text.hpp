@@ -16,6 +16,9 @@ std::string read_text(const std::string& file_name);
 std::string csv_text(const std::string& text);
 
 /// A number for people: `digits` significant digits, e.g. "9.37", "1.6e-06".
+/// 1, 2 or 5 times a power of ten, not above the value.
+double round_down(double value);
+
 std::string short_number(double value, int digits = 4);
 
 /// A fraction in per cent with two digits and no exponent above 1 %, e.g. "0.41", "12", "340", "over 9999".
@@ -38,6 +41,10 @@ std::vector<std::string> wrapped(const std::string& text, const std::string& fir
 
 /// Columns that a text in UTF-8 takes on a terminal.
 int columns_of(const std::string& text);
+
+/// A name of a scene (one byte per letter) in at most so many columns: its beginning and its end, with two dots
+/// between.
+std::string shortened_name(const std::string& name, int columns);
 
 /// An integer with groups of three digits for people: "28,764".
 std::string grouped(long long value);
