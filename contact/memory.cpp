@@ -12,10 +12,10 @@ namespace cgcontact {
 namespace {
 
 /// Cells of the coarse grid from which sizes are estimated, and of the finer one where the first estimate is near what
-/// there is: a second or two, and the sizes within some 3 %.
-constexpr double coarse_cells = 1 << 17, finer_cells = 1 << 22;
-/// So near, as a factor, and the part of the finer estimate that a run surely needs.
-constexpr double near_limit = 1.4, surely_needed = 0.98;
+/// there is: a second or two, and the sizes within some 3 %, most of them below 1 %.
+constexpr double coarse_cells = 1 << 17, finer_cells = 1 << 25;
+/// So near, as a factor.
+constexpr double near_limit = 1.4;
 /// Of the available memory, for the cell size that is advised: sizes scale with the cells to so much.
 constexpr double safe_part = 0.8;
 
@@ -143,16 +143,16 @@ void check_memory_early(const Scene& scene, bool near_limit_too) {
     for (const BodySpec& body : scene.bodies) sizes.push_back(estimate_size(body, finer));
     const double expected = expected_memory(sizes, {0, scene.output.plots});
     if (expected * near_limit < available) return;
-    if (expected > near_limit * available || finer) check_memory(scene, sizes, 0, surely_needed);
+    if (expected > near_limit * available || finer) check_memory(scene, sizes, 0);
     if (!near_limit_too) return;
   }
 }
 
-void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, double contact_points, double needed_part) {
+void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, double contact_points) {
   const MemoryBudget budget = memory_budget();
   const MemoryExtras extras{contact_points, scene.output.plots};
   const double expected = expected_memory(bodies, extras);
-  if (needed_part * expected <= budget.bytes) return;
+  if (expected <= budget.bytes) return;
   const std::string fitting = fitting_cells(scene, bodies, extras, budget.bytes);
   throw InputError(
       fmt::format("{}: needs about {} of memory, and there are {} ({}); {}; {}--memory-limit overrides this",

@@ -26,10 +26,9 @@ struct MemoryExtras {
 /// Expected peak memory of a run in bytes: a measured model.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras);
 
-/// Throws InputError if `needed_part` of the expected memory is more than there is (memory_budget), and names the cell
-/// sizes that would fit.
-void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, double contact_points,
-                  double needed_part = 1);
+/// Throws InputError if the expected memory is more than there is (memory_budget), and names the cell sizes that would
+/// fit.
+void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, double contact_points);
 
 /// The same before any cells are made, from estimated sizes: what is too large by far is refused at once, what is too
 /// large by little within a second or two.

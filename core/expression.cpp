@@ -87,7 +87,9 @@ std::string format_number(double value) {
   std::vector<std::string> known;
   if (with_coordinates) known.insert(known.end(), std::begin(axis_names), std::end(axis_names));
   known.insert(known.end(), {"pi", pi_name, e_name});
-  for (const auto& entry : constants) known.push_back(entry.first);
+  std::vector<std::string> parameters;
+  for (const auto& entry : constants) parameters.push_back(entry.first);
+  known.insert(known.end(), parameters.begin(), parameters.end());
   std::vector<std::string> functions;
   const mu::Parser parser;
   for (const auto& entry : parser.GetFunDef()) functions.push_back(entry.first);
@@ -96,7 +98,13 @@ std::string format_number(double value) {
   const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
+  static const std::vector<std::string> units = {"m",  "mm", "cm",  "um",  "km",  "in",  "ft",  "N", "kN",
+                                                 "MN", "Pa", "kPa", "MPa", "GPa", "deg", "rad", "kg"};
   for_each_name(text, [&](const std::string& name, bool is_called) {
+    if (!is_called && contains(units, name) && !contains(known, name) && did_you_mean(name, parameters).empty())
+      throw InputError(place, quoted(text),
+                       "unknown name " + quoted(name) + ": numbers have no units here, all values are in SI units",
+                       join(known) + ", " + join(functions, " "));
     if (is_called && !contains(functions, name) && !contains(known, name))
       throw InputError(place, quoted(text), "unknown function " + quoted(name) + did_you_mean(name, functions),
                        join(functions, " "));
@@ -106,10 +114,6 @@ std::string format_number(double value) {
     all.insert(all.end(), functions.begin(), functions.end());
     const bool coordinate = token == "x" || token == "y" || token == "z";
     std::string why = "unknown name " + quoted(token) + did_you_mean(token, all);
-    static const std::vector<std::string> units = {"m",  "mm",  "cm",  "um",  "km",  "in",  "ft", "N", "kN", "MN",
-                                                   "Pa", "kPa", "MPa", "GPa", "deg", "rad", "kg", "s", "K",  "C"};
-    if (contains(units, token) && did_you_mean(token, known).empty())
-      why = "unknown name " + quoted(token) + ": numbers have no units here, all values are in SI units (m, N, Pa)";
     if (coordinate) why = "must be one number, it cannot depend on " + quoted(token);
     if (token == contact_force_name)
       why = quoted(token) +

@@ -374,7 +374,7 @@ void add_heading(const std::string& text, double bottom, Sheet& sheet) {
 void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
   std::vector<std::size_t> all(drawing.drawn.size());
   for (std::size_t b = 0; b < all.size(); ++b) all[b] = b;
-  add_heading(drawing.scene.title.empty() ? drawing.scene.file : drawing.scene.title, bottom, sheet);
+  add_heading(drawable_text(drawing.scene.title.empty() ? drawing.scene.file : drawing.scene.title), bottom, sheet);
   add_views(
       drawing, all, bottom, "scene", [](std::size_t b, std::size_t) { return colour_of_body(b); },
       [](std::size_t b, std::size_t) { return static_cast<int>(b); }, false, sheet);

@@ -169,11 +169,14 @@ std::string gnuplot_palette() {
 
 std::string gnuplot_text(const std::string& text) {
   std::string quoted = "'";
-  for (const char32_t letter : letters_of(text)) {
-    if (letter == '\'') quoted += '\'';
-    quoted += utf8(is_drawable(letter) ? letter : instead_of_others);
-  }
+  for (const char c : printable(text, text.size())) quoted += c == '\'' ? "''" : std::string(1, c);
   return quoted + "'";
+}
+
+std::string drawable_text(const std::string& text) {
+  std::string drawn;
+  for (const char32_t letter : letters_of(text)) drawn += utf8(is_drawable(letter) ? letter : instead_of_others);
+  return drawn;
 }
 
 double gnuplot_width(const std::string& text, double pixels) {

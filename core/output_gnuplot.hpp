@@ -45,8 +45,11 @@ std::array<double, 3> palette_colour(double value);
 std::string gnuplot_palette();
 
 /// Text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
-/// interpreted if the terminal is set to noenhanced. Letters that its font may not have are drawn as squares.
+/// interpreted if the terminal is set to noenhanced.
 std::string gnuplot_text(const std::string& text);
+
+/// The text for a PNG: squares in place of letters that its font may not have.
+std::string drawable_text(const std::string& text);
 
 /// Letters of a name in a legend, so that a plot keeps its width.
 constexpr int longest_entry = 24;

@@ -289,7 +289,7 @@ std::string picture_script(const Results& results, const View& view, const std::
   const int left = flat ? 125 : 30, right = 170;
   const auto most = most_stressed(results);
   const int width = size[0] + left + right;
-  const GnuplotTitle title = gnuplot_title(results.title, width - 20, png_pixels(18));
+  const GnuplotTitle title = gnuplot_title(drawable_text(results.title), width - 20, png_pixels(18));
   const GnuplotTitle largest =
       gnuplot_title(most ? largest_text(results, *most, view, largest_at.has_value()) : "", width - 20, png_pixels(14));
   const int notes = 10 + 20 * largest.lines;

@@ -112,13 +112,6 @@ std::string curve_data(const std::vector<std::vector<StressErrorSample>>& bodies
   return data;
 }
 
-/// In one line, so that the panels keep their places.
-std::string title_of(const Results& results, int width) {
-  std::string title = "Error of the recovered stress on the contact face: " + results.title;
-  if (gnuplot_width(title, 16) <= width) return gnuplot_text(title);
-  return gnuplot_text("Error of the recovered stress on the contact face");
-}
-
 std::string curve_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,
                          const Layout& layout, const DisplayUnit& length, const DisplayUnit& stress) {
   std::string script =
@@ -126,7 +119,8 @@ std::string curve_script(const Results& results, const std::vector<std::vector<S
   script += "set output '../stress_error.svg'\nset border 3 lw 1 lc rgb '#404040'\nset tics nomirror out\n";
   script += "set grid lc rgb '#e4e4e4' lw 1 dt 1\nset key outside top center horizontal Left reverse samplen 2.6\n";
   script +=
-      fmt::format("set multiplot layout 1,2 title {} font ',16'\nset xlabel '{} [{}]'\n", title_of(results, 1080),
+      fmt::format("set multiplot layout 1,2 title {} font ',16'\nset xlabel '{} [{}]'\n",
+                  gnuplot_title("Error of the recovered stress on the contact face: " + results.title, 1080, 16).text,
                   layout.kind == Layout::Kind::arc ? "arc length" : std::string(1, "xyz"[layout.first]), length.name);
   double highest = 0;
   for (const auto& samples : bodies)
@@ -204,6 +198,12 @@ std::string map_data(const std::vector<std::vector<StressErrorSample>>& bodies, 
     data += "\n\n";
   }
   return data;
+}
+
+/// In one line, so that the maps keep their places.
+std::string title_of(const Results& results, int width) {
+  const std::string what = "Error of the recovered stress on the contact face", title = what + ": " + results.title;
+  return gnuplot_text(gnuplot_width(title, 16) <= width ? title : what);
 }
 
 std::string map_script(const Results& results, const std::vector<std::vector<StressErrorSample>>& bodies,

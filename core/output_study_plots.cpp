@@ -22,7 +22,7 @@ constexpr double letter_width = 8.2;
 constexpr int entry_width = 70;
 /// Letters of the name of a pair.
 constexpr int longest_pair = 60;
-constexpr int left_margin = 80, right_margin = 20, top_margin = 45, bottom_margin = 85;
+constexpr int left_margin = 95, right_margin = 35, top_margin = 45, bottom_margin = 85;
 
 /// What is drawn to the right.
 struct Abscissa {

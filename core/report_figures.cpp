@@ -39,6 +39,9 @@ RunFigures figures_of(const Json& json) {
   figures.converged = json.at("converged");
   figures.diagnosis = json.at("diagnosis");
   figures.warnings = json.at("warnings").get<std::vector<std::string>>();
+  if (const Json verdict = json.value("verdict", Json());
+      verdict.is_object() && (verdict.at("state") == "not_resolved" || verdict.at("state") == "contact_missed"))
+    figures.warnings.insert(figures.warnings.begin(), verdict.at("text").get<std::string>());
   figures.estimated_error = json.at("estimated_error").at("absolute");
   figures.estimated_error_relative = json.at("estimated_error").at("relative");
   if (json.contains("effectivity")) figures.effectivity = json.at("effectivity").get<double>();

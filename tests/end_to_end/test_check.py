@@ -69,6 +69,16 @@ class Check(unittest.TestCase):
                 self.assertLess(measured, MEMORY_FACTOR * int(megabytes))
                 self.assertGreater(measured, int(megabytes) / MEMORY_FACTOR)
 
+    def test_declared_faces(self):
+        """Faces that a body declares are listed with their exact area: a load is a force over it."""
+        text = scene("patch_test").read_text().replace('name = "lower"\n', 'name = "lower"\nfaces = [{name = "strip", surfaces = '
+                                                       '["block.z-"], box = {min = [0.1, 0.1, -1], max = [0.3, 0.7, 1]}}]\n', 1)
+        pathlib.Path("strip.toml").write_text(text)
+        outcome = cgcontact("check", "strip.toml")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        area = float(re.search(r"  face strip: ([^ ]+) m2 \(declared\)", outcome.out)[1])
+        self.assertAlmostEqual(area / (0.2 * 0.6), 1, delta=1e-9)
+
     def drawn(self, file, *options):
         """Draws a scene; the report of check, and what VTK reads in the two files."""
         directory = pathlib.Path("drawn")

@@ -4,6 +4,7 @@
 import math
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import unittest
@@ -224,6 +225,60 @@ class Pictures(unittest.TestCase):
         for file in ("pressure.svg", "stress_error.svg"):
             self.assertIn(title, " ".join(self.texts(f"titled/{file}").split("\n")), "lines of the title end between words")
         self.assertFalse(list(pathlib.Path(".").rglob("run")))
+
+    def test_letters_that_no_font_has(self):
+        """In the PNGs they are squares (gnuplot would blacken the picture)."""
+        for title in ("日本 🙂 x", "□□ □ x"):
+            for command in (["run", "--out", title], ["check", "--out", title]):
+                outcome = cgcontact(command[0], scene("two_solids"), *command[1:], *settings(n=4, title=title))
+                self.assertEqual(outcome.code, 0, outcome.err)
+        for file in ("scene.png", "check.png"):
+            self.assertEqual(*(pathlib.Path(title, file).read_bytes() for title in ("日本 🙂 x", "□□ □ x")), file)
+
+    def test_forces_that_cancel(self):
+        """A shrink fit: the pressures add up to nothing, which is 0 and not rounding in every place; the path along which the pressure
+        is drawn goes around the shaft once."""
+        pathlib.Path("fit.toml").write_text("""
+title = "fit"
+[[body]]
+name = "shaft"
+shape = {cylinder = {base = [0, 0, 0], top = [0, 0, 0.02], radius = 0.02}}
+material = {E = 210e9, nu = 0.3}
+cell_size = 0.005
+[[body]]
+name = "disc"
+shape = {difference = [{name = "rim", cylinder = {base = [0, 0, 0], top = [0, 0, 0.02], radius = 0.04}},
+                       {name = "bore", cylinder = {base = [0, 0, -1], top = [0, 0, 1], radius = 0.02}}]}
+material = {E = 210e9, nu = 0.3}
+cell_size = 0.006
+[[support]]
+face = "shaft.bottom"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "disc.rim.bottom"
+displacement = {z = 0}
+[[contact]]
+faces = ["shaft.side", "disc.bore.side"]
+interference = 3e-5
+[steps]
+interference = [0.5, 1]
+""")
+        outcome = cgcontact("run", "fit.toml", "--out", "fit")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        done = report("fit")
+        pair = done["contact"][0]
+        self.assertGreater(pair["max_pressure"] * pair["area"], 1e5)
+        for figures in (pair["force"]["shaft"], pair["force"]["disc"], *(step["contact"][0]["force"] for step in done["steps"])):
+            self.assertEqual(figures, [0, 0, 0])
+        self.assertRegex(outcome.out, r"shaft-disc +0 N +0 %")
+        page = pathlib.Path("fit/report.html").read_text()
+        for part in ("conditions", "balance"):
+            section = page[page.index(f'id="{part}"'):]
+            shown = re.findall(r"<data value=\"[^\"]*\">([^<]*(?:N))</data>", section[:section.index("</section>")])
+            self.assertEqual(shown, [], "forces other than 0")
+        ticks = [float(text) for text in self.texts("fit/pressure.svg").split("\n") if re.fullmatch(r" *-?[0-9]+ *", text)]
+        self.assertIn(60, ticks)
+        self.assertGreaterEqual(min(ticks), -math.pi * 20)
 
     def test_without_gnuplot(self):
         """Without gnuplot: a warning says so, scripts and data stay; the next run with it draws and removes them."""
