@@ -38,6 +38,7 @@ void apply_cells(const Exec& exec, const ColouredMesh& mesh, const CellMatrixVie
 template <class Exec, class X, class Y>
 void apply_ghost_faces(const Exec& exec, const ColouredMesh& mesh, const GhostMatrix& ghost, const X& x, const Y& y) {
   const auto nodes = mesh.nodes_of_face;
+  const auto scale = mesh.scale_of_face;
   for (std::size_t colour = 0; colour + 1 < mesh.face_colour_begin.size(); ++colour) {
     Kokkos::parallel_for(
         "cgcontact::apply::ghost_faces",
@@ -46,7 +47,7 @@ void apply_ghost_faces(const Exec& exec, const ColouredMesh& mesh, const GhostMa
           double v[12][3] = {};
           for (int b = 0; b < 12; ++b)
             for (int i = 0; i < 3; ++i) {
-              const double u = x(3 * nodes(face, b) + i);
+              const double u = scale(face) * x(3 * nodes(face, b) + i);
               for (int a = 0; a < 12; ++a) v[a][i] += ghost[a][b] * u;
             }
           for (int a = 0; a < 12; ++a)

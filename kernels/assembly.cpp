@@ -28,15 +28,20 @@ std::vector<int> nodes_of_group(const GroupRow& row) {
   return nodes;
 }
 
-using HostFaces = decltype(Kokkos::create_mirror_view(FaceNodesView()));
+struct HostFaces {
+  decltype(Kokkos::create_mirror_view(FaceNodesView())) nodes;
+  decltype(Kokkos::create_mirror_view(RealView())) scale;
+};
 
-/// Nodes of the ghost faces of every body.
+/// Ghost faces of every body.
 std::vector<HostFaces> ghost_faces(const ElasticSystem& system) {
   std::vector<HostFaces> faces;
   for (const BodyMesh& mesh : system.meshes) {
-    const FaceNodesView nodes = colour_mesh(mesh).nodes_of_face;
-    faces.push_back(Kokkos::create_mirror_view(nodes));
-    Kokkos::deep_copy(faces.back(), nodes);
+    const ColouredMesh coloured = colour_mesh(mesh);
+    faces.push_back(
+        {Kokkos::create_mirror_view(coloured.nodes_of_face), Kokkos::create_mirror_view(coloured.scale_of_face)});
+    Kokkos::deep_copy(faces.back().nodes, coloured.nodes_of_face);
+    Kokkos::deep_copy(faces.back().scale, coloured.scale_of_face);
   }
   return faces;
 }
@@ -55,7 +60,7 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
   for (std::size_t b = 0; b < system.meshes.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
     for (const auto& nodes : mesh.cell_nodes) connect(nodes, 8);
-    const HostFaces& faces = ghost_faces[b];
+    const auto& faces = ghost_faces[b].nodes;
     for (std::size_t f = 0; f < faces.extent(0); ++f) connect(&faces(f, 0), 12);
     for (int n = 0; n < mesh.num_nodes; ++n) compress(neighbours[mesh.first_node + n]);
   }
@@ -90,12 +95,12 @@ void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_
             for (int j = 0; j < 3; ++j) block[3 * i + j] += K(m, 3 * r + i, 3 * c + j);
         }
     }
-    const HostFaces& faces = ghost_faces[b];
+    const auto& faces = ghost_faces[b].nodes;
     for (std::size_t f = 0; f < faces.extent(0); ++f)
       for (int r = 0; r < 12; ++r)
         for (int c = 0; c < 12; ++c) {
           double* block = A.block(faces(f, r), faces(f, c));
-          for (int i = 0; i < 3; ++i) block[4 * i] += ghost[r][c];
+          for (int i = 0; i < 3; ++i) block[4 * i] += ghost_faces[b].scale(f) * ghost[r][c];
         }
   }
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "kernels/element_matrices.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -31,6 +33,7 @@ void colour_cells(const BodyMesh& mesh, ColouredMesh& coloured) {
 
 struct GhostFace {
   int colour;
+  double scale;
   std::array<int, 12> nodes;
 };
 
@@ -42,9 +45,11 @@ std::vector<GhostFace> ghost_faces(const BodyMesh& mesh) {
       Index3 c = cc.cells[e];
       ++c[d];
       const int f = cc.find(c);
-      if (f < 0 || !is_ghost_face(mesh, e, f)) continue;
+      const double scale = f < 0 ? 0 : ghost_scale(mesh, e, f);
+      if (scale == 0) continue;
       const int t1 = (d + 1) % 3, t2 = (d + 2) % 3;
       GhostFace face;
+      face.scale = scale;
       face.colour = ((d * 3 + c[d] % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);
       for (int layer = 0; layer < 3; ++layer)
         for (int t = 0; t < 4; ++t) {
@@ -62,14 +67,18 @@ void colour_faces(const BodyMesh& mesh, ColouredMesh& coloured) {
   std::stable_sort(faces.begin(), faces.end(),
                    [](const GhostFace& a, const GhostFace& b) { return a.colour < b.colour; });
   coloured.nodes_of_face = FaceNodesView("cgcontact::coloured_mesh::nodes_of_face", faces.size());
+  coloured.scale_of_face = RealView("cgcontact::coloured_mesh::scale_of_face", faces.size());
   auto host = Kokkos::create_mirror_view(coloured.nodes_of_face);
+  auto scale = Kokkos::create_mirror_view(coloured.scale_of_face);
   coloured.face_colour_begin.clear();
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (f == 0 || faces[f].colour != faces[f - 1].colour) coloured.face_colour_begin.push_back(static_cast<int>(f));
     for (int a = 0; a < 12; ++a) host(f, a) = faces[f].nodes[a];
+    scale(f) = faces[f].scale;
   }
   coloured.face_colour_begin.push_back(static_cast<int>(faces.size()));
   Kokkos::deep_copy(coloured.nodes_of_face, host);
+  Kokkos::deep_copy(coloured.scale_of_face, scale);
 }
 
 }  // namespace

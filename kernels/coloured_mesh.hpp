@@ -14,6 +14,7 @@ struct ColouredMesh {
   std::vector<int> colour_begin;  ///< first cell of each colour, and the end (9 entries)
 
   FaceNodesView nodes_of_face;  ///< ghost faces by colour: layer * 4 + tangential corner
+  RealView scale_of_face;       ///< ghost_scale, same order
   std::vector<int> face_colour_begin;
 };
 

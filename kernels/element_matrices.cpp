@@ -1,5 +1,7 @@
 #include "kernels/element_matrices.hpp"
 
+#include <algorithm>
+
 namespace cgcontact {
 namespace {
 
@@ -75,6 +77,13 @@ GhostMatrix make_ghost_matrix(const BodyMesh& mesh, double gamma) {
     for (int c = 0; c < 12; ++c)
       g[r][c] = factor * jump[r / 4] * jump[c / 4] * mass[r & 1][c & 1] * mass[r >> 1 & 1][c >> 1 & 1];
   return g;
+}
+
+double ghost_scale(const BodyMesh& mesh, int e, int f) {
+  if (!is_ghost_face(mesh, e, f)) return 0;
+  if (mesh.full_volume.empty()) return 1;
+  const double thickness = std::max(mesh.full_volume[e], mesh.full_volume[f]);
+  return thickness * thickness * thickness;
 }
 
 }  // namespace cgcontact

@@ -17,4 +17,9 @@ CellMatrixView make_cell_matrices(const BodyMesh& mesh, const std::vector<Suppor
 
 GhostMatrix make_ghost_matrix(const BodyMesh& mesh, double gamma);
 
+/// Factor of that matrix on the face between two active cells, 0 where is_ghost_face says no. Where coarse cells are
+/// wider than the body is thick it is (thickness / width)^3, as the bending stiffness: the jump of d_n u is not zero
+/// where a plate bends, and the full penalty held free edges.
+double ghost_scale(const BodyMesh& mesh, int e, int f);
+
 }  // namespace cgcontact

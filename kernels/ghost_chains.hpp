@@ -14,15 +14,15 @@ namespace cgcontact {
 template <class Real>
 struct GhostChains {
   struct Chain {
-    int body, direction, faces;
-    int rows;  ///< first entry in `row`
+    int direction, faces;
+    int rows;     ///< first entry in `row`
+    Real factor;  ///< gamma (2 mu + lambda) h / 36, softer where a body is thinner than a cell
   };
   Kokkos::View<Chain*, MemSpace> chains;
   /// Direction x: the first nodes of the four rows (y, z). Otherwise (layer, second tangential corner): the first of
   /// two nodes along x.
   IntView row;
-  IntView chunk_begin;                   ///< slab -> first chain
-  Kokkos::View<Real*, MemSpace> factor;  ///< per body: gamma (2 mu + lambda) h / 36
+  IntView chunk_begin;  ///< slab -> first chain
   long long num_faces = 0;
 
   std::size_t bytes() const { return chains.size() * sizeof(Chain) + row.size() * sizeof(int); }
@@ -152,7 +152,7 @@ template <bool subtract, class Real>
 inline void apply_chunk(const GhostChains<Real>& ghosts, int chunk, const Real* x, Real* y) {
   for (int e = ghosts.chunk_begin(chunk); e < ghosts.chunk_begin(chunk + 1); ++e) {
     const auto& chain = ghosts.chains(e);
-    const Real factor = subtract ? -ghosts.factor(chain.body) : ghosts.factor(chain.body);
+    const Real factor = subtract ? -chain.factor : chain.factor;
     const int* row = &ghosts.row(chain.rows);
     if (chain.direction == 0 && chain.faces == 1) {
       std::size_t rows[4];
@@ -174,7 +174,7 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
                                 const NodeColumns<Real>& columns) {
   for (int e = ghosts.chunk_begin(chunk); e < ghosts.chunk_begin(chunk + 1); ++e) {
     const auto& chain = ghosts.chains(e);
-    const Real mass = 4 * ghosts.factor(chain.body);  // of one corner of one face
+    const Real mass = 4 * chain.factor;  // of one corner of one face
     const int* row = &ghosts.row(chain.rows);
     const Real jump[3] = {1, -2, 1};
     for (int f = 0; f < chain.faces; ++f) {

@@ -1,11 +1,13 @@
 /// CG with multigrid, all contact closed: how many iterations to 1e-8 of a random right-hand side, over refinements,
 /// slivers, positions of the grids, stiffness ratios and scenes. Every case prints a line of the table.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
 #include "contact/simulation.hpp"
+#include "core/scene_text.hpp"
 #include "kernels/linear_solver.hpp"
 
 namespace cgcontact {
@@ -108,6 +110,36 @@ TEST(SolverRobustness, StiffnessRatiosInPlaneStrain) {
     Scene scene = scene_of("two_solids", 24);
     scene.bodies[1].material.youngs_modulus *= std::pow(10.0, exponent);
     EXPECT_LE(iterations(scene, "plane strain, upper body stiffer by 1e" + std::to_string(exponent)), most_iterations);
+  }
+}
+
+/// A plate of cells of size 1, held at one end face, in a grid that is turned about an axis.
+Scene cantilever(const Index3& cells, const Vec3& offset, const std::string& axis = "[0, 0, 1]", double angle = 0) {
+  const auto text = [](double x) { return fmt::format("{}", x); };
+  return parse_scene(
+      "[[body]]\nname = \"plate\"\nmaterial = {E = 1, nu = 0.3}\ncell_size = 1\n"
+      "shape = {name = \"block\", box = {min = [0, 0, 0], max = [" +
+          text(cells[0]) + ", " + text(cells[1]) + ", " + text(cells[2]) + "]}}\n" + "grid = {offset = [" +
+          text(offset[0]) + ", " + text(offset[1]) + ", " + text(offset[2]) + "], rotation = {axis = " + axis +
+          ", angle = " + text(angle) + "}}\n" +
+          "[[support]]\nface = \"plate.block.x-\"\ndisplacement = {x = 0, y = 0, z = 0}\n",
+      "cantilever.toml");
+}
+
+/// Plates that bend, with free edges that do not fit the grid: one, two and three cells thick.
+TEST(SolverRobustness, FreePlates) {
+  for (const Index3& cells :
+       {Index3{20, 10, 1}, Index3{40, 20, 1}, Index3{40, 20, 2}, Index3{80, 40, 2}, Index3{80, 40, 3}})
+    EXPECT_LE(iterations(cantilever(cells, {0.3, 0.21, 0.15}),
+                         fmt::format("plate of {} x {} x {} cells", cells[0], cells[1], cells[2])),
+              most_iterations);
+  EXPECT_LE(iterations(cantilever({80, 40, 1}, {0.3, 0.21, 0.15}), "plate of 80 x 40 x 1 cells"), 19);
+  EXPECT_LE(iterations(cantilever({200, 4, 1}, {0.3, 0.21, 0.15}), "plate of 200 x 4 x 1 cells"), 21);
+  EXPECT_LE(iterations(cantilever({40, 20, 1}, {0.3, 0.21, 0.15}, "[0, 0, 1]", 20), "the same, 40 x 20, turned"), 19);
+  for (int digits : {1, 4, 8}) {
+    const double width = std::pow(10.0, -digits);
+    for (const Vec3& offset : {Vec3(Vec3::Constant(width)), Vec3(Vec3::Constant(1 - width))})
+      EXPECT_LE(iterations(cantilever({40, 20, 1}, offset), "plate with slivers of 1e-" + std::to_string(digits)), 22);
   }
 }
 
