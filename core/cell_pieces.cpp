@@ -65,12 +65,14 @@ void drop_irrelevant(LocalSolid& local) {
 void add_face_moments(const Leaf& leaf, const Vec3& cell, std::vector<RegionPoint>& points, Moments& moments) {
   constexpr int n = moment_degree + 1;
   const Region region = face_region(leaf, 0);
+  const Leaf::Frame frame = leaf.frame(0);
   points.clear();
   integrate_region(region, {2 * moment_degree, n, moment_nodes(leaf) + 2}, points);
   for (const RegionPoint& p : points) {
     double ly[n], lz[n];
-    legendre_values(2 * (leaf.corner[1] - cell[1] + p.s) - 1, ly);
-    legendre_values(2 * (leaf.corner[2] - cell[2] + p.t) - 1, lz);
+    const Vec3 x = frame.origin + frame.axes * Vec3(p.s, p.t, 0);
+    legendre_values(2 * (x[1] - cell[1]) - 1, ly);
+    legendre_values(2 * (x[2] - cell[2]) - 1, lz);
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k) moments[j * n + k] += 8 * p.weight * ly[j] * lz[k];
   }

@@ -5,11 +5,14 @@
 
 #include "core/errors.hpp"
 #include "core/face_dividers.hpp"
+#include "core/solid_middle.hpp"
 
 namespace cgcontact {
 
 namespace {
 
+constexpr double same_slope = 1e-9;  // of graphs: the first axis counts, whatever the rounding
+constexpr double same_place = 1e-9;  // cells; the middle of a leaf and of the solid
 constexpr double min_slope = 0.3;  // least |component of the unit normal| along the axis of a graph
 constexpr int max_depth = 12;      // of the cutting into octants
 constexpr int comfortable_surfaces = 8;
@@ -54,12 +57,6 @@ constexpr int first_divider_bit = 22;
   return conic;
 }
 
-Mat3 cyclic_axes(int axis) {
-  Mat3 m = Mat3::Zero();  // columns: s, t, axis
-  m((axis + 1) % 3, 0) = m((axis + 2) % 3, 1) = m(axis, 2) = 1;
-  return m;
-}
-
 Quadric permuted(const Quadric& f, const Mat3& axes) {
   return {f.c, axes.transpose() * f.g, axes.transpose() * f.q * axes};
 }
@@ -71,7 +68,7 @@ int graph_axis(const Surface& surface, const Vec3& corner, double width) {
   double best_slope = -1;
   for (int k = 0; k < 3; ++k) {
     const double slope = std::abs(f.g[k]) - width * f.q.row(k).cwiseAbs().sum();
-    if (slope <= best_slope) continue;
+    if (slope <= best_slope + same_slope) continue;
     best = k;
     best_slope = slope;
   }
@@ -104,6 +101,7 @@ void visit_leaves(Leaf& leaf, int depth, const std::function<void(const Leaf&)>&
     child.corner = leaf.corner + child.width * Vec3(octant & 1, octant >> 1 & 1, octant >> 2 & 1);
     child.local = make_local_solid(*leaf.solid, child.corner, child.width);
     child.dividers = crossing_planes(leaf.dividers, child.corner, child.width);
+    child.middle = leaf.middle;
     visit_leaves(child, depth + 1, visit);
   }
 }
@@ -117,12 +115,24 @@ void for_each_leaf(const Solid& solid, const LocalSolid& local, const Vec3& corn
   leaf.corner = corner;
   leaf.local = local;
   leaf.dividers = crossing_planes(dividers, corner, 1);
+  leaf.middle = middle_of(solid);
   visit_leaves(leaf, 0, visit);
 }
 
+Leaf::Frame Leaf::frame(int along) const {
+  Frame frame{Mat3::Zero(), corner};
+  for (int k = 0; k < 3; ++k) {
+    const int d = (along + 1 + k) % 3;
+    const bool turned = k < 2 && corner[d] + 0.5 * width > middle[d] + same_place;
+    frame.axes(d, k) = turned ? -1 : 1;
+    if (turned) frame.origin[d] += width;
+  }
+  return frame;
+}
+
 Region face_region(const Leaf& leaf, int axis) {
-  const Mat3 axes = cyclic_axes(axis);
-  Vec3 corner = leaf.corner;
+  const Leaf::Frame frame = leaf.frame(axis);
+  Vec3 corner = frame.origin;
   corner[axis] += leaf.width;
   Region region;
   region.width = leaf.width;
@@ -131,7 +141,7 @@ Region face_region(const Leaf& leaf, int axis) {
   for (std::size_t i = 0; i < leaf.local.surfaces.size(); ++i) {
     RegionFunction f;
     f.bit = std::uint64_t{1} << i;
-    f.conic = section(leaf.solid->surfaces()[leaf.local.surfaces[i]], corner, axes.col(0), axes.col(1));
+    f.conic = section(leaf.solid->surfaces()[leaf.local.surfaces[i]], corner, frame.axes.col(0), frame.axes.col(1));
     region.add(f);
   }
   return region;
@@ -142,9 +152,10 @@ Piece::Piece(const Leaf& leaf, int i)
       index_(i),
       axis_(leaf.axis[i]),
       surface_(leaf.solid->surfaces()[leaf.local.surfaces[i]]),
-      base_(leaf.corner),
-      along_s_(Vec3::Unit((axis_ + 1) % 3)),
-      along_t_(Vec3::Unit((axis_ + 2) % 3)) {
+      frame_(leaf.frame(axis_)),
+      base_(frame_.origin),
+      along_s_(frame_.axes.col(0)),
+      along_t_(frame_.axes.col(1)) {
   region_.width = leaf.width;
   region_.predicate.table = &leaf.local.table;
   region_.predicate.surface_mask = leaf.local.table.size() - 1;
@@ -155,11 +166,11 @@ Piece::Piece(const Leaf& leaf, int i)
   if (is_plane()) {
     const Vec3& n = surface_.direction;
     base_[axis_] -= expand(surface_, base_).c / n[axis_];
-    along_s_[axis_] = -n[(axis_ + 1) % 3] / n[axis_];
-    along_t_[axis_] = -n[(axis_ + 2) % 3] / n[axis_];
+    along_s_[axis_] = -n.dot(frame_.axes.col(0)) / n[axis_];
+    along_t_[axis_] = -n.dot(frame_.axes.col(1)) / n[axis_];
   } else {
     region_.has_graph = true;
-    region_.graph.quadric = permuted(expand(surface_, leaf.corner), cyclic_axes(axis_));
+    region_.graph.quadric = permuted(expand(surface_, frame_.origin), frame_.axes);
     region_.graph.sign = expand(surface_, leaf.corner + Vec3::Constant(0.5 * leaf.width)).g[axis_] > 0 ? 1.0 : -1.0;
   }
   add_trims();
@@ -168,17 +179,16 @@ Piece::Piece(const Leaf& leaf, int i)
 
 void Piece::add_ownership() {
   for (const std::uint64_t bit : {lower_bit, upper_bit}) {
-    Vec3 corner = leaf_.corner;
+    Vec3 corner = frame_.origin;
     if (bit == upper_bit) corner[axis_] += leaf_.width;
     RegionFunction f;
     f.bit = bit;
-    f.conic = section(surface_, corner, Vec3::Unit((axis_ + 1) % 3), Vec3::Unit((axis_ + 2) % 3));
+    f.conic = section(surface_, corner, frame_.axes.col(0), frame_.axes.col(1));
     region_.add(f);
   }
 }
 
 void Piece::add_trims() {
-  const Mat3 axes = cyclic_axes(axis_);
   for (std::size_t j = 0; j < leaf_.local.surfaces.size(); ++j) {
     if (static_cast<int>(j) == index_) continue;
     const Surface& other = leaf_.solid->surfaces()[leaf_.local.surfaces[j]];
@@ -188,7 +198,7 @@ void Piece::add_trims() {
     if (is_plane()) {
       f.conic = section(other, base_, along_s_, along_t_);
     } else {
-      f.quadric = permuted(expand(other, leaf_.corner), axes);
+      f.quadric = permuted(expand(other, frame_.origin), frame_.axes);
       if (other.kind != Surface::Kind::plane) {  // a multiple of the graph's quadric may leave a plane
         const Quadric& own = region_.graph.quadric;
         const double factor = f.quadric.q.trace() / own.q.trace();
@@ -201,7 +211,6 @@ void Piece::add_trims() {
 }
 
 void Piece::add_dividers() {
-  const Mat3 axes = cyclic_axes(axis_);
   for (std::size_t d = 0; d < leaf_.dividers.size(); ++d) {
     const Plane& plane = leaf_.dividers[d];
     if (plane.surface >= 0 && plane.surface != leaf_.local.surfaces[index_]) continue;
@@ -213,7 +222,7 @@ void Piece::add_dividers() {
     if (is_plane())
       f.conic = Conic{value, plane.normal.dot(along_s_), plane.normal.dot(along_t_)};
     else
-      f.quadric = {plane.normal.dot(leaf_.corner) - plane.offset, axes.transpose() * plane.normal, Mat3::Zero()};
+      f.quadric = {plane.normal.dot(frame_.origin) - plane.offset, frame_.axes.transpose() * plane.normal, Mat3::Zero()};
     region_.predicate.divider_mask |= f.bit;
     region_.add(f);
   }
@@ -222,10 +231,7 @@ void Piece::add_dividers() {
 SurfacePoint Piece::at(double s, double t) const {
   if (is_plane())
     return {base_ + s * along_s_ + t * along_t_, surface_.direction, 1 / std::abs(surface_.direction[axis_])};
-  Vec3 x = leaf_.corner;
-  x[(axis_ + 1) % 3] += s;
-  x[(axis_ + 2) % 3] += t;
-  x[axis_] += region_.graph.height(s, t);
+  const Vec3 x = frame_.origin + frame_.axes * Vec3(s, t, region_.graph.height(s, t));
   const Vec3 n = surface_.gradient(x);
   return {x, n, 1 / std::abs(n[axis_])};
 }

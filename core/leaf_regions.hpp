@@ -17,13 +17,23 @@ struct Leaf {
   LocalSolid local;
   std::vector<int> axis;        ///< by local surface: it is a graph along this axis
   std::vector<Plane> dividers;  ///< those that cross the leaf
+  Vec3 middle = Vec3::Zero();   ///< of the solid
+
+  /// The coordinates s, t, height in which the leaf is integrated `along` an axis (columns of `axes`), from `origin` on:
+  /// the coordinate axes in cyclic order, s and t towards the middle of the solid, so that mirror images get mirror
+  /// images of the same points.
+  struct Frame {
+    Mat3 axes;
+    Vec3 origin;
+  };
+  Frame frame(int along) const;
 };
 
 /// Visits the leaves of the cell at `corner` that are not wholly outside.
 void for_each_leaf(const Solid& solid, const LocalSolid& local, const Vec3& corner, const std::vector<Plane>& dividers,
                    const std::function<void(const Leaf&)>& visit);
 
-/// The part of the leaf's upper face across `axis` that is inside; s and t run along the next axes (cyclic).
+/// The part of the leaf's upper face across `axis` that is inside, in the frame of that axis.
 Region face_region(const Leaf& leaf, int axis);
 
 struct SurfacePoint {
@@ -51,6 +61,7 @@ class Piece {
   const Leaf& leaf_;
   const int index_, axis_;
   const Surface& surface_;
+  const Leaf::Frame frame_;
   Vec3 base_, along_s_, along_t_;  ///< of a plane: position = base + s along_s + t along_t
   Region region_;
 };

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/solid_middle.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -15,6 +17,9 @@ constexpr double min_spread = 0.1 / 3.4641016151377544;
 /// On a flat contact face the points are spread at least this much, so that an open face is free of traction on its
 /// whole plane however small the piece in the patch is.
 constexpr double min_contact_spread = 0.1;
+
+/// Cells; a piece that lies less than this to one side of the middle of its body lies on neither.
+constexpr double same_place = 1e-6;
 
 /// Pieces of a patch that stay as they are, whatever their number; with more, those below a share of the patch's area
 /// are joined where their normals are near to each other.
@@ -49,7 +54,8 @@ Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows() {
   return rows;
 }
 
-BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary) : cut_cells_(cut_cells) {
+BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary)
+    : cut_cells_(cut_cells), middle_(middle_of(cut_cells.solid)) {
   const std::vector<int>& cell = cut_cells.boundary.cell;  // ascending
   begin_.reserve(cut_cells.active_of_cut.size() + 1);
   begin_.push_back(0);
@@ -105,9 +111,11 @@ void BoundaryPieces::join(Piece& whole, const Piece& part) {
 /// circle, c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre
 /// and five on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame,
 /// which depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points
-/// on a line.
-void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int degree, ConstraintGroup& group) {
-  const auto [t1, t2] = tangents(g.normal.normalized());
+/// on a line. The tangents point away from the middle of the body: its mirror image has the mirror image of the points.
+void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int degree, ConstraintGroup& group) const {
+  auto [t1, t2] = tangents(g.normal.normalized());
+  for (Vec3* t : {&t1, &t2})
+    if (t->dot(g.centroid - middle_) < -same_place) *t = -*t;
   Eigen::Matrix2d covariance;
   covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
   covariance /= g.area;

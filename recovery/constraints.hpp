@@ -62,9 +62,10 @@ class BoundaryPieces {
   void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end);
   static void join_small(std::vector<Piece>& wholes);
   static void join(Piece& whole, const Piece& part);
-  static void place_points(const Piece& whole, const Surface& surface, int degree, ConstraintGroup& group);
+  void place_points(const Piece& whole, const Surface& surface, int degree, ConstraintGroup& group) const;
 
   const CutCells& cut_cells_;
+  const Vec3 middle_;       ///< of the body, grid coordinates
   std::vector<int> begin_;  ///< cut cell -> first piece, and the end
   std::vector<Piece> pieces_;
 };
