@@ -23,7 +23,8 @@ constexpr double contradiction = 0.75;
 /// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
 
-/// Of contact points equally far from a place (cell units squared) the first counts, whatever the rounding.
+/// Contact points are equally far from a place if they are so up to this (cell units squared): of those the one with
+/// the smallest gap counts, whatever the rounding and their order.
 constexpr double same_distance = 1e-9;
 
 /// Unit directions orthogonal to all held ones: those in which the traction at a point with normal n is known.
@@ -181,12 +182,14 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
     double least = 0;
     const int begin = patches.begin[node], num_cells = patches.begin[node + 1] - begin;
     contact_.each(&patches.cells[begin], num_cells, state->pair, [&](const ContactPiece& piece, int cell) {
-      if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() >= least - same_distance) return;
+      if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + same_distance) return;
       for (int l : body_.boundary->links_of_cell[cell]) {
         const ContactLink& link = body_.boundary->links[l];
         if (link.pair != state->pair || link.normal.dot(n) < same_face) continue;
         const double distance = (link.position - x).squaredNorm();
-        if (!nearest || distance < least - same_distance) nearest = &link, least = distance;
+        if (nearest && distance > least + same_distance) continue;
+        if (nearest && distance > least - same_distance && link.distance >= nearest->distance) continue;
+        nearest = &link, least = distance;
       }
     });
     if (!nearest) continue;

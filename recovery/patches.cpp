@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.hpp"
+#include "core/solid_middle.hpp"
 
 namespace cgcontact {
 namespace {
@@ -53,8 +54,10 @@ double volume_around(const CutCells& cc, const Index3& node) {
 
 /// Joins a patch of too little volume with the patch of the fullest neighbouring node (prototype, section 5:
 /// the condition of the patch mass stays below 370 with one cell). True if anything was added.
-bool grow_patch(const BodyMesh& mesh, int n, double least_volume, double have, std::vector<int>& patch) {
+bool grow_patch(const BodyMesh& mesh, const Vec3& middle, int n, double least_volume, double have,
+                std::vector<int>& patch) {
   const CutCells& cc = *mesh.cut_cells;
+  const auto place = [&](int node) { return Vec3(mesh.nodes[node][0], mesh.nodes[node][1], mesh.nodes[node][2]); };
   bool grown = false;
   for (int step = 0; step < 3 && have < least_volume; ++step) {
     double best = -1;
@@ -62,9 +65,9 @@ bool grow_patch(const BodyMesh& mesh, int n, double least_volume, double have, s
     for (int c : patch)
       for (int node : mesh.cell_nodes[c]) {
         const int m = node - mesh.first_node;
-        double distance = 0;
-        for (int d = 0; d < 3; ++d) distance += std::pow(mesh.nodes[m][d] - mesh.nodes[n][d], 2);
-        const double score = volume_around(cc, mesh.nodes[m]) - 1e-3 * std::sqrt(distance);
+        // Of equals the nearest one; of those the one towards the middle of the body, in its mirror image as well.
+        const double away = (place(m) - middle).norm() - (place(n) - middle).norm();
+        const double score = volume_around(cc, mesh.nodes[m]) - 1e-3 * (place(m) - place(n)).norm() - 1e-5 * away;
         if (score > best * (1 + 1e-9)) best = score, anchor = m;
       }
     int around[8];
@@ -90,6 +93,7 @@ struct PatchRange {
 PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size_t begin, std::size_t end,
                             PatchSet& set) {
   const CutCells& cc = *mesh.cut_cells;
+  const Vec3 middle = middle_of(cc.solid);
   PatchRange range;
   std::vector<int> patch;
   for (std::size_t n = begin; n < end; ++n) {
@@ -103,7 +107,7 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size
       full = full && cc.cut_of_active[c] < 0;
     }
     set.full[n] = full;
-    if (volume < least_volume) set.grown[n] = grow_patch(mesh, static_cast<int>(n), least_volume, volume, patch);
+    if (volume < least_volume) set.grown[n] = grow_patch(mesh, middle, static_cast<int>(n), least_volume, volume, patch);
     range.size.push_back(static_cast<int>(patch.size()));
     range.cells.insert(range.cells.end(), patch.begin(), patch.end());
   }
