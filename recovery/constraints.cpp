@@ -18,7 +18,9 @@ constexpr double min_spread = 0.1 / 3.4641016151377544;
 /// whole plane however small the piece in the patch is.
 constexpr double min_contact_spread = 0.1;
 
-/// Cells; a piece that lies less than this to one side of the middle of its body lies on neither.
+/// Which way a tangent points from the middle of the body: in a scaled space, since those of a ball are at right angles
+/// to the way there. Less than this (cells): neither.
+const Vec3 uneven(1, 2, 3);
 constexpr double same_place = 1e-6;
 
 /// Pieces of a patch that stay as they are, whatever their number; with more, those below a share of the patch's area
@@ -115,7 +117,7 @@ void BoundaryPieces::join(Piece& whole, const Piece& part) {
 void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int degree, ConstraintGroup& group) const {
   auto [t1, t2] = tangents(g.normal.normalized());
   for (Vec3* t : {&t1, &t2})
-    if (t->dot(g.centroid - middle_) < -same_place) *t = -*t;
+    if (t->dot(uneven.cwiseProduct(g.centroid - middle_)) < -same_place) *t = -*t;
   Eigen::Matrix2d covariance;
   covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
   covariance /= g.area;
