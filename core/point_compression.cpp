@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace cgcontact {
 
 namespace {
 
-constexpr double rank_tolerance = 1e-11;
+constexpr double rank_tolerance = 1e-9;
 constexpr double accuracy = 1e-12;
 constexpr double dependent = 1e-11;  // of a function's norm: what is left of it beside the others is rounding
-/// Sizes this near to each other are equal, and the first one counts: points of symmetric rules tie, and rounding (of
-/// units, of a turn) shall not choose among them.
-constexpr double tie = 1 + 1e-6;
+/// Points of symmetric rules tie, and rounding (of units, of a turn) shall not choose among them: the first one counts
+/// among pivots and among steps this near to each other. Rounding of functions that nearly depend on others is large.
+constexpr double same_pivot = 1 + 1e-3, same_step = 1 + 1e-6;
+constexpr double no_weight = 1e-13;  // of all: where steps tie several weights go at once, up to rounding
 using Vector = std::vector<double>;
 
 /// The tableau of all points in terms of a basis of points (as many as independent functions): row i, column p is the
@@ -21,7 +23,10 @@ using Vector = std::vector<double>;
 class Elimination {
  public:
   Elimination(const FunctionTable& functions, Vector& weights)
-      : tableau_(functions), weights_(weights), num_points_(functions.num_points) {}
+      : tableau_(functions),
+        weights_(weights),
+        num_points_(functions.num_points),
+        negligible_(no_weight * std::accumulate(weights.begin(), weights.end(), 0.0)) {}
 
   /// Chooses a basis (Gauss-Jordan elimination); dependent functions are dropped.
   void choose_basis() {
@@ -30,7 +35,7 @@ class Elimination {
       const double* row = tableau_[f];
       int best = 0;
       for (int p = 1; p < num_points_; ++p)
-        if (std::abs(row[p]) > tie * std::abs(row[best])) best = p;
+        if (std::abs(row[p]) > same_pivot * std::abs(row[best])) best = p;
       if (!(std::abs(row[best]) > rank_tolerance)) continue;
       const int kept = static_cast<int>(basis_.size());
       if (kept != f) std::copy_n(row, num_points_, tableau_[kept]);
@@ -60,7 +65,7 @@ class Elimination {
       const double y = tableau_[i][p];
       if (sign * y >= 0) continue;
       const double limit = weights_[basis_[i]] / std::abs(y);
-      if (limit * tie >= step) continue;  // and none below zero: move() keeps them
+      if (limit * same_step >= step) continue;  // and none below zero: move() keeps them
       step = limit;
       leaving = i;
     }
@@ -70,13 +75,13 @@ class Elimination {
   void eliminate(int p) {
     int leaving = -1, leaving_other = -1;
     double step = longest_step(p, 1, leaving);
-    if (weights_[p] <= step) {  // the basis takes all of the weight
+    if (weights_[p] <= step + negligible_) {  // the basis takes all of the weight
       move(p, weights_[p]);
       weights_[p] = 0;
       return;
     }
     const double step_other = longest_step(p, -1, leaving_other);
-    if (leaving_other >= 0 && std::abs(tableau_[leaving_other][p]) > tie * std::abs(tableau_[leaving][p])) {
+    if (leaving_other >= 0 && std::abs(tableau_[leaving_other][p]) > same_pivot * std::abs(tableau_[leaving][p])) {
       step = -step_other;
       leaving = leaving_other;
     }
@@ -88,8 +93,10 @@ class Elimination {
   }
 
   void move(int p, double step) {
-    for (int i = 0; i < tableau_.num_functions; ++i)
-      weights_[basis_[i]] = std::max(0.0, weights_[basis_[i]] + step * tableau_[i][p]);
+    for (int i = 0; i < tableau_.num_functions; ++i) {
+      const double weight = weights_[basis_[i]] + step * tableau_[i][p];
+      weights_[basis_[i]] = weight > negligible_ ? weight : 0.0;
+    }
   }
 
   /// Point p becomes the `row`-th basis point; updates the rows before `kept` and from `pending` on.
@@ -108,6 +115,7 @@ class Elimination {
   FunctionTable tableau_;
   Vector& weights_;
   const int num_points_;
+  const double negligible_;
   std::vector<int> basis_, independent_;
   std::vector<char> in_basis_;
 };
