@@ -111,7 +111,7 @@ void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* 
     weights.push_back(begin[i].weight * all[i].stretch);
     local[0].push_back(begin[i].s);
     local[1].push_back(begin[i].t);
-    local[2].push_back(all[i].position[piece.axis()]);
+    local[2].push_back(curved ? piece.region().graph.height(begin[i].s, begin[i].t) : 0.0);
   }
   const double area = std::accumulate(weights.begin(), weights.end(), 0.0);
   if (area < lost_group) return;

@@ -9,7 +9,8 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double rank_tolerance = 1e-9;
+/// What a function is beside those before it: less is taken for rounding, which would choose the points.
+constexpr double rank_tolerance = 1e-8;
 constexpr double accuracy = 1e-12;
 constexpr double dependent = 1e-11;  // of a function's norm: what is left of it beside the others is rounding
 /// Points of symmetric rules tie, and rounding (of units, of a turn) shall not choose among them: the first one counts
@@ -63,7 +64,7 @@ class Elimination {
     leaving = -1;
     for (int i = 0; i < tableau_.num_functions; ++i) {
       const double y = tableau_[i][p];
-      if (sign * y >= 0) continue;
+      if (sign * y >= -no_weight) continue;
       const double limit = weights_[basis_[i]] / std::abs(y);
       if (limit * same_step >= step) continue;  // and none below zero: move() keeps them
       step = limit;
@@ -263,10 +264,15 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
 
 FunctionTable surface_polynomials(std::vector<double> (&points)[3], int degree, bool curved) {
   const int n = static_cast<int>(points[0].size());
+  double wider = 0;  // of s and t
   for (Vector& x : points) {
     const auto [min, max] = std::minmax_element(x.begin(), x.end());
-    const double centre = 0.5 * (*min + *max), scale = *max > *min ? 2 / (*max - *min) : 1.0;
-    for (double& value : x) value = (value - centre) * scale;
+    const double centre = 0.5 * (*min + *max), size = 0.5 * (*max - *min);
+    // Heights are measured by the extent along the face: what they are beside the polynomials of a piece that is
+    // nearly flat is rounding.
+    const double unit = &x == &points[2] ? std::max(size, wider) : size;
+    wider = std::max(wider, size);
+    for (double& value : x) value = (value - centre) * (unit > 0 ? 1 / unit : 1.0);
   }
   const int plane = (degree + 1) * (degree + 2) / 2;
   FunctionTable table;

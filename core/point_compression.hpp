@@ -28,7 +28,7 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
 
 /// The polynomials of total degree <= degree in (s, t), and with `curved` also those of degree <= degree - 1 times the
 /// height: on a plane, a sphere or a cylinder these are all polynomials of that degree in space. `points`: s, t,
-/// height of all points; scaled in place.
+/// height of all points; scaled in place, the height by the extent along the face.
 FunctionTable surface_polynomials(std::vector<double> (&points)[3], int degree, bool curved);
 
 }  // namespace cgcontact
