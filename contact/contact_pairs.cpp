@@ -421,7 +421,7 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
       const double spread = group_force.empty() ? 0.0 : group_force[first_group + q.group] / pair.groups[q.group].area;
       primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
                                         pair.secondary, q.secondary_cell, q.secondary_position, q.distance, q.active,
-                                        pressure, spread});
+                                        pressure, spread, true});
       secondary.boundary.links.push_back({q.secondary_cell, index, q.secondary_position, -(to_secondary * q.normal),
                                           q.weight, pair.primary, q.primary_cell, q.primary_position, q.distance,
                                           q.active, pressure, spread});

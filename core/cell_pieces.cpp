@@ -70,9 +70,9 @@ void add_face_moments(const Leaf& leaf, const Vec3& cell, std::vector<RegionPoin
   integrate_region(region, {2 * moment_degree, n, moment_nodes(leaf) + 2}, points);
   for (const RegionPoint& p : points) {
     double ly[n], lz[n];
-    const Vec3 x = frame.origin + frame.axes * Vec3(p.s, p.t, 0);
-    legendre_values(2 * (x[1] - cell[1]) - 1, ly);
-    legendre_values(2 * (x[2] - cell[2]) - 1, lz);
+    const Vec3 x = frame.origin - cell + frame.axes * Vec3(p.s, p.t, 0);
+    legendre_values(2 * x[1] - 1, ly);
+    legendre_values(2 * x[2] - 1, lz);
     for (int j = 0; j < n; ++j)
       for (int k = 0; k < n; ++k) moments[j * n + k] += 8 * p.weight * ly[j] * lz[k];
   }

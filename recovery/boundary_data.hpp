@@ -34,6 +34,7 @@ struct ContactLink {
   bool active = false;
   double pressure = 0;         ///< Pa, what the solution transmits here: constant over the closed points of a group
   double spread_pressure = 0;  ///< Pa, the same force over all points of the group: so it acts on the bodies
+  bool primary = false;        ///< the points of the pair are made on this body: that of the larger cells
 };
 
 /// Boundary of one body: its default quadrature points with what is known there.

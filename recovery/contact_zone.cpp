@@ -11,8 +11,7 @@ ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t in
   const Grid& grid = bodies[index].mesh->cut_cells->grid;
   std::map<int, int> other_of_pair;
   for (const ContactLink& link : bodies[index].boundary->links) {
-    const double other = bodies[link.other_body].mesh->cut_cells->grid.cell_size;
-    if (other > cell_size_ || (other == cell_size_ && link.other_body < static_cast<int>(index))) continue;
+    if (!link.primary) continue;
     other_of_pair[link.pair] = link.other_body;
     buckets_.add(grid.to_global(link.position), static_cast<int>(forces_.size()));
     forces_.push_back({link.pair, link.cell, 0, link.active, grid.to_global(link.position), grid.rotation * link.normal,
