@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "contact/opposite_borders.hpp"
 #include "contact/press_direction.hpp"
@@ -25,6 +26,9 @@ constexpr double equal_cells = 1e-12;
 constexpr double largest_overlap = 0.1;
 /// Cells of the coarser body, squared: automatic pairs that see each other over less than that do so by rounding.
 constexpr double least_area = 1e-9;
+/// Ends of the other body's faces in a cell at which the contact is divided; where there are more (threads, scans) it
+/// ends within a quadrature point.
+constexpr std::size_t most_ends = 24;
 
 /// Planes of the other grid that cross a cell, in the cell's grid coordinates.
 std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
@@ -100,17 +104,16 @@ struct GroupPoints {
 constexpr double least_cosine = 0.1;
 
 /// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
+/// `borders`: of the opposite face, as seen from the surface.
 GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface,
-                       const Vec3& direction) {
+                       const std::vector<Plane>& borders, const Vec3& direction) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
   const Index3& place = primary.cut_cells.cells[cell];
   std::vector<Plane> dividers = other_grid_planes(grid, place, secondary.cut_cells.grid);
-  for (const Plane& border : other_face_borders(primary, place, surface, secondary)) dividers.push_back(border);
-  for (const Plane& border :
-       crossing_planes(opposite_borders(primary.cut_cells, surface, secondary.cut_cells, pair.face(pair.secondary)),
-                       Vec3(place[0], place[1], place[2]), 1))
-    dividers.push_back(border);
+  std::vector<Plane> ends = crossing_planes(borders, Vec3(place[0], place[1], place[2]), 1);
+  for (const Plane& border : other_face_borders(primary, place, surface, secondary)) ends.push_back(border);
+  if (ends.size() <= most_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
   BoundaryPoints points;
   boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, contact_order, points);
   GroupPoints group;
@@ -231,15 +234,22 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
   std::vector<GroupPoints> groups(places.size());
+  const CutCells &own = bodies[pair.primary].cut_cells, &other = bodies[pair.secondary].cut_cells;
+  const FaceSpec& opposite = pair.face(pair.secondary);
+  const std::vector<Plane> dividers = box_dividers(other, opposite);
+  std::map<int, std::vector<Plane>> borders;  // by surface
+  for (const auto& place : places) borders.try_emplace(place.second);
+  for (auto& [surface, planes] : borders) planes = opposite_borders(own, surface, other, opposite, dividers);
   const auto find = [&](std::size_t i, const Vec3& direction) {
-    groups[i] = find_group(bodies, pair, places[i].first, places[i].second, direction);
+    const auto [cell, surface] = places[i];
+    groups[i] = find_group(bodies, pair, cell, surface, borders.at(surface), direction);
   };
-  parallel_for("cgcontact::contact_pairs::borders", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
+  parallel_for("cgcontact::contact_pairs::groups", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
   std::vector<Index3> cells;
   std::vector<int> surfaces;
   std::vector<FacingNormals> normals;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    cells.push_back(bodies[pair.primary].cut_cells.cells[places[i].first]);
+    cells.push_back(own.cells[places[i].first]);
     surfaces.push_back(places[i].second);
     normals.push_back(groups[i].normals);
   }

@@ -26,18 +26,25 @@ Plane seen_along(const Vec3& n, const Plane& border, const Vec3& m, double c) {
 
 }  // namespace
 
-std::vector<Plane> opposite_borders(const CutCells& own, int surface, const CutCells& other, const FaceSpec& face) {
-  std::vector<Plane> borders;
-  if (!face.box && !face.normal_cone) return borders;
-  const Surface& s = own.solid.surfaces()[surface];
+std::vector<Plane> box_dividers(const CutCells& cut_cells, const FaceSpec& face) {
   FaceSpec box = face;
   box.normal_cone.reset();
-  for (const Plane& divider : face_dividers({&box}, other.solid, other.grid)) {
+  return face_dividers({&box}, cut_cells.solid, cut_cells.grid);
+}
+
+std::vector<Plane> opposite_borders(const CutCells& own, int surface, const CutCells& other, const FaceSpec& face,
+                                    const std::vector<Plane>& dividers) {
+  std::vector<Plane> borders;
+  const Surface& s = own.solid.surfaces()[surface];
+  for (const Plane& divider : dividers) {
     const Plane border = moved(divider, other.grid, own.grid);
-    const Surface& opposite = other.solid.surfaces()[divider.surface];
     if (s.kind != Surface::Kind::plane || std::abs(border.normal.dot(s.direction)) < right_angle) {
       borders.push_back(border);
-    } else if (opposite.kind == Surface::Kind::plane) {
+      continue;
+    }
+    for (std::size_t i = 0; i < other.solid.surfaces().size(); ++i) {
+      const Surface& opposite = other.solid.surfaces()[i];
+      if (opposite.kind != Surface::Kind::plane || !divider.divides(static_cast<int>(i))) continue;
       const Plane plane = moved({opposite.direction, opposite.direction.dot(opposite.point)}, other.grid, own.grid);
       if (std::abs(plane.normal.dot(s.direction)) < facing) continue;
       const Plane seen = seen_along(s.direction, border, plane.normal, plane.offset);
@@ -48,7 +55,7 @@ std::vector<Plane> opposite_borders(const CutCells& own, int surface, const CutC
     const Vec3 axis =
         own.grid.rotation.transpose() * face.normal_cone->first;  // both sides: also of the opposite normals
     add_cone_dividers(own.solid, surface, axis, face.normal_cone->second, borders);
-    for (Plane& border : borders) border.surface = -1;
+    for (Plane& border : borders) border.surfaces = nullptr;
   }
   return borders;
 }

@@ -2,6 +2,7 @@
 /// Design section 2. Everything here is in grid coordinates (cell units, grid axes): h = 1.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "core/csg.hpp"
@@ -21,7 +22,9 @@ using Moments = std::array<double, num_moments>;
 struct Plane {
   Vec3 normal;
   double offset;     ///< normal . x = offset
-  int surface = -1;  ///< as a divider: cuts the pieces of this surface only; -1: those of all
+  std::shared_ptr<const std::vector<char>> surfaces = nullptr;  ///< as a divider: cuts the pieces of these only
+
+  bool divides(int surface) const { return !surfaces || (*surfaces)[surface]; }
 };
 
 /// Points on the boundary, all vectors of the same length. Positions, normals in grid coordinates, weights in cell

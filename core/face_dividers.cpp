@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace cgcontact {
 
@@ -15,11 +16,20 @@ bool coincide(const Vec3& a, double a_offset, const Vec3& b, double b_offset) {
   return (sign * a - b).norm() < same_plane && std::abs(sign * a_offset - b_offset) < same_plane;
 }
 
-void add_once(const Plane& plane, std::vector<Plane>& dividers) {
-  const auto is_same = [&](const Plane& other) {
-    return other.surface == plane.surface && coincide(plane.normal, plane.offset, other.normal, other.offset);
-  };
-  if (std::none_of(dividers.begin(), dividers.end(), is_same)) dividers.push_back(plane);
+/// Adds a plane that divides the given surfaces; one that is there already divides these as well.
+void add_once(Plane plane, const std::vector<char>& surfaces, std::vector<Plane>& dividers) {
+  if (std::find(surfaces.begin(), surfaces.end(), 1) == surfaces.end()) return;
+  const auto same = std::find_if(dividers.begin(), dividers.end(), [&](const Plane& other) {
+    return other.surfaces && coincide(plane.normal, plane.offset, other.normal, other.offset);
+  });
+  std::vector<char> all = surfaces;
+  if (same != dividers.end())
+    std::transform(all.begin(), all.end(), same->surfaces->begin(), all.begin(), std::bit_or<char>());
+  plane.surfaces = std::make_shared<const std::vector<char>>(std::move(all));
+  if (same != dividers.end())
+    same->surfaces = plane.surfaces;
+  else
+    dividers.push_back(plane);
 }
 
 /// Exactly one of the solid's own planes if it is one up to rounding: no slivers along an edge.
@@ -33,16 +43,21 @@ void settle(const Solid& solid, Plane& plane) {
   }
 }
 
-void add_box_dividers(const Solid& solid, int surface, const Grid& grid, const std::pair<Vec3, Vec3>& box,
-                      std::vector<Plane>& dividers) {
-  const Surface& s = solid.surfaces()[surface];
-  for (int k = 0; k < 3; ++k)
-    for (const double position : {box.first[k], box.second[k]}) {
-      Plane plane{grid.rotation.row(k).transpose(), (position - grid.origin[k]) / grid.cell_size, surface};
-      if (s.kind == Surface::Kind::plane && s.direction.cross(plane.normal).norm() < same_plane) continue;
-      settle(solid, plane);
-      add_once(plane, dividers);
+void add_box_dividers(const Solid& solid, std::vector<char> selected, const Grid& grid,
+                      const std::pair<Vec3, Vec3>& box, std::vector<Plane>& dividers) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 normal = grid.rotation.row(k).transpose();
+    std::vector<char> divided = selected;
+    for (std::size_t i = 0; i < divided.size(); ++i) {
+      const Surface& s = solid.surfaces()[i];
+      if (s.kind == Surface::Kind::plane && s.direction.cross(normal).norm() < same_plane) divided[i] = 0;
     }
+    for (const double position : {box.first[k], box.second[k]}) {
+      Plane plane{normal, (position - grid.origin[k]) / grid.cell_size};
+      settle(solid, plane);
+      add_once(plane, divided, dividers);
+    }
+  }
 }
 
 }  // namespace
@@ -55,27 +70,30 @@ void add_cone_dividers(const Solid& solid, int surface, const Vec3& axis, double
   const double length = across.norm();
   if (length < parallel || std::abs(cosine) > length * (1 - parallel)) return;
   across /= length;
+  std::vector<char> divided(solid.surfaces().size(), 0);
+  divided[surface] = 1;
   for (const double side : {1.0, -1.0})
-    add_once({across, across.dot(s.point) + side * s.radius * cosine / length, surface}, dividers);
+    add_once({across, across.dot(s.point) + side * s.radius * cosine / length}, divided, dividers);
 }
 
 std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, const Solid& solid, const Grid& grid) {
   std::vector<Plane> dividers;
   for (const FaceSpec* face : faces) {
     if (!face->box && !face->normal_cone) continue;
-    for (int s = 0; s < static_cast<int>(solid.surfaces().size()); ++s) {
-      if (!face->selects(solid.surfaces()[s].names)) continue;
-      if (face->box) add_box_dividers(solid, s, grid, *face->box, dividers);
-      if (face->normal_cone)
-        add_cone_dividers(solid, s, grid.rotation.transpose() * face->normal_cone->first, face->normal_cone->second,
-                          dividers);
-    }
+    std::vector<char> selected;
+    for (const Surface& s : solid.surfaces()) selected.push_back(face->selects(s.names));
+    if (face->box) add_box_dividers(solid, selected, grid, *face->box, dividers);
+    if (!face->normal_cone) continue;
+    for (std::size_t s = 0; s < selected.size(); ++s)
+      if (selected[s])
+        add_cone_dividers(solid, static_cast<int>(s), grid.rotation.transpose() * face->normal_cone->first,
+                          face->normal_cone->second, dividers);
   }
   return dividers;
 }
 
 bool divide_faces(const std::vector<Plane>& dividers) {
-  return std::any_of(dividers.begin(), dividers.end(), [](const Plane& plane) { return plane.surface >= 0; });
+  return std::any_of(dividers.begin(), dividers.end(), [](const Plane& plane) { return plane.surfaces != nullptr; });
 }
 
 std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width) {

@@ -213,7 +213,7 @@ void Piece::add_trims() {
 void Piece::add_dividers() {
   for (std::size_t d = 0; d < leaf_.dividers.size(); ++d) {
     const Plane& plane = leaf_.dividers[d];
-    if (plane.surface >= 0 && plane.surface != leaf_.local.surfaces[index_]) continue;
+    if (!plane.divides(leaf_.local.surfaces[index_])) continue;
     RegionFunction f;
     f.bit = std::uint64_t{1} << (first_divider_bit + d);
     f.is_divider = true;

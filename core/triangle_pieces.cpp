@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
+#include "core/errors.hpp"
 #include "core/face_dividers.hpp"
 #include "core/gauss_rules.hpp"
 #include "core/point_compression.hpp"
@@ -217,7 +218,9 @@ class PointMaker {
  public:
   PointMaker(const TriangleSurface& surface, const std::vector<Plane>& dividers, int order, bool with_pieces)
       : surface_(surface), dividers_(dividers), order_(order), with_pieces_(with_pieces) {
-    if (dividers.size() > 256) throw std::logic_error("too many dividers in one cell");
+    if (dividers.size() > 256)
+      throw InputError(
+          "too many borders of faces in one cell (allowed: up to 256; declare fewer faces or make the cells smaller)");
   }
 
   void add_piece(int triangle, const SurfacePolygon& polygon) {
@@ -263,7 +266,7 @@ class PointMaker {
   void divide(Part part, std::size_t divider) {
     SurfacePolygon negative, rest;
     for (; divider < dividers_.size(); ++divider) {
-      if (dividers_[divider].surface >= 0 && dividers_[divider].surface != part.patch) continue;
+      if (!dividers_[divider].divides(part.patch)) continue;
       if (lies_in(part.polygon, dividers_[divider])) continue;
       split_at(part.polygon, dividers_[divider], negative, rest);
       if (negative.n == 0) continue;

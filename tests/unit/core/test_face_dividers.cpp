@@ -127,7 +127,7 @@ TEST(FaceDividers, CoincidentPlanesAreOne) {
   const FaceSpec a = box({0, 1 + 1e-13, 0}, {3.3, 9, 9}), b = box({3.3 + 1e-13, 0, 0}, {9, 9, 9});
   std::vector<Plane> of_top;
   for (const Plane& plane : face_dividers({&a, &b}, solid, grid))
-    if (plane.surface == 5 && std::abs(plane.offset) > 0.5 && std::abs(plane.offset) < 5.5) of_top.push_back(plane);
+    if (plane.divides(5) && std::abs(plane.offset) > 0.5 && std::abs(plane.offset) < 5.5) of_top.push_back(plane);
   ASSERT_EQ(of_top.size(), 2u);  // y = 1 and x = 3.3
   for (const Plane& plane : of_top)
     if (plane.normal[1] != 0) {
