@@ -21,7 +21,7 @@ using Moments = std::array<double, num_moments>;
 
 struct Plane {
   Vec3 normal;
-  double offset;     ///< normal . x = offset
+  double offset;                                                ///< normal . x = offset
   std::shared_ptr<const std::vector<char>> surfaces = nullptr;  ///< as a divider: cuts the pieces of these only
 
   bool divides(int surface) const { return !surfaces || (*surfaces)[surface]; }

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double same_slope = 1e-9;  // of graphs: the first axis counts, whatever the rounding
 constexpr double same_place = 1e-9;  // cells; the middle of a leaf and of the solid
-constexpr double min_slope = 0.3;  // least |component of the unit normal| along the axis of a graph
-constexpr int max_depth = 12;      // of the cutting into octants
+constexpr double min_slope = 0.3;    // least |component of the unit normal| along the axis of a graph
+constexpr int max_depth = 12;        // of the cutting into octants
 constexpr int comfortable_surfaces = 8;
 constexpr int max_dividers = 40;
 constexpr std::uint64_t lower_bit = std::uint64_t{1} << 20, upper_bit = std::uint64_t{1} << 21;
@@ -222,7 +222,8 @@ void Piece::add_dividers() {
     if (is_plane())
       f.conic = Conic{value, plane.normal.dot(along_s_), plane.normal.dot(along_t_)};
     else
-      f.quadric = {plane.normal.dot(frame_.origin) - plane.offset, frame_.axes.transpose() * plane.normal, Mat3::Zero()};
+      f.quadric = {plane.normal.dot(frame_.origin) - plane.offset, frame_.axes.transpose() * plane.normal,
+                   Mat3::Zero()};
     region_.predicate.divider_mask |= f.bit;
     region_.add(f);
   }

@@ -19,8 +19,8 @@ struct Leaf {
   std::vector<Plane> dividers;  ///< those that cross the leaf
   Vec3 middle = Vec3::Zero();   ///< of the solid
 
-  /// The coordinates s, t, height in which the leaf is integrated `along` an axis (columns of `axes`), from `origin` on:
-  /// the coordinate axes in cyclic order, s and t towards the middle of the solid, so that mirror images get mirror
+  /// The coordinates s, t, height in which the leaf is integrated `along` an axis (columns of `axes`), from `origin`
+  /// on: the coordinate axes in cyclic order, s and t towards the middle of the solid, so that mirror images get mirror
   /// images of the same points.
   struct Frame {
     Mat3 axes;

@@ -107,7 +107,8 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size
       full = full && cc.cut_of_active[c] < 0;
     }
     set.full[n] = full;
-    if (volume < least_volume) set.grown[n] = grow_patch(mesh, middle, static_cast<int>(n), least_volume, volume, patch);
+    if (volume < least_volume)
+      set.grown[n] = grow_patch(mesh, middle, static_cast<int>(n), least_volume, volume, patch);
     range.size.push_back(static_cast<int>(patch.size()));
     range.cells.insert(range.cells.end(), patch.begin(), patch.end());
   }
