@@ -93,8 +93,8 @@ int edge_of_needle(const TriangleSoup& soup, const Triangle& c) {
   return twice_area.norm() > no_height * longest * longest ? -1 : edge;
 }
 
-/// Removes triangles whose corners lie on a line: the neighbour across the longest edge is divided at the corner
-/// between. Needles next to each other take several passes.
+}  // namespace
+
 int remove_needles(TriangleSoup& soup) {
   std::vector<std::array<int, 3>> neighbours;
   std::vector<char> changed(soup.triangles.size(), 0);
@@ -117,6 +117,8 @@ int remove_needles(TriangleSoup& soup) {
   }
   return gone;
 }
+
+namespace {
 
 std::string edge_place(const TriangleSoup& soup, const EdgeUse& use) {
   const Triangle& t = soup.triangles[use.triangle];

@@ -1,30 +1,27 @@
 #include "core/triangle_repair.hpp"
 
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
-#include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
 #include <CGAL/Polygon_mesh_processing/repair_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/stitch_borders.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/boost/graph/Euler_operations.h>
 #include <fmt/format.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <fstream>
 #include <numeric>
-#include <sstream>
 
 #include "core/errors.hpp"
+#include "core/triangle_arrangement.hpp"
+#include "core/triangle_checks.hpp"
 #include "core/triangle_crossings.hpp"
 #include "core/triangle_edges.hpp"
 #include "core/triangle_reader.hpp"
@@ -35,14 +32,13 @@ namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using ExactKernel = CGAL::Exact_predicates_exact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point>;
-using ExactMesh = CGAL::Surface_mesh<ExactKernel::Point_3>;
 
 /// Of the diagonal: points on open edges that are made one; corners of the result that rounding has parted; height
 /// below which a shell's volume over its area is none.
-constexpr double merge_distance = 1e-4, one_point = 1e-11, no_thickness = 1e-6, same_box = 1e-9;
+constexpr double merge_distance = 1e-4, one_point = 1e-11, no_thickness = 1e-6;
+constexpr int most_passes = 5;
 constexpr double half_a_pass = 0.5;  // of the shortest edge at a rim: merging closes gaps, not triangles
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem) {
@@ -68,6 +64,12 @@ double area(const TriangleSoup& soup) {
 
 void turn_over(TriangleSoup& soup) {
   for (Triangle& t : soup.triangles) std::swap(t[1], t[2]);
+}
+
+void append(const TriangleSoup& part, TriangleSoup& soup) {
+  const int first = static_cast<int>(soup.points.size());
+  soup.points.insert(soup.points.end(), part.points.begin(), part.points.end());
+  for (const Triangle& t : part.triangles) soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
 void drop_collapsed(TriangleSoup& soup) {
@@ -101,8 +103,23 @@ struct Shell {
   TriangleSoup soup;
   double volume = 0;
   bool one_way = true;  ///< all triangles were oriented alike in the file
+  bool crosses = false;
   Eigen::AlignedBox3d box;
 };
+
+/// Triangles between the rim of a hole and its middle; they may cross.
+void close_with_fan(Mesh& mesh, Mesh::Halfedge_index rim) {
+  Vec3 middle = Vec3::Zero();
+  int count = 0;
+  for (const Mesh::Vertex_index v : vertices_around_face(rim, mesh)) {
+    middle += Vec3(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+    ++count;
+  }
+  middle /= count;
+  CGAL::Euler::fill_hole(rim, mesh);
+  const Mesh::Halfedge_index spoke = CGAL::Euler::add_center_vertex(rim, mesh);
+  mesh.point(target(spoke, mesh)) = Point(middle[0], middle[1], middle[2]);
+}
 
 /// Neighbours oriented alike (non-manifold edges and corners parted), holes filled, divided into shells.
 std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& file, SurfaceRepair& repair) {
@@ -133,10 +150,7 @@ std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& fil
   for (const Mesh::Halfedge_index cycle : cycles) {
     std::vector<Mesh::Face_index> patch;
     pmp::triangulate_hole(mesh, cycle, std::back_inserter(patch));
-    if (patch.empty())
-      fail(file,
-           fmt::format("the hole at ({:.6g}, {:.6g}, {:.6g}) cannot be filled", mesh.point(target(cycle, mesh)).x(),
-                       mesh.point(target(cycle, mesh)).y(), mesh.point(target(cycle, mesh)).z()));
+    if (patch.empty()) close_with_fan(mesh, cycle);
   }
   repair.holes = static_cast<int>(cycles.size());
   if (!CGAL::is_closed(mesh)) fail(file, "its holes cannot be filled");
@@ -173,143 +187,68 @@ std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& fil
   return shells;
 }
 
-ExactMesh exact_mesh(const TriangleSoup& soup, const std::string& file) {
-  ExactMesh mesh;
-  std::vector<ExactMesh::Vertex_index> vertices;
-  for (const Vec3& x : soup.points) vertices.push_back(mesh.add_vertex(ExactKernel::Point_3(x[0], x[1], x[2])));
-  for (const Triangle& t : soup.triangles)
-    if (mesh.add_face(vertices[t[0]], vertices[t[1]], vertices[t[2]]) == ExactMesh::null_face())
-      fail(file, "a shell touches itself along an edge");
-  return mesh;
-}
-
-/// In double precision; corners that rounding has put next to each other are one.
-TriangleSoup rounded(const ExactMesh& mesh, double size) {
+/// Shells as one list of triangles.
+TriangleSoup joined(const std::vector<const Shell*>& shells) {
   TriangleSoup soup;
-  std::vector<int> number(mesh.num_vertices() + mesh.number_of_removed_vertices(), -1);
-  for (const ExactMesh::Vertex_index v : mesh.vertices()) {
-    number[v] = static_cast<int>(soup.points.size());
-    const auto& x = mesh.point(v);
-    soup.points.emplace_back(CGAL::to_double(x.x()), CGAL::to_double(x.y()), CGAL::to_double(x.z()));
-  }
-  for (const ExactMesh::Face_index f : mesh.faces()) {
-    Triangle t;
-    int k = 0;
-    for (const ExactMesh::Vertex_index v : vertices_around_face(mesh.halfedge(f), mesh)) t[k++] = number[v];
-    soup.triangles.push_back(t);
-  }
-  std::vector<int> all(soup.points.size());
-  std::iota(all.begin(), all.end(), 0);
-  soup.merge(std::move(all), one_point * size);
-  drop_collapsed(soup);
+  for (const Shell* shell : shells) append(shell->soup, soup);
   return soup;
 }
 
-/// The shell cut along its crossings without what lies inside; no triangles if that fails.
-TriangleSoup untangled(const TriangleSoup& soup, double size, const std::string& file) {
-  ExactMesh mesh = exact_mesh(soup, file);
-  if (!pmp::experimental::autorefine_and_remove_self_intersections(mesh) || !CGAL::is_closed(mesh)) return {};
-  mesh.collect_garbage();
-  return rounded(mesh, size);
+/// Numbers of the connected parts of a closed surface.
+std::vector<int> shell_numbers(const TriangleSoup& soup, int& count) {
+  std::vector<int> number(soup.triangles.size(), -1);
+  const auto neighbours = edge_neighbours(soup.triangles, soup.points.size());
+  count = 0;
+  for (std::size_t t = 0; t < number.size(); ++t) {
+    if (number[t] >= 0) continue;
+    flood(
+        neighbours, static_cast<int>(t), [&](int, int to) { return number[to] < 0; },
+        [&](int now) { number[now] = count; });
+    ++count;
+  }
+  return number;
 }
 
-/// The same in a process of its own: on some surfaces CGAL 5.5 reads memory that is not its own there.
-TriangleSoup untangled_apart(const TriangleSoup& soup, double size, const std::string& file) {
-  int ends[2];
-  if (pipe(ends) != 0) return {};
-  const pid_t child = fork();
-  if (child == 0) {
-    close(ends[0]);
-    TriangleSoup result;
+/// Leaves out slivers between surfaces that nearly coincide; returns the number of shells that stay.
+int drop_flat_shells(double size, TriangleSoup& soup) {
+  int count = 0;
+  const std::vector<int> number = shell_numbers(soup, count);
+  std::vector<TriangleSoup> shells(static_cast<std::size_t>(count));
+  for (std::size_t t = 0; t < number.size(); ++t) shells[number[t]].triangles.push_back(soup.triangles[t]);
+  std::vector<char> is_flat;
+  for (TriangleSoup& shell : shells) {
+    shell.points.swap(soup.points);
+    is_flat.push_back(std::abs(signed_volume(shell)) <= no_thickness * size * area(shell));
+    shell.points.swap(soup.points);
+  }
+  std::vector<char> kept;
+  for (const int n : number) kept.push_back(!is_flat[n]);
+  soup.keep(kept);
+  return static_cast<int>(std::count(is_flat.begin(), is_flat.end(), char{0}));
+}
+
+/// Shells whose boxes meet as one body, cut along all crossings; cavities are taken away. Where rounding of the cuts
+/// leaves crossings or needles it is cut again, with points a little farther from each other merged.
+TriangleSoup unite(const std::vector<const Shell*>& solids, const std::vector<const Shell*>& cavities, double size,
+                   const std::string& file, SurfaceRepair& repair) {
+  TriangleSoup outer = joined(solids), hollows = joined(cavities), body;
+  turn_over(hollows);
+  int shells = 0;
+  double distance = one_point * size;
+  for (int pass = 0; pass < most_passes; ++pass, distance *= 10) {
+    body = outer_boundary(outer, hollows, distance);
+    shells = drop_flat_shells(size, body);
+    if (body.triangles.empty()) break;
+    outer = body;
+    hollows = {};
     try {
-      result = untangled(soup, size, file);
-    } catch (...) {
-      _exit(1);
+      check_parted(outer, file);
+      break;
+    } catch (const InputError&) {  // what the check has removed stays away
     }
-    const std::uint64_t counts[2] = {result.points.size(), result.triangles.size()};
-    const auto put = [&](const void* data, std::size_t bytes) {
-      for (const char* next = static_cast<const char*>(data); bytes > 0;) {
-        const ssize_t done = write(ends[1], next, bytes);
-        if (done <= 0) _exit(1);
-        next += done;
-        bytes -= static_cast<std::size_t>(done);
-      }
-    };
-    put(counts, sizeof(counts));
-    put(result.points.data(), result.points.size() * sizeof(Vec3));
-    put(result.triangles.data(), result.triangles.size() * sizeof(Triangle));
-    _exit(0);
   }
-  close(ends[1]);
-  std::string bytes;
-  char buffer[1 << 16];
-  if (child > 0)
-    for (ssize_t got = 0; (got = read(ends[0], buffer, sizeof(buffer))) > 0;)
-      bytes.append(buffer, static_cast<std::size_t>(got));
-  close(ends[0]);
-  int status = 1;
-  if (child > 0) waitpid(child, &status, 0);
-  std::uint64_t counts[2] = {0, 0};
-  if (status != 0 || bytes.size() < sizeof(counts)) return {};
-  std::memcpy(counts, bytes.data(), sizeof(counts));
-  const std::size_t points = counts[0] * sizeof(Vec3), triangles = counts[1] * sizeof(Triangle);
-  if (bytes.size() != sizeof(counts) + points + triangles) return {};
-  TriangleSoup result;
-  result.points.resize(counts[0]);
-  result.triangles.resize(counts[1]);
-  std::memcpy(static_cast<void*>(result.points.data()), bytes.data() + sizeof(counts), points);
-  std::memcpy(static_cast<void*>(result.triangles.data()), bytes.data() + sizeof(counts) + points, triangles);
-  return result;
-}
-
-/// Cuts a shell along its crossings and leaves out what lies inside.
-void untangle(Shell& shell, double size, const std::string& file) {
-  shell.soup = untangled_apart(shell.soup, size, file);
-  if (shell.soup.triangles.empty()) fail(file, "a shell crosses itself in a way that leaves no inside or outside");
-  Eigen::AlignedBox3d box;
-  for (const Triangle& t : shell.soup.triangles)
-    for (const int p : t) box.extend(shell.soup.points[p]);
-  if ((box.min() - shell.box.min()).cwiseAbs().maxCoeff() > same_box * size ||
-      (box.max() - shell.box.max()).cwiseAbs().maxCoeff() > same_box * size)
-    fail(file, "a shell is turned inside out where it crosses itself");
-}
-
-/// Shells whose boxes meet, as one body; cavities are taken away.
-std::vector<TriangleSoup> unite(const std::vector<const Shell*>& solids, const std::vector<const Shell*>& cavities,
-                                double size, const std::string& file, SurfaceRepair& repair) {
-  std::vector<ExactMesh> bodies;
-  for (const Shell* shell : solids) {
-    ExactMesh body = exact_mesh(shell->soup, file);
-    for (std::size_t i = 0; i < bodies.size();) {
-      ExactMesh result;
-      // Shells that touch along an edge only are not one manifold: they stay two.
-      if (!pmp::corefine_and_compute_union(bodies[i], body, result) ||
-          result.num_faces() == bodies[i].num_faces() + body.num_faces()) {
-        ++i;
-        continue;
-      }
-      ++repair.united;
-      body = std::move(result);
-      bodies.erase(bodies.begin() + static_cast<std::ptrdiff_t>(i));
-      i = 0;
-    }
-    bodies.push_back(std::move(body));
-  }
-  for (const Shell* cavity : cavities)
-    for (ExactMesh& body : bodies) {
-      TriangleSoup turned = cavity->soup;
-      turn_over(turned);
-      ExactMesh hole = exact_mesh(turned, file), result;
-      if (!pmp::corefine_and_compute_difference(body, hole, result))
-        fail(file, "a cavity touches the outside along an edge");
-      body = std::move(result);
-    }
-  std::vector<TriangleSoup> soups;
-  for (ExactMesh& body : bodies) {
-    body.collect_garbage();
-    if (!body.is_empty()) soups.push_back(rounded(body, size));
-  }
-  return soups;
+  repair.united += std::max(0, static_cast<int>(solids.size() + cavities.size()) - shells);
+  return body;
 }
 
 /// Numbers of the groups of shells whose boxes meet.
@@ -388,12 +327,10 @@ SurfaceRepair repair_surface(TriangleSoup& soup, const std::string& file) {
   repair.lost = static_cast<int>(shells.end() - flat);
   shells.erase(flat, shells.end());
   if (shells.empty()) fail(file, "it encloses no volume");
-  for (Shell& shell : shells)
-    if (!find_crossings(shell.soup.points, shell.soup.triangles).empty()) {
-      untangle(shell, size, file);
-      shell.volume = signed_volume(shell.soup);
-      ++repair.untangled;
-    }
+  for (Shell& shell : shells) {
+    shell.crosses = !find_crossings(shell.soup.points, shell.soup.triangles).empty();
+    repair.untangled += shell.crosses;
+  }
   double total = 0;
   for (const Shell& shell : shells) total += shell.volume;
   const auto turn = [&](Shell& shell) {
@@ -416,17 +353,16 @@ SurfaceRepair repair_surface(TriangleSoup& soup, const std::string& file) {
     std::vector<const Shell*> solids, cavities;
     for (std::size_t s = 0; s < shells.size(); ++s)
       if (group[s] == g) (shells[s].volume > 0 ? solids : cavities).push_back(&shells[s]);
-    std::vector<TriangleSoup> parts;
-    if (solids.size() + cavities.size() == 1)
-      parts.push_back((solids.empty() ? cavities : solids)[0]->soup);
-    else if (!solids.empty())
-      parts = unite(solids, cavities, size, file, repair);
-    for (const TriangleSoup& part : parts) {
-      const int first = static_cast<int>(soup.points.size());
-      soup.points.insert(soup.points.end(), part.points.begin(), part.points.end());
-      for (const Triangle& t : part.triangles) soup.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    if (solids.size() + cavities.size() == 1 && !shells[g].crosses) {
+      append(shells[g].soup, soup);
+    } else if (!solids.empty()) {
+      append(unite(solids, cavities, size, file, repair), soup);
     }
   }
+  bool crowded = false;
+  each_edge(soup.triangles, soup.points.size(),
+            [&](const std::vector<EdgeUse>& uses) { crowded = crowded || uses.size() > 2; });
+  if (crowded) part_where_touching(soup);
   if (soup.triangles.empty()) fail(file, "nothing is left of it");
   repair.volume_after = signed_volume(soup);
   repair.area_after = area(soup);

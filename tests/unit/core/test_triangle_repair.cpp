@@ -1,6 +1,8 @@
 // Repair of surfaces that bound no body: what comes out bounds the body that was meant, and what changed is told.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "core/errors.hpp"
@@ -126,6 +128,39 @@ TEST(TriangleRepair, ShellThatCrossesItself) {
     EXPECT_NO_THROW(check_parted(soup, "part.stl"));
   } catch (const InputError& error) {  // refused clearly is the other right answer
     EXPECT_NE(std::string(error.what()).find("repair = true does not help"), std::string::npos) << error.what();
+  }
+}
+
+// Proves that the union of four boxes that cross in many places is exact, also where no face is along an axis.
+TEST(TriangleRepair, CrossingsAreCutExactly) {
+  const Eigen::AngleAxisd turn(0.7, Vec3(1, 2, 3).normalized());
+  for (const bool turned : {false, true}) {
+    TriangleSoup soup = cube();
+    for (const double shift : {0.5, 0.25, -0.75}) {
+      const Vec3 at(shift, 0.3 * shift, -0.4 * shift);
+      soup = joined(soup, test::box_soup(at, at + Vec3::Ones()));
+    }
+    double grid_volume = 0;  // of the union, by planes between all sides
+    const std::vector<double> shifts = {0, 0.5, 0.25, -0.75};
+    std::vector<double> cuts[3];
+    for (const double s : shifts)
+      for (int k = 0; k < 3; ++k)
+        for (const double end : {0.0, 1.0}) cuts[k].push_back(Vec3(s, 0.3 * s, -0.4 * s)[k] + end);
+    for (auto& c : cuts) std::sort(c.begin(), c.end());
+    for (std::size_t i = 1; i < 8; ++i)
+      for (std::size_t j = 1; j < 8; ++j)
+        for (std::size_t k = 1; k < 8; ++k) {
+          const Vec3 low(cuts[0][i - 1], cuts[1][j - 1], cuts[2][k - 1]), high(cuts[0][i], cuts[1][j], cuts[2][k]);
+          const Vec3 x = (low + high) / 2;
+          const bool inside = std::any_of(shifts.begin(), shifts.end(), [&](double s) {
+            const Vec3 local = x - Vec3(s, 0.3 * s, -0.4 * s);
+            return local.minCoeff() > 0 && local.maxCoeff() < 1;
+          });
+          if (inside) grid_volume += (high - low).prod();
+        }
+    if (turned)
+      for (Vec3& x : soup.points) x = turn * x;
+    EXPECT_EQ(repaired(soup, grid_volume).united, 3);
   }
 }
 
