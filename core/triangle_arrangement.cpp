@@ -62,7 +62,7 @@ class Cutter {
     cuts_.resize(n);
     std::vector<std::vector<int>> partners(n);
     const TriangleTree tree(soup_.points, soup_.triangles);
-    parallel_for(n, 256, [&](std::size_t t) {
+    parallel_for("cgcontact::triangle_arrangement::partners", n, 256, [&](std::size_t t) {
       if (has_area[t]) find_partners(tree, static_cast<int>(t), has_area, partners[t]);
     });
     for (std::size_t t = 0; t < n; ++t)
@@ -263,7 +263,7 @@ std::vector<int> find_sides(const std::vector<Facet>& facets, const std::vector<
     return sum;
   };
   std::vector<int> side(facets.size(), 0);
-  parallel_for(members.size(), 1, [&](std::size_t p) {
+  parallel_for("cgcontact::triangle_arrangement::sides", members.size(), 1, [&](std::size_t p) {
     std::vector<int>& list = members[p];
     const std::size_t samples = std::min(most_samples, list.size());
     std::partial_sort(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(samples), list.end(),
