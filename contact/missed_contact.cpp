@@ -1,7 +1,9 @@
 #include "contact/missed_contact.hpp"
 
 #include <algorithm>
+#include <optional>
 
+#include "contact/gap_samples.hpp"
 #include "contact/postprocess.hpp"
 #include "core/parallel.hpp"
 
@@ -55,6 +57,39 @@ double missed_distance(const Simulation& sim, const ContactPair& seen) {
   return farthest.empty() ? 0.0 : *std::max_element(farthest.begin(), farthest.end());
 }
 
+/// Change of the mean gap of a group by the deformation, m.
+double gap_change(const Simulation& sim, const ContactPair& pair, const ContactGroup& group) {
+  double change = 0;
+  for (int q = group.first_point; q < group.last_point; ++q) {
+    const ContactPoint& point = pair.points[q];
+    const Vec3 apart = displacement(sim, pair.secondary, point.secondary_cell, point.secondary_xi) -
+                       displacement(sim, pair.primary, point.primary_cell, point.primary_xi);
+    change += point.weight / group.area * point.normal.dot(apart);
+  }
+  return change;
+}
+
+/// The deepest overlap of the deformed faces that no boundary point of theirs lies in: at an edge or a tip.
+std::optional<MissedOverlap> overlap_between_points(const Simulation& sim, std::size_t p) {
+  const ContactPair& pair = sim.pairs[p];
+  const double h = sim.bodies[pair.primary].cut_cells.grid.cell_size;
+  std::vector<std::optional<MissedOverlap>> deepest(pair.groups.size());
+  parallel_for("cgcontact::missed_contact::between_points", deepest.size(), 1, [&](std::size_t g) {
+    const ContactGroup& group = pair.groups[g];
+    double nearest = pair.points[group.first_point].distance;
+    for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points[q].distance);
+    const double limit = pair.interference - gap_change(sim, pair, group);
+    if (nearest > limit + h) return;
+    for (const GapSample& sample : sample_gap(sim.bodies, pair, group, limit))
+      if (!deepest[g] || limit - sample.distance > deepest[g]->depth)
+        deepest[g] = MissedOverlap{static_cast<int>(p), limit - sample.distance, sample.x};
+  });
+  std::optional<MissedOverlap> all;
+  for (const auto& found : deepest)
+    if (found && (!all || found->depth > all->depth)) all = found;
+  return all;
+}
+
 }  // namespace
 
 std::vector<double> missed_contact(const Simulation& sim) {
@@ -77,7 +112,10 @@ std::vector<MissedOverlap> missed_overlaps(const Simulation& sim) {
     const ContactRow* deepest = nullptr;
     for (const ContactRow& row : sim.results.contact_rows)
       if (row.pair == static_cast<int>(p) && row.gap < (deepest ? deepest->gap : -least_overlap * h)) deepest = &row;
-    if (deepest) overlaps.push_back({static_cast<int>(p), -deepest->gap, deepest->x});
+    if (deepest)
+      overlaps.push_back({static_cast<int>(p), -deepest->gap, deepest->x});
+    else if (const auto between = overlap_between_points(sim, p); between && between->depth > least_overlap * h)
+      overlaps.push_back(*between);
   }
   return overlaps;
 }

@@ -17,7 +17,8 @@ struct MissedOverlap {
 };
 
 /// One for each pair of sim.results without a closed point whose faces overlap all the same: contact is decided by the
-/// mean gap of pieces of cells, so that a zone smaller than these is lost.
+/// mean gap of pieces of cells, so that a zone smaller than these may be lost. Looked for at the faces' boundary points
+/// and, without any, between them (edges, corners, tips).
 std::vector<MissedOverlap> missed_overlaps(const Simulation& sim);
 
 }  // namespace cgcontact

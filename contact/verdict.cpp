@@ -19,7 +19,7 @@ constexpr double cells_of_missed_zone = 1;
 
 struct Judged {
   Verdict::Pair pair;
-  double force = 0;  // N
+  double force = 0;  // N, or the largest pressure on the whole zone
   const MissedOverlap* missed = nullptr;
 };
 
@@ -35,7 +35,8 @@ std::vector<Judged> judge_pairs(const Simulation& sim, const std::vector<MissedO
     const double h = coarser_cell(sim, static_cast<int>(p));
     Judged j;
     j.pair.name = figures.name;
-    j.force = figures.force_on_first.norm();
+    // The resultant of a closed zone (a shrink fit) is zero.
+    j.force = std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
     if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
       j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across ? State::not_resolved : State::resolved;

@@ -1,6 +1,6 @@
 /// Repair on request of surfaces that bound no body as they are: open, crossing, non-manifold, inside out. By CGAL's
-/// polygon mesh processing (Loriot et al., Polygon Mesh Processing, CGAL User and Reference Manual); surfaces that cross
-/// are cut in exact arithmetic (core/triangle_arrangement.hpp).
+/// polygon mesh processing (Loriot et al., Polygon Mesh Processing, CGAL User and Reference Manual); surfaces that
+/// cross are cut in exact arithmetic (core/triangle_arrangement.hpp).
 #pragma once
 
 #include <string>

@@ -113,11 +113,13 @@ void BoundaryPieces::join(Piece& whole, const Piece& part) {
 /// circle, c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre
 /// and five on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame,
 /// which depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points
-/// on a line. The tangents point away from the middle of the body: its mirror image has the mirror image of the points.
-void BoundaryPieces::place_points(const Piece& g, const Surface& surface, int degree, ConstraintGroup& group) const {
+/// on a line. The tangents point from the middle of the body to the patch: its mirror image has the mirror image of the
+/// points.
+void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surface& surface, int degree,
+                                  ConstraintGroup& group) const {
   auto [t1, t2] = tangents(g.normal.normalized());
   for (Vec3* t : {&t1, &t2})
-    if (t->dot(uneven.cwiseProduct(g.centroid - middle_)) < -same_place) *t = -*t;
+    if (t->dot(uneven.cwiseProduct(patch - middle_)) < -same_place) *t = -*t;
   Eigen::Matrix2d covariance;
   covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
   covariance /= g.area;
@@ -213,11 +215,16 @@ void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::ve
     }
   }
   join_small(wholes);
+  Vec3 middle_of_patch = Vec3::Zero();  // not of the pieces: declared faces cut these
+  for (int c = 0; c < num_cells; ++c) {
+    const Index3& cell = cut_cells_.cells[cells[c]];
+    middle_of_patch += Vec3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5) / num_cells;
+  }
   groups.assign(wholes.size(), {});
   for (std::size_t i = 0; i < wholes.size(); ++i) {
     std::tie(groups[i].surface, groups[i].condition, groups[i].pair) = wholes[i].kind();
     groups[i].area = wholes[i].area;
-    place_points(wholes[i], cut_cells_.solid.surfaces()[wholes[i].surface],
+    place_points(wholes[i], middle_of_patch, cut_cells_.solid.surfaces()[wholes[i].surface],
                  wholes[i].is_rough ? std::min(degree, 1) : degree, groups[i]);
   }
 }

@@ -62,7 +62,8 @@ class BoundaryPieces {
   void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end);
   static void join_small(std::vector<Piece>& wholes);
   static void join(Piece& whole, const Piece& part);
-  void place_points(const Piece& whole, const Surface& surface, int degree, ConstraintGroup& group) const;
+  void place_points(const Piece& whole, const Vec3& patch, const Surface& surface, int degree,
+                    ConstraintGroup& group) const;
 
   const CutCells& cut_cells_;
   const Vec3 middle_;       ///< of the body, grid coordinates

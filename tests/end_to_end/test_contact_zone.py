@@ -127,9 +127,12 @@ class ContactZone(unittest.TestCase):
                 self.assertLess(pair["area"], 0.15)
                 for x, middle in zip(pair["centre"], (0.5, 0.5, 1)):
                     self.assertAlmostEqual(x, middle, delta=0.04)  # a third of a cell: the zone consists of whole pieces
-                for key in ("area", "max_pressure"):
-                    # The rim of a declared face cuts pieces: other points there, and the area consists of whole points.
-                    self.assertAlmostEqual(pair[key] / found[0][key], 1, delta=1e-2, msg=key)
+                for force in zip(pair["force"]["b"], found[0]["force"]["b"]):  # equilibrium knows no names
+                    self.assertAlmostEqual(*force, delta=1e-8 * abs(found[0]["force"]["b"][2]))
+                # The rim of a declared face cuts pieces: other points there, and the area consists of whole points. The
+                # largest pressure of a zone of one cell, which is not resolved, hangs on what patches know of the rim.
+                self.assertAlmostEqual(pair["area"] / found[0]["area"], 1, delta=1e-2)
+                self.assertAlmostEqual(pair["max_pressure"] / found[0]["max_pressure"], 1, delta=1e-3 if h < 0.1 else 3e-2)
 
 
 if __name__ == "__main__":

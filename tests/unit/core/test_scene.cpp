@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path root = fs::path(__FILE__).parent_path() / ".." / ".." / "..";
+const fs::path root = CGCONTACT_SOURCE_DIR;
 
 std::string scene_file(const std::string& name) { return (root / "scenes" / name).lexically_normal().string(); }
 
