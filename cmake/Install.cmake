@@ -5,12 +5,12 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cgcontact)
 
-# Headers refer to each other as "cgcontact/core/scene.hpp", so that a user's own core/ cannot come between. Those that read
+# Headers refer to each other as "cgcontact/core/scene/scene.hpp", so that a user's own core/ cannot come between. Those that read
 # scenes, TOML and the command line are ours alone.
 set(header_dir ${CMAKE_INSTALL_INCLUDEDIR}/cgcontact)
 set(staged ${CMAKE_BINARY_DIR}/installed_headers)
 foreach(folder core kernels recovery contact)
-  file(GLOB headers RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${folder}/*.hpp)
+  file(GLOB_RECURSE headers RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${folder}/*.hpp)
   list(FILTER headers EXCLUDE REGEX "toml_cursor|scene_(overrides|reader|shapes|mesh)|cli\\.hpp|contact/study")
   list(APPEND public_headers ${headers})
 endforeach()

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <map>
 
-#include "contact/memory.hpp"
-#include "core/output_check.hpp"
+#include "contact/model/memory.hpp"
+#include "core/output/output_check.hpp"
 
 namespace cgcontact {
 namespace {

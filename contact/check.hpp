@@ -11,7 +11,7 @@ namespace cgcontact {
 /// Bodies with volume, faces, cells and unknowns; pairs; expected memory. A few lines per body.
 std::string describe(const Scene& scene, const Preparation& preparation);
 
-/// Draws the scene on its grids into `directory` (core/output_check.hpp); returns warnings.
+/// Draws the scene on its grids into `directory` (core/output/output_check.hpp); returns warnings.
 std::vector<std::string> draw(const Scene& scene, const Preparation& preparation, const std::string& directory);
 
 }  // namespace cgcontact

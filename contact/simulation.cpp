@@ -5,22 +5,22 @@
 #include <algorithm>
 #include <chrono>
 
-#include "contact/coarse_facets.hpp"
-#include "contact/condition_checks.hpp"
-#include "contact/conditions.hpp"
-#include "contact/free_motion.hpp"
-#include "contact/free_pieces.hpp"
-#include "contact/memory.hpp"
-#include "contact/missed_contact.hpp"
-#include "contact/pair_figures.hpp"
-#include "contact/postprocess.hpp"
-#include "contact/pressure_estimate.hpp"
-#include "contact/pressure_paths.hpp"
-#include "contact/reference.hpp"
-#include "contact/small_strain.hpp"
-#include "contact/verdict.hpp"
-#include "core/parallel.hpp"
-#include "core/resources.hpp"
+#include "contact/model/condition_checks.hpp"
+#include "contact/model/conditions.hpp"
+#include "contact/model/memory.hpp"
+#include "contact/motions/free_motion.hpp"
+#include "contact/motions/free_pieces.hpp"
+#include "contact/results/coarse_facets.hpp"
+#include "contact/results/missed_contact.hpp"
+#include "contact/results/pair_figures.hpp"
+#include "contact/results/postprocess.hpp"
+#include "contact/results/pressure_estimate.hpp"
+#include "contact/results/pressure_paths.hpp"
+#include "contact/results/reference.hpp"
+#include "contact/results/small_strain.hpp"
+#include "contact/results/verdict.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/resources.hpp"
 
 namespace cgcontact {
 namespace {

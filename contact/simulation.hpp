@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "contact/contact_pairs.hpp"
-#include "contact/outer_loop.hpp"
-#include "core/results.hpp"
-#include "recovery/recover_stress.hpp"
+#include "contact/model/contact_pairs.hpp"
+#include "contact/solve/outer_loop.hpp"
+#include "core/results/results.hpp"
+#include "recovery/constrained/recover_stress.hpp"
 
 namespace cgcontact {
 

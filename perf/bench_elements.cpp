@@ -2,7 +2,7 @@
 #include <cmath>
 #include <memory>
 
-#include "kernels/element_matrices.hpp"
+#include "kernels/operator/element_matrices.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <memory>
 
-#include "core/cell_pieces.hpp"
-#include "core/cut_cells.hpp"
+#include "core/cells/cell_pieces.hpp"
+#include "core/cells/cut_cells.hpp"
 #include "perf/harness.hpp"
 
 namespace {

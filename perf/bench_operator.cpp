@@ -11,9 +11,9 @@
 #include <array>
 #include <memory>
 
-#include "kernels/assembly.hpp"
-#include "kernels/fast_operator.hpp"
-#include "kernels/plain_operator.hpp"
+#include "kernels/assembled/assembly.hpp"
+#include "kernels/operator/fast_operator.hpp"
+#include "kernels/reference/plain_operator.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
 

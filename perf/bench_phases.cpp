@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "contact/boundary_stress.hpp"
 #include "contact/simulation.hpp"
-#include "core/output.hpp"
-#include "kernels/linear_solver.hpp"
+#include "contact/solve/boundary_stress.hpp"
+#include "core/output/output.hpp"
+#include "kernels/solver/linear_solver.hpp"
 #include "perf/process_memory.hpp"
 
 namespace {

@@ -8,13 +8,13 @@
 #include <cmath>
 #include <memory>
 
-#include "core/parallel.hpp"
-#include "kernels/hex.hpp"
+#include "core/base/parallel.hpp"
+#include "kernels/mesh/hex.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
-#include "recovery/batched_fit.hpp"
-#include "recovery/constraints.hpp"
-#include "recovery/recover_stress.hpp"
+#include "recovery/batched/batched_fit.hpp"
+#include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/recover_stress.hpp"
 
 namespace {
 
@@ -168,9 +168,9 @@ void patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n, double* pa
     for (int j = 0; j <= i; ++j) packed[i * (i + 1) / 2 + j] = m[i][j];
 }
 
-/// Rows as in recovery/recover_stress.cpp: known tractions on free and loaded faces, zero shear on supports; on
-/// contact faces zero shear of both bodies and equal normal tractions. Three points per face; degree 2: and those
-/// between them.
+/// Rows as in recovery/constrained/recover_stress.cpp: known tractions on free and loaded faces, zero shear on
+/// supports; on contact faces zero shear of both bodies and equal normal tractions. Three points per face; degree 2:
+/// and those between them.
 class PatchBuilder {
  public:
   PatchBuilder(const SceneProblem& problem, int body, int degree)

@@ -13,12 +13,12 @@
 #include <malloc.h>
 #endif
 
-#include "kernels/conjugate_gradients.hpp"
-#include "kernels/linear_solver.hpp"
-#include "kernels/muelu.hpp"
-#include "kernels/multigrid.hpp"
-#include "kernels/plain_operator.hpp"
-#include "kernels/smoother.hpp"
+#include "kernels/assembled/muelu.hpp"
+#include "kernels/multigrid/multigrid.hpp"
+#include "kernels/multigrid/smoother.hpp"
+#include "kernels/reference/plain_operator.hpp"
+#include "kernels/solver/conjugate_gradients.hpp"
+#include "kernels/solver/linear_solver.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
 #include "perf/process_memory.hpp"

@@ -9,10 +9,10 @@
 #include <fstream>
 #include <memory>
 
-#include "core/cut_cells.hpp"
-#include "core/triangle_checks.hpp"
-#include "core/triangle_faces.hpp"
-#include "core/triangle_reader.hpp"
+#include "core/cells/cut_cells.hpp"
+#include "core/triangles/triangle_checks.hpp"
+#include "core/triangles/triangle_faces.hpp"
+#include "core/triangles/triangle_reader.hpp"
 #include "perf/harness.hpp"
 #include "tests/support/triangle_shapes.hpp"
 

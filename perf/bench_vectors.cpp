@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "kernels/operator.hpp"
+#include "kernels/operator/operator.hpp"
 #include "perf/harness.hpp"
 
 namespace {

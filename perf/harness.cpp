@@ -8,8 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/resources.hpp"
-#include "kernels/linear_solver.hpp"
+#include "core/base/resources.hpp"
+#include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact::perf {
 namespace {

@@ -24,7 +24,7 @@
 #include <utility>
 #include <vector>
 
-#include "kernels/views.hpp"
+#include "kernels/mesh/views.hpp"
 #include "perf/machine_limits.hpp"
 
 namespace cgcontact::perf {

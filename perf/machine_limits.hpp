@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "kernels/views.hpp"
+#include "kernels/mesh/views.hpp"
 
 namespace cgcontact::perf {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "contact/simulation.hpp"
-#include "kernels/system.hpp"
+#include "kernels/operator/system.hpp"
 
 namespace cgcontact::perf {
 

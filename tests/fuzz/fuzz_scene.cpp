@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/cut_cells.hpp"
-#include "core/errors.hpp"
-#include "core/scene_text.hpp"
+#include "core/base/errors.hpp"
+#include "core/cells/cut_cells.hpp"
+#include "core/scene/scene_text.hpp"
 
 namespace {
 

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <string>
 
-#include "core/csg.hpp"
-#include "core/cut_cells.hpp"
-#include "core/errors.hpp"
-#include "core/triangle_checks.hpp"
-#include "core/triangle_faces.hpp"
-#include "core/triangle_reader.hpp"
+#include "core/base/errors.hpp"
+#include "core/cells/cut_cells.hpp"
+#include "core/geometry/csg.hpp"
+#include "core/triangles/triangle_checks.hpp"
+#include "core/triangles/triangle_faces.hpp"
+#include "core/triangles/triangle_reader.hpp"
 
 namespace {
 

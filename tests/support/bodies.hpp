@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "core/cut_cells.hpp"
-#include "kernels/system.hpp"
+#include "core/cells/cut_cells.hpp"
+#include "kernels/operator/system.hpp"
 
 namespace cgcontact::test {
 

@@ -1,11 +1,11 @@
 /// The constrained least-squares fit of one patch: min |M-weighted a - a0| subject to C a = Lambda (paper, equation 3
 /// and, with the auxiliary patch, equation 13), by whitening and a truncated pseudo-inverse instead of the KKT matrix.
-/// The plain twin of recovery/batched_fit.hpp.
+/// The plain twin of recovery/batched/batched_fit.hpp.
 #pragma once
 
 #include <vector>
 
-#include "recovery/patches.hpp"
+#include "recovery/patch/patches.hpp"
 
 namespace cgcontact::test {
 

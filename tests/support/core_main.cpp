@@ -1,7 +1,7 @@
 /// Test main that starts Kokkos once, where core/ has it.
 #include <gtest/gtest.h>
 
-#include "core/parallel.hpp"
+#include "core/base/parallel.hpp"
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "recovery/batched_fit.hpp"
+#include "recovery/batched/batched_fit.hpp"
 
 namespace cgcontact::test {
 

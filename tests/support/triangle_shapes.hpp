@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/triangle_faces.hpp"
+#include "core/triangles/triangle_faces.hpp"
 
 namespace cgcontact::test {
 

@@ -1,8 +1,8 @@
 /// Test main that starts Kokkos and Tpetra once.
 #include <gtest/gtest.h>
 
-#include "core/resources.hpp"
-#include "kernels/linear_solver.hpp"
+#include "core/base/resources.hpp"
+#include "kernels/solver/linear_solver.hpp"
 
 int main(int argc, char** argv) {
   if (cgcontact::TrilinosScope::has_openmp()) cgcontact::restart_with_openmp_settings(0, argv);

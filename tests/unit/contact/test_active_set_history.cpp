@@ -2,7 +2,7 @@
 // set cycles.
 #include <gtest/gtest.h>
 
-#include "contact/active_set_history.hpp"
+#include "contact/solve/active_set_history.hpp"
 
 namespace cgcontact {
 namespace {

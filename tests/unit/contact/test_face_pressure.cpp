@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <functional>
 
-#include "contact/face_pressure.hpp"
-#include "contact/pressure_error.hpp"
-#include "core/output_text.hpp"
+#include "contact/results/pressure_error.hpp"
+#include "contact/study/face_pressure.hpp"
+#include "core/base/text.hpp"
 
 namespace cgcontact {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "kernels/linear_solver.hpp"
+#include "kernels/solver/linear_solver.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "contact/rigid_part.hpp"
+#include "contact/solve/rigid_part.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {

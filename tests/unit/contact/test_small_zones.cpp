@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "contact/gap_samples.hpp"
-#include "contact/press_direction.hpp"
-#include "contact/small_zones.hpp"
+#include "contact/model/gap_samples.hpp"
+#include "contact/model/press_direction.hpp"
+#include "contact/results/small_zones.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "contact/simulation.hpp"
-#include "core/scene_text.hpp"
-#include "kernels/linear_solver.hpp"
+#include "core/scene/scene_text.hpp"
+#include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {
 namespace {

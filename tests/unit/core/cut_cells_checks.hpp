@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "core/cut_cells.hpp"
+#include "core/cells/cut_cells.hpp"
 
 namespace cgcontact {
 

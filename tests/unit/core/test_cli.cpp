@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <initializer_list>
 
-#include "core/cli.hpp"
-#include "core/progress.hpp"
+#include "core/program/cli.hpp"
+#include "core/program/progress.hpp"
 
 namespace cgcontact {
 namespace {

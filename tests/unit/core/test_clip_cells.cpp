@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "core/clip_cells.hpp"
+#include "core/drawing/clip_cells.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {

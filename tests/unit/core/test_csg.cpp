@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/csg.hpp"
-#include "core/errors.hpp"
+#include "core/base/errors.hpp"
+#include "core/geometry/csg.hpp"
 
 namespace cgcontact {
 namespace {

@@ -1,7 +1,7 @@
 // Cells of bodies: volumes and areas against formulas, moments, weights, coarse cells, boundary points.
-#include "core/errors.hpp"
-#include "core/gauss_rules.hpp"
-#include "core/moments.hpp"
+#include "core/base/errors.hpp"
+#include "core/cells/moments.hpp"
+#include "core/quadrature/gauss_rules.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
 namespace cgcontact {

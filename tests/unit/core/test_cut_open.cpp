@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/cut_open.hpp"
+#include "core/drawing/cut_open.hpp"
 
 namespace cgcontact {
 namespace {

@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/expression.hpp"
+#include "core/scene/expression.hpp"
 
 namespace cgcontact {
 namespace {

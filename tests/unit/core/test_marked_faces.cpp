@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/marked_faces.hpp"
+#include "core/drawing/marked_faces.hpp"
 
 namespace cgcontact {
 namespace {

@@ -13,10 +13,10 @@
 #include <set>
 #include <sstream>
 
-#include "core/clip_cells.hpp"
-#include "core/output.hpp"
-#include "core/output_summary.hpp"
-#include "core/output_text.hpp"
+#include "core/base/text.hpp"
+#include "core/drawing/clip_cells.hpp"
+#include "core/output/output.hpp"
+#include "core/output/output_summary.hpp"
 
 namespace cgcontact {
 namespace {

@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <regex>
 
-#include "core/face_chart.hpp"
-#include "core/output_page.hpp"
-#include "core/output_text.hpp"
+#include "core/base/text.hpp"
+#include "core/drawing/face_chart.hpp"
+#include "core/output/output_page.hpp"
 
 namespace cgcontact {
 namespace {

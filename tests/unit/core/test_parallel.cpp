@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/parallel.hpp"
+#include "core/base/parallel.hpp"
 
 namespace cgcontact {
 namespace {

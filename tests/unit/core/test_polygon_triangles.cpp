@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/polygon_triangles.hpp"
+#include "core/triangles/polygon_triangles.hpp"
 
 namespace cgcontact {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include "core/gauss_rules.hpp"
-#include "core/point_compression.hpp"
-#include "core/region_quadrature.hpp"
-#include "core/root_search.hpp"
+#include "core/base/root_search.hpp"
+#include "core/quadrature/gauss_rules.hpp"
+#include "core/quadrature/point_compression.hpp"
+#include "core/quadrature/region_quadrature.hpp"
 
 namespace cgcontact {
 namespace {

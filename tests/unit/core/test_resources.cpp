@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/errors.hpp"
-#include "core/memory.hpp"
-#include "core/resources.hpp"
+#include "core/base/errors.hpp"
+#include "core/base/memory.hpp"
+#include "core/base/resources.hpp"
 
 namespace cgcontact {
 namespace {

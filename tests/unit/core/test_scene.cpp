@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/scene.hpp"
-#include "core/suggest.hpp"
+#include "core/base/suggest.hpp"
+#include "core/scene/scene.hpp"
 
 namespace cgcontact {
 namespace {

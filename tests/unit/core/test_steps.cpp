@@ -1,7 +1,7 @@
 /// [steps] of the scene file.
 #include <gtest/gtest.h>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 namespace cgcontact {
 namespace {

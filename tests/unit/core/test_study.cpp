@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <functional>
 
-#include "core/child_process.hpp"
-#include "core/errors.hpp"
-#include "core/output_study.hpp"
-#include "core/output_text.hpp"
-#include "core/study_options.hpp"
+#include "core/base/errors.hpp"
+#include "core/base/text.hpp"
+#include "core/output/output_study.hpp"
+#include "core/program/child_process.hpp"
+#include "core/program/study_options.hpp"
 
 namespace cgcontact {
 namespace {

@@ -4,8 +4,8 @@
 #include <map>
 #include <random>
 
-#include "core/errors.hpp"
-#include "core/triangle_booleans.hpp"
+#include "core/base/errors.hpp"
+#include "core/geometry/booleans.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {

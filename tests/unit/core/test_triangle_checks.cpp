@@ -1,9 +1,9 @@
 // Defects of triangle surfaces: small ones are repaired and counted, others are refused with what and where.
 #include <gtest/gtest.h>
 
-#include "core/errors.hpp"
-#include "core/triangle_checks.hpp"
-#include "core/triangle_crossings.hpp"
+#include "core/base/errors.hpp"
+#include "core/triangles/triangle_checks.hpp"
+#include "core/triangles/triangle_crossings.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {

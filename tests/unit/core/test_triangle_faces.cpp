@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "core/csg.hpp"
-#include "core/errors.hpp"
+#include "core/base/errors.hpp"
+#include "core/geometry/csg.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "core/errors.hpp"
-#include "core/triangle_reader.hpp"
+#include "core/base/errors.hpp"
+#include "core/triangles/triangle_reader.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {

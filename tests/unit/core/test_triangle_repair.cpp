@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/errors.hpp"
-#include "core/triangle_checks.hpp"
-#include "core/triangle_repair.hpp"
+#include "core/base/errors.hpp"
+#include "core/triangles/triangle_checks.hpp"
+#include "core/triangles/triangle_repair.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {

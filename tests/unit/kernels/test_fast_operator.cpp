@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
-#include "kernels/fast_operator.hpp"
-#include "kernels/plain_operator.hpp"
+#include "kernels/operator/fast_operator.hpp"
+#include "kernels/reference/plain_operator.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact {

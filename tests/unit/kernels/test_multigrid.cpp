@@ -6,10 +6,10 @@
 #include <Tpetra_Vector.hpp>
 #include <cstdio>
 
-#include "kernels/coarsen.hpp"
-#include "kernels/linear_solver.hpp"
-#include "kernels/multigrid.hpp"
-#include "kernels/plain_operator.hpp"
+#include "kernels/multigrid/coarsen.hpp"
+#include "kernels/multigrid/multigrid.hpp"
+#include "kernels/reference/plain_operator.hpp"
+#include "kernels/solver/linear_solver.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact {

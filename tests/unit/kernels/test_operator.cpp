@@ -4,8 +4,8 @@
 #include <Tpetra_Core.hpp>
 #include <map>
 
-#include "kernels/assembly.hpp"
-#include "kernels/plain_operator.hpp"
+#include "kernels/assembled/assembly.hpp"
+#include "kernels/reference/plain_operator.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "recovery/batched_fit_kernel.hpp"
+#include "recovery/batched/batched_fit_kernel.hpp"
 #include "tests/support/fit_patches.hpp"
 
 namespace cgcontact {

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "recovery/constraints.hpp"
+#include "recovery/constrained/boundary_pieces.hpp"
 #include "tests/support/constrained_fit.hpp"
 
 namespace cgcontact {

@@ -4,9 +4,9 @@
 
 #include <random>
 
-#include "core/gauss_rules.hpp"
-#include "recovery/edge_moments.hpp"
-#include "recovery/edge_search.hpp"
+#include "core/quadrature/gauss_rules.hpp"
+#include "recovery/zone_edge/edge_moments.hpp"
+#include "recovery/zone_edge/edge_search.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact {

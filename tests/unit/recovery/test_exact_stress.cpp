@@ -2,7 +2,7 @@
 /// out of the constrained recovery as it went in, on unfitted bodies with plane and curved faces.
 #include <gtest/gtest.h>
 
-#include "recovery/recover_stress.hpp"
+#include "recovery/constrained/recover_stress.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact {

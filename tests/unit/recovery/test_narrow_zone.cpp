@@ -4,13 +4,14 @@
 
 #include <random>
 
-#include "recovery/narrow_zone.hpp"
-#include "recovery/symmetry_planes.hpp"
+#include "recovery/zone_edge/narrow_zone.hpp"
+#include "recovery/zone_edge/symmetry_planes.hpp"
 
 namespace cgcontact {
 namespace {
 
-/// What the edges are moved outwards by, cells: solutions put them that much inside (recovery/narrow_zone.cpp).
+/// What the edges are moved outwards by, cells: solutions put them that much inside
+/// (recovery/zone_edge/narrow_zone.cpp).
 constexpr double deficit = 0.05;
 
 struct Ellipse {

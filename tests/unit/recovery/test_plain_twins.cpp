@@ -1,9 +1,9 @@
 /// The fast loops of the recovery against plain ones: cell by cell with quadrature, patch by patch with dense matrices.
 #include <gtest/gtest.h>
 
-#include "recovery/constraints.hpp"
-#include "recovery/error_estimate.hpp"
-#include "recovery/recover_stress.hpp"
+#include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/recover_stress.hpp"
+#include "recovery/error/error_estimate.hpp"
 #include "tests/support/bodies.hpp"
 #include "tests/support/constrained_fit.hpp"
 #include "tests/support/triangle_shapes.hpp"

@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-#include "recovery/polynomials.hpp"
+#include "recovery/patch/polynomials.hpp"
 
 namespace cgcontact {
 namespace {

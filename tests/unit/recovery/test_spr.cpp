@@ -1,7 +1,7 @@
 /// Patches and the unconstrained fit on cut grids.
 #include <gtest/gtest.h>
 
-#include "recovery/spr.hpp"
+#include "recovery/spr/spr.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact {

@@ -1,0 +1,130 @@
+#include "contact/model/condition_checks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cgcontact {
+namespace {
+
+/// Directions with a larger cosine are one.
+constexpr double parallel = 1 - 1e-9;
+/// Relative difference of displacements that is rounding.
+constexpr double equal = 1e-9;
+/// Part of a contact face on which a support may lie by the rim of a declared face.
+constexpr double rim = 0.01;
+
+struct Held {
+  const SupportSpec* support;
+  Vec3 direction;
+  double value;
+};
+
+std::vector<Held> held_at(const SupportSpec& support, const Vec3& x, const Vec3& n) {
+  std::vector<Held> held;
+  if (support.holds_normal())
+    held.push_back({&support, n, support.normal_displacement ? (*support.normal_displacement)(x) : 0.0});
+  for (int k = 0; k < 3; ++k)
+    if (support.displacement[k]) held.push_back({&support, Vec3::Unit(k), (*support.displacement[k])(x)});
+  return held;
+}
+
+std::string face_name(const Scene& scene, const FaceRef& face) {
+  return '"' + scene.bodies[face.body].name + "." + face.face.name + '"';
+}
+
+/// Is the direction of `b` held already, by the same value? Throws if it is held by another one.
+bool is_held(const Scene& scene, const std::vector<Held>& held, const Held& b, const Vec3& x) {
+  for (const Held& a : held) {
+    const double cosine = a.direction.dot(b.direction), value = cosine < 0 ? -b.value : b.value;
+    if (std::abs(cosine) < parallel) continue;
+    if (std::abs(a.value - value) <= equal * (std::abs(a.value) + std::abs(value))) return true;
+    throw InputError(
+        b.support->place, "",
+        fmt::format("prescribes {:g} m where the support of {} prescribes {:g} m in the same direction, at "
+                    "({:.4g}, {:.4g}, {:.4g}) m",
+                    b.value, face_name(scene, a.support->face), cosine < 0 ? -a.value : a.value, x[0], x[1], x[2]),
+        "one displacement for every point and direction");
+  }
+  return false;
+}
+
+/// Supports of one body whose faces share points.
+void check_supports(const Scene& scene, int b, const BodyModel& body) {
+  std::vector<std::pair<const SupportSpec*, BodyFace>> supports;
+  for (const SupportSpec& support : scene.supports)
+    if (support.face.body == b) supports.emplace_back(&support, BodyFace(support.face.face, body));
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
+    std::vector<Held> held;  // different directions
+    for (const auto& [support, face] : supports) {
+      if (!face.contains(p)) continue;
+      const std::size_t before = held.size();
+      for (const Held& h : held_at(*support, body.point(p), body.normal(p)))
+        if (std::vector<Held> earlier(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(before));
+            !is_held(scene, earlier, h, body.point(p)))
+          held.push_back(h);
+    }
+  }
+}
+
+void check_support_on_contact(const Scene& scene, const SupportSpec& support, const BodyModel& body,
+                              const std::vector<ContactPair>& pairs) {
+  const BodyFace face(support.face.face, body);
+  std::vector<double> held(pairs.size(), 0.0), all(pairs.size(), 0.0);
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
+    const int pair = body.boundary.pair_of_point[p];
+    if (pair < 0 || pairs[pair].spec->automatic) continue;
+    all[pair] += body.area(p);
+    if (!face.contains(p)) continue;
+    for (const Held& h : held_at(support, body.point(p), body.normal(p)))
+      if (std::abs(h.direction.dot(body.normal(p))) > parallel) held[pair] += body.area(p);
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (held[k] > rim * all[k])
+      throw InputError(
+          support.place, face_name(scene, support.face),
+          fmt::format("holds {:.3g} m2 of a face of contact \"{}\" along its normal: contact cannot act there", held[k],
+                      pairs[k].spec->name),
+          "a support or a contact on every face");
+}
+
+/// Two pairs of the same bodies that share part of both faces would carry the pressure there twice.
+void check_shared_faces(const std::vector<BodyModel>& bodies, const ContactSpec& one, const ContactSpec& other) {
+  const auto shared = [&](const FaceRef& a, const FaceRef& b) {
+    const BodyModel& body = bodies[a.body];
+    const BodyFace first(a.face, body), second(b.face, body);
+    double area = 0, smaller[2] = {0, 0};
+    for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
+      const bool in_first = first.contains(p), in_second = second.contains(p);
+      if (in_first) smaller[0] += body.area(p);
+      if (in_second) smaller[1] += body.area(p);
+      if (in_first && in_second) area += body.area(p);
+    }
+    return area > rim * std::min(smaller[0], smaller[1]) ? area : 0.0;
+  };
+  const bool same_order = one.first.body == other.first.body;
+  const FaceRef &first = same_order ? other.first : other.second, &second = same_order ? other.second : other.first;
+  if (first.body != one.first.body || second.body != one.second.body) return;
+  const double area = std::min(shared(one.first, first), shared(one.second, second));
+  if (area > 0)
+    throw InputError(
+        other.place, '"' + other.name + '"',
+        fmt::format("shares {:.3g} m2 of its faces with contact \"{}\": the pressure would act twice there", area,
+                    one.name),
+        "every part of two faces in one pair");
+}
+
+}  // namespace
+
+void check_conditions(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) check_supports(scene, static_cast<int>(b), bodies[b]);
+  for (const SupportSpec& support : scene.supports)
+    check_support_on_contact(scene, support, bodies[support.face.body], pairs);
+  for (std::size_t l = 0; l < scene.contacts.size(); ++l)
+    for (std::size_t k = 0; k < l; ++k)
+      if (!scene.contacts[k].automatic && !scene.contacts[l].automatic)
+        check_shared_faces(bodies, scene.contacts[k], scene.contacts[l]);
+}
+
+}  // namespace cgcontact

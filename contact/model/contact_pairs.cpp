@@ -1,0 +1,448 @@
+#include "contact/model/contact_pairs.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "contact/model/opposite_borders.hpp"
+#include "contact/model/press_direction.hpp"
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Order of the rule on contact pieces: exact for the trilinear shape functions of either body on a plane.
+constexpr int contact_order = 2;
+/// Boundary points per chunk of the parallel loops.
+constexpr std::size_t grain = 512;
+/// How far the faces of a pair see each other beyond their closest points: cells of the coarser body, or a part of the
+/// smaller body's extent. Approaches larger than that are found after the solve (Simulation::run).
+constexpr double reach_in_cells = 2, reach_in_extents = 0.05;
+/// Relative difference of cell sizes that is rounding.
+constexpr double equal_cells = 1e-12;
+/// Largest overlap, part of the smaller body's extent: strains are of that order.
+constexpr double largest_overlap = 0.1;
+/// Cells of the coarser body, squared: automatic pairs that see each other over less than that do so by rounding.
+constexpr double least_area = 1e-9;
+/// Ends of the other body's faces in a cell at which the contact is divided; where there are more (threads, scans) it
+/// ends within a quadrature point.
+constexpr std::size_t most_ends = 24;
+
+/// Planes of the other grid that cross a cell, in the cell's grid coordinates.
+std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
+  const Mat3 to_other = other.rotation.transpose() * grid.rotation * (grid.cell_size / other.cell_size);
+  const Vec3 shift = other.to_grid(grid.origin);
+  std::vector<Plane> planes;
+  for (int d = 0; d < 3; ++d) {
+    double low = 1e300, high = -1e300;
+    for (int a = 0; a < 8; ++a) {
+      const Vec3 corner(cell[0] + (a & 1), cell[1] + (a >> 1 & 1), cell[2] + (a >> 2));
+      const double value = to_other.row(d).dot(corner) + shift[d];
+      low = std::min(low, value);
+      high = std::max(high, value);
+    }
+    const double norm = to_other.row(d).norm();
+    const int first = static_cast<int>(std::ceil(std::max(low + 1e-9, 0.0)));
+    const int last = static_cast<int>(std::floor(std::min(high - 1e-9, 1.0 * other.num_cells[d])));
+    for (int k = first; k <= last; ++k) planes.push_back({to_other.row(d).transpose() / norm, (k - shift[d]) / norm});
+  }
+  return planes;
+}
+
+/// Is a plane one of the solid's own, up to rounding?
+bool is_own_plane(const Solid& solid, const Plane& plane) {
+  return std::any_of(solid.surfaces().begin(), solid.surfaces().end(), [&](const Surface& s) {
+    if (s.kind != Surface::Kind::plane) return false;
+    const double cosine = s.direction.dot(plane.normal);
+    return std::abs(cosine) > 1 - 1e-9 &&
+           std::abs(std::copysign(1.0, cosine) * plane.offset - s.direction.dot(s.point)) < 1e-9;
+  });
+}
+
+/// Planes of the other solid that cut a plane surface of this one within a cell, in the cell's grid coordinates: there
+/// a plane face of the other body may end, and with it the contact.
+std::vector<Plane> other_face_borders(const BodyModel& body, const Index3& cell, int surface, const BodyModel& other) {
+  const Surface& own = body.cut_cells.solid.surfaces()[surface];
+  std::vector<Plane> planes;
+  if (own.kind != Surface::Kind::plane) return planes;
+  const Grid &grid = body.cut_cells.grid, &other_grid = other.cut_cells.grid;
+  for (const Surface& s : other.cut_cells.solid.surfaces()) {
+    if (s.kind != Surface::Kind::plane) continue;
+    const Vec3 normal = grid.rotation.transpose() * (other_grid.rotation * s.direction);
+    if (std::abs(normal.dot(own.direction)) > 0.9) continue;  // no border, or one that the ray meets elsewhere
+    const double offset = normal.dot(grid.to_grid(other_grid.to_global(s.point)));
+    const double middle = normal.dot(Vec3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
+    if (std::abs(offset - middle) > 0.5 * normal.cwiseAbs().sum() - 1e-9) continue;
+    if (!is_own_plane(body.cut_cells.solid, {normal, offset})) planes.push_back({normal, offset});
+  }
+  return planes;
+}
+
+/// Active cells of the primary body and the surfaces of the face in them, ascending.
+std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const FaceSpec& face) {
+  std::vector<std::pair<int, int>> cells;
+  const BoundaryPoints& boundary = body.cut_cells.boundary;
+  const BodyFace points_of_face(face, body);
+  for (int p = 0; p < static_cast<int>(boundary.size()); ++p)
+    if (points_of_face.contains(p)) cells.emplace_back(boundary.cell[p], boundary.surface[p]);
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  return cells;
+}
+
+/// One group: its points and their sums.
+struct GroupPoints {
+  int surface = 0;
+  std::vector<ContactPoint> points;
+  double area = 0, distance = 0;
+  FacingNormals normals;
+};
+
+/// Cosine between the direction of a gap and faces that it is measured from.
+constexpr double least_cosine = 0.1;
+
+/// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
+/// `borders`: of the opposite face, as seen from the surface.
+GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface,
+                       const std::vector<Plane>& borders, const Vec3& direction) {
+  const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+  const Grid& grid = primary.cut_cells.grid;
+  const Index3& place = primary.cut_cells.cells[cell];
+  std::vector<Plane> dividers = other_grid_planes(grid, place, secondary.cut_cells.grid);
+  std::vector<Plane> ends = crossing_planes(borders, Vec3(place[0], place[1], place[2]), 1);
+  for (const Plane& border : other_face_borders(primary, place, surface, secondary)) ends.push_back(border);
+  if (ends.size() <= most_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
+  BoundaryPoints points;
+  boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, contact_order, points);
+  GroupPoints group;
+  group.surface = surface;
+  const auto& names = primary.cut_cells.solid.surfaces()[surface].names;
+  for (std::size_t q = 0; q < points.size(); ++q) {
+    ContactPoint point;
+    point.x = grid.to_global(points.position[q]);
+    point.normal = grid.rotation * points.normal[q];
+    if (!pair.face(pair.primary)
+             .contains(names, grid.to_global(points.position_of_piece(q)), grid.rotation * points.normal_of_piece(q)))
+      continue;
+    double cosine = 1;
+    if (!direction.isZero()) {
+      cosine = point.normal.dot(direction);
+      if (cosine < least_cosine) continue;
+      point.normal = direction;
+    }
+    const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
+    if (!opposite) continue;
+    point.primary_cell = cell;
+    point.primary_position = points.position[q];
+    point.primary_xi = cell_coordinates(primary.cut_cells, cell, points.position[q]);
+    point.secondary_cell = opposite->cell;
+    point.secondary_position = opposite->position;
+    point.secondary_xi = cell_coordinates(secondary.cut_cells, opposite->cell, opposite->position);
+    point.weight = cosine * points.weight[q] * grid.cell_size * grid.cell_size;
+    // Coincident faces: a distance of rounding is none.
+    point.distance = std::abs(opposite->distance) > 1e-12 * grid.cell_size ? opposite->distance : 0.0;
+    group.area += point.weight;
+    group.distance += point.weight * point.distance;
+    group.normals.add(point.weight, point.x, point.normal, opposite->normal);
+    group.points.push_back(point);
+  }
+  if (group.area > 0) group.distance /= group.area;
+  return group;
+}
+
+/// Appends the points of a group that has any area.
+void add_group(const GroupPoints& found, ContactPair& pair) {
+  if (!(found.area > 0)) return;
+  ContactGroup group;
+  group.first_point = static_cast<int>(pair.points.size());
+  group.surface = found.surface;
+  group.area = found.area;
+  group.distance = found.distance;
+  for (ContactPoint point : found.points) {
+    point.group = static_cast<int>(pair.groups.size());
+    pair.points.push_back(point);
+  }
+  group.last_point = static_cast<int>(pair.points.size());
+  pair.groups.push_back(group);
+}
+
+/// Marks the default boundary points of one side that face the other body, those nearer to another pair's excepted.
+void mark_boundary_points(const ContactPair& pair, int index, int body, std::vector<BodyModel>& bodies,
+                          std::vector<double>& nearest) {
+  BodyModel& model = bodies[body];
+  const BodyFace face(pair.face(body), model);
+  parallel_for("cgcontact::contact_pairs::boundary_in_reach", model.cut_cells.boundary.size(), grain,
+               [&](std::size_t point) {
+                 const int p = static_cast<int>(point);
+                 if (!face.contains(p)) return;
+                 const auto opposite = find_opposite(bodies, pair, body, model.point(p), model.normal(p));
+                 if (!opposite || std::abs(opposite->distance) >= nearest[p]) return;
+                 nearest[p] = std::abs(opposite->distance);
+                 model.boundary.pair_of_point[p] = index;
+               });
+}
+
+/// Least distance from the points of the primary face to the secondary one, m; 0 if they touch or overlap somewhere.
+double closest_distance(const std::vector<BodyModel>& bodies, ContactPair pair) {
+  const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+  pair.reach.ahead = box_distance(primary, secondary) + 2 * (longest_extent(primary) + longest_extent(secondary));
+  const BodyFace face(pair.face(pair.primary), primary);
+  const std::size_t size = primary.cut_cells.boundary.size();
+  std::vector<double> least(num_chunks(size, grain), 1e300);
+  parallel_chunks("cgcontact::contact_pairs::closest_distance", size, grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+                      if (!face.contains(p)) continue;
+                      const auto opposite =
+                          find_opposite(bodies, pair, pair.primary, primary.point(p), primary.normal(p));
+                      if (opposite) least[chunk] = std::min(least[chunk], opposite->distance);
+                    }
+                  });
+  const double closest = least.empty() ? 1e300 : *std::min_element(least.begin(), least.end());
+  return closest < 1e300 ? std::max(closest, 0.0) : 0.0;
+}
+
+double overlap_limit(const std::vector<BodyModel>& bodies, int a, int b) {
+  return largest_overlap * std::min(longest_extent(bodies[a]), longest_extent(bodies[b]));
+}
+
+/// The scene's, or as far as the faces need: docs/scene.md.
+Reach find_reach(const ContactPair& pair, const std::vector<BodyModel>& bodies, double wider) {
+  if (pair.spec->search_distance > 0) return {pair.spec->search_distance, pair.spec->search_distance};
+  const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+  const double base = std::max(reach_in_cells * primary.cut_cells.grid.cell_size,
+                               reach_in_extents * std::min(longest_extent(primary), longest_extent(secondary)));
+  Reach reach{std::max(base, wider), overlap_limit(bodies, pair.primary, pair.secondary)};
+  if (!pair.spec->automatic) reach.ahead = std::max(wider, base + closest_distance(bodies, pair));
+  return reach;
+}
+
+ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::vector<BodyModel>& bodies, double wider) {
+  ContactPair pair;
+  pair.spec = &spec;
+  const auto h = [&](int b) { return bodies[b].cut_cells.grid.cell_size; };
+  const int a = spec.first.body, b = spec.second.body;
+  // Equal cells: by name, so that the order of the bodies in the scene does not matter.
+  const bool equal = std::abs(h(a) - h(b)) < equal_cells * h(a);
+  pair.primary = (equal ? scene.bodies[b].name < scene.bodies[a].name : h(b) > h(a)) ? b : a;
+  pair.secondary = pair.primary == a ? b : a;
+  const double E1 = stabilising_modulus(scene.bodies[a].material), E2 = stabilising_modulus(scene.bodies[b].material);
+  pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));
+  pair.reach = find_reach(pair, bodies, wider);
+  if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
+  const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
+  std::vector<GroupPoints> groups(places.size());
+  const CutCells &own = bodies[pair.primary].cut_cells, &other = bodies[pair.secondary].cut_cells;
+  const FaceSpec& opposite = pair.face(pair.secondary);
+  const std::vector<Plane> dividers = box_dividers(other, opposite);
+  std::map<int, std::vector<Plane>> borders;  // by surface
+  for (const auto& place : places) borders.try_emplace(place.second);
+  for (auto& [surface, planes] : borders) planes = opposite_borders(own, surface, other, opposite, dividers);
+  const auto find = [&](std::size_t i, const Vec3& direction) {
+    const auto [cell, surface] = places[i];
+    groups[i] = find_group(bodies, pair, cell, surface, borders.at(surface), direction);
+  };
+  parallel_for("cgcontact::contact_pairs::groups", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
+  std::vector<Index3> cells;
+  std::vector<int> surfaces;
+  std::vector<FacingNormals> normals;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    cells.push_back(own.cells[places[i].first]);
+    surfaces.push_back(places[i].second);
+    normals.push_back(groups[i].normals);
+  }
+  const std::vector<Vec3> directions = press_directions(cells, surfaces, normals);
+  parallel_for("cgcontact::contact_pairs::edges", places.size(), 8, [&](std::size_t i) {
+    if (!directions[i].isZero()) find(i, directions[i]);
+  });
+  for (const GroupPoints& group : groups) add_group(group, pair);
+  set_interference(pair, spec.interference);
+  return pair;
+}
+
+/// Throws if a boundary point of one body lies inside another one, deeper than where their contact faces overlap.
+void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs) {
+  Eigen::MatrixXd overlap = Eigen::MatrixXd::Zero(bodies.size(), bodies.size());
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& q : pair.points)
+      for (const auto& [a, b] : {std::pair(pair.primary, pair.secondary), std::pair(pair.secondary, pair.primary)})
+        overlap(a, b) = std::max(overlap(a, b), -q.distance);
+  for (int a = 0; a < static_cast<int>(bodies.size()); ++a)
+    for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+      if (a == b || box_distance(bodies[a], bodies[b]) > 0) continue;
+      const CutCells& other = bodies[b].cut_cells;
+      const double limit = overlap(a, b) + 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
+      parallel_for("cgcontact::contact_pairs::overlap", bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
+        const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
+        if (!other.solid.contains(g)) return;
+        const double depth = other.solid.distance_to_surfaces(g) * other.grid.cell_size;
+        if (depth > limit)
+          throw InputError(
+              scene.bodies[a].place, "\"" + scene.bodies[a].name + "\"",
+              fmt::format("overlaps body \"{}\" by {:g} m or more at ({:g}, {:g}, {:g})", scene.bodies[b].name, depth,
+                          x[0], x[1], x[2]),
+              fmt::format("contact faces that overlap by up to {:g} m, a tenth of the smaller body, and by "
+                          "less than the bodies' walls",
+                          overlap_limit(bodies, a, b)));
+      });
+    }
+}
+
+/// Entries of one row in the order of the DoFs, those of one DoF summed in the order in which they came.
+GroupRow sum_by_dof(std::vector<std::pair<int, double>> entries) {
+  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  GroupRow row;
+  for (const auto& [dof, value] : entries)
+    if (!row.entries.empty() && row.entries.back().first == dof)
+      row.entries.back().second += value;
+    else
+      row.entries.emplace_back(dof, value);
+  row.entries.shrink_to_fit();
+  return row;
+}
+
+}  // namespace
+
+std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
+                                           const Vec3& x, const Vec3& n) {
+  const int other = pair.other(body);
+  auto opposite = find_opposite(bodies[body], bodies[other], pair.face(other), x, n, pair.reach);
+  if (!opposite || !pair.spec->automatic) return opposite;
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b)
+    if (b != body && b != other && comes_between(bodies[b], x, n, opposite->distance)) return std::nullopt;
+  return opposite;
+}
+
+std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
+                                            const std::vector<double>& wider) {
+  std::vector<ContactPair> pairs;
+  for (std::size_t k = 0; k < scene.contacts.size(); ++k)
+    pairs.push_back(make_pair(scene, scene.contacts[k], bodies, wider.empty() ? 0.0 : wider[k]));
+  check_overlap(scene, bodies, pairs);
+  for (const ContactPair& pair : pairs)
+    if (pair.points.empty() && !pair.spec->automatic)
+      throw InputError(
+          pair.spec->place, "\"" + pair.spec->name + "\"",
+          "no point of the first face has the second face within reach",
+          pair.spec->search_distance > 0
+              ? fmt::format("faces closer than search_distance = {:g} m along the normal", pair.spec->search_distance)
+              : "faces that see each other along the normal");
+  const auto sees_nothing = [&](const ContactPair& pair) {
+    double area = 0;
+    for (const ContactGroup& group : pair.groups) area += group.area;
+    return pair.spec->automatic && area < least_area * std::pow(bodies[pair.primary].cut_cells.grid.cell_size, 2);
+  };
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
+  std::vector<std::vector<double>> nearest;
+  for (BodyModel& body : bodies) {
+    nearest.emplace_back(body.cut_cells.boundary.size(), 1e300);
+    body.boundary.pair_of_point.assign(body.cut_cells.boundary.size(), -1);
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    for (const int body : {pairs[k].primary, pairs[k].secondary})
+      mark_boundary_points(pairs[k], static_cast<int>(k), body, bodies, nearest[body]);
+  return pairs;
+}
+
+void set_interference(ContactPair& pair, double interference) {
+  pair.interference = interference;
+  for (ContactGroup& group : pair.groups) group.initial_gap = group.distance - interference;
+}
+
+Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
+                          const BodyMesh& mesh) {
+  constexpr int reach = 3;
+  const BodyModel& model = bodies[body];
+  const CutCells& cc = model.cut_cells;
+  std::vector<Index3> cells;
+  std::vector<BodyFace> faces;
+  for (const ContactPair& pair : pairs)
+    if (pair.primary == body || pair.secondary == body) faces.emplace_back(pair.face(body), model);
+  int last = -1;
+  for (int p = 0; p < static_cast<int>(cc.boundary.size()); ++p) {
+    const int cell = cc.boundary.cell[p];
+    if (cell == last) continue;
+    const bool on_face =
+        std::any_of(faces.begin(), faces.end(), [&](const BodyFace& face) { return face.contains(p); });
+    if (!on_face) continue;
+    last = cell;
+    cells.push_back(cc.cells[cell]);
+  }
+  std::vector<char> near(cc.cells.size(), 0), marked(mesh.num_nodes, 0);
+  mark_around(cc, std::move(cells), reach, near);
+  for (std::size_t c = 0; c < near.size(); ++c)
+    if (near[c])
+      for (int node : mesh.cell_nodes[c]) marked[node - mesh.first_node] = 1;
+  return Subset(marked);
+}
+
+std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
+                                      const ElasticSystem& system) {
+  std::size_t max_surfaces = 0;  // a family is a surface of a pair
+  for (const BodyModel& body : bodies) max_surfaces = std::max(max_surfaces, body.cut_cells.solid.surfaces().size());
+  std::vector<GroupRow> rows;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const ContactPair& pair = pairs[k];
+    for (const ContactGroup& group : pair.groups) {
+      std::vector<std::pair<int, double>> entries;
+      const auto add = [&](int body, int cell, const Vec3& xi, const Vec3& direction) {
+        const Vec3 local = bodies[body].cut_cells.grid.rotation.transpose() * direction;
+        double N[8];
+        hex_shape(xi.data(), N);
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i)
+            if (local[i] != 0) entries.emplace_back(3 * system.meshes[body].cell_nodes[cell][a] + i, N[a] * local[i]);
+      };
+      for (int q = group.first_point; q < group.last_point; ++q) {
+        const ContactPoint& point = pair.points[q];
+        const Vec3 direction = point.weight / group.area * point.normal;
+        add(pair.primary, point.primary_cell, point.primary_xi, -direction);
+        add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
+      }
+      const ContactPoint& first = pair.points[group.first_point];
+      GroupRow row = sum_by_dof(std::move(entries));
+      row.body = pair.primary;
+      row.cell = first.primary_cell;
+      row.family = static_cast<int>(k * max_surfaces + group.surface);
+      rows.push_back(std::move(row));
+    }
+  }
+  return rows;
+}
+
+void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
+                          const std::vector<double>& group_force) {
+  std::size_t first_group = 0;
+  for (BodyModel& body : bodies) body.boundary.links.clear();
+  for (std::size_t p = 0; p < pairs.size(); ++p) {
+    const ContactPair& pair = pairs[p];
+    BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
+    const Mat3 to_primary = primary.cut_cells.grid.rotation.transpose();
+    const Mat3 to_secondary = secondary.cut_cells.grid.rotation.transpose();
+    std::vector<double> closed_area(pair.groups.size(), 0.0);
+    for (const ContactPoint& q : pair.points)
+      if (q.active) closed_area[q.group] += q.weight;
+    for (const ContactPoint& q : pair.points) {
+      const int index = static_cast<int>(p);
+      const double pressure =
+          q.active && !group_force.empty() ? group_force[first_group + q.group] / closed_area[q.group] : 0.0;
+      const double spread = group_force.empty() ? 0.0 : group_force[first_group + q.group] / pair.groups[q.group].area;
+      primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
+                                        pair.secondary, q.secondary_cell, q.secondary_position, q.distance, q.active,
+                                        pressure, spread, true});
+      secondary.boundary.links.push_back({q.secondary_cell, index, q.secondary_position, -(to_secondary * q.normal),
+                                          q.weight, pair.primary, q.primary_cell, q.primary_position, q.distance,
+                                          q.active, pressure, spread});
+    }
+    first_group += pair.groups.size();
+  }
+  for (BodyModel& body : bodies) {
+    std::vector<int> cells;
+    for (const ContactLink& link : body.boundary.links) cells.push_back(link.cell);
+    body.boundary.links_of_cell = cells.empty() ? CellLists() : CellLists(body.cut_cells.cells.size(), cells);
+  }
+}
+
+}  // namespace cgcontact

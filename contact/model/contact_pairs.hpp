@@ -1,0 +1,70 @@
+/// Contact pairs: quadrature points on the coarser body's surface, their opposite points, groups of projected gaps.
+#pragma once
+
+#include "contact/model/opposite_points.hpp"
+#include "recovery/patch/subset.hpp"
+
+namespace cgcontact {
+
+/// A quadrature point of a pair, on the coarser body ("primary"), split at both grids.
+struct ContactPoint {
+  int group = 0;
+  int primary_cell = 0, secondary_cell = 0;
+  Vec3 primary_xi, secondary_xi;              ///< cell coordinates
+  Vec3 primary_position, secondary_position;  ///< grid coordinates
+  Vec3 normal;                                ///< outward of the primary body, or press_direction.hpp; global axes
+  Vec3 x;                                     ///< m
+  double weight = 0;                          ///< m^2
+  double distance = 0;                        ///< m, before deformation, along the normal
+  bool active = true;
+};
+
+/// Points of one cell and surface of the primary body: the gap is projected on one constant per group (design section
+/// 4).
+struct ContactGroup {
+  int first_point = 0, last_point = 0;
+  int surface = 0;         ///< of the primary body
+  double area = 0;         ///< m^2
+  double distance = 0;     ///< m, mean of its points
+  double initial_gap = 0;  ///< m, distance minus interference
+};
+
+struct ContactPair {
+  const ContactSpec* spec = nullptr;
+  int primary = 0, secondary = 0;  ///< bodies; the primary has the larger cells
+  double stiffness = 0;  ///< kappa E/h: harmonic mean of both stabilising moduli over the smaller cell size, Pa/m
+  Reach reach;
+  double interference = 0;  ///< m, in the present step
+  std::vector<ContactPoint> points;
+  std::vector<ContactGroup> groups;
+  int other(int body) const { return primary == body ? secondary : primary; }
+  const FaceSpec& face(int body) const { return spec->first.body == body ? spec->first.face : spec->second.face; }
+};
+
+/// What a boundary point of one body of a pair sees of the other one; in automatic pairs third bodies block the view.
+std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
+                                           const Vec3& x, const Vec3& n);
+
+/// Pairs of the scene, in its order and without automatic ones out of reach; also marks the bodies' boundary points
+/// that have an opposite surface. `wider`: for each contact of the scene, m: it sees at least as far as that (empty:
+/// 0). Throws InputError if a named pair has no point in reach, or bodies overlap by more than contact can take.
+std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
+                                            const std::vector<double>& wider = {});
+
+/// Sets the interference of a pair, m, and with it the initial gaps.
+void set_interference(ContactPair& pair, double interference);
+
+/// Nodes of a body's cells within a few cells of its contact faces.
+Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
+                          const BodyMesh& mesh);
+
+/// Rows of the mean gap change of all groups of all pairs, in order; dimensionless (displacement per displacement).
+std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
+                                      const ElasticSystem& system);
+
+/// Hands the contact points with their state to the bodies' boundary data, for the recovery.
+/// group_force: N, compression positive, of all groups of all pairs in order; empty: not known.
+void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
+                          const std::vector<double>& group_force = {});
+
+}  // namespace cgcontact

@@ -1,0 +1,193 @@
+#include "contact/model/gap_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace cgcontact {
+namespace {
+
+/// Leaves over a side of the first grid, four samples each.
+constexpr int first_leaves = 4;
+/// Change of the distance over a quarter of a leaf, of the depth below the limit, that need not be resolved.
+constexpr double resolved_part = 0.1;
+/// Cells: depths below this are not looked for.
+constexpr double least_depth = 1e-5;
+constexpr int most_levels = 14;
+constexpr std::size_t most_leaves = 8192;
+/// Cells, from a surface into the body: less than the thinnest cells that are kept.
+constexpr double inward_step = 1e-12;
+/// Cosine between the group's mean normal and surfaces that face it.
+constexpr double least_cosine = 0.1;
+
+/// A square of the plane across the group's mean normal, with the samples in the middles of its quarters.
+struct Leaf {
+  double s = 0, t = 0, size = 0;  ///< centre and side, m
+  struct Sample {
+    bool hit = false;                ///< both bodies
+    bool inside = false;             ///< of the group's surface, in its cell
+    double distance = 0, slope = 0;  ///< m; of the distance over the plane
+    Vec3 x;
+  } samples[4];
+  double lower_bound = 1e300;  ///< no distance in the leaf is below this
+  double change = 0;           ///< largest one of the distance from a sample to a place that it stands for
+
+  void see(const Sample& sample, double reach) {
+    if (!sample.hit) return;
+    lower_bound = std::min(lower_bound, sample.distance - sample.slope * reach);
+    change = std::max(change, sample.slope * reach);
+  }
+};
+
+/// Of the height of a surface with normal m over the plane with normal n.
+Vec3 height_gradient(const Vec3& m, const Vec3& n) { return -(m - m.dot(n) * n) / m.dot(n); }
+
+class Sampler {
+ public:
+  Sampler(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
+      : bodies_(bodies), pair_(pair), group_(group), primary_(bodies[pair.primary]) {
+    const Grid& grid = primary_.cut_cells.grid;
+    cell_ = pair.points[group.first_point].primary_cell;
+    Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
+    for (int q = group.first_point; q < group.last_point; ++q) {
+      normal += pair.points[q].weight * pair.points[q].normal;
+      mean += pair.points[q].weight / group.area * pair.points[q].x;
+    }
+    normal_ = normal.normalized();
+    const Index3& c = primary_.cut_cells.cells[cell_];
+    const Vec3 middle = grid.to_global(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
+    centre_ = middle + (mean - middle).dot(normal_) * normal_;
+    // Along the grid, so that leaves end where the cell does if its face is parallel to a grid plane.
+    Eigen::Index across;
+    (grid.rotation.transpose() * normal_).cwiseAbs().minCoeff(&across);
+    along_s_ = (grid.rotation.col(across) - grid.rotation.col(across).dot(normal_) * normal_).normalized();
+    along_t_ = normal_.cross(along_s_);
+    side_ = 2 * grid.cell_size;  // covers the cell in any direction
+  }
+
+  Leaf leaf(double s, double t, double size) const {
+    Leaf l{s, t, size, {}};
+    for (int k = 0; k < 4; ++k)
+      l.samples[k] = sample(s + ((k & 1) - 0.5) * 0.5 * size, t + ((k >> 1) - 0.5) * 0.5 * size);
+    const bool all = std::all_of(l.samples, l.samples + 4, [](const Leaf::Sample& sample) { return sample.hit; });
+    // To the farthest point of its quarter, or of the leaf where other samples miss the bodies: there an edge or a tip
+    // ends, and what lies beside the leaf tells how deep.
+    for (const Leaf::Sample& sample : l.samples) l.see(sample, (all ? 1 : 3) * size * std::sqrt(2.0) / 4);
+    if (all) return l;
+    for (int k = 0; k < 16; ++k) {
+      const int i = k % 4, j = k / 4;
+      if ((i == 1 || i == 2) && (j == 1 || j == 2)) continue;
+      l.see(sample(s + (i - 1.5) * 0.5 * size, t + (j - 1.5) * 0.5 * size), 5 * size * std::sqrt(2.0) / 4);
+    }
+    return l;
+  }
+  double side() const { return side_; }
+  /// May the leaf lie in the group's cell?
+  bool may_hold(const Leaf& leaf) const {
+    const Grid& grid = primary_.cut_cells.grid;
+    const Index3& c = primary_.cut_cells.cells[cell_];
+    const double reach = leaf.size / std::sqrt(2.0) / grid.cell_size;
+    // A surface may lie above or below the plane: the distance across it does not count.
+    const Vec3 normal = grid.rotation.transpose() * normal_;
+    const Vec3 x = grid.to_grid(centre_ + leaf.s * along_s_ + leaf.t * along_t_);
+    for (int k = 0; k < 3; ++k) {
+      const double slack = reach + std::sqrt(3.0) * std::abs(normal[k]);
+      if (x[k] < c[k] - slack || x[k] > c[k] + 1 + slack) return false;
+    }
+    return true;
+  }
+
+ private:
+  Leaf::Sample sample(double s, double t) const {
+    Leaf::Sample result;
+    const Grid& grid = primary_.cut_cells.grid;
+    const Solid& solid = primary_.cut_cells.solid;
+    const Vec3 start = grid.to_grid(centre_ + s * along_s_ + t * along_t_);
+    const Vec3 direction = grid.rotation.transpose() * normal_;
+    static thread_local std::vector<Crossing> crossings;
+    crossings.clear();
+    solid.crossings(start, direction, side_ / grid.cell_size, crossings);
+    std::optional<Crossing> own;
+    bool inside = false;
+    for (const Crossing& c : crossings) {
+      // Other surfaces of the face, too: beside an edge or a corner they tell how deep the group's own one may lie.
+      if (c.normal.dot(direction) < least_cosine) continue;
+      if (own && std::abs(c.t) >= std::abs(own->t)) continue;
+      const Vec3 y = start + c.t * direction;
+      if (!pair_.face(pair_.primary)
+               .contains(solid.surfaces()[c.surface].names, grid.to_global(y), grid.rotation * c.normal))
+        continue;
+      own = c;
+      inside = c.surface == group_.surface && primary_.cut_cells.locate(y - inward_step * c.normal) == cell_;
+    }
+    if (!own) return result;
+    result.x = grid.to_global(start + own->t * direction);
+    const auto opposite = find_opposite(bodies_, pair_, pair_.primary, result.x, normal_);
+    if (!opposite) return result;
+    result.hit = true;
+    result.inside = inside;
+    result.distance = opposite->distance;
+    result.slope =
+        (height_gradient(opposite->normal, normal_) - height_gradient(grid.rotation * own->normal, normal_)).norm();
+    return result;
+  }
+
+  const std::vector<BodyModel>& bodies_;
+  const ContactPair& pair_;
+  const ContactGroup& group_;
+  const BodyModel& primary_;
+  int cell_ = 0;
+  Vec3 normal_, centre_, along_s_, along_t_;
+  double side_ = 0;
+};
+
+}  // namespace
+
+std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
+                                  const ContactGroup& group, double limit) {
+  const Sampler sampler(bodies, pair, group);
+  const double h = bodies[pair.primary].cut_cells.grid.cell_size;
+  std::vector<Leaf> leaves;
+  const double first = sampler.side() / first_leaves;
+  for (int i = 0; i < first_leaves; ++i)
+    for (int j = 0; j < first_leaves; ++j)
+      leaves.push_back(
+          sampler.leaf((i + 0.5) * first - 0.5 * sampler.side(), (j + 0.5) * first - 0.5 * sampler.side(), first));
+  double smallest = 1e300;
+  const auto look = [&](const Leaf& leaf) {
+    for (const Leaf::Sample& sample : leaf.samples)
+      if (sample.inside) smallest = std::min(smallest, sample.distance);
+  };
+  for (const Leaf& leaf : leaves) look(leaf);
+  for (int level = 0; level < most_levels; ++level) {
+    const double depth = std::max(limit - smallest, least_depth * h);
+    const auto fine = [&](const Leaf& leaf) {
+      return leaf.lower_bound >= limit || !sampler.may_hold(leaf) || leaf.change <= resolved_part * depth;
+    };
+    const std::size_t coarse = leaves.size() - std::count_if(leaves.begin(), leaves.end(), fine);
+    // All or none: a strip that is finer on one part of it would count for less on the other.
+    if (coarse == 0 || leaves.size() + 3 * coarse > most_leaves) break;
+    std::vector<Leaf> finer;
+    for (const Leaf& leaf : leaves) {
+      if (fine(leaf)) {
+        finer.push_back(leaf);
+        continue;
+      }
+      for (int k = 0; k < 4; ++k) {
+        const double quarter = 0.25 * leaf.size;
+        finer.push_back(sampler.leaf(leaf.s + (k & 1 ? quarter : -quarter), leaf.t + (k & 2 ? quarter : -quarter),
+                                     0.5 * leaf.size));
+        look(finer.back());
+      }
+    }
+    leaves.swap(finer);
+  }
+  std::vector<GapSample> samples;
+  if (!(smallest < limit)) return samples;
+  for (const Leaf& leaf : leaves)
+    for (const Leaf::Sample& sample : leaf.samples)
+      if (sample.inside) samples.push_back({sample.x, 0.25 * leaf.size * leaf.size, sample.distance});
+  return samples;
+}
+
+}  // namespace cgcontact

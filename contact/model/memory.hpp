@@ -1,0 +1,37 @@
+/// Does a scene fit into memory? Estimated before anything large is made, and again when the cells are known.
+#pragma once
+
+#include <vector>
+
+#include "contact/model/model.hpp"
+
+namespace cgcontact {
+
+/// What the memory of a run depends on, of one body.
+struct BodySize {
+  double grid_cells = 0, nodes = 0, cut_cells = 0;
+  double triangles = 0;  ///< of its surface
+};
+
+/// Without making the body's cells: from its cells on a coarser grid, or on a less coarse one that takes longer.
+BodySize estimate_size(const BodySpec& body, bool finer = false);
+BodySize size_of(const CutCells& cut_cells);
+
+/// What it depends on beside the bodies.
+struct MemoryExtras {
+  double contact_points = 0;  ///< of all pairs; before they are known: 0
+  bool pictures = true;
+};
+
+/// Expected peak memory of a run in bytes: a measured model.
+double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras);
+
+/// Throws InputError if the expected memory is more than there is (memory_budget), and names the cell sizes that would
+/// fit.
+void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, double contact_points);
+
+/// The same before any cells are made, from estimated sizes: what is too large by far is refused at once, what is too
+/// large by little within a second or two.
+void check_memory_early(const Scene& scene, bool near_limit_too);
+
+}  // namespace cgcontact

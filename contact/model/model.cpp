@@ -1,0 +1,265 @@
+#include "contact/model/model.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "core/cells/face_dividers.hpp"
+
+namespace cgcontact {
+namespace {
+
+TractionCondition make_condition(const Scene& scene, const PointConditions& key, double load_factor) {
+  TractionCondition condition;
+  for (int s : key.supports) {
+    const SupportSpec& support = scene.supports[s];
+    condition.normal_held |= support.holds_normal();
+    for (int i = 0; i < 3; ++i) condition.component_held[i] |= support.displacement[i].has_value();
+  }
+  if (!key.loads.empty())
+    condition.traction = [&scene, loads = key.loads, load_factor](const Vec3& x, const Vec3& n) {
+      Vec3 t = Vec3::Zero();
+      for (int l : loads) {
+        const LoadSpec& load = scene.loads[l];
+        t += Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * n;
+      }
+      return Vec3(load_factor * t);
+    };
+  return condition;
+}
+
+/// Ties every boundary point of a body to the supports and loads that hold there.
+void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vector<char>& support_used,
+                       std::vector<char>& load_used) {
+  const std::size_t num_points = model.cut_cells.boundary.size();
+  BoundaryData& data = model.boundary;
+  std::map<PointConditions, int> index;
+  std::vector<std::pair<int, BodyFace>> supports, loads;
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
+    if (scene.supports[s].face.body == body) supports.emplace_back(s, BodyFace(scene.supports[s].face.face, model));
+  for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l)
+    if (scene.loads[l].face.body == body) loads.emplace_back(l, BodyFace(scene.loads[l].face.face, model));
+  data.condition_of_point.resize(num_points);
+  data.pair_of_point.assign(num_points, -1);
+  PointConditions key;
+  for (std::size_t p = 0; p < num_points; ++p) {
+    key.supports.clear();
+    key.loads.clear();
+    for (const auto& [s, face] : supports)
+      if (face.contains(static_cast<int>(p))) key.supports.push_back(s), support_used[s] = 1;
+    for (const auto& [l, face] : loads)
+      if (face.contains(static_cast<int>(p))) key.loads.push_back(l), load_used[l] = 1;
+    const auto [entry, is_new] = index.emplace(key, static_cast<int>(model.conditions.size()));
+    if (is_new) model.conditions.push_back(key);
+    data.condition_of_point[p] = entry->second;
+  }
+}
+
+bool has_body_force(const BodySpec& body) {
+  return !(body.body_force[0].is_zero() && body.body_force[1].is_zero() && body.body_force[2].is_zero());
+}
+
+using UseForce = std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>;
+
+void each_body_force(const BodyModel& body, const UseForce& use) {
+  const CutCells& cc = body.cut_cells;
+  const double factor = std::pow(cc.grid.cell_size, 3) / 8;
+  double weights[125];
+  for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+    const int cut = cc.cut_of_active[e];
+    fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 5, weights);
+    for (int q = 0; q < 125; ++q) {
+      const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
+      const Vec3 x = global_position(cc, static_cast<int>(e), xi);
+      use(static_cast<int>(e), xi, x, factor * weights[q] * body.boundary.body_force_at(x));
+    }
+  }
+}
+
+void measure_thickness(BodyModel& model) {
+  const CutCells& cc = model.cut_cells;
+  double volume = 0, area = 0, free_area = 0;
+  for (std::size_t e = 0; e < cc.cells.size(); ++e) volume += cc.volume_fraction(static_cast<int>(e));
+  for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
+    area += cc.boundary.weight[p];
+    if (!model.boundary.conditions[model.boundary.condition_of_point[p]].is_support())
+      free_area += cc.boundary.weight[p];
+  }
+  model.thickness = 2 * volume / area;
+  model.free_thickness = free_area > 0 ? 2 * volume / free_area : 1e9;
+}
+
+std::string quoted(const std::string& name) { return "\"" + name + "\""; }
+
+/// Faces of a body that supports, loads and contacts name.
+std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
+  std::vector<const FaceSpec*> faces;
+  const auto add = [&](const FaceRef& face) {
+    if (face.body == body) faces.push_back(&face.face);
+  };
+  for (const SupportSpec& support : scene.supports) add(support.face);
+  for (const LoadSpec& load : scene.loads) add(load.face);
+  for (const ContactSpec& contact : scene.contacts) {
+    add(contact.first);
+    add(contact.second);
+  }
+  return faces;
+}
+
+[[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
+  throw InputError(face.place, quoted(scene.bodies[face.body].name + "." + face.face.name),
+                   "the face selects no point of the body's boundary");
+}
+
+}  // namespace
+
+/// Cells; far above the rounding of a body's position, 1e-16 of its distance from the origin.
+constexpr double grid_margin = 1e-6;
+
+Grid make_grid(const BodySpec& body) {
+  Grid grid;
+  grid.cell_size = body.cell_size;
+  grid.rotation = body.grid_rotation;
+  Vec3 min, max;
+  const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
+  if (!rotated.bounding_box(min, max))
+    throw InputError(body.place, quoted(body.name), "the body is not bounded", "intersect half-spaces with a box");
+  Vec3 start = min - body.cell_size * body.grid_offset;
+  for (int d = 0; d < 3; ++d) {
+    // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
+    if (body.grid_offset[d] < grid_margin) start[d] -= body.cell_size;
+    const double cells = (max[d] - start[d]) / body.cell_size + grid_margin;
+    if (!(cells < 20000))
+      throw InputError(body.place, std::to_string(body.cell_size), "more than 20000 cells along one axis",
+                       "a larger cell_size");
+    grid.num_cells[d] = static_cast<int>(std::ceil(cells));
+  }
+  grid.origin = body.grid_rotation * start;
+  return grid;
+}
+
+std::vector<BodyModel> make_body_models(const Scene& scene) {
+  std::vector<BodyModel> bodies(scene.bodies.size());
+  std::vector<char> support_used(scene.supports.size()), load_used(scene.loads.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    BodyModel& model = bodies[b];
+    model.spec = &scene.bodies[b];
+    const Grid grid = make_grid(*model.spec);
+    const Solid solid = model.spec->solid.transformed(
+        grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
+    try {
+      model.cut_cells =
+          make_cut_cells(solid, grid, face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid));
+    } catch (const InputError& error) {
+      throw InputError(model.spec->place, quoted(model.spec->name), error.what());
+    }
+    assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
+    set_loads(scene, 1, model);
+    measure_thickness(model);
+  }
+  for (std::size_t s = 0; s < support_used.size(); ++s)
+    if (!support_used[s]) refuse_empty_face(scene, scene.supports[s].face);
+  for (std::size_t l = 0; l < load_used.size(); ++l)
+    if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
+  return bodies;
+}
+
+void set_loads(const Scene& scene, double factor, BodyModel& model) {
+  model.boundary.conditions.clear();
+  for (const PointConditions& key : model.conditions)
+    model.boundary.conditions.push_back(make_condition(scene, key, factor));
+  if (has_body_force(*model.spec))
+    model.boundary.body_force_at = [spec = model.spec, factor](const Vec3& x) {
+      return Vec3(factor * Vec3(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x)));
+    };
+}
+
+double stabilising_modulus(const Material& material) {
+  const auto p_wave = [](double nu) { return (1 - nu) / ((1 + nu) * (1 - 2 * nu)); };
+  return material.youngs_modulus * std::max(1.0, p_wave(material.poisson_ratio) / p_wave(0.3));
+}
+
+double support_stiffness(const Scene& scene, const BodyModel& body) {
+  const double kappa = (body.is_thin() ? 3 : 1) * scene.solver.kappa;
+  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.grid.cell_size;
+}
+
+Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& x) {
+  const Index3& c = cut_cells.cells[cell];
+  return 2 * (x - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+}
+
+Vec3 global_position(const CutCells& cut_cells, int cell, const Vec3& xi) {
+  const Index3& c = cut_cells.cells[cell];
+  return cut_cells.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
+}
+
+std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {
+  std::vector<SupportPoint> points;
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s) {
+    const SupportSpec& support = scene.supports[s];
+    const int b = support.face.body;
+    const BodyModel& body = bodies[b];
+    const BoundaryPoints& boundary = body.cut_cells.boundary;
+    const BodyFace face(support.face.face, body);
+    for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+      if (!face.contains(p)) continue;
+      const Vec3 x = body.point(p), n = body.normal(p);
+      SupportPoint point{
+          s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
+          n, n, body.area(p)};
+      const auto add = [&](double value) {
+        point.prescribed = point.value = value;
+        points.push_back(point);
+      };
+      if (support.holds_normal()) add(support.normal_displacement ? (*support.normal_displacement)(x) : 0.0);
+      for (int i = 0; i < 3; ++i)
+        if (support.displacement[i]) {
+          point.direction = Vec3::Unit(i);
+          add((*support.displacement[i])(x));
+        }
+    }
+  }
+  return points;
+}
+
+void each_force(const BodyModel& body, const UseForce& use) {
+  const BoundaryPoints& boundary = body.cut_cells.boundary;
+  for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+    const TractionCondition& condition = body.boundary.conditions[body.boundary.condition_of_point[p]];
+    if (!condition.traction) continue;
+    const Vec3 x = body.point(p);
+    use(boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]), x,
+        body.area(p) * condition.traction(x, body.normal(p)));
+  }
+  if (body.boundary.body_force_at) each_body_force(body, use);
+}
+
+std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,
+                                     const Scales& scales) {
+  std::vector<double> f(system.num_dofs(), 0.0);
+  const double unit = scales.stress * scales.length * scales.length;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    each_force(bodies[b], [&](int cell, const Vec3& xi, const Vec3&, const Vec3& force) {
+      const Vec3 local = bodies[b].cut_cells.grid.rotation.transpose() * force / unit;
+      double N[8];
+      hex_shape(xi.data(), N);
+      for (int a = 0; a < 8; ++a)
+        for (int i = 0; i < 3; ++i) f[3 * system.meshes[b].cell_nodes[cell][a] + i] += N[a] * local[i];
+    });
+  return f;
+}
+
+std::vector<Vec3> force_of_body(const std::vector<BodyModel>& bodies, const ElasticSystem& system, const Scales& scales,
+                                const std::vector<double>& nodal_forces) {
+  std::vector<Vec3> forces;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    Vec3 sum = Vec3::Zero();
+    for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
+      sum += Eigen::Map<const Vec3>(&nodal_forces[3 * static_cast<std::size_t>(n)]);
+    forces.push_back(scales.stress * scales.length * scales.length * (bodies[b].cut_cells.grid.rotation * sum));
+  }
+  return forces;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,116 @@
+/// The scene on its grids: one BodyModel per body with cut cells, faces resolved to boundary points, supports and
+/// loads.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "kernels/operator/system.hpp"
+#include "recovery/patch/boundary_data.hpp"
+#include "recovery/patch/patches.hpp"
+
+namespace cgcontact {
+
+/// Supports and loads whose faces contain a boundary point.
+struct PointConditions {
+  std::vector<int> supports, loads;  ///< indices into the scene's
+  bool operator<(const PointConditions& o) const { return std::tie(supports, loads) < std::tie(o.supports, o.loads); }
+};
+
+/// One body on its grid.
+struct BodyModel {
+  const BodySpec* spec = nullptr;
+  CutCells cut_cells;
+  BoundaryData boundary;
+  std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
+  double thickness = 0;                     ///< cells: twice the volume over the area
+  double free_thickness = 0;                ///< the same over the area that no support holds
+  bool is_thin() const { return thickness < 2; }
+  Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
+  Vec3 normal(int boundary_point) const { return cut_cells.grid.rotation * cut_cells.boundary.normal[boundary_point]; }
+  /// m^2
+  double area(int boundary_point) const {
+    return cut_cells.boundary.weight[boundary_point] * cut_cells.grid.cell_size * cut_cells.grid.cell_size;
+  }
+  const std::vector<std::string>& surface_names(int boundary_point) const {
+    return cut_cells.solid.surfaces()[cut_cells.boundary.surface[boundary_point]].names;
+  }
+};
+
+/// A named face on one body's boundary points; the names are compared once.
+class BodyFace {
+ public:
+  BodyFace(const FaceSpec& face, const BodyModel& body) : face_(face), body_(body) {
+    for (const Surface& s : body.cut_cells.solid.surfaces()) selected_.push_back(face.selects(s.names));
+  }
+  bool contains(int boundary_point) const {
+    if (!selected_[body_.cut_cells.boundary.surface[boundary_point]]) return false;
+    if (!face_.box && !face_.normal_cone) return true;
+    const BoundaryPoints& points = body_.cut_cells.boundary;
+    const Grid& grid = body_.cut_cells.grid;
+    return face_.contains(grid.to_global(points.position_of_piece(boundary_point)),
+                          grid.rotation * points.normal_of_piece(boundary_point));
+  }
+
+ private:
+  const FaceSpec& face_;
+  const BodyModel& body_;
+  std::vector<char> selected_;
+};
+
+/// Modulus of the stabilisation of supports and contact, Pa: E up to nu = 0.3, beyond that in proportion to the P-wave
+/// modulus lambda + 2 mu, which scales the normal traction that the outer iteration lags (docs/decisions.md).
+double stabilising_modulus(const Material& material);
+
+/// kappa E/h of a body's supports, Pa/m, with the stabilising modulus. The scene's kappa is the contact's. On a body
+/// about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa: three times stiffer
+/// there (docs/decisions.md).
+double support_stiffness(const Scene& scene, const BodyModel& body);
+
+/// One constrained direction at one boundary point of a support.
+struct SupportPoint {
+  int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
+  int body = 0, cell = 0;
+  Vec3 xi;                ///< cell coordinates
+  Vec3 direction;         ///< unit, global axes
+  Vec3 normal;            ///< outward, global axes
+  double weight = 0;      ///< m^2
+  double prescribed = 0;  ///< displacement along the direction, m
+  double value = 0;       ///< its part in the present step, m
+  bool follows = false;   ///< value becomes the displacement in every outer iteration: no force in the end
+};
+
+/// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.
+Grid make_grid(const BodySpec& body);
+
+/// Tractions and body forces of the scene, all times a factor, as boundary data of a body.
+void set_loads(const Scene& scene, double factor, BodyModel& model);
+
+/// Cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
+std::vector<BodyModel> make_body_models(const Scene& scene);
+
+/// Cell coordinates in [-1,1]^3 of a point in grid coordinates (may lie slightly outside for re-homed points).
+Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& grid_position);
+
+/// Where cell coordinates are: global axes, m.
+Vec3 global_position(const CutCells& cut_cells, int cell, const Vec3& xi);
+
+std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
+
+/// Calls use(cell, xi, x, force) for the points of all tractions and body forces of the present step; x in m, force in
+/// N, global axes.
+void each_force(const BodyModel& body,
+                const std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>& use);
+
+/// Consistent nodal forces of tractions, pressures and body forces, units Scales::stress * Scales::length^2.
+std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,
+                                     const Scales& scales);
+
+/// Resultant of nodal forces (units of make_load_vector) on each body, N, global axes.
+std::vector<Vec3> force_of_body(const std::vector<BodyModel>& bodies, const ElasticSystem& system, const Scales& scales,
+                                const std::vector<double>& nodal_forces);
+
+}  // namespace cgcontact

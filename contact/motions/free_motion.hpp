@@ -1,0 +1,71 @@
+/// Rigid motions that neither supports nor closed contact resist. Frictionless contact resists nothing along its faces,
+/// so bodies that slide or spin freely are common: what loads drive has no solution, what none drives can be held.
+#pragma once
+
+#include <string>
+
+#include "contact/motions/rigid_motion.hpp"
+
+namespace cgcontact {
+
+struct FreeMotions {
+  std::vector<RigidPiece> bodies;
+  Eigen::MatrixXd modes;  ///< orthonormal columns; rows 6 b .. 6 b + 5: RigidMotion of body b
+
+  /// Joins the motions of the same bodies.
+  void add(const FreeMotions& other);
+  /// Keeps what support points do not resist.
+  void leave_out(const std::vector<SupportPoint>& supports, const std::vector<BodyModel>& models);
+  bool empty() const { return modes.cols() == 0; }
+  /// Is there a motion without any rotation?
+  bool slides() const;
+  /// Those without any rotation.
+  FreeMotions without_rotation() const;
+};
+
+/// With the present state of the contact points. Motions that are resisted by less than `no_stiffness` of what is
+/// resisted most count as free.
+FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                              const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
+
+/// Columns that span the motions of a body that a resistance (sum of w q q^T) does not resist.
+Eigen::MatrixXd motions_not_resisted(const Eigen::Matrix<double, 6, 6>& resistance);
+
+/// Motions of one body that leave its own contact surface as it is (`own`: a ball in its seat), or that of all others
+/// (`others`: a ball on plates): free as well, although closed points with the normals of the other side seem to resist
+/// them.
+struct SurfaceMotions {
+  FreeMotions own, others;
+};
+SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                    const std::vector<ContactPair>& pairs);
+
+/// Those of `free` (of points with the normals of the primary body) that no point resists with the normals of the
+/// secondary body either.
+FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyModel>& bodies,
+                               const std::vector<ContactPair>& pairs);
+
+/// Of each body that its own supports do not hold: the motions that they leave free.
+std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>& bodies,
+                                                    const std::vector<SupportPoint>& supports);
+
+/// Work of the loads on the motions of all bodies (rows as in FreeMotions::modes), N, and the sum of the forces'
+/// magnitudes.
+std::pair<Eigen::VectorXd, double> loads_on(const std::vector<BodyModel>& bodies,
+                                            const std::vector<RigidPiece>& pieces);
+
+/// Those that the loads do work on, more than the part `no_load` of them (they are integrated to 1e-9): one column, or
+/// none.
+FreeMotions driven_by_loads(const FreeMotions& free, const std::vector<BodyModel>& bodies, double no_load = 1e-7);
+
+/// "y" for a direction along an axis, else three components.
+std::string direction_text(Vec3 direction);
+
+/// "body "ball" is free to move along (1.000, 0.000, 0.000) and to rotate about all axes"; of the body that moves most.
+std::string describe(const FreeMotions& free, const Scene& scene);
+
+/// As many held points as there are free motions, none of them redundant: they carry no force unless loads drive the
+/// motions. Their `support` is -1.
+std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyModel>& bodies);
+
+}  // namespace cgcontact

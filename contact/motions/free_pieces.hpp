@@ -1,0 +1,16 @@
+/// Which pieces of bodies are free to move, in words: bodies may consist of pieces that nothing joins.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/model/contact_pairs.hpp"
+
+namespace cgcontact {
+
+/// Says which body (or which of its separate pieces) is free to do what, and a support that would hold it; empty if all
+/// are held.
+std::string find_free_motion(const Scene& scene, const std::vector<BodyModel>& bodies,
+                             const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs);
+
+}  // namespace cgcontact

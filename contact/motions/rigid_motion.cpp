@@ -1,0 +1,168 @@
+#include "contact/motions/rigid_motion.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace cgcontact {
+namespace {
+
+using Block = Eigen::Matrix<double, 6, 6>;
+
+/// Resistance of supports and closed contact by pairs of pieces (lower triangle: first >= second).
+using Resistance = std::map<std::pair<int, int>, Block>;
+
+Resistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
+                         const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
+  Resistance sum;
+  const auto add = [&](int i, int j, const Block& block) {
+    sum.try_emplace({i, j}, Block::Zero()).first->second += block;
+  };
+  for (const SupportPoint& p : supports) {
+    if (p.follows) continue;
+    const int k = pieces.of_cell[p.body][p.cell];
+    const RigidPiece& piece = pieces.list[k];
+    const RigidMotion q = piece.row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    add(k, k, p.weight / (piece.size() * piece.size()) * q * q.transpose());
+  }
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& point : pair.points) {
+      if (!point.active) continue;
+      const int k[2] = {pieces.of_cell[pair.primary][point.primary_cell],
+                        pieces.of_cell[pair.secondary][point.secondary_cell]};
+      const RigidMotion row[2] = {pieces.list[k[0]].row(point.x, -point.normal),
+                                  pieces.list[k[1]].row(point.x, point.normal)};
+      const double size = pieces.list[k[0]].size();
+      for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j)
+          if (k[i] >= k[j]) add(k[i], k[j], point.weight / (size * size) * row[i] * row[j].transpose());
+    }
+  return sum;
+}
+
+/// Pieces by the assembly that they belong to: those that contact joins.
+std::vector<std::vector<int>> find_assemblies(const Resistance& resistance, int num_pieces) {
+  std::vector<int> first(num_pieces);
+  std::iota(first.begin(), first.end(), 0);
+  const auto root = [&](int k) {
+    while (first[k] != k) k = first[k] = first[first[k]];
+    return k;
+  };
+  for (const auto& [pieces, block] : resistance) first[root(pieces.first)] = root(pieces.second);
+  std::map<int, std::vector<int>> assemblies;
+  for (int k = 0; k < num_pieces; ++k) assemblies[root(k)].push_back(k);
+  std::vector<std::vector<int>> list;
+  for (auto& [any, members] : assemblies) list.push_back(std::move(members));
+  return list;
+}
+
+/// Columns with rows for the members alone.
+Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const Resistance& resistance, double no_stiffness) {
+  const auto n = static_cast<Eigen::Index>(6 * members.size());
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);  // lower triangle
+  for (std::size_t i = 0; i < members.size(); ++i)
+    for (auto entry = resistance.lower_bound({members[i], 0});
+         entry != resistance.end() && entry->first.first == members[i]; ++entry) {
+      const auto j = std::lower_bound(members.begin(), members.end(), entry->first.second) - members.begin();
+      A.block<6, 6>(static_cast<Eigen::Index>(6 * i), 6 * j) = entry->second;
+    }
+  const double trace = A.trace();  // at least the largest eigenvalue, at most n times
+  if (trace > 0) {
+    const Eigen::LLT<Eigen::MatrixXd> all_held(A - no_stiffness * trace * Eigen::MatrixXd::Identity(n, n));
+    if (all_held.info() == Eigen::Success) return Eigen::MatrixXd(n, 0);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  Eigen::Index count = 0;
+  while (count < n && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[n - 1]) ++count;
+  return eigen.eigenvectors().leftCols(count);
+}
+
+/// Number of the connected piece of every active cell (joined by common faces), from 0.
+std::vector<int> find_pieces(const CutCells& cut_cells, int& count) {
+  std::vector<int> piece(cut_cells.cells.size(), -1), waiting;
+  count = 0;
+  for (std::size_t start = 0; start < piece.size(); ++start) {
+    if (piece[start] >= 0) continue;
+    piece[start] = count;
+    waiting.push_back(static_cast<int>(start));
+    while (!waiting.empty()) {
+      const Index3 cell = cut_cells.cells[waiting.back()];
+      waiting.pop_back();
+      for (int f = 0; f < 6; ++f) {
+        Index3 next = cell;
+        next[f / 2] += f % 2 == 0 ? -1 : 1;
+        const int neighbour = cut_cells.find(next);
+        if (neighbour < 0 || piece[neighbour] >= 0) continue;
+        piece[neighbour] = count;
+        waiting.push_back(neighbour);
+      }
+    }
+    ++count;
+  }
+  return piece;
+}
+
+/// The `count` pieces of a body, given by their numbers in it.
+void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int> piece_of_cell, int count,
+                RigidPieces& pieces) {
+  const CutCells& cells = bodies[body].cut_cells;
+  const int first = static_cast<int>(pieces.list.size());
+  pieces.list.resize(first + count);
+  for (std::size_t e = 0; e < cells.cells.size(); ++e) {
+    piece_of_cell[e] += first;
+    RigidPiece& piece = pieces.list[piece_of_cell[e]];
+    piece.body = body;
+    const Index3& c = cells.cells[e];
+    for (int k = 0; k < 2; ++k) {
+      const Vec3 x = cells.grid.to_global(Vec3(c[0] + k, c[1] + k, c[2] + k));
+      piece.low = piece.low.cwiseMin(x);
+      piece.high = piece.high.cwiseMax(x);
+    }
+  }
+  pieces.of_cell.push_back(std::move(piece_of_cell));
+}
+
+}  // namespace
+
+RigidPieces whole_bodies(const std::vector<BodyModel>& bodies) {
+  RigidPieces pieces;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    add_pieces(bodies, static_cast<int>(b), std::vector<int>(bodies[b].cut_cells.cells.size(), 0), 1, pieces);
+  return pieces;
+}
+
+RigidPieces separate_pieces(const std::vector<BodyModel>& bodies) {
+  RigidPieces pieces;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    int count = 0;
+    std::vector<int> piece_of_cell = find_pieces(bodies[b].cut_cells, count);
+    add_pieces(bodies, static_cast<int>(b), std::move(piece_of_cell), count, pieces);
+  }
+  return pieces;
+}
+
+Eigen::MatrixXd free_rigid_motions(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
+                                   const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                                   double no_stiffness) {
+  const Resistance resistance = resistance_of(pieces, bodies, supports, pairs);
+  const int num_pieces = static_cast<int>(pieces.list.size());
+  std::vector<std::pair<std::vector<int>, Eigen::MatrixXd>> found;
+  Eigen::Index columns = 0;
+  for (std::vector<int>& members : find_assemblies(resistance, num_pieces)) {
+    Eigen::MatrixXd modes = free_motions_of(members, resistance, no_stiffness);
+    columns += modes.cols();
+    if (modes.cols() > 0) found.emplace_back(std::move(members), std::move(modes));
+  }
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(6 * num_pieces, columns);
+  Eigen::Index column = 0;
+  for (const auto& [members, modes] : found) {
+    for (std::size_t i = 0; i < members.size(); ++i)
+      all.block(6 * members[i], column, 6, modes.cols()) = modes.middleRows<6>(static_cast<Eigen::Index>(6 * i));
+    column += modes.cols();
+  }
+  return all;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,45 @@
+/// Rigid motions of bodies, or of the pieces that they consist of, and which of them supports and closed contact
+/// resist.
+#pragma once
+
+#include <vector>
+
+#include "contact/model/contact_pairs.hpp"
+
+namespace cgcontact {
+
+/// Translation t, then rotation r: u(x) = t + r x (x - centre) / size.
+using RigidMotion = Eigen::Matrix<double, 6, 1>;
+
+/// A body or a connected piece of one.
+struct RigidPiece {
+  int body = 0;
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);  ///< box around its cells, m
+  Vec3 centre() const { return 0.5 * (low + high); }
+  double size() const { return (high - low).maxCoeff(); }
+  /// Row q with q . motion = u(x) . d.
+  RigidMotion row(const Vec3& x, const Vec3& d) const {
+    RigidMotion q;
+    q << d, ((x - centre()) / size()).cross(d);
+    return q;
+  }
+};
+
+struct RigidPieces {
+  std::vector<RigidPiece> list;
+  std::vector<std::vector<int>> of_cell;  ///< body, active cell -> index into list
+};
+
+/// One per body, in their order.
+RigidPieces whole_bodies(const std::vector<BodyModel>& bodies);
+/// Bodies may consist of pieces that nothing joins.
+RigidPieces separate_pieces(const std::vector<BodyModel>& bodies);
+
+/// Basis (orthonormal columns; rows 6 k .. 6 k + 5: motion of piece k) of the motions that are resisted by less than
+/// `no_stiffness` of what is resisted most among the pieces that contact joins; with the present state of the contact
+/// points.
+Eigen::MatrixXd free_rigid_motions(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
+                                   const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                                   double no_stiffness = 1e-9);
+
+}  // namespace cgcontact

@@ -1,0 +1,146 @@
+#include "contact/results/pressure_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "contact/motions/statics.hpp"
+#include "core/base/parallel.hpp"
+#include "core/base/point_buckets.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Width of the Gaussian of the local mean, cells of the coarser body of the pair; beyond three widths nothing counts.
+constexpr double mean_width = 1, mean_reach = 3;
+
+/// So near to an edge, cells of the coarser body, the solution's zone of whole groups spoils the transmitted pressure.
+constexpr double edge_reach = 1.5;
+
+/// Where a contact zone ends inside the faces its ends lie at whole contact groups, and the force is up to that many
+/// times as wrong as the square of the energy norm's error (docs/recovery.md, "Error figures").
+constexpr double edge_factor = 2;
+
+/// The difference to plain SPR counts in full on zones of that many cells across and less, on wider ones less and less.
+constexpr double coarse_zone = 3, no_coarse_zone = 4;
+
+/// The edge's square-root term around a row.
+struct EdgeAtRow {
+  double inside = 1e300;  ///< distance from the edge, m
+  double change = 0;      ///< of the terms when the edge moves by its expected error, Pa
+};
+
+/// The mean of transmitted less recovered pressure around a place. The rows of a cell count as one, at their centroid.
+class LocalMean {
+ public:
+  /// width: m; edges: of the rows, those nearer than `reach` (m) do not count.
+  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair, double width,
+            double reach)
+      : width_(width), buckets_(mean_reach * width) {
+    std::map<std::tuple<int, int>, Source> cells;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const ContactRow& r = rows[i];
+      if (r.pair != pair || !std::isfinite(r.pressure_transmitted) || edges[i].inside < reach) continue;
+      Source& s = cells[{r.body, r.cell}];
+      s.area += r.weight;
+      s.centroid += r.weight * r.x;
+      s.force += r.weight * (r.pressure_transmitted - r.pressure_sprc);
+    }
+    for (auto& [cell, s] : cells) {
+      s.centroid /= s.area;
+      buckets_.add(s.centroid, static_cast<int>(sources_.size()));
+      sources_.push_back(s);
+    }
+  }
+
+  /// Pa.
+  double at(const Vec3& x) const {
+    double sum = 0, total = 0;
+    buckets_.each_near(x, [&](int i) {
+      const Source& s = sources_[i];
+      const double weight = std::exp(-0.5 * (s.centroid - x).squaredNorm() / (width_ * width_));
+      sum += weight * s.force;
+      total += weight * s.area;
+    });
+    return total > 0 ? sum / total : 0;
+  }
+
+ private:
+  struct Source {
+    double area = 0, force = 0;
+    Vec3 centroid = Vec3::Zero();
+  };
+
+  double width_;
+  std::vector<Source> sources_;
+  PointBuckets buckets_;
+};
+
+EdgeAtRow edge_at_row(const Simulation& sim, const ContactRow& row) {
+  EdgeAtRow result;
+  const RecoveredField& field = sim.sprc[row.body];
+  if (!field.edge) return result;
+  const BodyMesh& mesh = sim.system.meshes[row.body];
+  const CutCells& cc = sim.bodies[row.body].cut_cells;
+  const double h = cc.grid.cell_size;
+  const Vec3 position = cc.grid.to_grid(row.x), xi = cell_coordinates(cc, row.cell, position);
+  double N[8];
+  hex_shape(xi.data(), N);
+  for (int a = 0; a < 8; ++a) {
+    const EdgeTerms::Term* term = field.edge->of_node(mesh.cell_nodes[row.cell][a] - mesh.first_node);
+    if (!term) continue;
+    const ContactEdge& edge = term->edge;
+    const double s = edge.inside(position);
+    result.inside = std::min(result.inside, s / edge.scale * h);
+    result.change += N[a] * std::abs(term->factor) *
+                     std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * sim.scales.stress;
+  }
+  return result;
+}
+
+}  // namespace
+
+void estimate_contact_errors(const Simulation& sim, Results& results) {
+  std::vector<ContactRow>& rows = results.contact_rows;
+  for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
+    const ContactPair& pair = sim.pairs[p];
+    const double h = sim.bodies[pair.primary].cut_cells.grid.cell_size;  // the coarser body
+    std::vector<EdgeAtRow> edges(rows.size());
+    parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
+      if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(sim, rows[i]);
+    });
+    const LocalMean mean(rows, edges, static_cast<int>(p), mean_width * h, edge_reach * h);
+    const double force_error = std::pow(results.estimated_error_relative, 2);
+    const Verdict::Pair& verdict = results.verdict.pairs[p];
+    const bool resolved = verdict.state != Verdict::State::not_resolved;
+    const double coarse = std::clamp(
+        (no_coarse_zone - verdict.cells_across.value_or(no_coarse_zone)) / (no_coarse_zone - coarse_zone), 0.0, 1.0);
+    parallel_for("cgcontact::pressure_estimate::mean_difference", rows.size(), 128, [&](std::size_t i) {
+      ContactRow& row = rows[i];
+      if (row.pair != static_cast<int>(p)) return;
+      const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
+      const double common = std::hypot(mean.at(row.x), force_error * row.pressure_sprc);
+      row.pressure_error =
+          std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
+    });
+    double error = 0, norm = 0;
+    for (const ContactRow& row : rows) {
+      if (row.pair != static_cast<int>(p)) continue;
+      error += row.weight * row.pressure_error * row.pressure_error;
+      norm += row.weight * row.pressure_sprc * row.pressure_sprc;
+    }
+    PairFigures& figures = results.pairs[p];
+    figures.pressure_error_estimate = norm > 0 ? std::sqrt(error / norm) : 0;
+    if (figures.active_points == 0) continue;
+    const Vec3 force = figures.force_on_first;
+    figures.force_given_by_loads =
+        force.norm() > 0 && force_follows_from_loads(sim, static_cast<int>(p), force.normalized());
+    if (figures.force_given_by_loads || force.isZero(0))
+      figures.force_error_estimate = 0;
+    else if (resolved)
+      figures.force_error_estimate = (verdict.cells_across ? edge_factor : 1) * force_error;
+  }
+}
+
+}  // namespace cgcontact

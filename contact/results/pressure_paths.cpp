@@ -1,0 +1,214 @@
+#include "contact/results/pressure_paths.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include "contact/results/postprocess.hpp"
+#include "contact/results/reference.hpp"
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr int num_samples = 401;
+/// Steps of the first walk to the ends of a path, in cells, and their number at most.
+constexpr double walk_step = 0.25;
+constexpr int most_steps = 4000;
+/// A path ends so far beyond the last pressure: part of its length, and cells.
+constexpr double beyond = 0.3, beyond_cells = 2;
+/// Of the largest pressure of the pair.
+constexpr double no_pressure = 0.01;
+/// Of the largest second moment of the zone: a coordinate axis with so much is taken.
+constexpr double long_enough = 0.8;
+
+/// Nearest point of a body's contact faces to x: projection to the surface of the nearest contact row.
+/// pair: of that row, or -1: any.
+std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& results, int body, int pair,
+                                          const Vec3& x) {
+  const BodyModel& model = sim.bodies[body];
+  const Grid& grid = model.cut_cells.grid;
+  const ContactRow* nearest = nullptr;
+  for (const ContactRow& r : results.contact_rows)
+    if (r.body == body && (pair < 0 || r.pair == pair) &&
+        (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm()))
+      nearest = &r;
+  if (!nearest || (nearest->x - x).norm() > grid.cell_size) return std::nullopt;
+  const Vec3 g = grid.to_grid(x), row_normal = grid.rotation.transpose() * nearest->normal;
+  const Solid& solid = model.cut_cells.solid;
+  const Surface surface = solid.surfaces()[solid.surface_at(grid.to_grid(nearest->x), row_normal)].near(g);
+  const Vec3 position = g - surface.signed_distance(g) * surface.gradient(g);
+  Vec3 n = surface.gradient(position);
+  if (n.dot(row_normal) < 0) n = -n;
+  const int cell = model.cut_cells.locate(position - 1e-9 * n);
+  if (cell < 0) return std::nullopt;
+  return contact_row(sim, body, nearest->pair, cell, position, grid.rotation * n);
+}
+
+/// The largest pressure of a pair: where, on which body, with which normal.
+const ContactRow* largest_row(const Results& results, int pair) {
+  const PairFigures& figures = results.pairs[pair];
+  const ContactRow* largest = nullptr;
+  for (const ContactRow& r : results.contact_rows)
+    if (r.pair == pair && r.pressure_sprc > 0 && r.pressure_sprc <= figures.max_pressure &&
+        (!largest || r.pressure_sprc > largest->pressure_sprc))
+      largest = &r;
+  return largest;
+}
+
+/// The tangent along which the zone is longest, seen from the place of the largest pressure.
+Vec3 direction_of(const Results& results, const ContactRow& top) {
+  Mat3 second = Mat3::Zero();
+  for (const ContactRow& r : results.contact_rows) {
+    if (r.pair != top.pair || r.body != top.body || !(r.pressure_sprc > no_pressure * top.pressure_sprc)) continue;
+    Vec3 d = r.x - top.x;
+    d -= d.dot(top.normal) * top.normal;
+    second += r.weight * d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(second);
+  for (int k = 0; k < 3; ++k) {
+    Vec3 axis = Vec3::Unit(k);
+    axis -= axis.dot(top.normal) * top.normal;
+    if (axis.norm() < 0.3) continue;
+    axis.normalize();
+    if (axis.dot(second * axis) >= long_enough * solver.eigenvalues()[2]) return axis;
+  }
+  Vec3 e = solver.eigenvectors().col(2);
+  e -= e.dot(top.normal) * top.normal;
+  if (!(e.norm() > 1e-6)) e = top.normal.unitOrthogonal();
+  int largest = 0;
+  e.cwiseAbs().maxCoeff(&largest);
+  return e.normalized() * (e[largest] < 0 ? -1 : 1);
+}
+
+/// Walks along the face within the plane of normal and direction at `top`; visit(row, way) after every step of that
+/// length returns false to stop. Ends with the face and where the walk is back at its beginning.
+template <class Visit>
+void walk(const Simulation& sim, const Results& results, const ContactRow& top, const Vec3& along, double step,
+          int steps, const Visit& visit) {
+  const Vec3 across = top.normal.cross(along);
+  Vec3 x = top.x, normal = top.normal, forward = along;
+  for (int k = 1; k <= steps; ++k) {
+    Vec3 tangent = normal.cross(across).normalized();
+    if (tangent.dot(forward) < 0) tangent = -tangent;
+    if (!tangent.allFinite()) return;
+    const std::optional<ContactRow> row = project_to_face(sim, results, top.body, top.pair, x + step * tangent);
+    // The end of a face throws the projection back.
+    if (!row || (row->x - x).dot(tangent) < 0.3 * step) return;
+    x = row->x;
+    normal = row->normal;
+    forward = tangent;
+    if (!visit(*row, k * step)) return;
+    if (k > 4 && (x - top.x).norm() < 0.7 * step) return;
+  }
+}
+
+/// How far a path goes.
+struct Extent {
+  double length = 0;
+  bool closed = false;  ///< back at its beginning
+};
+
+/// A little beyond the zone, to the end of the face, or once around it.
+Extent extent_of(const Simulation& sim, const Results& results, const ContactRow& top, const Vec3& along) {
+  const double h = sim.bodies[top.body].cut_cells.grid.cell_size;
+  double last_pressed = 0;
+  Extent extent;
+  walk(sim, results, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
+    extent.length = way;
+    extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
+    if (row.pressure_sprc > no_pressure * top.pressure_sprc) last_pressed = way;
+    return way < (1 + beyond) * last_pressed + beyond_cells * h;
+  });
+  return extent;
+}
+
+struct Place {
+  double s;
+  Vec3 x;
+};
+
+/// From one end to the other, s = 0 at the largest pressure.
+std::vector<Place> places_of(const Simulation& sim, const Results& results, const ContactRow& top) {
+  const Vec3 along = direction_of(results, top);
+  const Extent whole = extent_of(sim, results, top, along);
+  const double ahead = whole.closed ? whole.length / 2 : whole.length;
+  const double back = whole.closed ? ahead : extent_of(sim, results, top, -along).length;
+  if (!(back + ahead > 0)) return {};
+  const double step = (back + ahead) / (num_samples - 1);
+  std::vector<Place> places;
+  const auto add = [&](double sign, double length) {
+    walk(sim, results, top, sign * along, step, static_cast<int>(length / step),
+         [&](const ContactRow& row, double way) {
+           places.push_back({sign * way, row.x});
+           return true;
+         });
+  };
+  add(-1, back);
+  std::reverse(places.begin(), places.end());
+  places.push_back({0, top.x});
+  add(1, ahead);
+  return places;
+}
+
+class Sampler {
+ public:
+  Sampler(const Simulation& sim, Results& results)
+      : sim_(sim), results_(results), reference_(sim.scene, sim.reference) {}
+
+  /// Both bodies of a pair, or of any for pair = -1.
+  void add(const std::vector<Place>& places, int pair) {
+    const bool by_coordinate = !sim_.reference.pressure_file.empty();
+    for (int b = 0; b < static_cast<int>(sim_.bodies.size()); ++b) {
+      if (pair >= 0 && sim_.pairs[pair].primary != b && sim_.pairs[pair].secondary != b) continue;
+      std::vector<std::optional<ContactRow>> rows(places.size());
+      parallel_for("cgcontact::pressure_paths::points", places.size(), 8,
+                   [&](std::size_t i) { rows[i] = project_to_face(sim_, results_, b, pair, places[i].x); });
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        if (!rows[i]) continue;
+        PathSample sample;
+        sample.body = b;
+        sample.pair = std::max(pair, 0);
+        sample.x = rows[i]->x;
+        sample.s = by_coordinate ? reference_.coordinate(sample.x) : places[i].s;
+        sample.pressure_raw = rows[i]->pressure_raw;
+        sample.pressure_spr = rows[i]->pressure_spr;
+        sample.pressure_sprc = rows[i]->pressure_sprc;
+        sample.has_reference = reference_.has_pressure();
+        if (sample.has_reference) sample.pressure_reference = reference_.pressure(sample.x);
+        results_.path.push_back(sample);
+      }
+    }
+  }
+
+ private:
+  const Simulation& sim_;
+  Results& results_;
+  const Reference reference_;
+};
+
+}  // namespace
+
+void fill_paths(const Simulation& sim, Results& results) {
+  if (results.contact_rows.empty()) return;
+  Sampler sampler(sim, results);
+  if (sim.scene.output.path) {
+    const auto& [from, to] = *sim.scene.output.path;
+    std::vector<Place> places;
+    for (int i = 0; i < num_samples; ++i) {
+      const double t = (i + 0.5) / num_samples;
+      places.push_back({t * (to - from).norm(), (1 - t) * from + t * to});
+    }
+    sampler.add(places, -1);
+    return;
+  }
+  results.path_from_largest = true;
+  for (int pair = 0; pair < static_cast<int>(results.pairs.size()); ++pair)
+    if (const ContactRow* const top = largest_row(results, pair)) sampler.add(places_of(sim, results, *top), pair);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,122 @@
+#include "contact/results/small_strain.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+#include "kernels/mesh/hex.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Terms of second order, which the theory leaves out, are then some 5 % of those that it keeps.
+constexpr double largest_strain = 0.05;
+/// Of the body's longest side: contact is looked for where the bodies were before the deformation.
+constexpr double largest_displacement = 0.1;
+/// Of E: about the pressure under which a half-space is strained by 5 to 10 %.
+constexpr double largest_pressure = 0.1;
+constexpr std::size_t grain = 4096;
+
+struct Largest {
+  double value = 0;
+  Vec3 x = Vec3::Zero();
+  void add(double other, const Vec3& place) {
+    if (other <= value) return;
+    value = other;
+    x = place;
+  }
+};
+
+struct StrainExtremes {
+  Largest strain, displacement;
+};
+
+/// Centroid of the material in an active cell, cell coordinates.
+Vec3 centroid(const CutCells& cc, int e) {
+  if (cc.cut_of_active[e] < 0) return Vec3::Zero();
+  constexpr int n = moment_degree + 1;
+  const Moments& m = cc.moments[cc.cut_of_active[e]];
+  return Vec3(m[n * n], m[n], m[1]) / m[0];
+}
+
+/// At the centroid of every cell.
+StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
+                             double length_scale) {
+  const std::size_t cells = cc.cells.size();
+  std::vector<StrainExtremes> found(num_chunks(cells, grain));
+  parallel_chunks(
+      "cgcontact::small_strain::largest_strain", cells, grain,
+      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+        for (std::size_t e = begin; e < end; ++e) {
+          const Vec3 xi = centroid(cc, static_cast<int>(e));
+          Mat3 gradient = Mat3::Zero();  // m per m, grid axes
+          const Vec3 x = global_position(cc, static_cast<int>(e), xi);
+          Vec3 displacement = cc.grid.rotation.transpose() * rigid_part.at(x);
+          double N[8], dN[8][3];
+          hex_shape(xi.data(), N);
+          hex_gradient(xi.data(), dN);
+          for (int a = 0; a < 8; ++a) {
+            Vec3 v;
+            for (int i = 0; i < 3; ++i) v[i] = length_scale * u(3 * mesh.cell_nodes[e][a] + i);
+            gradient += v * Vec3(dN[a][0], dN[a][1], dN[a][2]).transpose() / cc.grid.cell_size;
+            displacement += N[a] * v;
+          }
+          const Mat3 strain = 0.5 * (gradient + gradient.transpose());
+          // The Frobenius norm bounds the principal strains; it is found without them.
+          if (strain.norm() > found[chunk].strain.value)
+            found[chunk].strain.add(
+                Eigen::SelfAdjointEigenSolver<Mat3>(strain, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff(),
+                x);
+          found[chunk].displacement.add(displacement.norm(), x);
+        }
+      });
+  StrainExtremes all;
+  for (const StrainExtremes& part : found) {
+    all.strain.add(part.strain.value, part.strain.x);
+    all.displacement.add(part.displacement.value, part.displacement.x);
+  }
+  return all;
+}
+
+std::string at(const Vec3& x) { return fmt::format(" at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
+
+}  // namespace
+
+std::vector<std::string> small_strain_warnings(const Simulation& sim) {
+  std::vector<std::string> warnings;
+  for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
+    const CutCells& cc = sim.bodies[b].cut_cells;
+    const BodySpec& spec = *sim.bodies[b].spec;
+    const StrainExtremes extremes =
+        find_extremes(cc, sim.system.meshes[b], sim.outer.u, sim.outer.rigid_parts[b], sim.scales.length);
+    Largest pressure;
+    for (const ContactRow& row : sim.results.contact_rows)
+      if (row.body == static_cast<int>(b)) pressure.add(row.pressure_sprc, row.x);
+    Vec3 low, high;
+    spec.solid.bounding_box(low, high);
+    const double size = (high - low).maxCoeff(), modulus = spec.material.youngs_modulus;
+    std::string text;
+    const auto add = [&](bool too_large, const std::string& part) {
+      if (too_large) text += (text.empty() ? "" : ", ") + part;
+    };
+    add(extremes.strain.value > largest_strain,
+        fmt::format("strain {:.2g} %{}", 100 * extremes.strain.value, at(extremes.strain.x)));
+    add(extremes.displacement.value > largest_displacement * size,
+        fmt::format("displacement {:.3g} m, {:.2g} % of the body,{}", extremes.displacement.value,
+                    100 * extremes.displacement.value / size, at(extremes.displacement.x)));
+    add(pressure.value > largest_pressure * modulus,
+        fmt::format("contact pressure {:.3g} Pa, {:.2g} % of E,{}", pressure.value, 100 * pressure.value / modulus,
+                    at(pressure.x)));
+    if (!text.empty())
+      warnings.push_back(
+          fmt::format("body \"{}\": too much for small strain and small sliding, the result is at best "
+                      "rough: {} (wrong unit of a load, of E or of a length?)",
+                      spec.name, text));
+  }
+  return warnings;
+}
+
+}  // namespace cgcontact

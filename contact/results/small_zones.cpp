@@ -1,0 +1,404 @@
+#include "contact/results/small_zones.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// F = indentation E* V / sqrt(A): 1.064 for spheres, 1.077 for cones, 1.13 for flat punches.
+constexpr double indentation = 1.07;
+/// Mean displacement of a square of side h under a uniform pressure, times E* h / F.
+constexpr double own_displacement = 0.946;
+/// Part of the approach that the deformation of the cells may stand for: a zone joins below the first, leaves above the
+/// second. Zones above are wider than a cell: their groups' mean gaps give the force within 25 % (docs/theory.md).
+constexpr double joins_below = 0.4, leaves_above = 0.5;
+/// Of the change of a force: what the cells' own deformation may do.
+constexpr double largest_own_part = 0.8;
+/// Cells: what acts on the depth at one place as a zone does, not as cells see it: the next groups.
+constexpr double zone_reach = 1.5;
+/// Width of a contact zone over that of the overlap: 0.71 for spheres, 0.64 for cones and wedges.
+constexpr double width_of_overlap = 0.7;
+/// Samples serve until the overlap has grown or shrunk by that.
+constexpr double grown = 1.5, shrunk = 0.5;
+
+using Place = std::array<int, 3>;
+
+template <typename Visit>
+void visit_neighbours(const std::map<Place, std::vector<std::size_t>>& places, const Index3& c, int reach,
+                      const Visit& visit) {
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = -reach; k <= reach; ++k) {
+        const auto place = places.find({c[0] + i, c[1] + j, c[2] + k});
+        if (place == places.end()) continue;
+        for (const std::size_t g : place->second) visit(g);
+      }
+}
+
+/// Stiffness of an elliptic punch over that of a circular one of the same area (Johnson, section 3.6, equation 3.70).
+double slenderness_factor(double aspect) {
+  return 0.5 * M_PI * std::sqrt(aspect) / std::comp_ellint_1(std::sqrt(std::max(0.0, 1 - 1 / (aspect * aspect))));
+}
+
+double inverse_plane_modulus(const BodyModel& body) {
+  const Material& m = body.spec->material;
+  return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
+}
+
+}  // namespace
+
+/// Where the undeformed bodies overlap.
+struct SmallZones::Overlap {
+  double volume = 0, area = 0;
+  Vec3 first = Vec3::Zero();  ///< moments of the area
+  Mat3 second = Mat3::Zero();
+
+  Overlap() = default;
+  Overlap(const std::vector<GapSample>& samples, double approach) {
+    for (const GapSample& s : samples) {
+      const double depth = approach - s.distance;
+      if (depth <= 0) continue;
+      volume += depth * s.area;
+      area += s.area;
+      first += s.area * s.x;
+      second += s.area * (s.x * s.x.transpose() + s.area / 12 * Mat3::Identity());
+    }
+  }
+  /// One of its images.
+  void add(const Overlap& other, const std::vector<SymmetryPlane>& planes, unsigned image) {
+    volume += other.volume;
+    area += other.area;
+    const Vec3 mean = other.first / other.area;
+    const Mat3 spread = other.second / other.area - mean * mean.transpose();
+    const Vec3 x = with_images(mean, planes)[image];
+    first += other.area * x;
+    second += other.area * (spread + x * x.transpose());  // the spread is not turned: zones are small
+  }
+  /// Long and short axes of the ellipse with the same moments, m.
+  std::pair<double, double> axes() const {
+    const Vec3 mean = first / area;
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(second / area - mean * mean.transpose());
+    const double largest = solver.eigenvalues()[2];
+    return {4 * std::sqrt(largest), 4 * std::sqrt(std::max(solver.eigenvalues()[1], 1e-8 * largest))};
+  }
+};
+
+/// Of one zone, by its groups.
+struct SmallZones::Law {
+  std::vector<double> force, stiffness, bedding, width;  ///< N, N/m, Pa/m, m
+  std::vector<double> extra;                             ///< m: approach that the cells' deformation stands for
+  std::vector<double> own_part;                          ///< change of the force with the force that extra is made of
+  double total = 0, part_of_cells = 0;                   ///< N; of the approach
+};
+
+SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<char> led)
+    : bodies_(bodies), pairs_(pairs), led_(std::move(led)) {
+  std::size_t size = 0;
+  for (const ContactPair& pair : pairs) {
+    first_.push_back(size);
+    size += pair.groups.size();
+    planes_.emplace_back();
+    if (!led_[planes_.size() - 1]) continue;
+    const BodyModel &a = bodies[pair.primary], &b = bodies[pair.secondary];
+    planes_.back() = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
+                                   a.cut_cells.grid.cell_size);
+  }
+  groups_.resize(size);
+}
+
+void SmallZones::forget() {
+  std::fill(groups_.begin(), groups_.end(), State());
+  relative_change_ = 0;
+}
+
+int SmallZones::count(int pair) const {
+  int sum = 0;
+  for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g)
+    sum += groups_[g].small && groups_[g].force > 0;
+  return sum;
+}
+
+double SmallZones::width(int pair) const {
+  double sum = 0, force = 0;
+  for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g) {
+    if (!groups_[g].small) continue;
+    sum += groups_[g].force * groups_[g].width;
+    force += groups_[g].force;
+  }
+  return force > 0 ? sum / force : 0.0;
+}
+
+double SmallZones::effective_modulus(std::size_t pair) const {
+  return 1 / (inverse_plane_modulus(bodies_[pairs_[pair].primary]) +
+              inverse_plane_modulus(bodies_[pairs_[pair].secondary]));
+}
+
+/// Groups of zones that are several cells wide, and those within two cells of them: closed ones that join one whose
+/// neighbours are all closed.
+std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
+  const ContactPair& p = pairs_[pair];
+  const CutCells& cells = bodies_[p.primary].cut_cells;
+  std::map<Place, std::vector<std::size_t>> places;
+  std::vector<char> closed(p.groups.size(), 0), resolved(p.groups.size(), 0), near(p.groups.size(), 0);
+  const auto cell_of = [&](std::size_t g) { return cells.cells[p.points[p.groups[g].first_point].primary_cell]; };
+  for (std::size_t g = 0; g < p.groups.size(); ++g) {
+    const Index3 c = cell_of(g);
+    places[{c[0], c[1], c[2]}].push_back(g);
+    if (has(first_[pair] + g)) continue;
+    for (int q = p.groups[g].first_point; q < p.groups[g].last_point; ++q) closed[g] |= p.points[q].active;
+  }
+  std::vector<std::size_t> next;
+  for (std::size_t g = 0; g < p.groups.size(); ++g) {
+    if (!closed[g]) continue;
+    bool inside = true;
+    visit_neighbours(places, cell_of(g), 1, [&](std::size_t other) { inside &= closed[other] != 0; });
+    if (inside) next.push_back(g);
+  }
+  for (const std::size_t g : next) resolved[g] = 1;
+  while (!next.empty()) {
+    const std::size_t g = next.back();
+    next.pop_back();
+    visit_neighbours(places, cell_of(g), 2, [&](std::size_t other) { near[other] = 1; });
+    visit_neighbours(places, cell_of(g), 1, [&](std::size_t other) {
+      if (!closed[other] || resolved[other]) return;
+      resolved[other] = 1;
+      next.push_back(other);
+    });
+  }
+  return near;
+}
+
+/// New samples where those that there are were made for another depth; overlap: m, at zero gap in the group's mean.
+void SmallZones::sample(std::size_t pair, std::size_t g, double overlap) {
+  State& state = groups_[g];
+  if (state.limit != 0 && std::abs(overlap - state.limit) < 1e-3 * std::abs(state.limit)) return;
+  if (!state.samples.empty()) {
+    double smallest = 1e300;
+    for (const GapSample& sample : state.samples) smallest = std::min(smallest, sample.distance);
+    const double before = state.limit - smallest, now = overlap - smallest;
+    if (now > shrunk * before && now < grown * before) return;
+  }
+  state.limit = overlap;
+  state.samples = sample_gap(bodies_, pairs_[pair], group(pair, g), overlap);
+}
+
+/// Groups with samples, joined over neighbouring cells.
+std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vector<std::size_t>& groups) const {
+  const CutCells& cells = bodies_[pairs_[pair].primary].cut_cells;
+  std::map<Place, std::vector<std::size_t>> places;
+  const auto cell_of = [&](std::size_t g) { return cells.cells[first_point(pair, g).primary_cell]; };
+  std::map<std::size_t, bool> seen;
+  for (const std::size_t g : groups) {
+    const Index3 c = cell_of(g);
+    places[{c[0], c[1], c[2]}].push_back(g);
+    seen[g] = false;
+  }
+  std::vector<Zone> zones;
+  for (const std::size_t start : groups) {
+    if (seen[start]) continue;
+    zones.emplace_back();
+    std::vector<std::size_t> next{start};
+    seen[start] = true;
+    while (!next.empty()) {
+      const std::size_t g = next.back();
+      next.pop_back();
+      zones.back().groups.push_back(g);
+      visit_neighbours(places, cell_of(g), 1, [&](std::size_t other) {
+        if (seen[other]) return;
+        seen[other] = true;
+        next.push_back(other);
+      });
+    }
+    std::sort(zones.back().groups.begin(), zones.back().groups.end());
+  }
+  return zones;
+}
+
+/// Groups of a zone that act on each other, with images in planes of symmetry: their places, and for each group those
+/// within reach.
+struct SmallZones::Neighbours {
+  struct Image {
+    std::size_t group;  ///< of the zone
+    unsigned planes;    ///< index among with_images()
+    double distance;    ///< m
+  };
+  std::vector<std::vector<Image>> of_group;
+};
+
+SmallZones::Neighbours SmallZones::neighbours(std::size_t pair, const Zone& zone) const {
+  const double h = cell_size(pair);
+  std::vector<Vec3> centres;
+  for (const std::size_t k : zone.groups) {
+    const ContactGroup& g = group(pair, k);
+    Vec3 sum = Vec3::Zero();
+    for (int q = g.first_point; q < g.last_point; ++q)
+      sum += pairs_[pair].points[q].weight / g.area * pairs_[pair].points[q].x;
+    centres.push_back(sum);
+  }
+  Neighbours found;
+  found.of_group.resize(centres.size());
+  for (std::size_t j = 0; j < centres.size(); ++j) {
+    const std::vector<Vec3> images = with_images(centres[j], planes_[pair]);
+    for (unsigned k = 0; k < images.size(); ++k)
+      for (std::size_t i = 0; i < centres.size(); ++i) {
+        const double distance = (centres[i] - images[k]).norm();
+        if (distance <= zone_reach * h) found.of_group[i].push_back({j, k, distance});
+      }
+  }
+  return found;
+}
+
+/// The forces that the present gaps give; `forces`: those that the cells deform under.
+SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const std::vector<double>& gap_change,
+                                     const std::vector<double>& forces, bool decide) const {
+  const std::size_t n = zone.groups.size();
+  const double h = cell_size(pair), modulus = effective_modulus(pair);
+  const Neighbours near = neighbours(pair, zone);
+  const auto compliance = [&](const Neighbours::Image& image) {
+    return std::min(own_displacement / h, 1 / (M_PI * std::max(image.distance, 1e-6 * h))) / modulus;
+  };
+  const auto approach_of_cells = [&](std::size_t i, const auto& force_of) {
+    double sum = 0;
+    for (const Neighbours::Image& image : near.of_group[i])
+      sum += std::max(force_of(image.group), 0.0) * compliance(image);
+    return sum;
+  };
+  Law law;
+  std::vector<Overlap> overlaps(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t g = zone.groups[i];
+    law.extra.push_back(approach_of_cells(i, [&](std::size_t k) { return forces[zone.groups[k]]; }));
+    overlaps[i] = Overlap(groups_[g].samples, pairs_[pair].interference - gap_change[g] + law.extra[i]);
+  }
+  double depth = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const State& state = groups_[zone.groups[i]];
+    double bedding = 0, width = state.width;
+    if (!decide && state.small) {
+      bedding = state.bedding;
+    } else if (overlaps[i].area > 0) {
+      Overlap whole;
+      for (const Neighbours::Image& image : near.of_group[i])
+        if (overlaps[image.group].area > 0) whole.add(overlaps[image.group], planes_[pair], image.planes);
+      const auto [length, breadth] = whole.axes();
+      bedding = indentation * modulus * slenderness_factor(length / breadth) / std::sqrt(whole.area);
+      width = breadth * width_of_overlap;
+    }
+    law.width.push_back(width);
+    law.bedding.push_back(bedding);
+    law.force.push_back(bedding * overlaps[i].volume);
+    law.stiffness.push_back(bedding * overlaps[i].area);
+    double own = 0;
+    for (const Neighbours::Image& image : near.of_group[i])
+      if (image.group == i) own += compliance(image);
+    law.own_part.push_back(std::min(law.stiffness.back() * own, largest_own_part));
+    law.total += law.force.back();
+    if (overlaps[i].area > 0) depth += law.force.back() * overlaps[i].volume / overlaps[i].area;
+  }
+  double of_cells = 0;
+  for (std::size_t i = 0; i < n; ++i)
+    of_cells += law.force[i] * approach_of_cells(i, [&](std::size_t k) { return law.force[k]; });
+  // The mean depth is half of the approach on a sphere.
+  law.part_of_cells = depth > 0 ? of_cells / (2 * depth) : 0.0;
+  return law;
+}
+
+/// Of the far bodies at one group, less its own deformation of the cells, m.
+double SmallZones::approach(std::size_t pair, std::size_t g, const std::vector<double>& gap_change,
+                            const std::vector<double>& group_force) const {
+  return pairs_[pair].interference - gap_change[g] +
+         own_displacement / (effective_modulus(pair) * cell_size(pair)) * std::max(group_force[g], 0.0);
+}
+
+/// Which groups of a pair lie in small zones.
+void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_change,
+                             const std::vector<double>& group_force) {
+  const ContactPair& p = pairs_[pair];
+  const double h = cell_size(pair);
+  const std::vector<char> resolved = near_resolved(pair);
+  std::vector<std::size_t> candidates;
+  for (std::size_t k = 0; k < p.groups.size(); ++k) {
+    if (resolved[k]) continue;
+    const std::size_t g = first_[pair] + k;
+    double nearest = 1e300;
+    for (int q = p.groups[k].first_point; q < p.groups[k].last_point; ++q)
+      nearest = std::min(nearest, p.points[q].distance);
+    if (nearest - approach(pair, g, gap_change, group_force) < h) candidates.push_back(g);
+  }
+  parallel_for("cgcontact::small_zones::sample_candidates", candidates.size(), 1, [&](std::size_t i) {
+    const std::size_t g = candidates[i];
+    sample(pair, g, approach(pair, g, gap_change, group_force));
+  });
+  std::vector<char> small(p.groups.size(), 0);
+  candidates.erase(
+      std::remove_if(candidates.begin(), candidates.end(), [&](std::size_t g) { return groups_[g].samples.empty(); }),
+      candidates.end());
+  for (const Zone& zone : zones(pair, candidates)) {
+    const Law law = evaluate(pair, zone, gap_change, group_force, true);
+    const auto any = [&](const auto& is) { return std::any_of(zone.groups.begin(), zone.groups.end(), is); };
+    const bool was = any([&](std::size_t g) { return has(g); });
+    const bool seen = !was && any([&](std::size_t g) { return group_force[g] > 0; });  // by mean gaps
+    if (law.total > 0 && law.part_of_cells < (seen ? joins_below : leaves_above))
+      for (const std::size_t g : zone.groups) small[g - first_[pair]] = 1;
+  }
+  for (std::size_t k = 0; k < p.groups.size(); ++k) {
+    State& state = groups_[first_[pair] + k];
+    state.small = small[k] != 0;
+    if (!state.small) state.force = state.stiffness = 0;
+  }
+}
+
+/// Active are the points in the overlap, or the nearest one.
+void SmallZones::set_active_points(std::size_t pair, std::size_t g, double change, double extra) {
+  ContactPair& p = pairs_[pair];
+  const ContactGroup& own = group(pair, g);
+  const double approach = p.interference - change + extra;
+  int nearest = own.first_point;
+  bool any = false;
+  for (int q = own.first_point; q < own.last_point; ++q) {
+    p.points[q].active = groups_[g].force > 0 && p.points[q].distance < approach;
+    any |= p.points[q].active;
+    if (p.points[q].distance < p.points[nearest].distance) nearest = q;
+  }
+  if (!any && groups_[g].force > 0) p.points[nearest].active = true;
+}
+
+void SmallZones::update(const std::vector<double>& gap_change, const std::vector<double>& group_force, bool decide) {
+  double change = 0, sum = 0;
+  for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
+    if (!led_[pair]) continue;
+    if (decide) decide_pair(pair, gap_change, group_force);
+    std::vector<std::size_t> groups;
+    for (std::size_t k = 0; k < pairs_[pair].groups.size(); ++k)
+      if (has(first_[pair] + k)) groups.push_back(first_[pair] + k);
+    if (groups.empty()) continue;
+    if (decide)
+      parallel_for("cgcontact::small_zones::sample_groups", groups.size(), 1,
+                   [&](std::size_t i) { sample(pair, groups[i], approach(pair, groups[i], gap_change, group_force)); });
+    for (const Zone& zone : zones(pair, groups)) {
+      const Law law = evaluate(pair, zone, gap_change, group_force, decide);
+      for (std::size_t i = 0; i < zone.groups.size(); ++i) {
+        const std::size_t g = zone.groups[i];
+        State& state = groups_[g];
+        const double gap = group(pair, g).initial_gap + gap_change[g];
+        change += std::abs(law.force[i] - group_force[g]);
+        sum += law.force[i];
+        // Newton's step for the force that is also the one which deforms the cells.
+        const double rest = 1 - law.own_part[i];
+        state.force = std::max((law.force[i] - law.own_part[i] * std::max(group_force[g], 0.0)) / rest, 0.0);
+        state.stiffness = law.stiffness[i] / rest;
+        state.bedding = law.bedding[i];
+        state.width = law.width[i];
+        state.gap = gap;
+        set_active_points(pair, g, gap_change[g], law.extra[i]);
+      }
+    }
+  }
+  relative_change_ = sum > 0 ? change / sum : 0.0;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,90 @@
+/// Contact zones smaller than the cells, between bodies that are led: groups of cells' pieces press by their mean gap,
+/// which such a zone hardly changes, so their force follows from the gap inside the group instead.
+///
+/// Indentation of an elastic half-space by a convex punch of any shape: with V the volume and A the area in which the
+/// undeformed bodies overlap at the approach delta,
+///   F = 1.07 E* V / sqrt(A),    1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2,
+/// within 6 % for spheres, cones and flat punches (Johnson, Contact Mechanics, sections 3.3, 4.2, 5.2; derivation and
+/// figures in docs/theory.md). delta is the approach of what lies far from the zone, while the cells already deform as
+/// under a force spread over the whole group: the approach in that is subtracted, delta = -gap + C F, with C the mean
+/// displacement of a half-space's square (0.946 / (E* h)) and of its neighbours (1 / (pi E* r)).
+#pragma once
+
+#include <vector>
+
+#include "contact/model/contact_pairs.hpp"
+#include "contact/model/gap_samples.hpp"
+#include "recovery/zone_edge/symmetry_planes.hpp"
+
+namespace cgcontact {
+
+class SmallZones {
+ public:
+  /// `led`: of each pair, are both of its bodies held by supports? Others are left alone: loads give their force.
+  /// References stay valid outside.
+  SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<char> led);
+
+  /// No group is in a small zone.
+  void forget();
+
+  /// New forces from the present state, of all groups of all pairs in order: change of the mean gap, m, and forces of
+  /// groups outside of small zones, N. Sets the active points of small zones. decide: groups join or leave.
+  void update(const std::vector<double>& gap_change, const std::vector<double>& group_force, bool decide);
+
+  bool has(std::size_t group) const { return groups_[group].small; }
+  /// Force at a mean gap (m, with interference and deformation), N: linear about the last update.
+  double force(std::size_t group, double gap) const {
+    const State& g = groups_[group];
+    return g.force - g.stiffness * (gap - g.gap);
+  }
+  double stiffness(std::size_t group) const { return groups_[group].stiffness; }  ///< N/m
+  /// Groups of a pair that are in small zones and carry force.
+  int count(int pair) const;
+  /// Mean width of a pair's small zones, by their forces, m; 0 without any.
+  double width(int pair) const;
+  /// Of the forces in the last update, relative to all of small zones.
+  double relative_change() const { return relative_change_; }
+
+ private:
+  struct State {
+    bool small = false;
+    double force = 0, stiffness = 0, gap = 0;  ///< N, N/m, m: what force() is made of
+    double bedding = 0;                        ///< Pa/m: force over volume, kept once groups no longer join
+    double width = 0;                          ///< m, of the zone there
+    double limit = 0;                          ///< m: the depth that the samples are made for
+    std::vector<GapSample> samples;
+  };
+  struct Zone {
+    std::vector<std::size_t> groups;  ///< among those of all pairs
+  };
+  struct Overlap;
+  struct Law;
+  struct Neighbours;
+
+  void decide_pair(std::size_t pair, const std::vector<double>& gap_change, const std::vector<double>& group_force);
+  std::vector<char> near_resolved(std::size_t pair) const;
+  void sample(std::size_t pair, std::size_t group, double overlap);
+  std::vector<Zone> zones(std::size_t pair, const std::vector<std::size_t>& groups) const;
+  Neighbours neighbours(std::size_t pair, const Zone& zone) const;
+  Law evaluate(std::size_t pair, const Zone& zone, const std::vector<double>& gap_change,
+               const std::vector<double>& forces, bool decide) const;
+  double approach(std::size_t pair, std::size_t g, const std::vector<double>& gap_change,
+                  const std::vector<double>& group_force) const;
+  double effective_modulus(std::size_t pair) const;
+  double cell_size(std::size_t pair) const { return bodies_[pairs_[pair].primary].cut_cells.grid.cell_size; }
+  const ContactGroup& group(std::size_t pair, std::size_t g) const { return pairs_[pair].groups[g - first_[pair]]; }
+  const ContactPoint& first_point(std::size_t pair, std::size_t g) const {
+    return pairs_[pair].points[group(pair, g).first_point];
+  }
+  void set_active_points(std::size_t pair, std::size_t g, double change, double extra);
+
+  const std::vector<BodyModel>& bodies_;
+  std::vector<ContactPair>& pairs_;
+  std::vector<char> led_;
+  std::vector<std::vector<SymmetryPlane>> planes_;  ///< of each pair
+  std::vector<std::size_t> first_;                  ///< of each pair's groups
+  std::vector<State> groups_;
+  double relative_change_ = 0;
+};
+
+}  // namespace cgcontact

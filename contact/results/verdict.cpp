@@ -1,0 +1,118 @@
+#include "contact/results/verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "contact/results/missed_contact.hpp"
+#include "contact/results/zone_width.hpp"
+
+namespace cgcontact {
+namespace {
+
+using State = Verdict::State;
+
+/// A pair that carries less of the largest force of all pairs does not decide about the run.
+constexpr double relevant_part = 0.01;
+/// Of a zone of which nothing is known but that it is smaller than a cell.
+constexpr double cells_of_missed_zone = 1;
+
+struct Judged {
+  Verdict::Pair pair;
+  double force = 0;  // N, or the largest pressure on the whole zone
+  const MissedOverlap* missed = nullptr;
+};
+
+double coarser_cell(const Simulation& sim, int pair) {
+  return sim.bodies[sim.pairs[pair].primary].cut_cells.grid.cell_size;
+}
+
+std::vector<Judged> judge_pairs(const Simulation& sim, const std::vector<MissedOverlap>& missed) {
+  const std::vector<ZoneWidth> widths = zone_widths(sim);
+  std::vector<Judged> judged;
+  for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
+    const PairFigures& figures = sim.results.pairs[p];
+    const double h = coarser_cell(sim, static_cast<int>(p));
+    Judged j;
+    j.pair.name = figures.name;
+    // The resultant of a closed zone (a shrink fit) is zero.
+    j.force = std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
+    if (figures.active_points > 0) {
+      j.pair.cells_across = widths[p].cells;
+      j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across ? State::not_resolved : State::resolved;
+      if (j.pair.state == State::not_resolved) j.pair.cell_size_needed = h * *widths[p].cells / wanted_cells_across;
+    }
+    for (const MissedOverlap& overlap : missed) {
+      if (overlap.pair != static_cast<int>(p)) continue;
+      j.missed = &overlap;
+      j.pair.state = State::contact_missed;
+      j.pair.cell_size_needed = h * cells_of_missed_zone / wanted_cells_across;
+    }
+    judged.push_back(j);
+  }
+  return judged;
+}
+
+std::string missed_text(const Simulation& sim, const Judged& j) {
+  const Vec3& x = j.missed->x;
+  return fmt::format(
+      "contact \"{}\": no force is transmitted although the faces overlap by up to {:.2g} m at ({:.4g}, {:.4g}, "
+      "{:.4g}) "
+      "m: the contact zone is smaller than a cell ({:.3g} m), cells of {:.2g} m or less are needed",
+      j.pair.name, j.missed->depth, x[0], x[1], x[2], coarser_cell(sim, j.missed->pair), *j.pair.cell_size_needed);
+}
+
+std::string unresolved_text(const Judged& j) {
+  return fmt::format(
+      "the contact zone of \"{}\" is {:.2g} cells across: its pressure, area and error estimates cannot be relied on; "
+      "cells of {:.2g} m or less in both bodies are needed",
+      j.pair.name, *j.pair.cells_across, *j.pair.cell_size_needed);
+}
+
+std::string resolved_text(const std::vector<Judged>& pairs, double least_force) {
+  const Judged* narrowest = nullptr;
+  for (const Judged& j : pairs)
+    if (j.force >= least_force && j.pair.cells_across &&
+        (!narrowest || *j.pair.cells_across < *narrowest->pair.cells_across))
+      narrowest = &j;
+  if (!narrowest) return "the contact is resolved";
+  return fmt::format("the contact is resolved: {:.2g} cells across the zone of \"{}\"{}", *narrowest->pair.cells_across,
+                     narrowest->pair.name, pairs.size() > 1 ? ", the narrowest" : "");
+}
+
+}  // namespace
+
+Verdict judge(const Simulation& sim) {
+  Verdict verdict;
+  const std::vector<MissedOverlap> missed = missed_overlaps(sim);
+  const std::vector<Judged> pairs = judge_pairs(sim, missed);
+  double largest = 0;
+  for (const Judged& j : pairs) {
+    verdict.pairs.push_back(j.pair);
+    largest = std::max(largest, j.force);
+  }
+  const auto find = [&](State state, double least_force) {
+    return std::find_if(pairs.begin(), pairs.end(),
+                        [&](const Judged& j) { return j.pair.state == state && j.force >= least_force; });
+  };
+  const auto end = pairs.end();
+  if (!sim.outer.converged) {
+    verdict.state = State::not_converged;
+    verdict.text = sim.outer.diagnosis;
+  } else if (const auto lost = find(State::contact_missed, 0); lost != end) {
+    verdict.state = State::contact_missed;
+    verdict.text = missed_text(sim, *lost);
+  } else if (const auto coarse = find(State::not_resolved, relevant_part * largest); coarse != end) {
+    verdict.state = State::not_resolved;
+    verdict.text = unresolved_text(*coarse);
+  } else if (find(State::resolved, 0) != end) {
+    verdict.state = State::resolved;
+    verdict.text = resolved_text(pairs, relevant_part * largest);
+  } else {
+    verdict.state = State::no_contact;
+    verdict.text = pairs.empty() ? "the scene has no contact pair" : "nothing touches: no contact carries a force";
+  }
+  return verdict;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,186 @@
+#include "contact/results/zone_width.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "core/base/parallel.hpp"
+#include "core/base/point_buckets.hpp"
+#include "recovery/zone_edge/contact_zone.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells: a single row
+/// of open ones (the discrete pressure oscillates beside a peak) does not part it.
+constexpr double connected = 2.3;
+/// Zones that carry less of the pair's force are its noise.
+constexpr double relevant_part = 0.05;
+/// One closed group says no more than that the zone is about a cell: counted zones are no narrower than that, cells.
+constexpr double narrowest = 0.5;
+/// Half the thickness of the slice through a zone in which the spread of the forces counts, cells.
+constexpr double slice = 0.75;
+/// The spread may change the width that the states of the points give by that much, cells: groups are whole cells.
+constexpr double narrower = 1.5, wider = 1;
+
+/// The closed cells of one pair (images too), joined to zones, and the open points around them.
+class PairZones {
+ public:
+  PairZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed_cells, int pair)
+      : h_(zone.cell_size()) {
+    for (const TransmittedForce& cell : closed_cells)
+      if (cell.pair == pair) cells_.push_back(&cell);
+    connect();
+    for (const auto* list : {&zone.forces(), &zone.images()})
+      for (const TransmittedForce& f : *list)
+        if (f.pair == pair) add(f);
+  }
+
+  /// Cells; infinite: no open point bounds a zone that matters.
+  double least_width() const {
+    double total = 0, least = std::numeric_limits<double>::infinity();
+    for (const auto& [name, zone] : zones_) total += zone.force;
+    for (const auto& [name, zone] : zones_)
+      if (zone.force > relevant_part * total) least = std::min(least, width(zone));
+    return least;
+  }
+
+ private:
+  struct Zone {
+    double force = 0;                             // N, without images
+    std::vector<const TransmittedForce*> closed;  // with images
+  };
+  struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();
+    const TransmittedForce* open = nullptr;
+  };
+
+  void connect() {
+    PointBuckets near(connected * h_);
+    for (std::size_t i = 0; i < cells_.size(); ++i) near.add(cells_[i]->position, static_cast<int>(i));
+    std::vector<int> zone(cells_.size(), -1), members;
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      if (zone[i] < 0) {
+        members.assign(1, zone[i] = static_cast<int>(i));
+        for (std::size_t next = 0; next < members.size(); ++next) {
+          const Vec3 x = cells_[members[next]]->position;
+          near.each_near(x, [&](int k) {
+            if (zone[k] >= 0 || (cells_[k]->position - x).norm() > connected * h_) return;
+            zone[k] = static_cast<int>(i);
+            members.push_back(k);
+          });
+        }
+      }
+      zone_of_[{cells_[i]->cell, cells_[i]->image}] = zone[i];
+    }
+  }
+
+  void add(const TransmittedForce& f) {
+    if (!f.closed) {
+      open_.push_back(&f);
+      return;
+    }
+    Zone& zone = zones_[zone_of_.at({f.cell, f.image})];
+    zone.closed.push_back(&f);
+    if (!f.image) zone.force += f.force;
+  }
+
+  /// Of all closed points that have none within `reach` the nearest open one, looked for farther and farther.
+  double width(const Zone& zone) const {
+    if (open_.empty()) return std::numeric_limits<double>::infinity();
+    std::vector<const TransmittedForce*> inner;
+    for (const TransmittedForce* f : zone.closed)
+      if (!f->image) inner.push_back(f);
+    Vec3 low = open_.front()->position, high = low;
+    for (const auto* list : {&open_, &zone.closed})
+      for (const TransmittedForce* f : *list) {
+        low = low.cwiseMin(f->position);
+        high = high.cwiseMax(f->position);
+      }
+    for (double reach = 3 * h_;; reach *= 2) {
+      const std::vector<Nearest> nearest = nearest_open(inner, reach);
+      std::vector<const TransmittedForce*> farther;
+      std::size_t widest = 0;
+      for (std::size_t i = 0; i < inner.size(); ++i) {
+        if (!nearest[i].open) farther.push_back(inner[i]);
+        if (nearest[i].distance > nearest[widest].distance) widest = i;
+      }
+      if (farther.empty()) return refined(zone, *inner[widest], nearest[widest]);
+      if (reach > (high - low).norm()) return std::numeric_limits<double>::infinity();
+      inner = farther;
+    }
+  }
+
+  std::vector<Nearest> nearest_open(const std::vector<const TransmittedForce*>& points, double reach) const {
+    PointBuckets near(reach);
+    for (std::size_t i = 0; i < open_.size(); ++i) near.add(open_[i]->position, static_cast<int>(i));
+    std::vector<Nearest> nearest(points.size());
+    parallel_for("cgcontact::zone_width::nearest_open", points.size(), 64, [&](std::size_t i) {
+      near.each_near(points[i]->position, [&](int k) {
+        const double distance = (open_[k]->position - points[i]->position).norm();
+        if (distance > reach || distance >= nearest[i].distance || open_[k]->normal.dot(points[i]->normal) < 0.5)
+          return;
+        nearest[i] = {distance, open_[k]};
+      });
+    });
+    return nearest;
+  }
+
+  /// Under Hertz's line and round contacts the forces in a slice through the middle spread by a quarter of the width.
+  double refined(const Zone& zone, const TransmittedForce& middle, const Nearest& nearest) const {
+    const double counted = 2 * nearest.distance / h_;
+    Vec3 across = nearest.open->position - middle.position;
+    across -= across.dot(middle.normal) * middle.normal;
+    if (!(across.norm() > 0)) return counted;
+    across.normalize();
+    const Vec3 along = middle.normal.cross(across);
+    double force = 0, first = 0, second = 0;
+    for (const TransmittedForce* f : zone.closed) {
+      const Vec3 d = (f->position - middle.position) / h_;
+      if (std::abs(along.dot(d)) > slice || std::abs(across.dot(d)) > counted + 1) continue;
+      const double x = across.dot(d);
+      force += f->spread_force;
+      first += f->spread_force * x;
+      second += f->spread_force * x * x;
+    }
+    if (!(force > 0)) return counted;
+    const double variance = second / force - std::pow(first / force, 2) - 1.0 / 12;  // less that within a cell
+    const double spread = 4 * std::sqrt(std::max(variance, 0.0));
+    return std::clamp(spread, std::max(counted - narrower, 0.5 * counted), counted + wider);
+  }
+
+  double h_;
+  std::vector<const TransmittedForce*> cells_, open_;
+  std::map<std::array<int, 2>, int> zone_of_;  // cell, image
+  std::map<int, Zone> zones_;
+};
+
+}  // namespace
+
+std::vector<ZoneWidth> zone_widths(const Simulation& sim) {
+  std::vector<RecoveryBody> bodies;
+  for (std::size_t b = 0; b < sim.bodies.size(); ++b)
+    bodies.push_back({&sim.system.meshes[b], nullptr, &sim.bodies[b].boundary, {Subset(0), CoefficientView()}});
+  std::vector<ZoneWidth> widths(sim.pairs.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (sim.bodies[b].boundary.links.empty()) continue;
+    const ContactZone zone(bodies, b);
+    std::set<int> pairs;
+    for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
+    const std::vector<TransmittedForce> closed = zone.closed_cells();
+    for (const int p : pairs) {
+      const double cells = PairZones(zone, closed, p).least_width();
+      if (std::isfinite(cells)) widths[p].cells = std::max(cells, narrowest);
+    }
+  }
+  for (std::size_t p = 0; p < sim.pairs.size() && p < sim.outer.small_zone_width.size(); ++p)
+    if (const double width = sim.outer.small_zone_width[p]; width > 0)
+      widths[p].cells =
+          std::min(widths[p].cells.value_or(1e300), width / sim.bodies[sim.pairs[p].primary].cut_cells.grid.cell_size);
+  return widths;
+}
+
+}  // namespace cgcontact

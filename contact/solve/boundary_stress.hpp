@@ -1,0 +1,35 @@
+/// Plain SPR of just the patches that touch supports and contact, for the stabilising stress of the outer loop.
+#pragma once
+
+#include <utility>
+
+#include "contact/model/contact_pairs.hpp"
+#include "recovery/spr/spr.hpp"
+
+namespace cgcontact {
+
+/// Cells of each body in which the outer loop evaluates the recovered stress, ascending.
+std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
+                                               const std::vector<ContactPair>& pairs, std::size_t num_bodies);
+
+/// Recovered stress of one body in selected cells.
+class BoundaryStress {
+ public:
+  /// `cells`: active cells in which the stress will be evaluated.
+  BoundaryStress(const BodyMesh& mesh, const PatchSet& patches, const std::vector<int>& cells);
+
+  /// Recovers from the displacements (all bodies).
+  void update(const RealView& u);
+
+  /// n . sigma* . e at cell coordinates of one of the cells; n, e in global axes; units Scales::stress.
+  double traction(int cell, const Vec3& xi, const Vec3& n, const Vec3& e) const;
+
+ private:
+  const BodyMesh& mesh_;
+  const PatchSet& patches_;
+  Subset patch_cells_;  ///< cells of the patches of the nodes of field_
+  CellStressView stress_;
+  RecoveredField field_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,66 @@
+/// The outer iteration: lagged recovered stress and active set together (design section 4).
+///
+/// Supports: lambda = d . sigma* n - kappa E/h (u . d - g). Contact: p = [p* - kappa E/h gap]_+, the gap projected per
+/// group, p* the average of both bodies' recovered normal tractions. sigma* is that of the previous outer iterate, so
+/// each linear system is symmetric positive definite.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "contact/model/contact_pairs.hpp"
+#include "contact/solve/rigid_part.hpp"
+#include "kernels/solver/linear_solver.hpp"
+
+namespace cgcontact {
+
+struct OuterStep {
+  int iteration = 0;
+  long long active_points = 0, changed_points = 0;
+  double residual = 1;
+  int linear_iterations = 0;
+};
+
+struct OuterResult {
+  RealView u;  ///< displacements of all bodies less their rigid parts, Scales::length; the next call overwrites them
+  std::vector<RigidPart> rigid_parts;  ///< of each body
+  int iterations = 0;
+  std::vector<int> linear_iterations;
+  std::vector<double> residuals;
+  std::vector<long long> active_points;  ///< closed, after each iteration
+  std::vector<Vec3> load_of_body;        ///< resultant of loads and body forces, N
+  int preconditioner_setups = 0;
+  std::vector<double> support_stress;    ///< lambda of each support point, Pa
+  std::vector<double> group_force;       ///< force of each contact group, Scales::stress * Scales::length^2
+  std::vector<int> small_zone_groups;    ///< of each pair: that press by a zone smaller than the cells
+  std::vector<double> small_zone_width;  ///< of each pair: of such zones, m
+  bool converged = false;
+  std::string diagnosis;
+};
+
+/// Everything the loop works on; references stay valid outside.
+struct OuterProblem {
+  const Scene& scene;
+  std::vector<BodyModel>& bodies;
+  const std::vector<PatchSet>& patches;
+  std::vector<ContactPair>& pairs;
+  std::vector<SupportPoint>& supports;
+  ElasticSystem& system;
+  const Scales& scales;
+};
+
+/// Solves one system under changing loads, prescribed displacements and gaps (those of the bodies, supports and pairs
+/// at each call): the second and later calls start from the solution before, if that converged.
+class ContactSolver {
+ public:
+  explicit ContactSolver(const OuterProblem& problem);
+  ~ContactSolver();
+  OuterResult solve(const std::function<void(const OuterStep&)>& progress);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,329 @@
+#include "contact/solve/rigid_contact.hpp"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "contact/model/surface_normals.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Of the outer iteration's kappa E/h, at the start: with kappa = 10 the layer E/(10 h), ten cells thick.
+constexpr double softer = 0.01;
+/// Of the largest diagonal entry: motions that nothing resists stay where they are.
+constexpr double regularisation = 1e-9;
+/// Of the loads and contact forces: forces that are in balance, and what is asked for where rounding allows.
+constexpr double balanced = 1e-6, well_balanced = 1e-11;
+/// Of the loads: what the exact normals of one side may leave over.
+constexpr double little_load = 0.02;
+constexpr int most_steps = 100, most_bisections = 80;
+
+/// A spring that presses at points: force = sum w [stress - stiffness gap]_+, gap = distance + row . motion. second =
+/// -1: a support, whose springs also pull.
+struct Spring {
+  int first = 0, second = -1;
+  RigidMotion row_first = RigidMotion::Zero(), row_second = RigidMotion::Zero();
+  double distance = 0;   ///< m
+  double stiffness = 0;  ///< Pa/m
+  int first_point = 0, last_point = 0;
+
+  bool one_sided() const { return second >= 0; }
+  double change(const Eigen::VectorXd& motion) const {
+    double sum = row_first.dot(motion.segment<6>(6 * first));
+    if (second >= 0) sum += row_second.dot(motion.segment<6>(6 * second));
+    return sum;
+  }
+};
+
+struct SpringPoint {
+  double weight = 0, stress = 0;  ///< m^2, Pa
+};
+
+/// Rigid bodies between springs, under loads: convex and piecewise quadratic.
+struct RigidBodies {
+  std::vector<Spring> springs;
+  std::vector<SpringPoint> points;
+  Eigen::VectorXd load, motion;
+
+  /// Of one spring, N, and the area that presses, m^2.
+  std::pair<double, double> press(const Spring& s, double gap) const {
+    double force = 0, area = 0;
+    for (int q = s.first_point; q < s.last_point; ++q) {
+      const double p = points[q].stress - s.stiffness * gap;
+      if (s.one_sided() && p <= 0) continue;
+      force += points[q].weight * p;
+      area += points[q].weight;
+    }
+    return {force, area};
+  }
+  double gap(const Spring& s) const { return s.distance + s.change(motion); }
+  /// Moves the bodies to the minimum. True: the forces are in balance.
+  bool solve();
+  Eigen::VectorXd unbalanced() const;
+
+ private:
+  Eigen::VectorXd newton_step(const Eigen::VectorXd& force) const;
+  double step_length(const Eigen::VectorXd& step) const;
+  double scale() const;
+};
+
+/// Sum of all forces on the bodies.
+Eigen::VectorXd RigidBodies::unbalanced() const {
+  Eigen::VectorXd sum = load;
+  for (const Spring& s : springs) {
+    const double force = press(s, gap(s)).first;
+    if (force == 0) continue;
+    sum.segment<6>(6 * s.first) += force * s.row_first;
+    if (s.second >= 0) sum.segment<6>(6 * s.second) += force * s.row_second;
+  }
+  return sum;
+}
+
+double RigidBodies::scale() const {
+  double sum = load.norm();
+  for (const Spring& s : springs) sum += std::abs(press(s, gap(s)).first);
+  return sum;
+}
+
+Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<Eigen::Matrix<double, 6, 6>> diagonal(load.size() / 6, Eigen::Matrix<double, 6, 6>::Zero());
+  const auto add = [&](int i, int j, const Eigen::Matrix<double, 6, 6>& block) {
+    for (int r = 0; r < 6; ++r)
+      for (int c = 0; c < 6; ++c) entries.emplace_back(6 * i + r, 6 * j + c, block(r, c));
+  };
+  double largest = 0;  // of one spring, so that there is one if none acts
+  for (const Spring& s : springs) {
+    double all = 0;
+    for (int q = s.first_point; q < s.last_point; ++q) all += points[q].weight;
+    largest = std::max(largest, s.stiffness * all);
+    const double k = s.stiffness * press(s, gap(s)).second;
+    if (k == 0) continue;
+    diagonal[s.first] += k * s.row_first * s.row_first.transpose();
+    if (s.second < 0) continue;
+    diagonal[s.second] += k * s.row_second * s.row_second.transpose();
+    const Eigen::Matrix<double, 6, 6> between = k * s.row_first * s.row_second.transpose();
+    add(s.first, s.second, between);
+    add(s.second, s.first, between.transpose());
+  }
+  for (std::size_t b = 0; b < diagonal.size(); ++b) {
+    diagonal[b].diagonal().array() += regularisation * largest;
+    add(static_cast<int>(b), static_cast<int>(b), diagonal[b]);
+  }
+  Eigen::SparseMatrix<double> matrix(load.size(), load.size());
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(force);
+}
+
+/// Where along the step, up to its end, the energy is least: its slope grows.
+double RigidBodies::step_length(const Eigen::VectorXd& step) const {
+  std::vector<std::pair<double, double>> gaps;  // now, and its change along the step
+  gaps.reserve(springs.size());
+  for (const Spring& s : springs) gaps.emplace_back(gap(s), s.change(step));
+  const double work = load.dot(step);
+  const auto slope = [&](double t) {
+    double sum = -work;
+    for (std::size_t k = 0; k < springs.size(); ++k)
+      if (gaps[k].second != 0) sum -= press(springs[k], gaps[k].first + t * gaps[k].second).first * gaps[k].second;
+    return sum;
+  };
+  double low = 0, high = 1;
+  if (slope(high) <= 0) return high;
+  for (int k = 0; k < most_bisections && high - low > 1e-12 * high; ++k) {
+    const double middle = 0.5 * (low + high);
+    (slope(middle) <= 0 ? low : high) = middle;
+  }
+  return high;
+}
+
+bool RigidBodies::solve() {
+  for (int k = 0; k < most_steps; ++k) {
+    const Eigen::VectorXd now = unbalanced();
+    if (now.norm() <= well_balanced * scale()) return true;
+    const Eigen::VectorXd step = newton_step(now);
+    if (!step.allFinite()) return false;
+    motion += step_length(step) * step;
+  }
+  return unbalanced().norm() <= balanced * scale();
+}
+
+/// The spring of a contact group, without its points.
+Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces) {
+  Spring spring;
+  spring.first = pair.primary;
+  spring.second = pair.secondary;
+  for (int q = group.first_point; q < group.last_point; ++q) {
+    const ContactPoint& point = pair.points[q];
+    const double share = point.weight / group.area;
+    // p acts on the primary body against its normal.
+    spring.row_first -= share * pieces[pair.primary].row(point.x, point.normal);
+    spring.row_second += share * pieces[pair.secondary].row(point.x, point.normal);
+  }
+  return spring;
+}
+
+/// Columns that span what a support's resistance leaves free, as a projection.
+Eigen::Matrix<double, 6, 6> projection_on_free(const Eigen::Matrix<double, 6, 6>& resistance) {
+  const Eigen::MatrixXd free = motions_not_resisted(resistance);
+  return free * free.transpose();
+}
+
+}  // namespace
+
+bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                   std::vector<ContactPair>& pairs) {
+  const std::vector<RigidPiece> pieces = whole_bodies(bodies).list;
+  RigidBodies rigid;
+  rigid.load = loads_on(bodies, pieces).first;
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  const auto add = [&](Spring spring, double area) {
+    spring.first_point = static_cast<int>(rigid.points.size());
+    rigid.points.push_back({area, 0});
+    spring.last_point = static_cast<int>(rigid.points.size());
+    rigid.springs.push_back(spring);
+  };
+  double stiffest = 0;
+  for (const ContactPair& pair : pairs) {
+    stiffest = std::max(stiffest, pair.stiffness);
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring = spring_of(pair, group, pieces);
+      spring.stiffness = softer * pair.stiffness;
+      spring.distance = group.initial_gap;
+      add(spring, group.area);
+    }
+  }
+  for (const SupportPoint& p : supports) {
+    if (p.follows) continue;
+    Spring spring;
+    spring.first = p.body;
+    spring.row_first = pieces[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    spring.stiffness = stiffest;
+    spring.distance = -p.value;
+    add(spring, p.weight);
+  }
+  if (!rigid.solve()) return false;
+  auto spring = rigid.springs.begin();
+  for (ContactPair& pair : pairs)
+    for (const ContactGroup& group : pair.groups) {
+      const bool closed = rigid.gap(*spring++) < 0;
+      for (int q = group.first_point; q < group.last_point; ++q) pair.points[q].active = closed;
+    }
+  return true;
+}
+
+FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                               const std::vector<ContactPair>& pairs)
+    : bodies_(bodies), pairs_(pairs), pieces_(whole_bodies(bodies).list) {
+  std::vector<Eigen::Matrix<double, 6, 6>> held(bodies.size(), Eigen::Matrix<double, 6, 6>::Zero());
+  const auto add = [&](const SupportPoint& p) {
+    const RigidMotion q = pieces_[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    held[p.body] += p.weight * q * q.transpose();
+  };
+  for (const SupportPoint& p : supports)
+    if (!p.follows) add(p);
+  // A body that supports carry and that only spins (a ball held along its normals): what follows the spin holds it.
+  std::vector<char> carried;
+  for (const auto& resistance : held)
+    carried.push_back(Eigen::SelfAdjointEigenSolver<Mat3>(resistance.topLeftCorner<3, 3>()).eigenvalues()[0] >
+                      1e-3 * resistance.topLeftCorner<3, 3>().trace());
+  for (const SupportPoint& p : supports)
+    if (p.follows && carried[p.body]) add(p);
+  for (const auto& resistance : held) {
+    free_.push_back(projection_on_free(resistance));
+    any_ |= floats(static_cast<int>(free_.size()) - 1);
+  }
+}
+
+bool FloatingBodies::floats(int body) const { return free_[body].norm() > 0.5; }
+
+/// On the motions that are free.
+Eigen::VectorXd FloatingBodies::load() const {
+  Eigen::VectorXd load = loads_on(bodies_, pieces_).first;
+  for (std::size_t b = 0; b < pieces_.size(); ++b) load.segment<6>(6 * b) = free_[b] * load.segment<6>(6 * b).eval();
+  return load;
+}
+
+std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) const {
+  constexpr double opens = 0.05;  // of the fastest point of a pair
+  std::vector<char> open(pairs_.size(), 0);
+  if (motions.empty()) return open;
+  const Eigen::VectorXd motion = motions.modes * (motions.modes.transpose() * load());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const ContactPair& pair = pairs_[k];
+    const RigidMotion first = motion.segment<6>(6 * pair.primary), second = motion.segment<6>(6 * pair.secondary);
+    double slowest = 1e300, fastest = 0;
+    for (const ContactPoint& q : pair.points) {
+      const double rate =
+          pieces_[pair.secondary].row(q.x, q.normal).dot(second) - pieces_[pair.primary].row(q.x, q.normal).dot(first);
+      slowest = std::min(slowest, rate);
+      fastest = std::max(fastest, std::abs(rate));
+    }
+    open[k] = fastest > 0 && slowest > opens * fastest;
+  }
+  return open;
+}
+
+FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
+  RigidBodies rigid;
+  rigid.load = load();
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  const std::vector<SurfaceNormals> normals(bodies_.begin(), bodies_.end());
+  for (const ContactPair& pair : pairs_)
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring;
+      spring.first = pair.primary;
+      spring.second = pair.secondary;
+      for (int q = group.first_point; q < group.last_point; ++q) {
+        const ContactPoint& point = pair.points[q];
+        Vec3 n = normals[pair.secondary](point.secondary_cell, point.secondary_position);
+        if (n.dot(point.normal) > 0) n = -n;  // a surface of what is taken away
+        const double share = point.weight / group.area;
+        spring.row_first += share * free_[pair.primary] * pieces_[pair.primary].row(point.x, n);
+        spring.row_second -= share * free_[pair.secondary] * pieces_[pair.secondary].row(point.x, n);
+      }
+      spring.stiffness = pair.stiffness;
+      spring.distance = group.initial_gap;
+      spring.first_point = static_cast<int>(rigid.points.size());
+      rigid.points.push_back({group.area, 0});
+      spring.last_point = static_cast<int>(rigid.points.size());
+      rigid.springs.push_back(spring);
+    }
+  FreeMotions moving;
+  if (rigid.solve() || rigid.unbalanced().norm() <= little_load * rigid.load.norm()) return moving;
+  moving.bodies = pieces_;
+  moving.modes = rigid.unbalanced().normalized();
+  return moving;
+}
+
+FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap,
+                                                const std::vector<std::vector<double>>& stress) const {
+  RigidBodies rigid;
+  rigid.load = load();
+  rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const ContactPair& pair = pairs_[k];
+    const int first_point = static_cast<int>(rigid.points.size());
+    for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points[q].weight, stress[k][q]});
+    for (const ContactGroup& group : pair.groups) {
+      Spring spring = spring_of(pair, group, pieces_);
+      spring.row_first = free_[pair.primary] * spring.row_first.eval();
+      spring.row_second = free_[pair.secondary] * spring.row_second.eval();
+      spring.stiffness = pair.stiffness;
+      spring.distance = gap[rigid.springs.size()];
+      spring.first_point = first_point + group.first_point;
+      spring.last_point = first_point + group.last_point;
+      rigid.springs.push_back(spring);
+    }
+  }
+  Balance result;
+  result.found = rigid.solve();
+  for (std::size_t b = 0; b < pieces_.size(); ++b) result.motions.emplace_back(rigid.motion.segment<6>(6 * b));
+  if (!result.found) {
+    result.unbalanced.bodies = pieces_;
+    result.unbalanced.modes = rigid.unbalanced().normalized();
+  }
+  return result;
+}
+
+}  // namespace cgcontact

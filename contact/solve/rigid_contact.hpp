@@ -1,0 +1,59 @@
+/// Bodies that contact alone holds, as rigid bodies: where loads press them together, and where they are in balance.
+#pragma once
+
+#include <vector>
+
+#include "contact/motions/free_motion.hpp"
+
+namespace cgcontact {
+
+/// Closes the contact points whose gap the rigid bodies, moved by the loads of the present step, close; opens all
+/// others. Minimum of the convex energy
+///   sum_contact k A min(0, gap)^2 / 2 + sum_supports k w (u . d - value)^2 / 2 - work of the loads
+/// by Newton steps with exact line search; k is that of a layer some cells thick, so that about as many points close as
+/// in an elastic contact. False, with the points as they were, if it has no minimum (nothing stops a body).
+bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                   std::vector<ContactPair>& pairs);
+
+/// The rigid motions of all bodies that their own supports leave free. In the outer iteration their part of the
+/// unknowns is solved for with all contact points, closed and open: the active set follows from it, and what it closes
+/// carries the loads.
+class FloatingBodies {
+ public:
+  /// References stay valid outside.
+  FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                 const std::vector<ContactPair>& pairs);
+  /// Is there a body that its supports alone do not hold?
+  bool any() const { return any_; }
+  /// Do its supports alone not hold this body?
+  bool floats(int body) const;
+  const std::vector<RigidPiece>& pieces() const { return pieces_; }
+
+  struct Balance {
+    bool found = false;
+    std::vector<RigidMotion> motions;  ///< of each body, about the centre of its piece
+    FreeMotions unbalanced;            ///< if not found: the motion that nothing stops
+  };
+  /// Motions, from where the bodies are, that minimise the convex energy
+  ///   sum over contact points of w [p* - k gap]_+^2 / (2 k) - work of the loads (those of the present step):
+  /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
+  /// each pair and point, Pa.
+  Balance balance(const std::vector<double>& gap, const std::vector<std::vector<double>>& stress) const;
+  /// Can contact carry the loads of the present step with the exact normals of the secondary bodies? On coarse cells
+  /// the other points of a round body seem to lean on a plane that only its lowest one touches. Empty, or the motion
+  /// that nothing stops.
+  FreeMotions not_stopped_by_the_other_side() const;
+  /// Of each pair: do its faces part everywhere as the loads move the bodies along these motions?
+  std::vector<char> pairs_that_open(const FreeMotions& motions) const;
+
+ private:
+  Eigen::VectorXd load() const;
+
+  const std::vector<BodyModel>& bodies_;
+  const std::vector<ContactPair>& pairs_;
+  std::vector<RigidPiece> pieces_;
+  std::vector<Eigen::Matrix<double, 6, 6>> free_;  ///< projection of a body's motions on those that are free
+  bool any_ = false;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,119 @@
+#include "contact/solve/rigid_part.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Nodes per chunk of the parallel loops.
+constexpr std::size_t grain = 4096;
+
+Vec3 grid_position(const BodyMesh& mesh, std::size_t node) {
+  const Index3& g = mesh.nodes[node];
+  return Vec3(g[0], g[1], g[2]);
+}
+
+Vec3 displacement(const BodyMesh& mesh, const RealView& u, std::size_t node) {
+  const std::size_t first = 3 * (mesh.first_node + node);
+  return Vec3(u(first), u(first + 1), u(first + 2));
+}
+
+/// Sum of displacements and of their moments about the centre: grid axes, cells.
+struct Momentum {
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+};
+
+Momentum momentum(const BodyMesh& mesh, const Vec3& centre, const RealView& u) {
+  std::vector<Momentum> parts(num_chunks(mesh.nodes.size(), grain));
+  parallel_chunks("cgcontact::rigid_part::fit", mesh.nodes.size(), grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    Momentum part;
+                    for (std::size_t n = begin; n < end; ++n) {
+                      const Vec3 v = displacement(mesh, u, n);
+                      part.sum += v;
+                      part.moment += (grid_position(mesh, n) - centre).cross(v);
+                    }
+                    parts[chunk] = part;
+                  });
+  Momentum all;
+  for (const Momentum& part : parts) {
+    all.sum += part.sum;
+    all.moment += part.moment;
+  }
+  return all;
+}
+
+}  // namespace
+
+RigidParts::RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales)
+    : meshes_(meshes), length_(scales.length), parts_(meshes.size()) {
+  for (std::size_t b = 0; b < meshes.size(); ++b) {
+    const BodyMesh& mesh = meshes[b];
+    Vec3 centre = Vec3::Zero();
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) centre += grid_position(mesh, n);
+    centre /= static_cast<double>(mesh.nodes.size());
+    Mat3 inertia = Mat3::Zero();
+    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+      const Vec3 d = grid_position(mesh, n) - centre;
+      inertia += d.squaredNorm() * Mat3::Identity() - d * d.transpose();
+    }
+    centre_.push_back(centre);
+    inertia_.push_back(inertia);
+    parts_[b].centre = mesh.cut_cells->grid.to_global(centre);
+  }
+}
+
+void RigidParts::forget() {
+  for (RigidPart& part : parts_) part.translation = part.rotation = Vec3::Zero();
+}
+
+void RigidParts::set_aside(const RealView& u) {
+  for (std::size_t b = 0; b < meshes_.size(); ++b) {
+    const BodyMesh& mesh = meshes_[b];
+    const Grid& grid = mesh.cut_cells->grid;
+    const Momentum found = momentum(mesh, centre_[b], u);
+    const Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
+    const Vec3 rotation = inertia_[b].llt().solve(found.moment);
+    parallel_for("cgcontact::rigid_part::subtract", mesh.nodes.size(), grain, [&](std::size_t n) {
+      const Vec3 moved = translation + rotation.cross(grid_position(mesh, n) - centre_[b]);
+      for (int i = 0; i < 3; ++i) u(3 * (mesh.first_node + n) + i) -= moved[i];
+    });
+    parts_[b].translation += length_ * (grid.rotation * translation);
+    parts_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
+  }
+}
+
+void RigidParts::move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre) {
+  RigidPart& part = parts_[body];
+  part.translation += translation + rotation.cross(part.centre - centre);
+  part.rotation += rotation;
+}
+
+double RigidParts::at_dof(int dof) const {
+  std::size_t b = 0;
+  while (dof / 3 >= meshes_[b].first_node + meshes_[b].num_nodes) ++b;
+  const Grid& grid = meshes_[b].cut_cells->grid;
+  return grid.rotation.col(dof % 3).dot(
+      parts_[b].at(grid.to_global(grid_position(meshes_[b], dof / 3 - meshes_[b].first_node))));
+}
+
+double RigidParts::largest_displacement(const RealView& u) const {
+  double largest = 0;
+  for (std::size_t b = 0; b < meshes_.size(); ++b) {
+    const BodyMesh& mesh = meshes_[b];
+    double deformation = 0;
+    for (int i = 3 * mesh.first_node; i < 3 * (mesh.first_node + mesh.num_nodes); ++i)
+      deformation = std::max(deformation, std::abs(u(i)));
+    const Index3& cells = mesh.cut_cells->grid.num_cells;
+    const double size = mesh.cut_cells->grid.cell_size * *std::max_element(cells.begin(), cells.end());
+    const double rigid = parts_[b].translation.norm() + size * parts_[b].rotation.norm();
+    largest = std::max(largest, deformation + rigid / length_);
+  }
+  return largest;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,47 @@
+/// Rigid motions kept apart from the displacements that they are part of. A stiff body on a soft one moves by far more
+/// than it deforms: in one number the strain is lost in rounding (by ten digits of sixteen for moduli 1e6 apart).
+#pragma once
+
+#include <vector>
+
+#include "kernels/mesh/mesh.hpp"
+
+namespace cgcontact {
+
+/// u(x) = translation + rotation x (x - centre), m, global axes; small rotation. In global axes a motion along one of
+/// them has no rounding in the other two, which supports hold with kappa E/h.
+struct RigidPart {
+  Vec3 translation = Vec3::Zero(), rotation = Vec3::Zero();
+  Vec3 centre = Vec3::Zero();  ///< mean of the nodes
+
+  Vec3 at(const Vec3& x) const { return translation + rotation.cross(x - centre); }
+};
+
+/// The rigid parts of all bodies.
+class RigidParts {
+ public:
+  /// The meshes must outlive this.
+  RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales);
+
+  const std::vector<RigidPart>& of_bodies() const { return parts_; }
+  /// Back to no motion.
+  void forget();
+  /// Moves the rigid motion nearest to each body's displacements u (Scales::length; least squares over its nodes) from
+  /// u into the parts.
+  void set_aside(const RealView& u);
+  /// Adds the motion x -> translation + rotation x (x - centre), m, global axes, of one body.
+  void move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre);
+  /// One component (DoF of all bodies), grid axes, m.
+  double at_dof(int dof) const;
+  /// Bound of the displacements' components, u and rigid parts together, Scales::length.
+  double largest_displacement(const RealView& u) const;
+
+ private:
+  const std::vector<BodyMesh>& meshes_;
+  double length_;
+  std::vector<RigidPart> parts_;
+  std::vector<Vec3> centre_;   ///< mean of the nodes, cells
+  std::vector<Mat3> inertia_;  ///< sum over the nodes of |d|^2 I - d d^T, d from the centre, cells
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,54 @@
+#include "core/base/errors.hpp"
+
+#include <algorithm>
+
+namespace cgcontact {
+
+std::string printable(const std::string& text, std::size_t longest) {
+  std::string result;
+  for (std::size_t k = 0; k < text.size();) {
+    const auto c = static_cast<unsigned char>(text[k]);
+    std::size_t length = c < 0x80                ? 1
+                         : c >= 0xc2 && c < 0xe0 ? 2
+                         : c >= 0xe0 && c < 0xf0 ? 3
+                         : c >= 0xf0 && c < 0xf5 ? 4
+                                                 : 0;
+    for (std::size_t i = 1; i < length; ++i)
+      if (k + i >= text.size() || (static_cast<unsigned char>(text[k + i]) & 0xc0) != 0x80) length = 0;
+    if (result.size() + length > longest) return result + "...";
+    const bool shown = length > 1 || (length == 1 && c >= ' ' && c != 0x7f);
+    result += shown ? text.substr(k, length) : std::string(length == 1 ? " " : "?");
+    k += std::max<std::size_t>(length, 1);
+  }
+  return result;
+}
+
+namespace {
+
+constexpr std::size_t longest_value = 80, longest_text = 1500, longest_place = 1000;
+
+std::string format_message(const SourcePlace& place, const std::string& value, const std::string& problem,
+                           const std::string& allowed) {
+  std::string text = place.file.size() > longest_place ? printable(place.file, longest_place) : place.file;
+  if (place.line > 0) text += ":" + std::to_string(place.line);
+  if (!text.empty()) text += ": ";
+  if (!place.key.empty()) {
+    text += place.key;
+    if (!value.empty()) text += " = " + value;
+    text += ": ";
+  } else if (!value.empty()) {
+    text += value + ": ";
+  }
+  text += problem;
+  if (!allowed.empty()) text += " (allowed: " + allowed + ")";
+  return text;
+}
+
+}  // namespace
+
+InputError::InputError(const SourcePlace& place, const std::string& value, const std::string& problem,
+                       const std::string& allowed)
+    : std::runtime_error(format_message(place, printable(value, longest_value), printable(problem, longest_text),
+                                        printable(allowed, longest_text))) {}
+
+}  // namespace cgcontact

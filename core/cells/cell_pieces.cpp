@@ -1,0 +1,237 @@
+#include "core/cells/cell_pieces.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/errors.hpp"
+#include "core/cells/face_dividers.hpp"
+#include "core/cells/leaf_regions.hpp"
+#include "core/cells/moments.hpp"
+#include "core/quadrature/point_compression.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr double touch_tolerance = 1e-10;  // a surface this near to a cell is taken to cross it
+constexpr double lost_piece = 1e-14;       // area of the pieces of one surface in a cell that is rounding
+constexpr double lost_group = 1e-15;       // the same for what dividers leave
+
+/// Gauss points per direction that make all moments of a leaf accurate to about 1e-12, or 1e-10 on coarse grids.
+int moment_nodes(const Leaf& leaf) {
+  double turn = 0;
+  for (const int surface : leaf.local.surfaces)
+    turn = std::max(turn, leaf.solid->surfaces()[surface].max_curvature() * leaf.width);
+  return turn < 0.1 ? 10 : turn < 0.2 ? 12 : turn < 0.35 ? 14 : turn < 0.5 ? 16 : 20;
+}
+
+double radial_distance(const Surface& surface, const Vec3& x) { return surface.signed_distance(x) + surface.radius; }
+
+int side_of_interval(double min, double max) {
+  if (max < -touch_tolerance) return 1;
+  return min > touch_tolerance ? 0 : -1;
+}
+
+std::string too_many_surfaces(const Solid& solid, const std::vector<int>& surfaces) {
+  constexpr std::size_t most_names = 8;
+  std::string names;
+  std::size_t count = 0;
+  for (const int s : surfaces)
+    for (const std::string& name : solid.surfaces()[s].names)
+      if (++count <= most_names) names += (names.empty() ? "" : ", ") + name;
+  if (count > most_names) names += fmt::format(" and {} more", count - most_names);
+  return fmt::format("{} surfaces meet in one cell, {} can: {}", surfaces.size(), max_table_bits, names);
+}
+
+/// Removes the surfaces without influence from the table.
+void drop_irrelevant(LocalSolid& local) {
+  for (int i = static_cast<int>(local.surfaces.size()) - 1; i >= 0; --i) {
+    const std::size_t bit = std::size_t{1} << i;
+    bool matters = false;
+    for (std::size_t m = 0; m < local.table.size() && !matters; ++m)
+      matters = !(m & bit) && local.table[m] != local.table[m | bit];
+    if (matters) continue;
+    std::vector<unsigned char> table;
+    for (std::size_t m = 0; m < local.table.size(); ++m)
+      if (!(m & bit)) table.push_back(local.table[m]);
+    local.table.swap(table);
+    local.surfaces.erase(local.surfaces.begin() + i);
+  }
+}
+
+void add_face_moments(const Leaf& leaf, const Vec3& cell, std::vector<RegionPoint>& points, Moments& moments) {
+  constexpr int n = moment_degree + 1;
+  const Region region = face_region(leaf, 0);
+  const Leaf::Frame frame = leaf.frame(0);
+  points.clear();
+  integrate_region(region, {2 * moment_degree, n, moment_nodes(leaf) + 2}, points);
+  for (const RegionPoint& p : points) {
+    double ly[n], lz[n];
+    const Vec3 x = frame.origin - cell + frame.axes * Vec3(p.s, p.t, 0);
+    legendre_values(2 * x[1] - 1, ly);
+    legendre_values(2 * x[2] - 1, lz);
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < n; ++k) moments[j * n + k] += 8 * p.weight * ly[j] * lz[k];
+  }
+}
+
+void add_piece_moments(const Leaf& leaf, int i, const Vec3& cell, std::vector<RegionPoint>& points, Moments& moments) {
+  constexpr int n = moment_degree + 1;
+  const Piece piece(leaf, i);
+  if (piece.is_plane() && piece.plane_normal()[0] == 0) return;
+  points.clear();
+  const int nodes = moment_nodes(leaf);
+  const RegionRule plane_rule{3 * moment_degree + 1, 7, nodes + 2};
+  const RegionRule curved_rule{2 * nodes - 1, nodes, nodes + 2};
+  integrate_region(piece.region(), piece.is_plane() ? plane_rule : curved_rule, points);
+  for (const RegionPoint& p : points) {
+    const SurfacePoint x = piece.at(p.s, p.t);
+    double ax[n], ly[n], lz[n];
+    legendre_integrals(2 * (x.position[0] - cell[0]) - 1, ax);
+    legendre_values(2 * (x.position[1] - cell[1]) - 1, ly);
+    legendre_values(2 * (x.position[2] - cell[2]) - 1, lz);
+    add_product(moments, 4 * p.weight * p.value * x.stretch * x.normal[0], ax, ly, lz);
+  }
+}
+
+/// Appends one group of points of a piece (those of one side of every divider), with as few points as the degree needs.
+void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* end, int order, int surface, int owner,
+               bool with_pieces, BoundaryPoints& points) {
+  const int n = static_cast<int>(end - begin);
+  const bool curved = !piece.is_plane();
+  const int degree = curved ? std::max(1, order + 1) : 2 * order - 1;
+  const int needed = curved ? (degree + 1) * (degree + 1) : (degree + 1) * (degree + 2) / 2;
+  std::vector<SurfacePoint> all;
+  std::vector<double> weights, local[3];
+  for (int i = 0; i < n; ++i) {
+    all.push_back(piece.at(begin[i].s, begin[i].t));
+    weights.push_back(begin[i].weight * all[i].stretch);
+    local[0].push_back(begin[i].s);
+    local[1].push_back(begin[i].t);
+    local[2].push_back(curved ? piece.region().graph.height(begin[i].s, begin[i].t) : 0.0);
+  }
+  const double area = std::accumulate(weights.begin(), weights.end(), 0.0);
+  if (area < lost_group) return;
+  Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
+  for (int i = 0; with_pieces && i < n; ++i) {
+    mean_position += weights[i] / area * all[i].position;
+    mean_normal += weights[i] / area * begin[i].value * all[i].normal;
+  }
+  if (n > needed) compress_weights(surface_polynomials(local, degree, curved), weights);
+  for (int i = 0; i < n; ++i) {
+    if (!(weights[i] > 0)) continue;
+    points.append(all[i].position, begin[i].value * all[i].normal, weights[i], owner, surface);
+    if (with_pieces) points.set_piece(mean_position, mean_normal);
+  }
+}
+
+/// Gauss points per direction beyond the order before compression: area to about 1e-9 in every piece.
+int extra_nodes(const Surface& surface, double width) {
+  const double turn = surface.max_curvature() * width;
+  return turn < 0.15 ? 2 : turn < 0.3 ? 3 : turn < 0.45 ? 6 : turn < 0.7 ? 11 : 13;
+}
+
+void add_piece_points(const Leaf& leaf, int i, int order, int owner, bool with_pieces, BoundaryPoints& points) {
+  static thread_local std::vector<RegionPoint> region_points;
+  const Piece piece(leaf, i);
+  const int fine = order + extra_nodes(leaf.solid->surfaces()[leaf.local.surfaces[i]], leaf.width);
+  region_points.clear();
+  const RegionRule plane_rule{2 * order - 1, order, order + 4};
+  const RegionRule curved_rule{2 * fine - 1, fine, fine};
+  integrate_region(piece.region(), piece.is_plane() ? plane_rule : curved_rule, region_points);
+  auto key = [](const RegionPoint& p) { return std::make_pair(p.value, p.mask); };
+  std::stable_sort(region_points.begin(), region_points.end(),
+                   [&](const RegionPoint& a, const RegionPoint& b) { return key(a) < key(b); });
+  const RegionPoint* const end = region_points.data() + region_points.size();
+  for (const RegionPoint *begin = region_points.data(), *next = begin; begin != end; begin = next) {
+    while (next != end && key(*next) == key(*begin)) ++next;
+    add_group(piece, begin, next, order, leaf.local.surfaces[i], owner, with_pieces, points);
+  }
+}
+
+/// Removes the pieces (points from `first` on) whose area is rounding.
+void drop_lost_pieces(const LocalSolid& local, std::size_t first, BoundaryPoints& points) {
+  for (const int surface : local.surfaces) {
+    double area = 0;
+    for (std::size_t i = first; i < points.size(); ++i)
+      if (points.surface[i] == surface) area += points.weight[i];
+    if (area == 0 || area > lost_piece) continue;
+    BoundaryPoints kept;
+    for (std::size_t i = first; i < points.size(); ++i)
+      if (points.surface[i] != surface) kept.append(points, i, points.cell[i]);
+    points.truncate(first);
+    for (std::size_t i = 0; i < kept.size(); ++i) points.append(kept, i, kept.cell[i]);
+  }
+}
+
+}  // namespace
+
+int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_size) {
+  if (surface.kind == Surface::Kind::plane) {
+    const double d = surface.signed_distance(centre), reach = surface.direction.cwiseAbs().dot(half_size);
+    return side_of_interval(d - reach, d + reach);
+  }
+  if (surface.kind == Surface::Kind::sphere) {
+    const Vec3 d = (centre - surface.point).cwiseAbs();
+    const double nearest = (d - half_size).cwiseMax(0.0).norm(), farthest = (d + half_size).norm();
+    return side_of_interval(nearest - surface.radius, farthest - surface.radius);
+  }
+  const double d = radial_distance(surface, centre), reach = half_size.norm();
+  return side_of_interval(d - reach - surface.radius, d + reach - surface.radius);
+}
+
+LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& sides) {
+  LocalSolid local;
+  std::vector<signed char> trial = sides;
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    if (sides[i] < 0) local.surfaces.push_back(static_cast<int>(i));
+  const int m = static_cast<int>(local.surfaces.size());
+  if (m > max_table_bits) throw InputError(too_many_surfaces(solid, local.surfaces));
+  local.table.resize(std::size_t{1} << m);
+  for (std::size_t mask = 0; mask < local.table.size(); ++mask) {
+    for (int i = 0; i < m; ++i) trial[local.surfaces[i]] = mask >> i & 1;
+    local.table[mask] = solid.evaluate_partial(trial) == 1;
+  }
+  drop_irrelevant(local);
+  return local;
+}
+
+LocalSolid make_local_solid(const Solid& solid, const Vec3& corner, double width) {
+  const Vec3 half = Vec3::Constant(0.5 * width);
+  std::vector<signed char> sides;
+  for (const Surface& s : solid.surfaces())
+    sides.push_back(static_cast<signed char>(side_of_box(s, corner + half, half)));
+  return make_local_solid(solid, sides);
+}
+
+Moments cell_moments(const Solid& solid, const LocalSolid& local, const Index3& cell) {
+  static thread_local std::vector<RegionPoint> points;
+  Moments moments{};
+  const Vec3 corner(cell[0], cell[1], cell[2]);
+  for_each_leaf(solid, local, corner, {}, [&](const Leaf& leaf) {
+    if (leaf.corner[0] + leaf.width == corner[0] + 1) add_face_moments(leaf, corner, points, moments);
+    for (std::size_t i = 0; i < leaf.local.surfaces.size(); ++i)
+      add_piece_moments(leaf, static_cast<int>(i), corner, points, moments);
+  });
+  return moments;
+}
+
+void cell_boundary_points(const Solid& solid, const LocalSolid& local, const Index3& cell,
+                          const std::vector<char>& selected, const std::vector<Plane>& dividers, int order, int owner,
+                          BoundaryPoints& points) {
+  const Vec3 corner(cell[0], cell[1], cell[2]);
+  const std::size_t first = points.size();
+  const bool with_pieces = divide_faces(dividers);
+  for_each_leaf(solid, local, corner, dividers, [&](const Leaf& leaf) {
+    for (std::size_t i = 0; i < leaf.local.surfaces.size(); ++i) {
+      if (!selected.empty() && !selected[leaf.local.surfaces[i]]) continue;
+      add_piece_points(leaf, static_cast<int>(i), order, owner, with_pieces, points);
+    }
+  });
+  drop_lost_pieces(local, first, points);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,381 @@
+#include "core/cells/cut_cells.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/errors.hpp"
+#include "core/base/parallel.hpp"
+#include "core/cells/cell_classification.hpp"
+#include "core/cells/cell_pieces.hpp"
+#include "core/cells/moments.hpp"
+#include "core/cells/triangle_cells.hpp"
+#include "core/cells/triangle_pieces.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr double prune_fraction = 1e-12;  // cells with less volume than this are rounding
+constexpr double full_tolerance = 1e-13;  // moments this near to those of a full cell are made full
+constexpr int default_order = 3;
+constexpr std::size_t grain = 16;  // cells per chunk of the parallel loop
+
+/// A cell that a surface may cross.
+struct Candidate : CellIntegrals {
+  bool pruned = false;
+};
+
+/// Mean position and normal of the points of one surface in a cell.
+struct PieceMean {
+  int surface;
+  double area = 0;
+  Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
+};
+
+void append_points(const BoundaryPoints& from, int surface, int owner, BoundaryPoints& to) {
+  for (std::size_t i = 0; i < from.size(); ++i)
+    if (surface < 0 || from.surface[i] == surface) to.append(from, i, owner);
+}
+
+std::vector<PieceMean> piece_means(const BoundaryPoints& points) {
+  std::vector<PieceMean> means;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    auto mean = std::find_if(means.begin(), means.end(), [&](const auto& m) { return m.surface == points.surface[i]; });
+    if (mean == means.end()) {
+      means.push_back({points.surface[i]});
+      mean = means.end() - 1;
+    }
+    mean->area += points.weight[i];
+    mean->position += points.weight[i] * points.position[i];
+    mean->normal += points.weight[i] * points.normal[i];
+  }
+  for (PieceMean& m : means) {
+    m.position /= m.area;
+    m.normal /= m.area;
+  }
+  return means;
+}
+
+double distance_to_cell(const Vec3& x, const Index3& cell) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double d = std::max({0.0, cell[k] - x[k], x[k] - cell[k] - 1});
+    sum += d * d;
+  }
+  return std::sqrt(sum);
+}
+
+class CutCellBuilder {
+ public:
+  CutCellBuilder(const Solid& solid, const Grid& grid, const std::vector<Plane>& face_dividers) {
+    result_.solid = solid;
+    result_.face_dividers = face_dividers;
+    result_.grid = grid;
+  }
+
+  CutCells run() {
+    if (result_.solid.triangles())
+      integrate_triangles(*result_.solid.triangles());
+    else
+      integrate_surfaces();
+    number_cells();
+    if (result_.cells.empty()) throw InputError("the body is empty");
+    adopt_pruned();
+    collect();
+    return std::move(result_);
+  }
+
+ private:
+  void integrate_surfaces() {
+    classes_ = classify_cells(result_.solid, result_.grid);
+    const std::vector<Index3>& cells = classes_.candidates;
+    std::vector<std::vector<Candidate>> found(num_chunks(cells.size(), grain));
+    parallel_chunks("cgcontact::cut_cells::surfaces", cells.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (std::size_t i = begin; i < end; ++i) integrate(cells[i], found[chunk]);
+                    });
+    collect_candidates(found);
+    classes_.candidates = {};
+  }
+
+  void integrate_triangles(const TriangleSurface& surface) {
+    classes_.inside.assign(result_.grid.num_cells_total(), 0);
+    const TriangleCells cells(surface, result_.face_dividers);
+    std::vector<std::vector<Candidate>> found(num_chunks(cells.num_rows(), 1));
+    parallel_chunks("cgcontact::cut_cells::triangles", cells.num_rows(), 1,
+                    [&](std::size_t chunk, std::size_t row, std::size_t) {
+                      std::vector<CellIntegrals> cut;
+                      std::vector<std::pair<Index3, int>> inside;
+                      cells.sweep(row, default_order, cut, inside);
+                      for (CellIntegrals& cell : cut) keep(std::move(cell), found[chunk]);
+                      for (const auto& [first, number] : inside)
+                        for (int i = 0; i < number; ++i) set_inside({first[0] + i, first[1], first[2]});
+                    });
+    collect_candidates(found);
+  }
+
+  void collect_candidates(std::vector<std::vector<Candidate>>& found) {
+    std::size_t total = 0;
+    for (const auto& chunk : found) total += chunk.size();
+    candidates_.reserve(total);
+    for (auto& chunk : found) {
+      std::move(chunk.begin(), chunk.end(), std::back_inserter(candidates_));
+      chunk = {};
+    }
+  }
+
+  /// Appends the cell to `found` unless it turns out to be empty or full.
+  void integrate(const Index3& cell, std::vector<Candidate>& found) {
+    const LocalSolid local = local_solid(cell);
+    if (local.is_constant()) {
+      if (local.table[0]) set_inside(cell);
+      return;
+    }
+    CellIntegrals integrals{cell, cell_moments(result_.solid, local, cell), {}};
+    cell_boundary_points(result_.solid, local, cell, {}, result_.face_dividers, default_order, 0, integrals.points);
+    keep(std::move(integrals), found);
+  }
+
+  LocalSolid local_solid(const Index3& cell) const {
+    const Vec3 corner(cell[0], cell[1], cell[2]);
+    try {
+      return make_local_solid(result_.solid, corner, 1);
+    } catch (const InputError& error) {
+      const Vec3 x = result_.grid.to_global(corner + Vec3::Constant(0.5));
+      throw InputError(fmt::format("{}; the cell is at ({:.4g}, {:.4g}, {:.4g}) m (allowed: {})", error.what(), x[0],
+                                   x[1], x[2], remedy(corner)));
+    }
+  }
+
+  /// The largest cells, of halves of halves, that no more surfaces cross than can.
+  std::string remedy(const Vec3& corner) const {
+    constexpr int most_parts = 16;
+    for (int parts = 2; parts <= most_parts; parts *= 2) {
+      bool fits = true;
+      const Vec3 half = Vec3::Constant(0.5 / parts);
+      for (int n = 0; n < parts * parts * parts && fits; ++n) {
+        const Vec3 place = corner + Vec3(n % parts, n / parts % parts, n / (parts * parts)) / parts + half;
+        fits = std::count_if(result_.solid.surfaces().begin(), result_.solid.surfaces().end(),
+                             [&](const Surface& s) { return side_of_box(s, place, half) < 0; }) <= max_table_bits;
+      }
+      if (fits) return fmt::format("a cell_size of {:.3g} m or less", result_.grid.cell_size / parts);
+    }
+    return "fewer shapes that meet in one point; smaller cells do not help";
+  }
+
+  void keep(CellIntegrals&& integrals, std::vector<Candidate>& found) {
+    Candidate candidate{std::move(integrals)};
+    candidate.pruned = candidate.moments[0] < 8 * prune_fraction;
+    if (!candidate.pruned) {
+      if (!in_grid(candidate.cell)) throw InputError("the body sticks out of its grid");
+      double difference = 0;
+      for (int q = 0; q < num_moments; ++q)
+        difference = std::max(difference, std::abs(candidate.moments[q] - full_cell_moments()[q]));
+      const bool full = difference < 8 * full_tolerance;
+      if (full) candidate.moments = full_cell_moments();
+      if (full && candidate.points.size() == 0) return set_inside(candidate.cell);
+    } else if (candidate.points.size() == 0) {
+      return;
+    }
+    found.push_back(std::move(candidate));
+  }
+
+  bool in_grid(const Index3& c) const {
+    for (int k = 0; k < 3; ++k)
+      if (c[k] < 0 || c[k] >= result_.grid.num_cells[k]) return false;
+    return true;
+  }
+
+  void set_inside(const Index3& cell) {
+    if (!in_grid(cell)) throw InputError("the body sticks out of its grid");
+    classes_.inside[result_.grid.cell_index(cell)] = 1;
+  }
+
+  void number_cells() {
+    const Grid& grid = result_.grid;
+    result_.active_of_cell.assign(grid.num_cells_total(), -1);
+    const std::size_t expected =
+        candidates_.size() + std::count(classes_.inside.begin(), classes_.inside.end(), char{1});
+    result_.cells.reserve(expected);
+    candidate_of_active_.reserve(expected);
+    std::size_t next = 0;
+    for (int k = 0; k < grid.num_cells[2]; ++k)
+      for (int j = 0; j < grid.num_cells[1]; ++j)
+        for (int i = 0; i < grid.num_cells[0]; ++i) {
+          const Index3 cell{i, j, k};
+          while (next < candidates_.size() && before(candidates_[next].cell, cell)) ++next;
+          const bool cut = next < candidates_.size() && candidates_[next].cell == cell && !candidates_[next].pruned;
+          if (!cut && !classes_.inside[grid.cell_index(cell)]) continue;
+          result_.active_of_cell[grid.cell_index(cell)] = static_cast<int>(result_.cells.size());
+          result_.cells.push_back(cell);
+          candidate_of_active_.push_back(cut ? static_cast<int>(next) : -1);
+        }
+  }
+
+  static bool before(const Index3& a, const Index3& b) {
+    return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
+  }
+
+  double fraction(int active) const {
+    const int candidate = candidate_of_active_[active];
+    return candidate < 0 ? 1.0 : candidates_[candidate].moments[0] / 8;
+  }
+
+  /// Active cell near `cell` that takes a piece: the one nearest to a place just inside the body, then the fullest.
+  int find_owner(const Index3& cell, const PieceMean& piece) const {
+    const Vec3 inside = piece.position - 1e-3 * piece.normal;
+    int best = -1;
+    double best_distance = std::numeric_limits<double>::max();
+    for (int reach = 1; reach <= 2 && best < 0; ++reach)
+      for (int n = 0; n < 125; ++n) {
+        const Index3 other{cell[0] + n % 5 - 2, cell[1] + n / 5 % 5 - 2, cell[2] + n / 25 - 2};
+        if (std::max({std::abs(n % 5 - 2), std::abs(n / 5 % 5 - 2), std::abs(n / 25 - 2)}) > reach) continue;
+        const int active = result_.find(other);
+        if (active < 0) continue;
+        const double distance = distance_to_cell(inside, other);
+        const bool tie = std::abs(distance - best_distance) < 1e-9;
+        if (tie ? fraction(active) <= fraction(best) : distance > best_distance) continue;
+        best = active;
+        best_distance = distance;
+      }
+    return best;
+  }
+
+  void adopt_pruned() {
+    for (const Candidate& candidate : candidates_) {
+      if (!candidate.pruned) continue;
+      ++result_.num_pruned;
+      int heir = -1;
+      double largest = 0;
+      for (const PieceMean& piece : piece_means(candidate.points)) {
+        const int owner = find_owner(candidate.cell, piece);
+        if (owner < 0) continue;
+        result_.adoptions.push_back({owner, candidate.cell, piece.surface});
+        donors_.push_back(static_cast<int>(&candidate - candidates_.data()));
+        if (piece.area > largest) heir = owner;
+        largest = std::max(largest, piece.area);
+      }
+      if (heir >= 0 && candidate.moments[0] > 0) pass_moments(candidate, heir);
+    }
+    std::vector<int> order(donors_.size()), donors = donors_;
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+    auto adoptions = result_.adoptions;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return adoptions[a].active < adoptions[b].active; });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      result_.adoptions[i] = adoptions[order[i]];
+      donors_[i] = donors[order[i]];
+    }
+  }
+
+  /// The volume below the threshold goes to the cell that takes the largest piece.
+  void pass_moments(const Candidate& candidate, int heir) {
+    const Index3& to = result_.cells[heir];
+    const Index3 offset{candidate.cell[0] - to[0], candidate.cell[1] - to[1], candidate.cell[2] - to[2]};
+    extra_.push_back({heir, {}});
+    Moments& extra = extra_.back().second;
+    if (std::abs(offset[0]) + std::abs(offset[1]) + std::abs(offset[2]) == 1) {
+      extra = shifted_moments(candidate.moments, offset);
+      return;
+    }
+    // farther away the change of coordinates amplifies rounding: concentrate the volume at one point
+    const PieceMean mean = piece_means(candidate.points)[0];
+    double l[3][moment_degree + 1];
+    for (int k = 0; k < 3; ++k) legendre_values(2 * (mean.position[k] - to[k]) - 1, l[k]);
+    add_product(extra, candidate.moments[0], l[0], l[1], l[2]);
+  }
+
+  void collect() {
+    const int num_active = static_cast<int>(result_.cells.size());
+    std::vector<char> is_cut(num_active, 0);
+    for (int a = 0; a < num_active; ++a) is_cut[a] = candidate_of_active_[a] >= 0;
+    for (const Adoption& adoption : result_.adoptions) is_cut[adoption.active] = 1;
+    result_.cut_of_active.assign(num_active, -1);
+    const std::size_t num_cut = std::count(is_cut.begin(), is_cut.end(), char{1});
+    result_.active_of_cut.reserve(num_cut);
+    result_.moments.reserve(num_cut);
+    std::size_t num_points = 0, adopted = 0;
+    for (const Candidate& candidate : candidates_) num_points += candidate.points.size();
+    result_.boundary.reserve(num_points);
+    for (int a = 0; a < num_active; ++a) {
+      if (!is_cut[a]) continue;
+      const int candidate = candidate_of_active_[a];
+      result_.cut_of_active[a] = static_cast<int>(result_.moments.size());
+      result_.active_of_cut.push_back(a);
+      result_.moments.push_back(candidate >= 0 ? candidates_[candidate].moments : full_cell_moments());
+      if (candidate >= 0) {
+        append_points(candidates_[candidate].points, -1, a, result_.boundary);
+        candidates_[candidate].points = {};
+      }
+      for (; adopted < donors_.size() && result_.adoptions[adopted].active == a; ++adopted)
+        append_points(candidates_[donors_[adopted]].points, result_.adoptions[adopted].surface, a, result_.boundary);
+    }
+    for (const auto& [heir, extra] : extra_)
+      for (int q = 0; q < num_moments; ++q) result_.moments[result_.cut_of_active[heir]][q] += extra[q];
+  }
+
+  CutCells result_;
+  CellClasses classes_;
+  std::vector<Candidate> candidates_;
+  std::vector<int> candidate_of_active_;
+  std::vector<int> donors_;  ///< candidate of every adoption
+  std::vector<std::pair<int, Moments>> extra_;
+};
+
+}  // namespace
+
+int CutCells::locate(const Vec3& x) const {
+  const Index3 cell{static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
+                    static_cast<int>(std::floor(x[2]))};
+  int best = find(cell);
+  if (best >= 0) return best;
+  double best_distance = 1;
+  for (int n = 0; n < 27; ++n) {
+    const Index3 other{cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1};
+    const int active = find(other);
+    if (active < 0) continue;
+    const double distance = distance_to_cell(x, other);
+    if (distance > best_distance || (distance == best_distance && best >= 0)) continue;
+    best = active;
+    best_distance = distance;
+  }
+  return best;
+}
+
+CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
+                        const std::vector<Plane>& face_dividers) {
+  for (int k = 0; k < 3; ++k)
+    if (grid.num_cells[k] < 1) throw InputError("the grid has no cells");
+  return CutCellBuilder(solid_in_grid_coordinates, grid, face_dividers).run();
+}
+
+void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,
+                             const std::vector<Plane>& dividers, int order, BoundaryPoints& points) {
+  if (cut_cells.cut_of_active[active_cell] < 0) return;
+  const Solid& solid = cut_cells.solid;
+  std::vector<char> selected(solid.surfaces().size(), 0), adopted;
+  for (int s : surfaces) selected[s] = 1;
+  std::vector<Plane> all = dividers;
+  all.insert(all.end(), cut_cells.face_dividers.begin(), cut_cells.face_dividers.end());
+  auto add_cell = [&](const Index3& cell, const std::vector<char>& wanted) {
+    if (const TriangleSurface* triangles = solid.triangles())
+      return triangle_boundary_points(*triangles, triangles_near_cell(*triangles, cell), cell, wanted, all, order,
+                                      active_cell, points);
+    const LocalSolid local = make_local_solid(solid, Vec3(cell[0], cell[1], cell[2]), 1);
+    cell_boundary_points(solid, local, cell, wanted, all, order, active_cell, points);
+  };
+  add_cell(cut_cells.cells[active_cell], selected);
+  auto adoption = std::lower_bound(cut_cells.adoptions.begin(), cut_cells.adoptions.end(), active_cell,
+                                   [](const Adoption& a, int cell) { return a.active < cell; });
+  for (; adoption != cut_cells.adoptions.end() && adoption->active == active_cell; ++adoption) {
+    if (!selected[adoption->surface]) continue;
+    adopted.assign(selected.size(), 0);
+    adopted[adoption->surface] = 1;
+    add_cell(adoption->donor, adopted);
+  }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,107 @@
+#include "core/cells/face_dividers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace cgcontact {
+
+namespace {
+
+constexpr double same_plane = 1e-9;  // cells, and of the normals: less than what FaceSpec::contains lets pass
+constexpr double parallel = 1e-12;   // of a cylinder's axis to that of a cone; of a cone to a half-space or a line
+
+bool coincide(const Vec3& a, double a_offset, const Vec3& b, double b_offset) {
+  const double sign = a.dot(b) < 0 ? -1 : 1;
+  return (sign * a - b).norm() < same_plane && std::abs(sign * a_offset - b_offset) < same_plane;
+}
+
+/// Adds a plane that divides the given surfaces; one that is there already divides these as well.
+void add_once(Plane plane, const std::vector<char>& surfaces, std::vector<Plane>& dividers) {
+  if (std::find(surfaces.begin(), surfaces.end(), 1) == surfaces.end()) return;
+  const auto same = std::find_if(dividers.begin(), dividers.end(), [&](const Plane& other) {
+    return other.surfaces && coincide(plane.normal, plane.offset, other.normal, other.offset);
+  });
+  std::vector<char> all = surfaces;
+  if (same != dividers.end())
+    std::transform(all.begin(), all.end(), same->surfaces->begin(), all.begin(), std::bit_or<char>());
+  plane.surfaces = std::make_shared<const std::vector<char>>(std::move(all));
+  if (same != dividers.end())
+    same->surfaces = plane.surfaces;
+  else
+    dividers.push_back(plane);
+}
+
+/// Exactly one of the solid's own planes if it is one up to rounding: no slivers along an edge.
+void settle(const Solid& solid, Plane& plane) {
+  for (const Surface& s : solid.surfaces()) {
+    if (s.kind != Surface::Kind::plane) continue;
+    const double offset = s.direction.dot(s.point);
+    if (!coincide(s.direction, offset, plane.normal, plane.offset)) continue;
+    plane.normal = s.direction;
+    plane.offset = offset;
+  }
+}
+
+void add_box_dividers(const Solid& solid, std::vector<char> selected, const Grid& grid,
+                      const std::pair<Vec3, Vec3>& box, std::vector<Plane>& dividers) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 normal = grid.rotation.row(k).transpose();
+    std::vector<char> divided = selected;
+    for (std::size_t i = 0; i < divided.size(); ++i) {
+      const Surface& s = solid.surfaces()[i];
+      if (s.kind == Surface::Kind::plane && s.direction.cross(normal).norm() < same_plane) divided[i] = 0;
+    }
+    for (const double position : {box.first[k], box.second[k]}) {
+      Plane plane{normal, (position - grid.origin[k]) / grid.cell_size};
+      settle(solid, plane);
+      add_once(plane, divided, dividers);
+    }
+  }
+}
+
+}  // namespace
+
+void add_cone_dividers(const Solid& solid, int surface, const Vec3& axis, double cosine, std::vector<Plane>& dividers) {
+  const Surface& s = solid.surfaces()[surface];
+  if (s.radius == 0) return;
+  Vec3 across = axis;
+  if (s.kind == Surface::Kind::cylinder) across -= axis.dot(s.direction) * s.direction;
+  const double length = across.norm();
+  if (length < parallel || std::abs(cosine) > length * (1 - parallel)) return;
+  across /= length;
+  std::vector<char> divided(solid.surfaces().size(), 0);
+  divided[surface] = 1;
+  for (const double side : {1.0, -1.0})
+    add_once({across, across.dot(s.point) + side * s.radius * cosine / length}, divided, dividers);
+}
+
+std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, const Solid& solid, const Grid& grid) {
+  std::vector<Plane> dividers;
+  for (const FaceSpec* face : faces) {
+    if (!face->box && !face->normal_cone) continue;
+    std::vector<char> selected;
+    for (const Surface& s : solid.surfaces()) selected.push_back(face->selects(s.names));
+    if (face->box) add_box_dividers(solid, selected, grid, *face->box, dividers);
+    if (!face->normal_cone) continue;
+    for (std::size_t s = 0; s < selected.size(); ++s)
+      if (selected[s])
+        add_cone_dividers(solid, static_cast<int>(s), grid.rotation.transpose() * face->normal_cone->first,
+                          face->normal_cone->second, dividers);
+  }
+  return dividers;
+}
+
+bool divide_faces(const std::vector<Plane>& dividers) {
+  return std::any_of(dividers.begin(), dividers.end(), [](const Plane& plane) { return plane.surfaces != nullptr; });
+}
+
+std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width) {
+  std::vector<Plane> result;
+  const Vec3 half = Vec3::Constant(0.5 * width);
+  for (const Plane& p : planes)
+    if (std::abs(p.normal.dot(corner + half) - p.offset) < p.normal.cwiseAbs().dot(half)) result.push_back(p);
+  return result;
+}
+
+}  // namespace cgcontact

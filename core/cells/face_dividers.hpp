@@ -1,0 +1,28 @@
+/// Borders of declared faces as planes. A box ends at planes; the points of a sphere or a cylinder with normals within
+/// a cone end at planes as well, since the normal is linear in the position there. Cut at these, pieces of surface
+/// belong to a face wholly or not at all.
+#pragma once
+
+#include <vector>
+
+#include "core/cells/cut_cells.hpp"
+#include "core/scene/scene.hpp"
+
+namespace cgcontact {
+
+/// Planes in grid coordinates, each once, that divide the surfaces of a solid (in the coordinates of the grid) at the
+/// borders of faces. Plane faces and facets of triangle surfaces lie in a normal cone or outside as a whole; plane
+/// surfaces that lie in a side of a box are on its rim.
+std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, const Solid& solid, const Grid& grid);
+
+/// Appends the planes where the normals of a sphere or a cylinder leave the cone about `axis` (unit, grid axes); of
+/// both of its sides, since a body may lie on either.
+void add_cone_dividers(const Solid& solid, int surface, const Vec3& axis, double cosine, std::vector<Plane>& dividers);
+
+/// Is one of them the border of a face? Then points know their pieces (BoundaryPoints::piece_position).
+bool divide_faces(const std::vector<Plane>& dividers);
+
+/// Those that cross the cube [corner, corner + width]^3.
+std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width);
+
+}  // namespace cgcontact

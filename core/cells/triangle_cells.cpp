@@ -1,0 +1,165 @@
+#include "core/cells/triangle_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/base/errors.hpp"
+#include "core/cells/moments.hpp"
+#include "core/cells/triangle_pieces.hpp"
+#include "core/quadrature/gauss_rules.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr int n1 = moment_degree + 1;
+constexpr int bits = 21;  // of a cell's index along one axis
+constexpr int most = 1 << (bits - 1);
+/// Of the projection of a cell's face (4 in cell coordinates): a closed surface misses 0 or 1 by rounding only.
+constexpr double closed_tolerance = 1e-6;
+
+/// Integrals of n_x L_j(y) L_k(z) over pieces of surface.
+using Section = std::array<double, n1 * n1>;
+
+long long code(const Index3& cell) {
+  for (int k = 0; k < 3; ++k)
+    if (cell[k] < -most || cell[k] >= most) throw InputError("the body sticks out of its grid");
+  const auto part = [](int c) { return static_cast<long long>(c + most); };
+  return (part(cell[2]) << (2 * bits)) | (part(cell[1]) << bits) | part(cell[0]);
+}
+
+Index3 decode(long long code) {
+  constexpr long long mask = (1LL << bits) - 1;
+  return {static_cast<int>(code & mask) - most, static_cast<int>(code >> bits & mask) - most,
+          static_cast<int>(code >> (2 * bits)) - most};
+}
+
+/// Adds up the integrals over the pieces in one cell, several points at a time.
+class PieceIntegrals {
+ public:
+  explicit PieceIntegrals(const Vec3& corner) : corner_(corner) {
+    for (auto& sum : sums_) sum.fill(0);
+    for (auto& sum : section_) sum.fill(0);
+  }
+
+  void add(const SurfacePolygon& piece) {
+    const TriangleRule& rule = triangle_rule(3 * moment_degree + 1);
+    for (int k = 1; k + 1 < piece.n; ++k) {
+      const Vec3 u = piece.x[k] - piece.x[0], v = piece.x[k + 1] - piece.x[0];
+      const double projection = 2 * (u[1] * v[2] - u[2] * v[1]);  // area in cell coordinates, times n_x
+      if (projection == 0) continue;
+      const Vec3 origin = 2 * (piece.x[0] - corner_) - Vec3::Ones();
+      for (std::size_t q = 0; q < rule.weight.size(); ++q) {
+        for (int d = 0; d < 3; ++d) xi_[d][filled_] = origin[d] + 2 * (rule.a[q] * u[d] + rule.b[q] * v[d]);
+        weight_[filled_] = projection * rule.weight[q];
+        if (++filled_ == lanes) flush();
+      }
+    }
+  }
+
+  /// Adds the sums to the cell's moments and to the section of the cells before it.
+  void finish(Moments& moments, Section& section) {
+    for (int l = filled_; l < lanes; ++l) xi_[0][l] = xi_[1][l] = xi_[2][l] = weight_[l] = 0;
+    flush();
+    for (int q = 0; q < num_moments; ++q) moments[q] += std::accumulate(sums_[q].begin(), sums_[q].end(), 0.0);
+    for (int q = 0; q < n1 * n1; ++q) section[q] += std::accumulate(section_[q].begin(), section_[q].end(), 0.0);
+  }
+
+ private:
+  static constexpr int lanes = 8;
+  using Lanes = std::array<double, lanes>;
+
+  void flush() {
+    Lanes ax[n1], ly[n1], lz[n1];
+    for (int l = 0; l < lanes; ++l) {
+      double a[n1], b[n1], c[n1];
+      legendre_integrals(xi_[0][l], a);
+      legendre_values(xi_[1][l], b);
+      legendre_values(xi_[2][l], c);
+      for (int i = 0; i < n1; ++i) {
+        ax[i][l] = a[i];
+        ly[i][l] = weight_[l] * b[i];
+        lz[i][l] = c[i];
+      }
+    }
+    for (int j = 0; j < n1; ++j)
+      for (int k = 0; k < n1; ++k) {
+        Lanes product;
+        for (int l = 0; l < lanes; ++l) product[l] = ly[j][l] * lz[k][l];
+        for (int l = 0; l < lanes; ++l) section_[j * n1 + k][l] += product[l];
+        for (int i = 0; i < n1; ++i)
+          for (int l = 0; l < lanes; ++l) sums_[(i * n1 + j) * n1 + k][l] += ax[i][l] * product[l];
+      }
+    filled_ = 0;
+  }
+
+  const Vec3 corner_;
+  int filled_ = 0;
+  Lanes xi_[3], weight_;
+  std::array<Lanes, num_moments> sums_;
+  std::array<Lanes, n1 * n1> section_;
+};
+
+[[noreturn]] void refuse_row(const Index3& cell) {
+  throw InputError("the triangle surface is not closed, or crosses itself, in the row of cells j = " +
+                   std::to_string(cell[1]) + ", k = " + std::to_string(cell[2]) + " of the body's grid");
+}
+
+/// Are the cells before those swept inside? Removes the rounding from the section.
+bool settle(Section& section, const Index3& cell) {
+  Section exact{};
+  exact[0] = section[0] > 2 ? 4 : 0;
+  for (int q = 0; q < n1 * n1; ++q)
+    if (std::abs(section[q] - exact[q]) > closed_tolerance) refuse_row(cell);
+  section = exact;
+  return exact[0] > 0;
+}
+
+}  // namespace
+
+TriangleCells::TriangleCells(const TriangleSurface& surface, const std::vector<Plane>& dividers)
+    : surface_(surface), dividers_(dividers) {
+  const int n = static_cast<int>(surface.triangles().size());
+  entries_.reserve(2 * surface.triangles().size());
+  for (int t = 0; t < n; ++t)
+    each_piece_of_triangle(surface, t, [&](const Index3& cell, const SurfacePolygon&) {
+      entries_.push_back({code(cell), t});
+    });
+  std::sort(entries_.begin(), entries_.end(),
+            [](const Entry& a, const Entry& b) { return std::tie(a.cell, a.triangle) < std::tie(b.cell, b.triangle); });
+  for (std::size_t i = 0; i < entries_.size(); ++i)
+    if (i == 0 || entries_[i].cell >> bits != entries_[i - 1].cell >> bits) row_begin_.push_back(i);
+  row_begin_.push_back(entries_.size());
+}
+
+void TriangleCells::sweep(std::size_t row, int order, std::vector<CellIntegrals>& cells,
+                          std::vector<std::pair<Index3, int>>& inside) const {
+  static thread_local std::vector<int> triangles;
+  const std::size_t first = cells.size();
+  Section section{};  // of all pieces farther along the row
+  for (std::size_t end = row_begin_[row + 1], begin = end; end > row_begin_[row]; end = begin) {
+    const Index3 cell = decode(entries_[end - 1].cell);
+    const Vec3 corner(cell[0], cell[1], cell[2]);
+    if (cells.size() > first) {
+      const int gap = cells.back().cell[0] - cell[0] - 1;
+      if (gap > 0 && settle(section, cell)) inside.push_back({{cell[0] + 1, cell[1], cell[2]}, gap});
+    }
+    cells.push_back({cell, {}, {}});
+    Moments& moments = cells.back().moments;
+    for (int q = 0; q < n1 * n1; ++q) moments[q] = 2 * section[q];
+    triangles.clear();
+    PieceIntegrals integrals(corner);
+    for (begin = end; begin > row_begin_[row] && entries_[begin - 1].cell == entries_[end - 1].cell; --begin) {
+      triangles.push_back(entries_[begin - 1].triangle);
+      integrals.add(piece_in_cell(surface_, triangles.back(), cell));
+    }
+    integrals.finish(moments, section);
+    std::reverse(triangles.begin(), triangles.end());
+    triangle_boundary_points(surface_, triangles, cell, {}, dividers_, order, 0, cells.back().points);
+  }
+  if (settle(section, cells.back().cell)) refuse_row(cells.back().cell);
+  std::reverse(cells.begin() + static_cast<std::ptrdiff_t>(first), cells.end());
+}
+
+}  // namespace cgcontact

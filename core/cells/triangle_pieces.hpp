@@ -1,0 +1,91 @@
+/// The pieces of a triangle surface in one cell: clipping and quadrature points. Grid coordinates.
+/// Corner cases, decided here:
+/// - Cells are cut out axis by axis. An intersection with a grid plane gets its coordinate exactly and is computed from
+///   the end of the edge below the plane to the one above, so that triangles with a common edge agree on it.
+/// - A piece that lies in a grid plane up to 1e-12 cells belongs to the cell on its inner side: no slivers of rounding.
+/// - A polygon is cut along one chord into two parts whose areas add up to its own, whatever rounding does to the
+///   corners. So every piece of surface lies in exactly one cell.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/cells/cut_cells.hpp"
+#include "core/triangles/triangle_surface.hpp"
+
+namespace cgcontact {
+
+/// A convex polygon in space, counterclockwise seen from outside the body.
+struct SurfacePolygon {
+  static constexpr int max_corners = 64;
+  int n = 0;
+  std::array<Vec3, max_corners> x;
+
+  SurfacePolygon() = default;
+  SurfacePolygon(const SurfacePolygon& other) { *this = other; }
+  /// Copies the corners that there are.
+  SurfacePolygon& operator=(const SurfacePolygon& other) {
+    n = other.n;
+    std::copy_n(other.x.begin(), n, x.begin());
+    return *this;
+  }
+  void push(const Vec3& corner);
+};
+
+/// The whole triangle.
+SurfacePolygon triangle_polygon(const TriangleSurface& surface, int triangle);
+
+/// Parts with x[axis] below and above the value; one is empty unless corners lie strictly on both sides.
+void split_at(const SurfacePolygon& polygon, int axis, double value, SurfacePolygon& below, SurfacePolygon& above);
+
+/// The part of a triangle in a cell; no corners if there is none.
+SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const Index3& cell);
+
+/// Calls use(cell, piece) for all cells that hold a piece of the triangle.
+template <class Use>
+void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use);
+
+/// As cell_boundary_points (core/cells/cell_pieces.hpp), from the given triangles. The pieces of a patch in a cell are
+/// grouped by plane: up to 8 planes get the full rule on every plane, up to 32 one of degree 2 (in cells with more than
+/// 32 and 128 planes of all patches one degree less). A patch with more planes gets at most 29 points on each side of
+/// the dividers: forces and moments stay exact, integrals of polynomials those of its facets (of degree 3 along the
+/// surface, second moments).
+void triangle_boundary_points(const TriangleSurface& surface, const std::vector<int>& triangles, const Index3& cell,
+                              const std::vector<char>& selected, const std::vector<Plane>& dividers, int order,
+                              int owner, BoundaryPoints& points);
+
+/// The triangles that may have a piece in a cell, ascending.
+std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index3& cell);
+
+namespace triangle_pieces {
+
+/// Range of cells along an axis that hold a polygon.
+std::pair<int, int> cell_range(const SurfacePolygon& polygon, int axis, double normal);
+
+template <class Use>
+void split_into_cells(const SurfacePolygon& polygon, int axis, const Vec3& normal, Index3& cell, const Use& use) {
+  const auto [first, last] = cell_range(polygon, axis, normal[axis]);
+  SurfacePolygon rest = polygon, below, above;
+  for (cell[axis] = first; cell[axis] <= last; ++cell[axis]) {
+    const bool is_last = cell[axis] == last;
+    if (!is_last) split_at(rest, axis, cell[axis] + 1, below, above);
+    const SurfacePolygon& piece = is_last ? rest : below;
+    if (axis > 0)
+      split_into_cells(piece, axis - 1, normal, cell, use);
+    else
+      use(static_cast<const Index3&>(cell), piece);
+    if (!is_last) rest = above;
+  }
+}
+
+}  // namespace triangle_pieces
+
+template <class Use>
+void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use) {
+  Index3 cell{0, 0, 0};
+  triangle_pieces::split_into_cells(triangle_polygon(surface, triangle), 2, surface.normal(triangle), cell, use);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,577 @@
+#include "core/drawing/clip_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <unordered_map>
+#include <utility>
+
+#include "core/cells/triangle_pieces.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr int max_subdivision = 8;
+/// Largest distance between a curved surface and its chords that needs no subdivision, cell units.
+constexpr double max_sagitta = 0.008;
+/// Points nearer to a surface than this lie on it (cell units). Above what make_cut_cells prunes, so that a face
+/// whose sliver of a cell was pruned is found on the neighbour.
+constexpr double on_tolerance = 1e-10;
+/// Of cells that a curved patch of triangles crosses.
+constexpr int patch_subdivision = 2;
+/// Patches in a cell that are cut one by one. Each one can double the pieces; cells with more are cut at the surface as
+/// a whole.
+constexpr std::size_t most_patches = 8;
+/// Pieces below this volume (cell units) are rounding only.
+constexpr double min_volume = 1e-25;
+
+using Hexahedron = std::array<int, 8>;
+using Tetrahedron = std::array<int, 4>;
+
+struct EdgeKey {
+  std::uint64_t points;
+  int surface;
+  bool operator==(const EdgeKey& other) const { return points == other.points && surface == other.surface; }
+};
+
+struct EdgeHash {
+  std::size_t operator()(const EdgeKey& key) const {
+    std::uint64_t x = key.points * 0x9e3779b97f4a7c15ull + static_cast<std::uint64_t>(key.surface);
+    return x ^ (x >> 29);
+  }
+};
+
+struct PointHash {
+  std::size_t operator()(const Vec3& x) const {
+    std::size_t hash = 0;
+    for (int k = 0; k < 3; ++k) hash = hash * 0x9e3779b97f4a7c15ull ^ std::hash<double>()(x[k]);
+    return hash ^ (hash >> 29);
+  }
+};
+
+/// Corners of a hexahedron in VTK order, and its faces with outward orientation.
+constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+constexpr int face[6][4] = {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}};
+
+double tetrahedron_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  return (b - a).cross(c - a).dot(d - a) / 6;
+}
+
+class Clipper {
+ public:
+  explicit Clipper(const CutCells& cut_cells);
+  ClippedMesh run();
+  ClippedMesh run_boundary();
+
+ private:
+  void clip_cell(int active);
+  void clip_cube(int active, const Index3& fine, int size, const std::vector<int>& surfaces);
+  void clip_tetrahedron(const Tetrahedron& tetrahedron, const std::vector<int>& surfaces);
+  void bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& pieces);
+  void emit_leaf(Tetrahedron leaf, const std::vector<int>& surfaces);
+  void emit_hexahedron(const Hexahedron& hexahedron, const std::vector<int>& surfaces);
+  void emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces);
+
+  std::vector<int> surfaces_near(const Vec3& centre, double half_size, const std::vector<int>& candidates) const;
+  void set_far_sides(const Vec3& centre, const std::vector<int>& surfaces);
+  bool is_inside(const Vec3& centroid) const;
+  bool is_inside_beyond(const std::array<int, 3>& points, int surface);
+  int add_point(const Vec3& x);
+  int node(const Index3& fine);
+  int edge_point(int a, int b, int surface);
+  int side(int point, int surface) const;
+  double distance(int point, int surface) const;
+  double distance_of(const Vec3& x, int surface) const;
+  double crossing(const Vec3& x, const Vec3& d, double at_0, double at_1) const;
+  bool is_patch(int surface) const;
+  const TriangleSurface& patch_alone(int surface) const;
+  static int side_by_distance(double distance);
+  template <class Points>
+  void set_sides(const Points& points, const std::vector<int>& surfaces);
+  void drop_inner_triangles();
+  void add_triangles();
+  void drop_unused_points();
+
+  const CutCells& cut_cells_;
+  const Solid& solid_;
+  const TriangleSurface* const triangles_;
+  const std::vector<Surface>& surfaces_;
+  int subdivision_ = 1;
+  std::vector<int> all_surfaces_;
+  std::vector<std::vector<int>> triangles_of_patch_;
+  int whole_;                       ///< number of the triangle surface as a whole, the one after its patches
+  std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
+  std::vector<int> cube_surfaces_;  ///< those that come near the cube in work
+  int active_ = -1;                 ///< the cell in work
+  std::vector<char> inner_side_;    ///< sides of the piece in work
+  /// Point p counts as on another side than it measures for fixed_sides_[fixed_begin_[p] .. fixed_begin_[p + 1]]:
+  /// surface and side.
+  std::vector<int> fixed_begin_{0};
+  std::vector<std::pair<int, int>> fixed_sides_;
+  std::vector<int> nodes_;  ///< by Grid::node_index, -1 where there is no point yet
+  std::unordered_map<std::uint64_t, int> fine_nodes_;
+  mutable std::unordered_map<std::uint64_t, double> patch_distances_;
+  mutable std::unordered_map<int, TriangleSurface> patches_alone_;
+  std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
+  std::vector<Tetrahedron> pieces_, next_pieces_;
+  ClippedMesh mesh_;
+};
+
+Clipper::Clipper(const CutCells& cut_cells)
+    : cut_cells_(cut_cells), solid_(cut_cells.solid), triangles_(solid_.triangles()), surfaces_(solid_.surfaces()) {
+  whole_ = static_cast<int>(surfaces_.size());
+  if (triangles_) {
+    triangles_of_patch_.resize(surfaces_.size());
+    for (int t = 0; t < static_cast<int>(triangles_->triangles().size()); ++t)
+      triangles_of_patch_[triangles_->patch(t)].push_back(t);
+  }
+  inner_side_.assign(surfaces_.size() + 1, 0);
+  const Index3& n = cut_cells.grid.num_cells;
+  nodes_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), -1);
+  mesh_.hexahedra.reserve(cut_cells.cells.size());
+  mesh_.cell_of_hexahedron.reserve(cut_cells.cells.size());
+  double curvature = 0;
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    all_surfaces_.push_back(static_cast<int>(s));
+    curvature = std::max(curvature, surfaces_[s].max_curvature());
+    if (surfaces_[s].kind == Surface::Kind::patch) subdivision_ = patch_subdivision;
+  }
+  while (subdivision_ < max_subdivision && curvature / (8.0 * subdivision_ * subdivision_) > max_sagitta)
+    subdivision_ *= 2;
+}
+
+ClippedMesh Clipper::run() {
+  for (std::size_t active = 0; active < cut_cells_.cells.size(); ++active) clip_cell(static_cast<int>(active));
+  drop_inner_triangles();
+  if (triangles_) add_triangles();
+  drop_unused_points();
+  return std::move(mesh_);
+}
+
+ClippedMesh Clipper::run_boundary() {
+  if (!triangles_) return run();
+  add_triangles();
+  return std::move(mesh_);
+}
+
+/// The candidates that may cross a cube. Of the patches of a triangle surface those with a triangle there.
+std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
+                                        const std::vector<int>& candidates) const {
+  std::vector<int> near;
+  if (triangles_) {
+    const Vec3 reach = Vec3::Constant(half_size + on_tolerance), low = centre - reach, high = centre + reach;
+    triangles_->tree().visit(
+        [&](const Vec3& min, const Vec3& max) {
+          return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();
+        },
+        [&](int t) { near.push_back(triangles_->patch(t)); });
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
+    if (!near.empty() && candidates.size() == 1 && candidates[0] == whole_) near.assign(1, whole_);
+    return near;
+  }
+  const double half_diagonal = half_size * std::sqrt(3.0);
+  for (int s : candidates)
+    if (std::abs(surfaces_[s].signed_distance(centre)) <= half_diagonal + on_tolerance) near.push_back(s);
+  return near;
+}
+
+/// Is the piece in work inside? Of a CSG solid its expression says so. Patches of triangles that all have the piece on
+/// the same side do; otherwise the nearest triangle.
+bool Clipper::is_inside(const Vec3& centroid) const {
+  if (!triangles_) return solid_.evaluate(inner_side_);
+  const auto inner = [&](int s) { return inner_side_[s] != 0; };
+  const bool any = std::any_of(cube_surfaces_.begin(), cube_surfaces_.end(), inner);
+  const bool all = std::all_of(cube_surfaces_.begin(), cube_surfaces_.end(), inner);
+  return any == all ? any : triangles_->contains(centroid);
+}
+
+/// Does the body go on beyond a face of the piece in work that lies on a surface?
+bool Clipper::is_inside_beyond(const std::array<int, 3>& points, int surface) {
+  inner_side_[surface] = !inner_side_[surface];
+  const Vec3 centroid = (mesh_.points[points[0]] + mesh_.points[points[1]] + mesh_.points[points[2]]) / 3;
+  const bool inside = is_inside(centroid);
+  inner_side_[surface] = !inner_side_[surface];
+  return inside;
+}
+
+void Clipper::clip_cell(int active) {
+  active_ = active;
+  const Index3& c = cut_cells_.cells[active];
+  const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
+  std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
+  if (triangles_ && near.size() > most_patches) near.assign(1, whole_);
+  cell_surfaces_ = triangles_ ? near : all_surfaces_;
+  set_far_sides(centre, all_surfaces_);
+  const bool full = cut_cells_.cut_of_active[active] < 0;
+  const bool curved =
+      std::any_of(near.begin(), near.end(), [&](int s) { return is_patch(s) || surfaces_[s].max_curvature() > 0; });
+  const int parts = curved && !full ? subdivision_ : 1;
+  const int size = max_subdivision / parts;
+  for (int k = 0; k < parts; ++k)
+    for (int j = 0; j < parts; ++j)
+      for (int i = 0; i < parts; ++i) {
+        const Index3 fine{c[0] * max_subdivision + i * size, c[1] * max_subdivision + j * size,
+                          c[2] * max_subdivision + k * size};
+        clip_cube(active, fine, size, near);
+      }
+}
+
+/// Sides of the surfaces that do not come near; patches of triangles that do not are not asked for theirs.
+void Clipper::set_far_sides(const Vec3& centre, const std::vector<int>& surfaces) {
+  if (triangles_) return;
+  for (int s : surfaces) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
+}
+
+/// Cube of `size` fine units at `fine`, inside one active cell.
+void Clipper::clip_cube(int active, const Index3& fine, int size, const std::vector<int>& surfaces) {
+  const double length = static_cast<double>(size) / max_subdivision;
+  const Vec3 centre = Vec3(fine[0], fine[1], fine[2]) / max_subdivision + Vec3::Constant(length / 2);
+  set_far_sides(centre, surfaces);
+  cube_surfaces_ = surfaces_near(centre, length / 2, surfaces);
+  const std::vector<int>& near = cube_surfaces_;
+  const bool full = cut_cells_.cut_of_active[active] < 0;
+  if (near.empty() && !full && !is_inside(centre)) return;
+
+  Hexahedron points;
+  for (int v = 0; v < 8; ++v)
+    points[v] = node({fine[0] + size * corner[v][0], fine[1] + size * corner[v][1], fine[2] + size * corner[v][2]});
+  const bool cut = std::any_of(near.begin(), near.end(), [&](int s) {
+    bool inner = false, outer = false;
+    for (int p : points) {
+      const int where = side(p, s);
+      inner |= where < 0;
+      outer |= where > 0;
+    }
+    return inner && outer;
+  });
+  if (full || !cut) {
+    set_sides(points, near);
+    if (full || is_inside(centre)) emit_hexahedron(points, near);
+    return;
+  }
+  for (const auto& t : tetrahedra_of_hexahedron)
+    clip_tetrahedron({points[t[0]], points[t[1]], points[t[2]], points[t[3]]}, near);
+}
+
+void Clipper::clip_tetrahedron(const Tetrahedron& tetrahedron, const std::vector<int>& surfaces) {
+  pieces_.assign(1, tetrahedron);
+  for (int s : surfaces) {
+    next_pieces_.clear();
+    for (const Tetrahedron& piece : pieces_) bisect(piece, s, next_pieces_);
+    pieces_.swap(next_pieces_);
+  }
+  for (const Tetrahedron& piece : pieces_) emit_leaf(piece, surfaces);
+}
+
+void Clipper::bisect(const Tetrahedron& tetrahedron, int surface, std::vector<Tetrahedron>& pieces) {
+  int sides[4];
+  for (int v = 0; v < 4; ++v) sides[v] = side(tetrahedron[v], surface);
+  int first = -1, second = -1;
+  std::pair<int, int> lowest{0, 0};
+  for (int a = 0; a < 4; ++a)
+    for (int b = a + 1; b < 4; ++b) {
+      if (sides[a] * sides[b] >= 0) continue;
+      const std::pair<int, int> key = std::minmax(tetrahedron[a], tetrahedron[b]);
+      if (first < 0 || key < lowest) {
+        lowest = key;
+        first = a;
+        second = b;
+      }
+    }
+  if (first < 0) {
+    pieces.push_back(tetrahedron);
+    return;
+  }
+  const int middle = edge_point(lowest.first, lowest.second, surface);
+  Tetrahedron half = tetrahedron;
+  half[first] = middle;
+  bisect(half, surface, pieces);
+  half = tetrahedron;
+  half[second] = middle;
+  bisect(half, surface, pieces);
+}
+
+/// Sides of a piece that no surface cuts: those of its points, or of its centroid when all points lie on the surface.
+template <class Points>
+void Clipper::set_sides(const Points& points, const std::vector<int>& surfaces) {
+  for (int s : surfaces) {
+    int where = 0;
+    for (std::size_t v = 0; v < points.size() && where == 0; ++v) where = side(points[v], s);
+    if (where == 0) {
+      Vec3 centroid = Vec3::Zero();
+      for (int p : points) centroid += mesh_.points[p] / static_cast<double>(points.size());
+      where = distance_of(centroid, s) < 0 ? -1 : 1;
+    }
+    inner_side_[s] = where < 0;
+  }
+}
+
+void Clipper::emit_leaf(Tetrahedron leaf, const std::vector<int>& surfaces) {
+  set_sides(leaf, surfaces);
+  const auto& x = mesh_.points;
+  if (!is_inside((x[leaf[0]] + x[leaf[1]] + x[leaf[2]] + x[leaf[3]]) / 4)) return;
+  const double volume = tetrahedron_volume(x[leaf[0]], x[leaf[1]], x[leaf[2]], x[leaf[3]]);
+  if (std::abs(volume) < min_volume) return;
+  if (volume < 0) std::swap(leaf[2], leaf[3]);
+  mesh_.tetrahedra.push_back(leaf);
+  mesh_.cell_of_tetrahedron.push_back(active_);
+  emit_boundary({leaf[1], leaf[2], leaf[3]}, surfaces);
+  emit_boundary({leaf[0], leaf[3], leaf[2]}, surfaces);
+  emit_boundary({leaf[0], leaf[1], leaf[3]}, surfaces);
+  emit_boundary({leaf[0], leaf[2], leaf[1]}, surfaces);
+}
+
+void Clipper::emit_hexahedron(const Hexahedron& hexahedron, const std::vector<int>& surfaces) {
+  mesh_.hexahedra.push_back(hexahedron);
+  mesh_.cell_of_hexahedron.push_back(active_);
+  if (surfaces.empty()) return;
+  for (const auto& f : face) {
+    const std::array<int, 4> q{hexahedron[f[0]], hexahedron[f[1]], hexahedron[f[2]], hexahedron[f[3]]};
+    // Split along the diagonal that the tetrahedra use.
+    emit_boundary({q[0], q[1], q[2]}, surfaces);
+    emit_boundary({q[0], q[2], q[3]}, surfaces);
+  }
+}
+
+/// Adds a face of the piece in work if it lies on a surface and the body ends there. (Triangles are drawn themselves.)
+void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces) {
+  if (triangles_) return;
+  for (int s : surfaces) {
+    if (side(points[0], s) != 0 || side(points[1], s) != 0 || side(points[2], s) != 0) continue;
+    if (is_inside_beyond(points, s)) continue;
+    mesh_.boundary.push_back({points, active_, s});
+    return;
+  }
+}
+
+/// The new point's number; its fixed sides, if any, have been appended before.
+int Clipper::add_point(const Vec3& x) {
+  mesh_.points.push_back(x);
+  mesh_.cell_of_point.push_back(active_);
+  fixed_begin_.push_back(static_cast<int>(fixed_sides_.size()));
+  return static_cast<int>(mesh_.points.size()) - 1;
+}
+
+int Clipper::node(const Index3& fine) {
+  int* number = nullptr;
+  if ((fine[0] | fine[1] | fine[2]) % max_subdivision == 0) {
+    const Index3 coarse{fine[0] / max_subdivision, fine[1] / max_subdivision, fine[2] / max_subdivision};
+    number = &nodes_[cut_cells_.grid.node_index(coarse)];
+  } else {
+    const auto key = (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
+                     static_cast<std::uint64_t>(fine[0]);
+    number = &fine_nodes_.try_emplace(key, -1).first->second;
+  }
+  if (*number < 0) *number = add_point(Vec3(fine[0], fine[1], fine[2]) / max_subdivision);
+  return *number;
+}
+
+/// Where the line x + t d, 0 < t < 1, meets the triangle surface, given the distances at its ends, which have different
+/// signs: regula falsi with halved ends (Illinois), as the distance has kinks at edges.
+double Clipper::crossing(const Vec3& x, const Vec3& d, double at_0, double at_1) const {
+  double low = 0, high = 1, t = at_0 / (at_0 - at_1);
+  int last = 0;
+  for (int pass = 0; pass < 8; ++pass) {
+    const double at_t = distance_of(x + t * d, whole_);
+    if (std::abs(at_t) <= on_tolerance) break;
+    const bool is_low = (at_t < 0) == (at_0 < 0);
+    (is_low ? low : high) = t;
+    (is_low ? at_0 : at_1) = at_t;
+    if (last == (is_low ? -1 : 1)) (is_low ? at_1 : at_0) /= 2;
+    last = is_low ? -1 : 1;
+    t = low + (high - low) * at_0 / (at_0 - at_1);
+  }
+  return t;
+}
+
+int Clipper::edge_point(int a, int b, int surface) {
+  const EdgeKey key{(static_cast<std::uint64_t>(a) << 32) | static_cast<std::uint64_t>(b), surface};
+  const auto [entry, added] = edge_points_.try_emplace(key, static_cast<int>(mesh_.points.size()));
+  if (!added) return entry->second;
+
+  const Vec3 x = mesh_.points[a], d = mesh_.points[b] - mesh_.points[a];
+  const double da = distance(a, surface);
+  const double linear = da / (da - distance(b, surface));
+  double roots[2], t = linear, best = 1;
+  const int num_roots = is_patch(surface) ? 0 : surfaces_[surface].intersect_line(x, d, roots);
+  for (int r = 0; r < num_roots; ++r)
+    if (roots[r] >= 0 && roots[r] <= 1 && std::abs(roots[r] - linear) < best) {
+      best = std::abs(roots[r] - linear);
+      t = roots[r];
+    }
+  if (surface == whole_) t = crossing(x, d, da, distance(b, surface));
+  const Vec3 middle = x + t * d;
+  fixed_sides_.emplace_back(surface, 0);
+  for (int s : cell_surfaces_) {
+    const int side_a = side(a, s), side_b = side(b, s);
+    // Between two points of one side a curved surface may bulge in; the mesh is linear and does not see that.
+    const bool decided = s < surface ? side_a * side_b >= 0 : side_a == 0 && side_b == 0;
+    const int linear_side = side_a != 0 ? side_a : side_b;
+    if (s != surface && decided && linear_side != side_by_distance(distance_of(middle, s)))
+      fixed_sides_.emplace_back(s, linear_side);
+  }
+  return add_point(middle);
+}
+
+/// -1 inner, 0 on, +1 outer side of a surface.
+int Clipper::side_by_distance(double distance) {
+  if (std::abs(distance) <= on_tolerance) return 0;
+  return distance < 0 ? -1 : 1;
+}
+
+/// A patch of triangles, or all of them.
+bool Clipper::is_patch(int surface) const {
+  return surface == whole_ || surfaces_[surface].kind == Surface::Kind::patch;
+}
+
+/// The triangles of a patch by themselves: the search for the nearest one need not pass over all others.
+const TriangleSurface& Clipper::patch_alone(int surface) const {
+  const auto known = patches_alone_.find(surface);
+  if (known != patches_alone_.end()) return known->second;
+  std::vector<Vec3> points;
+  std::vector<Triangle> triangles;
+  for (const int t : triangles_of_patch_[surface]) {
+    const int first = static_cast<int>(points.size());
+    for (int k = 0; k < 3; ++k) points.push_back(triangles_->corner(t, k));
+    triangles.push_back({first, first + 1, first + 2});
+  }
+  std::vector<int> patch(triangles.size(), 0);
+  return patches_alone_
+      .emplace(surface, TriangleSurface(std::move(points), std::move(triangles), std::move(patch), {""}))
+      .first->second;
+}
+
+double Clipper::distance_of(const Vec3& x, int surface) const {
+  if (surface != whole_ && is_patch(surface)) {
+    const TriangleSurface& patch = patch_alone(surface);
+    const int nearest = patch.nearest(x).triangle;
+    return patch.normal(nearest).dot(x - patch.corner(nearest, 0));
+  }
+  if (surface != whole_) return surfaces_[surface].signed_distance(x);
+  const TriangleSurface::Foot foot = triangles_->nearest(x);
+  return (x - foot.point).dot(foot.normal) < 0 ? -foot.distance : foot.distance;
+}
+
+/// From a point to a surface; that to a patch of triangles, a search, is kept.
+double Clipper::distance(int point, int surface) const {
+  const Vec3& x = mesh_.points[point];
+  if (!is_patch(surface)) return distance_of(x, surface);
+  const std::uint64_t key =
+      static_cast<std::uint64_t>(point) * (surfaces_.size() + 1) + static_cast<std::uint64_t>(surface);
+  const auto [entry, added] = patch_distances_.try_emplace(key, 0.0);
+  if (added) entry->second = distance_of(x, surface);
+  return entry->second;
+}
+
+int Clipper::side(int point, int surface) const {
+  for (int i = fixed_begin_[point]; i < fixed_begin_[point + 1]; ++i)
+    if (fixed_sides_[i].first == surface) return fixed_sides_[i].second;
+  return side_by_distance(distance(point, surface));
+}
+
+/// The triangles of the surface themselves, in their pieces cell by cell.
+void Clipper::add_triangles() {
+  std::map<std::pair<Index3, int>, int> adopter;  // of the pieces of a patch in a cell without volume
+  for (const Adoption& adoption : cut_cells_.adoptions)
+    adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
+  std::unordered_map<Vec3, int, PointHash> number;
+  for (int t = 0; t < static_cast<int>(triangles_->triangles().size()); ++t) {
+    const int patch = triangles_->patch(t);
+    each_piece_of_triangle(*triangles_, t, [&](const Index3& cell, const SurfacePolygon& piece) {
+      active_ = cut_cells_.find(cell);
+      if (active_ < 0) {
+        const auto adopted = adopter.find({cell, patch});
+        if (adopted == adopter.end()) return;  // of no area
+        active_ = adopted->second;
+      }
+      std::array<int, SurfacePolygon::max_corners> corners;
+      for (int i = 0; i < piece.n; ++i) {
+        const auto [entry, added] = number.try_emplace(piece.x[i], static_cast<int>(mesh_.points.size()));
+        if (added) add_point(piece.x[i]);
+        corners[i] = entry->second;
+      }
+      for (int i = 2; i < piece.n; ++i)
+        mesh_.boundary.push_back({{corners[0], corners[i - 1], corners[i]}, active_, patch});
+    });
+  }
+}
+
+/// A triangle that belongs to two pieces lies inside the body (chords of a curved surface).
+void Clipper::drop_inner_triangles() {
+  std::vector<std::pair<std::array<int, 3>, std::size_t>> order;
+  order.reserve(mesh_.boundary.size());
+  for (std::size_t i = 0; i < mesh_.boundary.size(); ++i) {
+    std::array<int, 3> key = mesh_.boundary[i].points;
+    std::sort(key.begin(), key.end());
+    order.emplace_back(key, i);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<char> keep(mesh_.boundary.size(), 1);
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (order[i].first == order[i - 1].first) keep[order[i].second] = keep[order[i - 1].second] = 0;
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (keep[i]) mesh_.boundary[n++] = mesh_.boundary[i];
+  mesh_.boundary.resize(n);
+}
+
+void Clipper::drop_unused_points() {
+  std::vector<int> number(mesh_.points.size(), -1);
+  for (const auto& h : mesh_.hexahedra)
+    for (int p : h) number[p] = 0;
+  for (const auto& t : mesh_.tetrahedra)
+    for (int p : t) number[p] = 0;
+  for (const auto& b : mesh_.boundary)
+    for (int p : b.points) number[p] = 0;
+  int count = 0;
+  for (std::size_t p = 0; p < number.size(); ++p)
+    if (number[p] == 0) {
+      mesh_.points[count] = mesh_.points[p];
+      mesh_.cell_of_point[count] = mesh_.cell_of_point[p];
+      number[p] = count++;
+    }
+  mesh_.points.resize(count);
+  mesh_.cell_of_point.resize(count);
+  for (auto& h : mesh_.hexahedra)
+    for (int& p : h) p = number[p];
+  for (auto& t : mesh_.tetrahedra)
+    for (int& p : t) p = number[p];
+  for (auto& b : mesh_.boundary)
+    for (int& p : b.points) p = number[p];
+}
+
+}  // namespace
+
+ClippedMesh clip_cells(const CutCells& cut_cells) { return Clipper(cut_cells).run(); }
+
+ClippedMesh clip_boundary(const CutCells& cut_cells) { return Clipper(cut_cells).run_boundary(); }
+
+Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point) {
+  const Index3& c = cut_cells.cells[active_cell];
+  const Vec3 xi = 2 * (point - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+  return xi.cwiseMax(-1.0).cwiseMin(1.0);
+}
+
+double ClippedMesh::volume() const {
+  double sum = 0;
+  for (const auto& h : hexahedra) {
+    const Vec3 d = points[h[6]] - points[h[0]];
+    sum += d[0] * d[1] * d[2];
+  }
+  for (const auto& t : tetrahedra) sum += tetrahedron_volume(points[t[0]], points[t[1]], points[t[2]], points[t[3]]);
+  return sum;
+}
+
+double ClippedMesh::boundary_area() const {
+  double sum = 0;
+  for (const auto& b : boundary) {
+    const Vec3& a = points[b.points[0]];
+    sum += (points[b.points[1]] - a).cross(points[b.points[2]] - a).norm() / 2;
+  }
+  return sum;
+}
+
+}  // namespace cgcontact

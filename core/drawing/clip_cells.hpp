@@ -1,0 +1,60 @@
+/// Turns the cut cells of a body into a mesh that can be drawn: hexahedra for full cells, tetrahedra where the boundary
+/// passes, and the triangles of the boundary. For output only; integration uses the moments.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/cells/cut_cells.hpp"
+
+namespace cgcontact {
+
+/// Triangle of the body's boundary, counterclockwise seen from outside.
+struct BoundaryTriangle {
+  std::array<int, 3> points;
+  int cell;     ///< active cell
+  int surface;  ///< index into the surfaces of the clipped solid
+};
+
+/// The six tetrahedra around the diagonal 0-6 of a hexahedron: one for each order in which the axes can be walked.
+constexpr int tetrahedra_of_hexahedron[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 3, 2, 6},
+                                                {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
+
+/// Points are shared between the cells that touch them, so that fields that are continuous in the body stay so.
+struct ClippedMesh {
+  std::vector<Vec3> points;                    ///< grid coordinates
+  std::vector<int> cell_of_point;              ///< an active cell whose closure contains the point
+  std::vector<std::array<int, 8>> hexahedra;   ///< VTK order: bottom square, then top square
+  std::vector<int> cell_of_hexahedron;         ///< active cell
+  std::vector<std::array<int, 4>> tetrahedra;  ///< positively oriented
+  std::vector<int> cell_of_tetrahedron;        ///< active cell
+  std::vector<BoundaryTriangle> boundary;
+
+  double volume() const;         ///< in cell units cubed
+  double boundary_area() const;  ///< in cell units squared
+};
+
+/// Clips the active cells. Corner cases, decided here:
+/// - A cut cell is divided into the six tetrahedra around its main diagonal, the same in all cells, so that neighbours
+///   agree on their common face. Where a curved surface passes, the cell is first divided into m^3 cubes, m chosen from
+///   the curvature for the whole body.
+/// - A tetrahedron is cut by one surface after the other, by bisecting its edges that change side, lowest pair of point
+///   numbers first: neighbours bisect a common face in the same order, so there are no cracks.
+/// - A vertex closer to a surface than 1e-10 lies on it and never causes a cut. A piece whose vertices all lie on a
+///   surface is on the side of its centroid. Pieces of no volume are dropped, cells filled to less than 1e-10 with
+///   them.
+/// - The boundary of a body of triangles is those triangles, divided along the grid planes. Its tetrahedra end where
+/// the
+///   distances to the planes of the nearest triangles of the patches are zero: close to the boundary, exact at flat
+///   faces.
+/// - Surfaces that only bulge into an edge or face without passing between two vertices are not seen: the mesh of a
+///   curved body is second-order accurate, that of a planar one exact.
+ClippedMesh clip_cells(const CutCells& cut_cells);
+
+/// The boundary alone: the same without cells where they are not needed to find it.
+ClippedMesh clip_boundary(const CutCells& cut_cells);
+
+/// Cell coordinates in [-1,1]^3 of a point (grid coordinates) in an active cell; clamped to the cell.
+Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point);
+
+}  // namespace cgcontact

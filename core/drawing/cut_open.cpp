@@ -1,0 +1,135 @@
+#include "core/drawing/cut_open.hpp"
+
+#include <algorithm>
+
+namespace cgcontact {
+namespace {
+
+struct Vertex {
+  Vec3 grid, position, displacement;
+  Sym3 stress;
+  std::array<double, 2> height;  ///< (x - corner) . d
+};
+
+using Polygon = std::vector<Vertex>;
+
+/// At the place between two vertices where height k is zero.
+Vertex between(const Vertex& a, const Vertex& b, int k) {
+  const double t = a.height[k] / (a.height[k] - b.height[k]);
+  const auto mean = [t](const auto& x, const auto& y) { return ((1 - t) * x + t * y).eval(); };
+  Vertex v{mean(a.grid, b.grid),
+           mean(a.position, b.position),
+           mean(a.displacement, b.displacement),
+           mean(a.stress, b.stress),
+           {}};
+  v.height[k] = 0;
+  v.height[1 - k] = (1 - t) * a.height[1 - k] + t * b.height[1 - k];
+  return v;
+}
+
+/// The part of a convex polygon where side * height k >= 0.
+Polygon part(const Polygon& polygon, int k, double side) {
+  Polygon kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vertex &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if (side * a.height[k] >= 0) kept.push_back(a);
+    if (a.height[k] * b.height[k] < 0) kept.push_back(between(a, b, k));
+  }
+  return kept;
+}
+
+/// Where a tetrahedron that reaches below the plane of height k meets it; empty if it does not.
+Polygon section(const std::array<Vertex, 4>& tetrahedron, int k) {
+  Polygon below, above, points;
+  for (const Vertex& v : tetrahedron) (v.height[k] < 0 ? below : v.height[k] > 0 ? above : points).push_back(v);
+  if (below.empty()) return {};
+  if (below.size() == 2 && above.size() == 2)
+    return {between(below[0], above[0], k), between(below[0], above[1], k), between(below[1], above[1], k),
+            between(below[1], above[0], k)};
+  for (const Vertex& a : below)
+    for (const Vertex& b : above) points.push_back(between(a, b, k));
+  return points;
+}
+
+class Opening {
+ public:
+  Opening(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions)
+      : whole_(whole), directions_(directions) {
+    height_.reserve(whole.position.size());
+    for (const Vec3& x : whole.position)
+      height_.push_back({(x - corner).dot(directions[0]), (x - corner).dot(directions[1])});
+  }
+
+  DrawnBody run() {
+    for (const BoundaryTriangle& triangle : whole_.mesh.boundary) add_boundary(triangle);
+    const ClippedMesh& mesh = whole_.mesh;
+    for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+      add_sections(mesh.tetrahedra[i], mesh.cell_of_tetrahedron[i]);
+    for (std::size_t i = 0; i < mesh.hexahedra.size(); ++i) {
+      const auto& h = mesh.hexahedra[i];
+      if (!meets(h, 0) && !meets(h, 1)) continue;
+      for (const auto& t : tetrahedra_of_hexahedron)
+        add_sections({h[t[0]], h[t[1]], h[t[2]], h[t[3]]}, mesh.cell_of_hexahedron[i]);
+    }
+    return std::move(open_);
+  }
+
+ private:
+  Vertex vertex(int p) const {
+    return {whole_.mesh.points[p], whole_.position[p],
+            whole_.displacement.empty() ? Vec3(Vec3::Zero()) : whole_.displacement[p],
+            whole_.stress.empty() ? Sym3(Sym3::Zero()) : whole_.stress[p], height_[p]};
+  }
+
+  /// Does a piece reach below the plane of height k, and up to it?
+  template <class Points>
+  bool meets(const Points& points, int k) const {
+    return std::any_of(points.begin(), points.end(), [&](int p) { return height_[p][k] < 0; }) &&
+           std::any_of(points.begin(), points.end(), [&](int p) { return height_[p][k] >= 0; });
+  }
+
+  void add_boundary(const BoundaryTriangle& triangle) {
+    const Polygon whole{vertex(triangle.points[0]), vertex(triangle.points[1]), vertex(triangle.points[2])};
+    add(part(whole, 0, -1), triangle.cell, triangle.surface);
+    add(part(part(whole, 0, 1), 1, -1), triangle.cell, triangle.surface);
+  }
+
+  void add_sections(const std::array<int, 4>& tetrahedron, int cell) {
+    for (int k = 0; k < 2; ++k) {
+      if (!meets(tetrahedron, k)) continue;
+      Polygon polygon =
+          section({vertex(tetrahedron[0]), vertex(tetrahedron[1]), vertex(tetrahedron[2]), vertex(tetrahedron[3])}, k);
+      if (polygon.size() < 3) continue;
+      const Vec3 &a = polygon[0].position, &b = polygon[1].position, &c = polygon[2].position;
+      if ((b - a).cross(c - a).dot(directions_[k]) < 0) std::reverse(polygon.begin(), polygon.end());
+      add(part(polygon, 1 - k, 1), cell, -1);
+    }
+  }
+
+  void add(const Polygon& polygon, int cell, int surface) {
+    if (polygon.size() < 3) return;
+    const int first = static_cast<int>(open_.position.size());
+    for (const Vertex& v : polygon) {
+      open_.mesh.points.push_back(v.grid);
+      open_.mesh.cell_of_point.push_back(cell);
+      open_.position.push_back(v.position);
+      if (!whole_.displacement.empty()) open_.displacement.push_back(v.displacement);
+      if (!whole_.stress.empty()) open_.stress.push_back(v.stress);
+    }
+    for (int i = 2; i < static_cast<int>(polygon.size()); ++i)
+      open_.mesh.boundary.push_back({{first, first + i - 1, first + i}, cell, surface});
+  }
+
+  const DrawnBody& whole_;
+  const std::array<Vec3, 2>& directions_;
+  std::vector<std::array<double, 2>> height_;  ///< of the points of the whole body
+  DrawnBody open_;
+};
+
+}  // namespace
+
+DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions) {
+  return Opening(whole, corner, directions).run();
+}
+
+}  // namespace cgcontact

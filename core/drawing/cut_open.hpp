@@ -1,0 +1,15 @@
+/// A drawn body without the quarter of space that hides its inside.
+#pragma once
+
+#include <array>
+
+#include "core/drawing/drawn_body.hpp"
+
+namespace cgcontact {
+
+/// What is left of `whole` where (x - corner) . d > 0 for both directions d is taken away: its boundary and the
+/// sections, cut through the pieces of its mesh; displacement and stress linear along their edges. No volume. Triangles
+/// of the sections have `surface` -1.
+DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions);
+
+}  // namespace cgcontact

@@ -1,0 +1,200 @@
+#include "core/drawing/drawn_body.hpp"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+using PieceRows = std::map<std::pair<int, int>, std::vector<const ContactRow*>>;
+
+/// The elementary surface a row lies on.
+int surface_of_row(const CutCells& cut_cells, const ContactRow& row) {
+  return cut_cells.solid.surface_at(cut_cells.grid.to_grid(row.x), cut_cells.grid.rotation.transpose() * row.normal);
+}
+
+/// Rows of one body by active cell and surface.
+PieceRows rows_by_piece(const Results& results, int body) {
+  PieceRows pieces;
+  const CutCells& cut_cells = *results.bodies[body].cut_cells;
+  for (const ContactRow& row : results.contact_rows)
+    if (row.body == body) pieces[{row.cell, surface_of_row(cut_cells, row)}].push_back(&row);
+  return pieces;
+}
+
+/// Appends a triangle with the inverse-distance mean of the rows; the gap is NaN where no row has anything opposite.
+void add_triangle(const Vec3& centroid, double spacing, const std::vector<const ContactRow*>& rows,
+                  ContactSurface& surface) {
+  std::array<double, ContactSurface::num_values> sum{};
+  double total = 0, total_of_gap = 0, nearest = std::numeric_limits<double>::max();
+  const ContactRow* nearest_row = rows.front();
+  for (const ContactRow* row : rows) {
+    const double distance = (row->x - centroid).squaredNorm();
+    const double weight = 1 / (distance + 1e-4 * spacing * spacing);
+    if (std::isfinite(row->gap)) {
+      sum[ContactSurface::gap] += weight * row->gap;
+      total_of_gap += weight;
+    }
+    sum[ContactSurface::pressure_raw] += weight * row->pressure_raw;
+    sum[ContactSurface::pressure_spr] += weight * row->pressure_spr;
+    sum[ContactSurface::pressure_sprc] += weight * row->pressure_sprc;
+    sum[ContactSurface::pressure_error] += weight * row->pressure_error;
+    total += weight;
+    if (distance < nearest) {
+      nearest = distance;
+      nearest_row = row;
+    }
+  }
+  for (int k = 0; k < ContactSurface::num_values; ++k) sum[k] /= k == ContactSurface::gap ? total_of_gap : total;
+  surface.triangle_values.push_back(sum);
+  surface.body.push_back(nearest_row->body);
+  surface.pair.push_back(nearest_row->pair);
+  surface.active.push_back(nearest_row->active);
+}
+
+/// Pieces that hold rows but no triangle: slivers too thin to draw, whose face appears on a neighbouring cell.
+PieceRows undrawn_pieces(const DrawnBody& drawn, PieceRows pieces) {
+  for (const BoundaryTriangle& triangle : drawn.mesh.boundary) pieces.erase({triangle.cell, triangle.surface});
+  return pieces;
+}
+
+/// Rows of the triangle's cell and surface, or of an undrawn neighbour; nullptr if it is not on a contact face.
+const std::vector<const ContactRow*>* rows_of_triangle(const CutCells& cut_cells, const BoundaryTriangle& triangle,
+                                                       const PieceRows& pieces, const PieceRows& undrawn) {
+  const auto own = pieces.find({triangle.cell, triangle.surface});
+  if (own != pieces.end()) return &own->second;
+  if (undrawn.empty()) return nullptr;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int step : {-1, 1}) {
+      Index3 neighbour = cut_cells.cells[triangle.cell];
+      neighbour[axis] += step;
+      const auto rows = undrawn.find({cut_cells.find(neighbour), triangle.surface});
+      if (rows != undrawn.end()) return &rows->second;
+    }
+  return nullptr;
+}
+
+void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows& pieces, ContactSurface& surface) {
+  const PieceRows undrawn = undrawn_pieces(drawn, pieces);
+  std::vector<int> number(drawn.position.size(), -1);
+  for (const BoundaryTriangle& triangle : drawn.mesh.boundary) {
+    const auto* rows = rows_of_triangle(cut_cells, triangle, pieces, undrawn);
+    if (!rows) continue;
+    std::array<int, 3> points;
+    Vec3 centroid = Vec3::Zero();
+    for (int v = 0; v < 3; ++v) {
+      const int p = triangle.points[v];
+      if (number[p] < 0) {
+        number[p] = static_cast<int>(surface.position.size());
+        surface.position.push_back(drawn.position[p]);
+        if (!drawn.displacement.empty()) surface.displacement.push_back(drawn.displacement[p]);
+      }
+      points[v] = number[p];
+      centroid += drawn.position[p] / 3;
+    }
+    surface.triangles.push_back(points);
+    surface.cell.push_back(triangle.cell);
+    add_triangle(centroid, cut_cells.grid.cell_size, *rows, surface);
+  }
+}
+
+/// The row in which the pair's pressure is largest, or nullptr.
+const ContactRow* largest_row(const Results& results, int pair) {
+  const PairFigures& figures = results.pairs[pair];
+  const ContactRow* found = nullptr;
+  for (const ContactRow& row : results.contact_rows)
+    if (row.pair == pair && row.pressure_sprc == figures.max_pressure &&
+        (!found ||
+         (row.x - figures.max_pressure_at).squaredNorm() < (found->x - figures.max_pressure_at).squaredNorm()))
+      found = &row;
+  return found;
+}
+
+/// Means are below the largest pressure of a pair: the triangle nearest to it gets it.
+void place_largest_pressures(const Results& results, ContactSurface& surface) {
+  for (int pair = 0; pair < static_cast<int>(results.pairs.size()); ++pair) {
+    const ContactRow* const row = largest_row(results, pair);
+    if (!row || !(row->pressure_sprc > 0)) continue;
+    std::size_t nearest = surface.size();
+    double least = std::numeric_limits<double>::max();
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      if (surface.pair[i] != pair || surface.body[i] != row->body) continue;
+      const auto& t = surface.triangles[i];
+      const Vec3 centroid = (surface.position[t[0]] + surface.position[t[1]] + surface.position[t[2]]) / 3;
+      if (const double distance = (centroid - row->x).squaredNorm(); distance < least) {
+        least = distance;
+        nearest = i;
+      }
+    }
+    if (nearest == surface.size()) continue;
+    surface.triangle_values[nearest] = {std::isfinite(row->gap) ? row->gap : std::nan(""), row->pressure_raw,
+                                        row->pressure_spr, row->pressure_sprc, row->pressure_error};
+    surface.active[nearest] = row->active;
+  }
+}
+
+/// Area-weighted mean of the triangles around each point; of the gap, those that have one, NaN if none has.
+void average_to_points(ContactSurface& surface) {
+  using Values = std::array<double, ContactSurface::num_values>;
+  surface.point_values.assign(surface.position.size(), Values{});
+  std::vector<Values> total(surface.position.size(), Values{});
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const auto& t = surface.triangles[i];
+    const Vec3& a = surface.position[t[0]];
+    const double area = (surface.position[t[1]] - a).cross(surface.position[t[2]] - a).norm();
+    for (int p : t)
+      for (int k = 0; k < ContactSurface::num_values; ++k) {
+        if (!std::isfinite(surface.triangle_values[i][k])) continue;
+        total[p][k] += area;
+        surface.point_values[p][k] += area * surface.triangle_values[i][k];
+      }
+  }
+  for (std::size_t p = 0; p < total.size(); ++p)
+    for (int k = 0; k < ContactSurface::num_values; ++k)
+      if (total[p][k] > 0 || k == ContactSurface::gap) surface.point_values[p][k] /= total[p][k];
+}
+
+}  // namespace
+
+double von_mises(const Sym3& s) {
+  const double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
+  return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
+  DrawnBody drawn;
+  drawn.mesh = std::move(mesh);
+  const CutCells& cut_cells = *fields.cut_cells;
+  const std::size_t n = drawn.mesh.points.size();
+  drawn.position.resize(n);
+  if (fields.displacement) drawn.displacement.resize(n);
+  if (fields.stress_recovered) drawn.stress.resize(n);
+  parallel_for("cgcontact::drawn_body::fields", n, 512, [&](std::size_t p) {
+    const int cell = drawn.mesh.cell_of_point[p];
+    const Vec3 xi = clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]);
+    drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);
+    if (fields.displacement) drawn.displacement[p] = fields.displacement(cell, xi);
+    if (fields.stress_recovered) drawn.stress[p] = fields.stress_recovered(cell, xi);
+  });
+  return drawn;
+}
+
+DrawnBody draw_body(const BodyFields& fields) { return draw_body(fields, clip_cells(*fields.cut_cells)); }
+
+ContactSurface make_contact_surface(const Results& results, const std::vector<DrawnBody>& bodies) {
+  ContactSurface surface;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const PieceRows pieces = rows_by_piece(results, static_cast<int>(b));
+    if (!pieces.empty()) add_body(bodies[b], *results.bodies[b].cut_cells, pieces, surface);
+  }
+  average_to_points(surface);
+  place_largest_pressures(results, surface);
+  return surface;
+}
+
+}  // namespace cgcontact

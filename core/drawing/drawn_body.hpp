@@ -1,0 +1,44 @@
+/// The results of a run as values on drawable meshes, shared by the VTK files and the pictures.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/drawing/clip_cells.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+double von_mises(const Sym3& stress);
+
+/// One body with the fields at the points of its mesh; empty vectors where the run has no such field.
+struct DrawnBody {
+  ClippedMesh mesh;
+  std::vector<Vec3> position;      ///< m, undeformed
+  std::vector<Vec3> displacement;  ///< m
+  std::vector<Sym3> stress;        ///< recovered, Pa
+};
+
+DrawnBody draw_body(const BodyFields& fields);
+/// Another mesh of the same body, for example of a part of it.
+DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh);
+
+/// Values of the contact rows on the triangles of the contact faces.
+struct ContactSurface {
+  enum Value { gap, pressure_raw, pressure_spr, pressure_sprc, pressure_error, num_values };
+  std::vector<Vec3> position;      ///< m, undeformed
+  std::vector<Vec3> displacement;  ///< m
+  std::vector<std::array<int, 3>> triangles;
+  std::vector<int> body, pair, active;  ///< per triangle
+  std::vector<int> cell;                ///< per triangle, active cell of the body
+  /// Mean of the nearby rows; gap NaN: nothing opposite. The triangle nearest to the largest pressure of a pair has the
+  /// values of that row, so that the largest value is that of the report.
+  std::vector<std::array<double, num_values>> triangle_values;
+  std::vector<std::array<double, num_values>> point_values;  ///< area-weighted mean of the triangles around
+  std::size_t size() const { return triangles.size(); }
+};
+
+/// The contact faces are the pieces of surface, cell by cell, that hold contact rows.
+ContactSurface make_contact_surface(const Results& results, const std::vector<DrawnBody>& bodies);
+
+}  // namespace cgcontact

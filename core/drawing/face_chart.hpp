@@ -1,0 +1,46 @@
+/// Lays a face of a body out on paper.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+/// Triangles of a face with outward orientation; positions in m.
+struct FaceTriangles {
+  const std::vector<Vec3>* position = nullptr;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+/// Maps points of a face to (right, up, towards the viewer), m.
+class FaceChart {
+ public:
+  /// A face whose normals lie in one plane and spread by more than about 30 degrees is a cylinder, if it is round: it
+  /// is unrolled, `right` being the arc length. Any other face is projected: along the coordinate axis within 18
+  /// degrees of its mean normal, else along that.
+  explicit FaceChart(const FaceTriangles& face);
+
+  /// Of a triangle near `x`, so that no triangle of a closed cylinder is torn.
+  Vec3 place(const Vec3& x, const Vec3& near) const;
+  Vec3 place(const Vec3& x) const { return place(x, x); }
+  /// The picture is seen from inside the body: triangles are to be turned round.
+  bool mirrored() const { return mirrored_; }
+  bool unrolled() const { return radius_ > 0; }
+  const std::string& right_name() const { return right_name_; }
+  const std::string& up_name() const { return up_name_; }
+
+ private:
+  bool unroll(const FaceTriangles& face, const Mat3& normals);
+  void project(const Vec3& mean_normal);
+  double angle(const Vec3& x) const;
+
+  Vec3 right_ = Vec3::UnitX(), up_ = Vec3::UnitY(), eye_ = Vec3::UnitZ();
+  Vec3 centre_ = Vec3::Zero();  ///< of the cylinder
+  double radius_ = 0, middle_angle_ = 0;
+  bool mirrored_ = false;
+  std::string right_name_, up_name_;
+};
+
+}  // namespace cgcontact

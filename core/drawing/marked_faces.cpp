@@ -1,0 +1,128 @@
+#include "core/drawing/marked_faces.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace cgcontact {
+
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+MarkedFaces::MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bodies) : scene_(scene), bodies_(bodies) {
+  for (const SupportSpec& support : scene.supports) supports_.push_back(select(support.face));
+  for (const LoadSpec& load : scene.loads) loads_.push_back(select(load.face));
+  for (const ContactSpec& contact : scene.contacts) {
+    firsts_.push_back(select(contact.first));
+    seconds_.push_back(select(contact.second));
+  }
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b) add_body(b);
+}
+
+MarkedFaces::Selected MarkedFaces::select(const FaceRef& face) const {
+  Selected selected{&face, {}};
+  for (const Surface& s : bodies_[face.body].cut_cells->solid.surfaces())
+    selected.surfaces.push_back(face.face.selects(s.names));
+  return selected;
+}
+
+bool MarkedFaces::contains(const Selected& selected, int body, int surface, const Vec3& x, const Vec3& n) const {
+  return selected.face->body == body && selected.surfaces[surface] && selected.face->face.contains(x, n);
+}
+
+MarkedFaces::Key MarkedFaces::key_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const {
+  Key key;
+  key.body = body;
+  key.names = bodies_[body].cut_cells->solid.surfaces()[surface].names;
+  for (int s = 0; s < static_cast<int>(supports_.size()); ++s)
+    if (contains(supports_[s], body, surface, x, n)) key.supports.push_back(s);
+  for (int l = 0; l < static_cast<int>(loads_.size()); ++l)
+    if (contains(loads_[l], body, surface, x, n)) key.loads.push_back(l);
+  for (int c = 0; c < static_cast<int>(firsts_.size()); ++c)
+    if (!scene_.contacts[c].automatic &&
+        (contains(firsts_[c], body, surface, x, n) || contains(seconds_[c], body, surface, x, n)))
+      key.contacts.push_back(c);
+  // Automatic pairs may touch anywhere: what counts is that something is opposite.
+  const auto automatic = automatic_pair_.find({body, cell, surface});
+  if (automatic != automatic_pair_.end()) key.contacts.push_back(automatic->second);
+  return key;
+}
+
+FaceRegion MarkedFaces::new_region(const Key& key) const {
+  FaceRegion region;
+  region.body = key.body;
+  region.supports = key.supports;
+  region.loads = key.loads;
+  region.contacts = key.contacts;
+  region.low_displacement.fill(std::numeric_limits<double>::max());
+  region.high_displacement.fill(std::numeric_limits<double>::lowest());
+  std::string face = joined(key.names);
+  if (!key.contacts.empty() && !scene_.contacts[key.contacts.front()].automatic) {
+    const ContactSpec& contact = scene_.contacts[key.contacts.front()];
+    face = (contact.first.body == key.body ? contact.first : contact.second).face.name;
+  } else if (!key.loads.empty()) {
+    face = scene_.loads[key.loads.front()].face.face.name;
+  } else if (!key.supports.empty()) {
+    face = scene_.supports[key.supports.front()].face.face.name;
+  }
+  region.name = scene_.bodies[key.body].name + "." + face;
+  for (int s : key.supports) region.symmetry |= scene_.supports[s].symmetry;
+  return region;
+}
+
+void MarkedFaces::add_point(const Key& key, const Vec3& x, const Vec3& n, double area) {
+  const auto [entry, is_new] = index_.emplace(key, static_cast<int>(regions_.size()));
+  if (is_new) regions_.push_back(new_region(key));
+  FaceRegion& region = regions_[entry->second];
+  region.area += area;
+  region.centroid += area * x;
+  for (int l : key.loads) {
+    const LoadSpec& load = scene_.loads[l];
+    region.force += area * (Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * n);
+  }
+  const auto add = [&](std::size_t component, double value) {
+    region.low_displacement[component] = std::min(region.low_displacement[component], value);
+    region.high_displacement[component] = std::max(region.high_displacement[component], value);
+  };
+  for (int s : key.supports) {
+    const SupportSpec& support = scene_.supports[s];
+    for (std::size_t k = 0; k < 3; ++k)
+      if (support.displacement[k]) add(k, (*support.displacement[k])(x));
+    if (support.normal_displacement) add(3, (*support.normal_displacement)(x));
+  }
+}
+
+void MarkedFaces::add_body(int b) {
+  const CheckedBody& body = bodies_[b];
+  const Grid& grid = body.cut_cells->grid;
+  const BoundaryPoints& points = body.cut_cells->boundary;
+  for (std::size_t p = 0; p < points.size(); ++p)
+    if (const int pair = body.pair_of_point[p]; pair >= 0 && scene_.contacts[pair].automatic)
+      automatic_pair_.emplace(std::array<int, 3>{b, points.cell[p], points.surface[p]}, pair);
+  const std::size_t first = regions_.size();
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const Vec3 x = grid.to_global(points.position[p]), n = grid.rotation * points.normal[p];
+    const Vec3 piece = grid.to_global(points.position_of_piece(p)),
+               piece_normal = grid.rotation * points.normal_of_piece(p);
+    add_point(key_at(b, points.cell[p], points.surface[p], piece, piece_normal), x, n,
+              points.weight[p] * grid.cell_size * grid.cell_size);
+  }
+  for (std::size_t r = first; r < regions_.size(); ++r) regions_[r].centroid /= regions_[r].area;
+}
+
+int MarkedFaces::region_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const {
+  const Key key = key_at(body, cell, surface, x, n);
+  const auto found = index_.find(key);
+  if (found != index_.end()) return found->second;
+  for (const auto& [other, region] : index_)  // a sliver whose points went to a neighbour
+    if (other.body == body && other.names == key.names) return region;
+  return -1;
+}
+
+}  // namespace cgcontact

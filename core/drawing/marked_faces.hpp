@@ -1,0 +1,71 @@
+/// The boundary of the bodies divided into regions: same elementary surface, same supports, loads and contact.
+#pragma once
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/cells/cut_cells.hpp"
+#include "core/scene/scene.hpp"
+
+namespace cgcontact {
+
+/// A body on its grid, as the check finds it.
+struct CheckedBody {
+  const CutCells* cut_cells = nullptr;
+  /// Contact pair (index into Scene::contacts) of each boundary point that has something opposite, else -1.
+  std::vector<int> pair_of_point;
+};
+
+/// One region. Supports, loads and contacts are indices into the scene.
+struct FaceRegion {
+  int body = 0;
+  std::string name;  ///< "body.face", as the scene calls it where a condition names it
+  std::vector<int> supports, loads, contacts;
+  double area = 0;                                            ///< m^2
+  Vec3 centroid = Vec3::Zero(), force = Vec3::Zero();         ///< m; N, resultant of the loads
+  std::array<double, 4> low_displacement, high_displacement;  ///< m, prescribed x, y, z, normal; low > high: free
+  bool symmetry = false;
+};
+
+class MarkedFaces {
+ public:
+  MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bodies);
+
+  const std::vector<FaceRegion>& regions() const { return regions_; }
+  /// Region of a piece of boundary (index), at x with the outward normal n (global); -1 if no region is like that.
+  int region_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const;
+
+ private:
+  struct Key {
+    int body = 0;
+    std::vector<std::string> names;  ///< of the elementary surface
+    std::vector<int> supports, loads, contacts;
+    bool operator<(const Key& o) const {
+      return std::tie(body, names, supports, loads, contacts) <
+             std::tie(o.body, o.names, o.supports, o.loads, o.contacts);
+    }
+  };
+  /// A face of the scene with the surfaces of its body that it selects.
+  struct Selected {
+    const FaceRef* face;
+    std::vector<char> surfaces;
+  };
+
+  void add_body(int body);
+  Selected select(const FaceRef& face) const;
+  bool contains(const Selected& selected, int body, int surface, const Vec3& x, const Vec3& n) const;
+  Key key_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const;
+  FaceRegion new_region(const Key& key) const;
+  void add_point(const Key& key, const Vec3& x, const Vec3& n, double area);
+
+  const Scene& scene_;
+  const std::vector<CheckedBody>& bodies_;
+  std::vector<Selected> supports_, loads_, firsts_, seconds_;
+  std::map<std::array<int, 3>, int> automatic_pair_;  ///< of body, cell, surface
+  std::map<Key, int> index_;
+  std::vector<FaceRegion> regions_;
+};
+
+}  // namespace cgcontact

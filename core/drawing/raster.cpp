@@ -1,0 +1,189 @@
+#include "core/drawing/raster.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cgcontact {
+
+namespace {
+
+/// Half the width of a grid line, in pixels of the averaged image.
+constexpr double line_half_width = 0.55;
+constexpr double line_darkness = 0.45;
+/// Grid lines closer than this many pixels fade out.
+constexpr double line_fade_from = 12, line_fade_to = 4;
+
+}  // namespace
+
+RasterImage::RasterImage(int width, int height, int oversampling, const Camera& camera, ColourMap colour)
+    : width_(width * oversampling),
+      height_(height * oversampling),
+      oversampling_(oversampling),
+      camera_(camera),
+      colour_(colour) {
+  camera_.pixels_per_metre *= oversampling;
+  const Pixel background{-std::numeric_limits<float>::max(), 1, 1, 1, 0, 0, 0, -1};
+  fine_.assign(static_cast<std::size_t>(width_) * height_, background);
+}
+
+double RasterImage::line_cover(const Vec3& grid, const Screen& screen) {
+  double cover = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (screen.line_strength[axis] <= cover) continue;
+    const double distance = std::abs(grid[axis] - std::round(grid[axis])) / screen.cells_per_pixel[axis];
+    if (distance < line_half_width) cover = screen.line_strength[axis];
+  }
+  return cover;
+}
+
+bool RasterImage::project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const {
+  double *x = screen.x, *y = screen.y;
+  for (int v = 0; v < 3; ++v) {
+    const Vec3& position = triangle[v].position;
+    if (!position.allFinite() || !std::isfinite(triangle[v].value)) return false;
+    x[v] = (camera_.right.dot(position) - camera_.low[0]) * camera_.pixels_per_metre;
+    y[v] = (camera_.up.dot(position) - camera_.low[1]) * camera_.pixels_per_metre;
+    screen.z[v] = camera_.eye.dot(position) * camera_.pixels_per_metre;
+    screen.grid.col(v) = triangle[v].grid;
+  }
+  const double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+  if (area < 1e-9) return false;
+  screen.slope.setZero();
+  for (int v = 0; v < 3; ++v) {
+    const int a = (v + 1) % 3, b = (v + 2) % 3;
+    screen.slope(v, 0) = (y[a] - y[b]) / area;
+    screen.slope(v, 1) = (x[b] - x[a]) / area;
+  }
+  const Mat3 gradient = screen.grid * screen.slope;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double slope = std::hypot(gradient(axis, 0), gradient(axis, 1)) * oversampling_;
+    screen.cells_per_pixel[axis] = slope;
+    screen.line_strength[axis] =
+        slope < 1e-6 ? 0 : std::clamp((1 / slope - line_fade_to) / (line_fade_from - line_fade_to), 0.0, 1.0);
+  }
+  const Vec3 side = triangle[1].position - triangle[0].position, other = triangle[2].position - triangle[0].position;
+  screen.normal = side.cross(other).normalized();
+  const Vec3 light = (camera_.eye + 0.5 * camera_.up + 0.35 * camera_.right).normalized();
+  screen.shade = 1 - shading * 0.4 * (1 - std::max(0.0, screen.normal.dot(light)));
+  return true;
+}
+
+void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row) {
+  Vec3 weight;
+  for (int v = 0; v < 3; ++v) {
+    const int a = (v + 1) % 3;
+    weight[v] = screen.slope(v, 0) * (column + 0.5 - screen.x[a]) + screen.slope(v, 1) * (row + 0.5 - screen.y[a]);
+  }
+  if (weight.minCoeff() < -1e-9) return;
+  Pixel& pixel = fine_[static_cast<std::size_t>(row) * width_ + column];
+  const auto depth = static_cast<float>(weight[0] * screen.z[0] + weight[1] * screen.z[1] + weight[2] * screen.z[2]);
+  if (depth <= pixel.depth) return;
+  const double value = weight[0] * triangle[0].value + weight[1] * triangle[1].value + weight[2] * triangle[2].value;
+  const std::array<double, 3> colour = colour_(value);
+  const double factor = screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
+  pixel.depth = depth;
+  pixel.red = static_cast<float>(factor * colour[0]);
+  pixel.green = static_cast<float>(factor * colour[1]);
+  pixel.blue = static_cast<float>(factor * colour[2]);
+  pixel.nx = static_cast<float>(screen.normal[0]);
+  pixel.ny = static_cast<float>(screen.normal[1]);
+  pixel.nz = static_cast<float>(screen.normal[2]);
+  pixel.part = screen.part;
+}
+
+void RasterImage::draw(const std::array<RasterVertex, 3>& triangle, int part, double shading) {
+  Screen screen;
+  if (!project(triangle, shading, screen)) return;
+  screen.part = part;
+  const auto range = [](const double* c, int size) {
+    const double first = std::ceil(std::min({c[0], c[1], c[2]}) - 0.5);
+    const double last = std::floor(std::max({c[0], c[1], c[2]}) - 0.5);
+    return std::array<int, 2>{static_cast<int>(std::clamp(first, 0.0, static_cast<double>(size))),
+                              static_cast<int>(std::clamp(last, -1.0, size - 1.0))};
+  };
+  const std::array<int, 2> columns = range(screen.x, width_), rows = range(screen.y, height_);
+  for (int row = rows[0]; row <= rows[1]; ++row) {
+    const std::array<int, 2> inside = columns_of_row(screen, row, columns);
+    for (int column = inside[0]; column <= inside[1]; ++column) draw_pixel(triangle, screen, column, row);
+  }
+}
+
+/// The columns of a row that the triangle may cover, one more at each end for rounding.
+std::array<int, 2> RasterImage::columns_of_row(const Screen& screen, int row, const std::array<int, 2>& columns) {
+  double first = columns[0], last = columns[1];
+  for (int v = 0; v < 3; ++v) {
+    const int a = (v + 1) % 3;
+    const double slope = screen.slope(v, 0);
+    const double zero = screen.x[a] - 0.5 - screen.slope(v, 1) * (row + 0.5 - screen.y[a]) / slope;
+    if (!std::isfinite(zero)) continue;  // an edge along the row
+    if (slope > 0)
+      first = std::max(first, std::floor(zero) - 1);
+    else
+      last = std::min(last, std::ceil(zero) + 1);
+  }
+  return {static_cast<int>(std::min(first, columns[1] + 1.0)), static_cast<int>(std::max(last, columns[0] - 1.0))};
+}
+
+bool RasterImage::is_outline(int x, int y) const {
+  const Pixel& here = fine_[static_cast<std::size_t>(y) * width_ + x];
+  const int steps[2][2] = {{1, 0}, {0, 1}};
+  for (const auto& step : steps) {
+    const int nx = x + step[0], ny = y + step[1];
+    if (nx >= width_ || ny >= height_) continue;
+    const Pixel& there = fine_[static_cast<std::size_t>(ny) * width_ + nx];
+    if (here.part != there.part) return true;
+    if (here.part < 0) continue;
+    if (here.nx * there.nx + here.ny * there.ny + here.nz * there.nz < 0.8f) return true;
+    if (std::abs(here.depth - there.depth) > 20.0f) return true;
+  }
+  return false;
+}
+
+void RasterImage::draw_outlines() {
+  std::vector<std::size_t> outline;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      if (is_outline(x, y)) outline.push_back(static_cast<std::size_t>(y) * width_ + x);
+  const int reach = oversampling_ / 2;
+  for (std::size_t place : outline) {
+    const int y = static_cast<int>(place / width_), x = static_cast<int>(place % width_);
+    for (int row = std::max(0, y - reach); row <= std::min(height_ - 1, y + reach); ++row)
+      for (int column = std::max(0, x - reach); column <= std::min(width_ - 1, x + reach); ++column) {
+        Pixel& pixel = fine_[static_cast<std::size_t>(row) * width_ + column];
+        pixel.red = pixel.green = pixel.blue = 0.12f;
+      }
+  }
+}
+
+std::string RasterImage::pixels() const {
+  const int width = width_ / oversampling_, height = height_ / oversampling_;
+  std::string bytes;
+  bytes.reserve(static_cast<std::size_t>(3) * width * height);
+  const float samples = static_cast<float>(oversampling_ * oversampling_);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      float sum[3] = {0, 0, 0};
+      for (int j = 0; j < oversampling_; ++j)
+        for (int i = 0; i < oversampling_; ++i) {
+          const std::size_t place = (static_cast<std::size_t>(y) * oversampling_ + j) * width_ + x * oversampling_ + i;
+          sum[0] += fine_[place].red;
+          sum[1] += fine_[place].green;
+          sum[2] += fine_[place].blue;
+        }
+      for (float channel : sum)
+        bytes +=
+            static_cast<char>(static_cast<unsigned char>(std::lround(255 * std::clamp(channel / samples, 0.f, 1.f))));
+    }
+  return bytes;
+}
+
+std::vector<int> RasterImage::parts() const {
+  std::vector<int> parts;
+  for (int y = oversampling_ / 2; y < height_; y += oversampling_)
+    for (int x = oversampling_ / 2; x < width_; x += oversampling_)
+      parts.push_back(fine_[static_cast<std::size_t>(y) * width_ + x].part);
+  return parts;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,73 @@
+/// A small software renderer for the picture of the result: coloured triangles with a depth buffer, the lines of the
+/// body's own grid drawn on them, outlines where body, depth or direction change.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+/// Colour of a value; channels in [0,1].
+using ColourMap = std::array<double, 3> (*)(double value);
+
+/// Parallel projection; `right`, `up`, `eye` are orthonormal and right-handed, `eye` points to the viewer.
+struct Camera {
+  Vec3 right = Vec3::UnitX(), up = Vec3::UnitZ(), eye = -Vec3::UnitY();
+  double low[2] = {0, 0};  ///< lower left corner of the picture in (right, up), m
+  double pixels_per_metre = 1;
+};
+
+struct RasterVertex {
+  Vec3 position;  ///< m, where it is drawn
+  Vec3 grid;      ///< grid coordinates, for the grid lines
+  double value;   ///< gives the colour
+};
+
+class RasterImage {
+ public:
+  /// The image is drawn `oversampling` times finer in each direction and then averaged.
+  RasterImage(int width, int height, int oversampling, const Camera& camera, ColourMap colour);
+
+  /// `shading`: 0 paints the plain colour, 1 darkens faces that turn away from the viewer's light. `part` (a body, a
+  /// face) is what outlines separate.
+  void draw(const std::array<RasterVertex, 3>& triangle, int part, double shading);
+  void draw_outlines();
+  /// Bytes red, green, blue by row from the bottom, white where nothing was drawn.
+  std::string pixels() const;
+  /// The part seen in each pixel, by row from the bottom; -1: none.
+  std::vector<int> parts() const;
+
+ private:
+  struct Pixel {
+    float depth, red, green, blue;
+    float nx, ny, nz;
+    int part;
+  };
+  /// A triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
+  struct Screen {
+    double x[3], y[3], z[3];
+    Mat3 slope, grid;
+    Vec3 normal;
+    Vec3 cells_per_pixel;  ///< by axis, of the averaged image
+    Vec3 line_strength;    ///< of the grid lines across each axis
+    double shade;
+    int part;
+  };
+  /// False if the triangle is seen from behind or from the side.
+  bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
+  static std::array<int, 2> columns_of_row(const Screen& screen, int row, const std::array<int, 2>& columns);
+  void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row);
+  /// Fraction of the pixel that lies on a grid line.
+  static double line_cover(const Vec3& grid, const Screen& screen);
+  bool is_outline(int x, int y) const;
+
+  int width_, height_, oversampling_;
+  Camera camera_;
+  ColourMap colour_;
+  std::vector<Pixel> fine_;
+};
+
+}  // namespace cgcontact

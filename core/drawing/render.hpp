@@ -1,0 +1,29 @@
+/// A picture of triangles, drawn strip by strip so that it takes little memory, on all threads.
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/drawing/raster.hpp"
+
+namespace cgcontact {
+
+struct RasterTriangle {
+  std::array<RasterVertex, 3> vertices;  ///< counterclockwise seen from outside; seen from inside it is not drawn
+  int part = 0;                          ///< outlines separate parts
+};
+
+struct RenderedImage {
+  int width = 0, height = 0;
+  std::string pixels;      ///< bytes red, green, blue, by row from the bottom
+  std::vector<int> parts;  ///< of each pixel, -1: nothing there
+};
+
+/// Draws triangle(0) .. triangle(count - 1); `triangle` is called more than once for each, from several threads.
+/// `shading` as in RasterImage::draw.
+RenderedImage render(const std::array<int, 2>& size, const Camera& camera, ColourMap colour, double shading,
+                     std::size_t count, const std::function<RasterTriangle(std::size_t)>& triangle);
+
+}  // namespace cgcontact

@@ -1,0 +1,21 @@
+/// Boolean operations on solids of which at least one is bounded by triangles, by CGAL's corefinement in exact
+/// arithmetic. Operands without triangles are replaced by triangles first: planes as they are, spheres and cylinders by
+/// facets with their corners on the surface.
+#pragma once
+
+#include "core/geometry/csg.hpp"
+
+namespace cgcontact {
+
+struct TriangleBoolean {
+  Solid solid;             ///< bounded by triangles; faces keep their names
+  double facet_error = 0;  ///< m: facets are at most this far inside the sphere or cylinder they stand for; 0: none
+};
+
+/// a op b (unite, intersect, subtract). `cell_size` (m) of the body says how fine the facets are: at most half a cell
+/// long and a thousandth of a cell from their surface, as far as a million facets go. Where faces of both coincide, the
+/// result has the name of a's.
+/// Throws InputError if the result is empty, unbounded, or touches itself along an edge.
+TriangleBoolean combine_triangles(BooleanOp::Kind op, const Solid& a, const Solid& b, double cell_size);
+
+}  // namespace cgcontact

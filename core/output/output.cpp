@@ -1,0 +1,317 @@
+#include "core/output/output.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#include "core/base/parallel.hpp"
+#include "core/base/resources.hpp"
+#include "core/base/text.hpp"
+#include "core/drawing/drawn_body.hpp"
+#include "core/output/output_check.hpp"
+#include "core/output/output_csv.hpp"
+#include "core/output/output_page.hpp"
+#include "core/output/output_picture.hpp"
+#include "core/output/output_plots.hpp"
+#include "core/output/output_pressure_map.hpp"
+#include "core/output/output_vtk.hpp"
+#include "core/program/interruption.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path absolute_directory(const std::string& directory) {
+  fs::path path = fs::weakly_canonical(fs::absolute(directory)).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();  // a trailing slash
+  if (!path.has_filename())
+    throw InputError(fmt::format("cannot write results to {}: it is the root of the file system", directory));
+  return path;
+}
+
+/// Files of this program in an existing result directory; throws if it is something else.
+std::vector<std::string> old_files(const fs::path& directory) {
+  if (!fs::exists(directory)) {
+    if (fs::is_symlink(directory))
+      throw InputError(fmt::format("cannot write results to {}: it is a link to {}, which does not exist",
+                                   directory.string(), fs::read_symlink(directory).string()));
+    return {};
+  }
+  if (!fs::is_directory(directory))
+    throw InputError(fmt::format("cannot write results to {}: it is not a directory", directory.string()));
+  if (fs::is_empty(directory)) return {};
+  const fs::path report = directory / "report.json";
+  if (!fs::is_regular_file(report))
+    throw InputError(fmt::format("will not replace {}: it is not empty and holds no report.json of an earlier run",
+                                 directory.string()));
+  return files_of_report(report.string());
+}
+
+/// A directory that cannot be renamed.
+bool is_mount_point(const fs::path& path) {
+  struct statx info {};
+  return statx(AT_FDCWD, path.c_str(), 0, STATX_TYPE, &info) == 0 && (info.stx_attributes & STATX_ATTR_MOUNT_ROOT);
+}
+
+const char* const temporary_mark = ".tmp-";  ///< the number of the process follows
+const char* const aside_mark = ".old";       ///< an earlier result for the moment in which it is replaced
+
+/// Beside the target, so that one can be renamed to the other.
+std::string temporary_prefix(const fs::path& target) { return "." + target.filename().string() + temporary_mark; }
+fs::path temporary_name(const fs::path& target) {
+  return target.parent_path() / (temporary_prefix(target) + std::to_string(getpid()));
+}
+
+/// Moves what is not in `ours` to another directory, unless something of that name is there.
+void keep_foreign_files(const fs::path& from, const std::vector<std::string>& ours, const fs::path& to) {
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(from, error)) {
+    const std::string name = entry.path().filename().string();
+    if (std::find(ours.begin(), ours.end(), name) != ours.end() || fs::exists(to / name)) continue;
+    fs::rename(entry.path(), to / name, error);
+  }
+}
+
+/// A directory that a run holds with a lock as long as it lives, also on another machine in front of the same disk.
+class DirectoryLock {
+ public:
+  explicit DirectoryLock(const fs::path& path) : file_(open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    held_ = file_ >= 0 && flock(file_, LOCK_EX | LOCK_NB) == 0;
+  }
+  ~DirectoryLock() {
+    if (file_ >= 0) close(file_);
+  }
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
+  bool held() const { return held_; }
+
+ private:
+  int file_;
+  bool held_;
+};
+
+/// Removes what runs that were killed have left beside the target: those whose process has gone and whose lock is free.
+/// An earlier result that was about to be replaced returns to its place; files of the user in one go there.
+void remove_remains(const fs::path& target) {
+  const std::string prefix = temporary_prefix(target);
+  std::error_code error;
+  std::vector<fs::path> remains;
+  for (const fs::directory_entry& entry : fs::directory_iterator(target.parent_path(), error))
+    if (entry.path().filename().string().rfind(prefix, 0) == 0) remains.push_back(entry.path());
+  for (const fs::path& path : remains) {
+    const std::string rest = path.filename().string().substr(prefix.size());
+    char* end = nullptr;
+    const long process = std::strtol(rest.c_str(), &end, 10);
+    const bool aside = std::string(end) == aside_mark;
+    if (process <= 0 || (*end && !aside) || kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH) continue;
+    const DirectoryLock lock(path);
+    if (!lock.held()) continue;
+    const bool complete = fs::exists(path / "report.json", error);
+    if (aside && complete && !fs::exists(target, error)) {
+      fs::rename(path, target, error);
+      continue;
+    }
+    if (complete && fs::is_directory(target, error))
+      keep_foreign_files(path, files_of_report((path / "report.json").string()), target);
+    fs::remove_all(path, error);
+  }
+}
+
+/// The directory everything is written to first; removed with its contents unless it has been moved away.
+class TemporaryDirectory {
+ public:
+  explicit TemporaryDirectory(const fs::path& target)
+      : path_(temporary_name(target)), clean_up_(std::in_place, [this] { remove(); }) {
+    std::error_code error;
+    fs::create_directories(target.parent_path(), error);
+    remove();
+    error.clear();
+    fs::create_directory(path_, error);
+    if (error) throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.message()));
+    lock_.emplace(path_);
+  }
+  ~TemporaryDirectory() {
+    clean_up_.reset();
+    remove();
+  }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+
+  const fs::path& path() const { return path_; }
+  std::string file(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  /// Other threads may be writing to it.
+  void remove() const {
+    std::error_code error;
+    for (int attempt = 0; attempt < 10 && fs::exists(path_, error); ++attempt) fs::remove_all(path_, error);
+  }
+
+  fs::path path_;
+  std::optional<CleanUp> clean_up_;
+  std::optional<DirectoryLock> lock_;
+};
+
+/// Exchanges two directories in one step where the file system can, else in two.
+void exchange(const fs::path& a, const fs::path& b) {
+  if (renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0) return;
+  const fs::path aside = a.string() + aside_mark;
+  if (std::rename(b.c_str(), aside.c_str()) != 0)
+    throw InputError(fmt::format("cannot replace {}: {}", b.string(), std::strerror(errno)));
+  if (std::rename(a.c_str(), b.c_str()) != 0) {
+    const int reason = errno;
+    if (std::rename(aside.c_str(), b.c_str()) != 0)
+      throw InputError(fmt::format("cannot replace {}: the old result is now {}", b.string(), aside.string()));
+    throw InputError(fmt::format("cannot replace {}: {}", b.string(), std::strerror(reason)));
+  }
+  std::rename(aside.c_str(), a.c_str());
+}
+
+/// Puts the new result in the place of the old one; files that are not in `old` move to the new directory.
+void replace(const fs::path& written, const fs::path& target, const std::vector<std::string>& old) {
+  if (!fs::exists(target)) {
+    if (std::rename(written.c_str(), target.c_str()) != 0)
+      throw InputError(fmt::format("cannot write results to {}: {}", target.string(), std::strerror(errno)));
+    return;
+  }
+  exchange(written, target);
+  keep_foreign_files(written, old, target);
+}
+
+std::vector<DrawnBody> draw_bodies(const Results& results) {
+  std::vector<DrawnBody> drawn(results.bodies.size());
+  parallel_for("cgcontact::output::draw_bodies", drawn.size(), 1,
+               [&](std::size_t b) { drawn[b] = draw_body(results.bodies[b]); });
+  return drawn;
+}
+
+std::vector<BodyExtremes> extremes_of(const std::vector<DrawnBody>& bodies) {
+  std::vector<BodyExtremes> extremes;
+  for (const DrawnBody& body : bodies) {
+    BodyExtremes most;
+    for (std::size_t p = 0; p < body.position.size(); ++p) {
+      if (!body.displacement.empty() && body.displacement[p].norm() > most.displacement) {
+        most.displacement = body.displacement[p].norm();
+        most.displacement_at = body.position[p];
+      }
+      if (!body.stress.empty() && von_mises(body.stress[p]) > most.von_mises) {
+        most.von_mises = von_mises(body.stress[p]);
+        most.von_mises_at = body.position[p];
+      }
+    }
+    extremes.push_back(most);
+  }
+  return extremes;
+}
+
+/// Not of results that were put together without a model (tests).
+bool knows_contact_of_points(const Results& results) {
+  return std::all_of(results.bodies.begin(), results.bodies.end(), [](const BodyFields& body) {
+    return body.contact_of_point.size() == body.cut_cells->boundary.size();
+  });
+}
+
+std::vector<CheckedBody> checked_bodies(const Results& results) {
+  std::vector<CheckedBody> bodies;
+  for (const BodyFields& body : results.bodies) bodies.push_back({body.cut_cells, body.contact_of_point});
+  return bodies;
+}
+
+/// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
+PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
+  PageParts parts;
+  parts.directory = temporary.path().string();
+  GnuplotRuns runs(parts.directory);
+  if (scene.output.plots) write_plots(results, scene, runs);
+  if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
+  if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
+  if (scene.output.vtk || scene.output.plots) {
+    const std::vector<DrawnBody> drawn = draw_bodies(results);
+    const ContactSurface surface = make_contact_surface(results, drawn);
+    results.extremes = extremes_of(drawn);
+    const auto draw = [&] {
+      write_picture(results, drawn, runs);
+      if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), runs);
+      parts.pressure_maps = write_pressure_maps(results, surface, runs);
+    };
+    const auto write_fields = [&] {
+      write_vtk(results, drawn, temporary.file("result.vtkhdf"));
+      if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
+    };
+    parallel_for("cgcontact::output::files", 2, 1, [&](std::size_t task) {
+      if (task == 0 && scene.output.plots) draw();
+      if (task == 1 && scene.output.vtk) write_fields();
+    });
+  }
+  parts.warnings = runs.finish();
+  std::error_code error;
+  if (parts.warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
+  return parts;
+}
+
+}  // namespace
+
+void check_output_directory(const std::string& directory) try {
+  const fs::path target = absolute_directory(directory);
+  const char* const advice = "the directory is replaced as a whole; name one inside it";
+  std::error_code error;
+  if (fs::equivalent(target, fs::current_path(error), error))
+    throw InputError(fmt::format("cannot write results to {}: it is the working directory ({})", directory, advice));
+  if (is_mount_point(target))
+    throw InputError(fmt::format("cannot write results to {}: it is a mount point ({})", directory, advice));
+  old_files(target);
+  fs::path existing = target.parent_path();
+  while (!fs::exists(existing, error) && existing.has_relative_path()) existing = existing.parent_path();
+  const fs::path probe = temporary_name(existing / target.filename());
+  if (mkdir(probe.c_str(), 0777) != 0)
+    throw InputError(fmt::format("cannot write results to {}: no directory can be made in {}: {}", target.string(),
+                                 existing.string(), std::strerror(errno)));
+  rmdir(probe.c_str());
+} catch (const fs::filesystem_error& error) {
+  throw InputError(fmt::format("cannot write results to {}: {}", directory, error.code().message()));
+}
+
+std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory) {
+  const fs::path target = absolute_directory(directory);
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    remove_remains(target);
+    const std::vector<std::string> old = old_files(target);
+    const TemporaryDirectory temporary(target);
+    PageParts parts = write_files(results, scene, temporary);
+    std::vector<std::string>& files = parts.files;
+    files.emplace_back("report.json");
+    if (scene.output.report) files.emplace_back("report.html");
+    for (const fs::directory_entry& entry : fs::directory_iterator(temporary.path()))
+      files.push_back(entry.path().filename().string());
+    std::sort(files.begin(), files.end());
+    results.times_s.emplace_back("output",
+                                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    results.peak_memory_bytes = std::max(results.peak_memory_bytes, peak_memory_bytes());
+    if (scene.output.report) write_text(temporary.file("report.html"), page(results, parts));
+    write_report(results, files, parts.warnings, temporary.file("report.json"));
+    uninterrupted([&] {
+      replace(temporary.path(), target, old);
+      set_interruption_note("the results in " + directory + " are complete");
+    });
+    return parts.warnings;
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.code().message()));
+  }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,23 @@
+/// Writes the results of a run into a directory that is either the old one or the new one, never half of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/output/output_report.hpp"
+#include "core/results/results.hpp"
+#include "core/scene/scene.hpp"
+
+namespace cgcontact {
+
+/// Writes report.json and what the scene asks for (result.vtkhdf, contact.vtkhdf, contact.csv, pictures) to a temporary
+/// directory beside `directory` and exchanges the two. Files of the old directory that this program did not write are
+/// kept. Throws InputError if `directory` cannot be written or holds something that is not a result; it is then as it
+/// was before. Returns warnings (for example: no gnuplot, no pictures), which report.json holds too.
+std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory);
+
+/// Throws the InputError that write_results would throw for a directory that it may not replace or create; for use
+/// before a long run.
+void check_output_directory(const std::string& directory);
+
+}  // namespace cgcontact

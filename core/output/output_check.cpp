@@ -1,0 +1,603 @@
+#include "core/output/output_check.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "core/base/parallel.hpp"
+#include "core/base/text.hpp"
+#include "core/drawing/drawn_body.hpp"
+#include "core/drawing/render.hpp"
+#include "core/output/output_gnuplot.hpp"
+#include "core/output/output_vtk.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Rgb = std::array<double, 3>;
+
+constexpr int panel = 440, gap = 24, heading = 40, legend_width = 620;
+constexpr int line_height = 24, legend_columns = 66;
+/// Bodies that get rows of their own.
+constexpr std::size_t most_bodies = 12;
+/// Pixels: a face gets its number where it is at least this far from its border.
+constexpr int room_for_number = 7;
+constexpr int arrow_length = 56, arrow_gap = 14;
+
+/// A colour as one number, for the renderer.
+double packed(const Rgb& c) {
+  double value = 0;
+  for (double channel : c) value = 256 * value + std::round(255 * channel);
+  return value;
+}
+Rgb unpacked(double value) {
+  const auto v = static_cast<long>(std::lround(value));
+  return {static_cast<double>(v >> 16 & 255) / 255, static_cast<double>(v >> 8 & 255) / 255,
+          static_cast<double>(v & 255) / 255};
+}
+std::string hex(const Rgb& c) {
+  return fmt::format("#{:02x}{:02x}{:02x}", std::lround(255 * c[0]), std::lround(255 * c[1]), std::lround(255 * c[2]));
+}
+
+constexpr Rgb full_cell{0.66, 0.80, 0.91}, cut_cell{0.95, 0.66, 0.33}, cut_outside{0.99, 0.92, 0.82}, no_cell{1, 1, 1},
+    grid_line{0.62, 0.65, 0.70}, unknown_face{0.5, 0.5, 0.5};
+
+/// What holds on a region decides its hue, so that supports, loads and contact are told apart at a glance.
+enum class Role { free, support, load, contact };
+
+Role role_of(const FaceRegion& region) {
+  if (!region.loads.empty()) return Role::load;
+  if (!region.supports.empty()) return Role::support;  // also where a contact names the whole face
+  return region.contacts.empty() ? Role::free : Role::contact;
+}
+
+Rgb colour_of(Role role, int k) {
+  static const Rgb free[] = {{0.88, 0.87, 0.84}, {0.78, 0.77, 0.74}, {0.93, 0.92, 0.90}, {0.70, 0.69, 0.67}};
+  static const Rgb support[] = {{0.33, 0.55, 0.86}, {0.55, 0.73, 0.95}, {0.20, 0.38, 0.70}, {0.45, 0.50, 0.90}};
+  static const Rgb load[] = {{0.90, 0.36, 0.28}, {0.97, 0.60, 0.45}, {0.72, 0.20, 0.25}, {0.95, 0.45, 0.60}};
+  static const Rgb contact[] = {{0.30, 0.70, 0.40}, {0.58, 0.83, 0.52}, {0.13, 0.50, 0.33}, {0.45, 0.75, 0.65}};
+  switch (role) {
+    case Role::support:
+      return support[k % 4];
+    case Role::load:
+      return load[k % 4];
+    case Role::contact:
+      return contact[k % 4];
+    default:
+      return free[k % 4];
+  }
+}
+
+Rgb colour_of_body(std::size_t b) {
+  static const Rgb colours[] = {{0.45, 0.62, 0.80}, {0.90, 0.68, 0.40}, {0.55, 0.75, 0.55}, {0.78, 0.55, 0.70},
+                                {0.70, 0.70, 0.45}, {0.50, 0.72, 0.75}, {0.85, 0.58, 0.52}, {0.62, 0.60, 0.82}};
+  return colours[b % 8];
+}
+
+/// All that the panels draw from.
+struct Drawing {
+  const Scene& scene;
+  const std::vector<CheckedBody>& bodies;
+  const MarkedFaces& faces;
+  std::vector<DrawnBody> drawn;
+  std::vector<std::vector<int>> region_of_triangle;  ///< by body
+  std::vector<Rgb> region_colours;
+  std::string folder;  ///< of gnuplot's data
+};
+
+/// The plane of a panel: a picture and where it lies.
+struct Panel {
+  Camera camera;
+  std::array<int, 2> size;
+  double left, bottom;  ///< pixels in the whole picture
+};
+
+/// From above in front, or from below behind.
+void look_from(bool behind, Camera& camera) {
+  camera.eye = (behind ? -1.0 : 1.0) * Vec3(0.55, -0.75, 0.42).normalized();
+  camera.right = Vec3::UnitZ().cross(camera.eye).normalized();
+  camera.up = camera.eye.cross(camera.right);
+}
+
+/// Scales the camera so that the bodies fit the panel.
+void fit(const Drawing& drawing, const std::vector<std::size_t>& bodies, Panel& view) {
+  double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
+  for (std::size_t b : bodies)
+    for (const Vec3& x : drawing.drawn[b].position)
+      for (int k = 0; k < 2; ++k) {
+        const double place = (k == 0 ? view.camera.right : view.camera.up).dot(x);
+        low[k] = std::min(low[k], place);
+        high[k] = std::max(high[k], place);
+      }
+  const double largest = std::max({high[0] - low[0], high[1] - low[1], 1e-300});
+  view.size = {panel, panel};
+  view.camera.pixels_per_metre = 0.86 * panel / largest;
+  for (int k = 0; k < 2; ++k) view.camera.low[k] = (low[k] + high[k]) / 2 - panel / (2 * view.camera.pixels_per_metre);
+}
+
+/// Bodies coloured by `colour(body, triangle)`, parts by `part(body, triangle)`.
+template <class Colour, class Part>
+RenderedImage draw(const Drawing& drawing, const std::vector<std::size_t>& bodies, const Panel& view,
+                   const Colour& colour, const Part& part) {
+  std::vector<std::pair<std::size_t, std::size_t>> triangles;
+  for (std::size_t b : bodies)
+    for (std::size_t i = 0; i < drawing.drawn[b].mesh.boundary.size(); ++i) triangles.emplace_back(b, i);
+  const auto triangle = [&](std::size_t k) {
+    const auto [b, i] = triangles[k];
+    const DrawnBody& body = drawing.drawn[b];
+    RasterTriangle drawn;
+    drawn.part = part(b, i);
+    const double value = packed(colour(b, i));
+    for (int v = 0; v < 3; ++v) {
+      const int p = body.mesh.boundary[i].points[v];
+      drawn.vertices[v] = {body.position[p], body.mesh.points[p], value};
+    }
+    return drawn;
+  };
+  return render(view.size, view.camera, unpacked, 0.7, triangles.size(), triangle);
+}
+
+/// For each part the pixel farthest from its border and that distance.
+struct Spot {
+  int x = 0, y = 0, room = 0;
+};
+
+std::map<int, Spot> roomiest_pixels(const RenderedImage& image) {
+  const int w = image.width, h = image.height;
+  std::vector<int> room(image.parts.size());
+  const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * w + x; };
+  const auto neighbour = [&](int x, int y, int dx, int dy) {
+    const int nx = x + dx, ny = y + dy;
+    if (nx < 0 || ny < 0 || nx >= w || ny >= h || image.parts[at(nx, ny)] != image.parts[at(x, y)]) return 0;
+    return room[at(nx, ny)];
+  };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) room[at(x, y)] = 1 + std::min(neighbour(x, y, -1, 0), neighbour(x, y, 0, -1));
+  std::map<int, Spot> spots;
+  for (int y = h - 1; y >= 0; --y)
+    for (int x = w - 1; x >= 0; --x) {
+      room[at(x, y)] = std::min(room[at(x, y)], 1 + std::min(neighbour(x, y, 1, 0), neighbour(x, y, 0, 1)));
+      const int part = image.parts[at(x, y)];
+      if (part < 0) continue;
+      Spot& spot = spots[part];
+      if (room[at(x, y)] > spot.room) spot = {x, y, room[at(x, y)]};
+    }
+  return spots;
+}
+
+/// A script of gnuplot in pixels of the whole picture: panels are plotted, labels and arrows lie above them.
+struct Sheet {
+  std::string settings, panels;
+
+  void label(const std::string& text, double x, double y, const std::string& style) {
+    settings += fmt::format("set label {} at {},{} {}\n", gnuplot_text(text), x, y, style);
+  }
+};
+
+void add_panel(const Panel& view, const RenderedImage& image, const std::string& name, const std::string& title,
+               const std::string& folder, Sheet& sheet) {
+  write_text(folder + "/" + name + ".rgb", image.pixels);
+  sheet.label(title, view.left + panel / 2.0, view.bottom + panel + 14, "center font ',13' tc rgb '#404a58'");
+  sheet.panels += fmt::format("{}'{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) with rgbimage",
+                              sheet.panels.empty() ? "plot " : ", \\\n  ", name, image.width, image.height,
+                              view.left + 0.5, view.bottom + 0.5);
+}
+
+/// An arrow that ends a little before a pixel; nothing if it points at the viewer.
+void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const char* colour, Sheet& sheet) {
+  const double x = view.camera.right.dot(direction), y = view.camera.up.dot(direction), length = std::hypot(x, y);
+  if (!(length > 0.15 * direction.norm())) return;
+  const double tip[2] = {view.left + spot.x - arrow_gap * x / length, view.bottom + spot.y - arrow_gap * y / length};
+  sheet.settings +=
+      fmt::format("set arrow from {},{} to {},{} front filled size 11,22 lw 2.5 lc rgb '{}'\n",
+                  tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
+}
+
+/// The coordinate axes as they are seen and a length, at the lower corners of a panel.
+void add_axes_and_scale(const Panel& view, Sheet& sheet) {
+  constexpr double axis_length = 24, corner = 30, foot = 4;
+  const double x = view.left + corner, y = view.bottom + corner;
+  static const char* const names[] = {"x", "y", "z"};
+  for (int k = 0; k < 3; ++k) {
+    const double right = view.camera.right[k], up = view.camera.up[k];
+    sheet.settings += fmt::format("set arrow from {},{} to {},{} front filled size 7,20 lw 1.5 lc rgb '#303030'\n", x,
+                                  y, x + axis_length * right, y + axis_length * up);
+    sheet.label(names[k], x + (axis_length + 8) * right, y + (axis_length + 8) * up, "center front font ',11'");
+  }
+  const double length = round_down(0.3 * panel / view.camera.pixels_per_metre);
+  const double end = view.left + panel, begin = end - length * view.camera.pixels_per_metre, line = view.bottom + foot;
+  sheet.settings += fmt::format("set arrow from {},{} to {},{} heads front size 4,90 lw 1.5 lc rgb '#303030'\n", begin,
+                                line, end, line);
+  const DisplayUnit unit = length_unit(length);
+  sheet.label(short_number(length * unit.factor) + " " + unit.name, (begin + end) / 2, line + 10,
+              "center front font ',11'");
+}
+
+/// Mean prescribed displacement in global axes, zero where there is none.
+Vec3 prescribed(const FaceRegion& region) {
+  Vec3 u = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    if (region.low_displacement[k] <= region.high_displacement[k])
+      u[static_cast<Eigen::Index>(k)] = (region.low_displacement[k] + region.high_displacement[k]) / 2;
+  return u;
+}
+
+/// Numbers of the faces that can be seen, arrows for loads and prescribed displacements.
+void add_marks(const Drawing& drawing, const Panel& view, const RenderedImage& image, Sheet& sheet) {
+  for (const auto& [region, spot] : roomiest_pixels(image)) {
+    if (region >= static_cast<int>(drawing.faces.regions().size())) continue;
+    const FaceRegion& face = drawing.faces.regions()[region];
+    if (spot.room >= room_for_number)
+      sheet.label(std::to_string(region + 1), view.left + spot.x, view.bottom + spot.y,
+                  "center front boxed font ',13'");
+    if (face.force.norm() > 0) add_arrow(view, spot, face.force, "#a00010", sheet);
+    if (prescribed(face).norm() > 0) add_arrow(view, spot, prescribed(face), "#103a90", sheet);
+  }
+}
+
+std::string in_unit(double value, const DisplayUnit& unit) {
+  return short_number(value * unit.factor, 4) + " " + unit.name;
+}
+
+/// What holds on a face, in words.
+std::string conditions(const Scene& scene, const FaceRegion& region) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  for (int c : region.contacts) add("contact " + scene.contacts[c].name);
+  if (region.symmetry) add("symmetry");
+  static const char* const names[] = {"x", "y", "z", "normal"};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double low = region.low_displacement[k], high = region.high_displacement[k];
+    if (low > high) continue;
+    const DisplayUnit unit = length_unit(std::max(std::abs(low), std::abs(high)));
+    if (low == 0 && high == 0)
+      add(fmt::format("held: {} = 0", names[k]));
+    else
+      add(fmt::format("moved: {} = {}{}", names[k], low == high ? "" : short_number(low * unit.factor) + " .. ",
+                      in_unit(high, unit)));
+  }
+  if (!region.loads.empty()) {
+    const Vec3& f = region.force;
+    const DisplayUnit unit = force_unit(f.norm());
+    Vec3 shown = f * unit.factor;
+    for (double& c : shown)
+      if (std::abs(c) < 1e-9 * shown.norm()) c = 0;
+    add(fmt::format("load ({}, {}, {}) {}", short_number(shown[0]), short_number(shown[1]), short_number(shown[2]),
+                    unit.name));
+  }
+  return text.empty() ? "free" : text;
+}
+
+/// Lines of a legend from the top; each entry has a coloured square.
+class Legend {
+ public:
+  Legend(double left, double top, double bottom, Sheet& sheet)
+      : left_(left), line_(top), bottom_(bottom), sheet_(sheet) {}
+
+  void entry(const Rgb& colour, const std::string& text) {
+    const std::vector<std::string> lines = wrapped(text, "", legend_columns);
+    const double needed = line_height * static_cast<double>(lines.size() + 1);
+    if (line_ - needed < bottom_) {
+      ++left_out_;
+      return;
+    }
+    sheet_.settings +=
+        fmt::format("set object rectangle from {},{} to {},{} fs solid 1 border lc rgb '#505050' fc rgb '{}'\n", left_,
+                    line_ - 9, left_ + 20, line_ + 9, hex(colour));
+    for (const std::string& line : lines) label(line, left_ + 30);
+  }
+  void words(const std::string& text) { label(text, left_); }
+  void finish() {
+    if (left_out_ > 0) words(fmt::format("and {} more, see check_faces.vtkhdf", left_out_));
+  }
+
+ private:
+  void label(const std::string& line, double left) {
+    sheet_.label(line, left, line_, "left font ',12'");
+    line_ -= line_height;
+  }
+
+  double left_, line_, bottom_;
+  int left_out_ = 0;
+  Sheet& sheet_;
+};
+
+/// Colour of a point of a body's grid in the slice.
+Rgb slice_colour(const CutCells& cells, const Vec3& x, double cells_per_pixel, int axis) {
+  const Index3 c{static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
+                 static_cast<int>(std::floor(x[2]))};
+  bool in_grid = true;
+  for (int k = 0; k < 3; ++k) in_grid &= c[k] >= 0 && c[k] < cells.grid.num_cells[k];
+  if (!in_grid) return no_cell;
+  if (cells_per_pixel < 0.2)
+    for (int k = 0; k < 3; ++k)
+      if (k != axis && std::abs(x[k] - std::round(x[k])) < 0.55 * cells_per_pixel) return grid_line;
+  const int active = cells.find(c);
+  if (active < 0) return no_cell;
+  if (cells.cut_of_active[active] < 0) return full_cell;
+  return cells.solid.contains(x) ? cut_cell : cut_outside;
+}
+
+/// A slice through the middle of a body's grid, across the direction with the fewest cells.
+RenderedImage draw_slice(const CutCells& cells) {
+  const Index3& n = cells.grid.num_cells;
+  const int axis = static_cast<int>(std::min_element(n.begin(), n.end()) - n.begin());
+  const int right = axis == 0 ? 1 : 0, up = axis == 2 ? 1 : 2;
+  const double step = static_cast<double>(std::max(n[right], n[up])) / (0.94 * panel);
+  const double layer = n[axis] / 2 + 0.5;  // NOLINT(bugprone-integer-division): the middle of a cell
+  RenderedImage image{panel, panel, std::string(std::size_t{3} * panel * panel, '\0'), {}};
+  parallel_for("cgcontact::output_check::panel", panel, 8, [&](std::size_t row) {
+    for (int column = 0; column < panel; ++column) {
+      Vec3 x = Vec3::Constant(layer);
+      x[right] = n[right] / 2.0 + (column + 0.5 - panel / 2.0) * step;
+      x[up] = n[up] / 2.0 + (static_cast<double>(row) + 0.5 - panel / 2.0) * step;
+      const Rgb colour = slice_colour(cells, x, step, axis);
+      for (std::size_t k = 0; k < 3; ++k)
+        image.pixels[3 * (row * panel + static_cast<std::size_t>(column)) + k] =
+            static_cast<char>(static_cast<unsigned char>(std::lround(255 * colour[k])));
+    }
+  });
+  return image;
+}
+
+/// Both views of some bodies; `part` gives what is told apart.
+template <class Colour, class Part>
+void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, double bottom, const std::string& name,
+               const Colour& colour, const Part& part, bool numbered, Sheet& sheet) {
+  for (const bool behind : {false, true}) {
+    Panel view;
+    view.left = gap + (behind ? panel + gap : 0);
+    view.bottom = bottom;
+    look_from(behind, view.camera);
+    fit(drawing, bodies, view);
+    const RenderedImage image = draw(drawing, bodies, view, colour, part);
+    add_panel(view, image, name + (behind ? "_behind" : "_front"),
+              behind ? "from below, behind" : "from above, in front", drawing.folder, sheet);
+    add_axes_and_scale(view, sheet);
+    if (numbered) add_marks(drawing, view, image, sheet);
+  }
+}
+
+void add_heading(const std::string& text, double bottom, Sheet& sheet) {
+  sheet.label(text, gap, bottom + panel + 38, "left font ',16'");
+}
+
+void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
+  std::vector<std::size_t> all(drawing.drawn.size());
+  for (std::size_t b = 0; b < all.size(); ++b) all[b] = b;
+  add_heading(drawable_text(drawing.scene.title.empty() ? drawing.scene.file : drawing.scene.title), bottom, sheet);
+  add_views(
+      drawing, all, bottom, "scene", [](std::size_t b, std::size_t) { return colour_of_body(b); },
+      [](std::size_t b, std::size_t) { return static_cast<int>(b); }, false, sheet);
+  Legend legend(gap + 2.0 * (panel + gap), bottom + panel - 20, bottom, sheet);
+  for (std::size_t b = 0; b < drawing.drawn.size(); ++b) {
+    const CutCells& cells = *drawing.bodies[b].cut_cells;
+    legend.entry(colour_of_body(b), fmt::format("{}: {} cells of {}, {} of them cut", drawing.scene.bodies[b].name,
+                                                grouped(static_cast<long long>(cells.cells.size())),
+                                                in_unit(cells.grid.cell_size, length_unit(cells.grid.cell_size)),
+                                                grouped(static_cast<long long>(cells.moments.size()))));
+  }
+  std::set<int> contacts;
+  for (const FaceRegion& region : drawing.faces.regions())
+    contacts.insert(region.contacts.begin(), region.contacts.end());
+  for (int c : contacts) {
+    const ContactSpec& contact = drawing.scene.contacts[c];
+    legend.words(fmt::format("contact {}: {} and {}", contact.name, drawing.scene.bodies[contact.first.body].name,
+                             drawing.scene.bodies[contact.second.body].name));
+  }
+  legend.words("");
+  legend.words("Colours of the faces below:");
+  for (const auto& [role, name] : {std::pair<Role, const char*>{Role::support, "support (arrow: prescribed motion)"},
+                                   {Role::load, "load (arrow: its direction)"},
+                                   {Role::contact, "contact"},
+                                   {Role::free, "free"}})
+    legend.entry(colour_of(role, 0), name);
+  legend.finish();
+}
+
+/// A body from both sides with its faces numbered.
+void add_faces(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet) {
+  const auto region = [&](std::size_t body, std::size_t i) { return drawing.region_of_triangle[body][i]; };
+  const auto colour = [&](std::size_t body, std::size_t i) {
+    const int r = region(body, i);
+    return r < 0 ? unknown_face : drawing.region_colours[r];
+  };
+  const int none = static_cast<int>(drawing.faces.regions().size());
+  const auto part = [&](std::size_t body, std::size_t i) { return region(body, i) < 0 ? none : region(body, i); };
+  add_heading(drawing.scene.bodies[b].name, bottom, sheet);
+  add_views(drawing, {b}, bottom, fmt::format("body{}", b), colour, part, true, sheet);
+}
+
+void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet) {
+  add_faces(drawing, b, bottom, sheet);
+  const std::string name = fmt::format("body{}", b);
+  Panel slice;
+  slice.left = gap + 2.0 * (panel + gap);
+  slice.bottom = bottom;
+  add_panel(slice, draw_slice(*drawing.bodies[b].cut_cells), name + "_slice",
+            "slice through the grid: full cells blue, cut cells orange", drawing.folder, sheet);
+  Legend legend(gap + 3.0 * (panel + gap), bottom + panel - 10, bottom, sheet);
+  for (std::size_t r = 0; r < drawing.faces.regions().size(); ++r) {
+    const FaceRegion& face = drawing.faces.regions()[r];
+    if (face.body != static_cast<int>(b)) continue;
+    legend.entry(drawing.region_colours[r],
+                 fmt::format("{}  {}: {} ({})", r + 1, face.name, conditions(drawing.scene, face),
+                             in_unit(face.area, area_unit(face.area))));
+  }
+  legend.finish();
+}
+
+std::string script(const Drawing& drawing) {
+  const std::size_t shown = std::min(drawing.drawn.size(), most_bodies);
+  const int row = panel + heading + gap;
+  const int width = 4 * gap + 3 * panel + legend_width, height = row * static_cast<int>(shown + 1) + gap;
+  std::string text = fmt::format(
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
+      "'white'\nset output '../check.png'\n",
+      width, height);
+  text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
+  text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);
+  text += "set style textbox opaque margins 0.6,0.6 fc rgb 'white' border lc rgb '#505050'\n";
+  Sheet sheet;
+  add_overview(drawing, height - row, sheet);
+  for (std::size_t b = 0; b < shown; ++b) add_body(drawing, b, height - row * static_cast<int>(b + 2), sheet);
+  if (shown < drawing.drawn.size())
+    sheet.label(fmt::format("and {} more bodies, see check_faces.vtkhdf", drawing.drawn.size() - shown), gap, gap / 2.0,
+                "left");
+  return text + sheet.settings + sheet.panels + "\n";
+}
+
+/// Two views of each body, without legends.
+std::string conditions_script(const Drawing& drawing) {
+  const std::size_t shown = std::min(drawing.drawn.size(), most_bodies);
+  const int row = panel + heading + gap, key = 2 * line_height;
+  const int width = 3 * gap + 2 * panel, height = row * static_cast<int>(shown) + gap + key;
+  std::string text = fmt::format(
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
+      "'white'\nset output '../conditions.png'\n",
+      width, height);
+  text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
+  text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);
+  text += "set style textbox opaque margins 0.6,0.6 fc rgb 'white' border lc rgb '#505050'\n";
+  Sheet sheet;
+  for (std::size_t b = 0; b < shown; ++b) add_faces(drawing, b, height - row * static_cast<int>(b + 1), sheet);
+  double left = gap;
+  for (const auto& [role, name] : {std::pair<Role, const char*>{Role::support, "support"},
+                                   {Role::load, "load"},
+                                   {Role::contact, "contact"},
+                                   {Role::free, "free"}}) {
+    Legend legend(left, key, 0, sheet);
+    legend.entry(colour_of(role, 0), name);
+    left += 130;
+  }
+  sheet.label("arrows: loads red, prescribed motions blue", left, key, "left font ',12'");
+  return text + sheet.settings + sheet.panels + "\n";
+}
+
+std::vector<int> regions_of_triangles(const MarkedFaces& faces, int b, const DrawnBody& drawn, const CutCells& cells) {
+  std::vector<int> regions;
+  for (const BoundaryTriangle& triangle : drawn.mesh.boundary) {
+    const Vec3 &a = drawn.position[triangle.points[0]], &p = drawn.position[triangle.points[1]],
+               &q = drawn.position[triangle.points[2]];
+    const bool known = triangle.surface < static_cast<int>(cells.solid.surfaces().size());
+    regions.push_back(
+        known ? faces.region_at(b, triangle.cell, triangle.surface, (a + p + q) / 3, (p - a).cross(q - a).normalized())
+              : -1);
+  }
+  return regions;
+}
+
+/// Draws the bodies and ties their triangles to the regions of the boundary.
+Drawing make_drawing(const Scene& scene, const std::vector<CheckedBody>& bodies, const MarkedFaces& faces) {
+  Drawing drawing{
+      scene, bodies, faces, std::vector<DrawnBody>(bodies.size()), std::vector<std::vector<int>>(bodies.size()),
+      {},    ""};
+  parallel_for("cgcontact::output_check::draw_bodies", bodies.size(), 1, [&](std::size_t b) {
+    BodyFields fields;
+    fields.cut_cells = bodies[b].cut_cells;
+    drawing.drawn[b] = draw_body(fields, clip_boundary(*fields.cut_cells));
+    drawing.region_of_triangle[b] =
+        regions_of_triangles(faces, static_cast<int>(b), drawing.drawn[b], *bodies[b].cut_cells);
+  });
+  std::map<std::pair<int, Role>, int> shades;
+  for (const FaceRegion& region : faces.regions()) {
+    const Role role = role_of(region);
+    drawing.region_colours.push_back(colour_of(role, shades[{region.body, role}]++));
+  }
+  return drawing;
+}
+
+/// A cell array over all triangles; first(region) gives the value.
+template <class First>
+BoundaryArray region_array(const Drawing& drawing, const std::string& name, const std::string& names,
+                           const First& first) {
+  BoundaryArray array{name, names, {}};
+  for (const std::vector<int>& regions : drawing.region_of_triangle)
+    for (int r : regions) array.values.push_back(r < 0 ? -1 : first(r, drawing.faces.regions()[r]));
+  return array;
+}
+
+void write_faces(const Drawing& drawing, const std::string& file_name) {
+  std::string names;
+  for (std::size_t r = 0; r < drawing.faces.regions().size(); ++r)
+    names += fmt::format("{}{} {}", r ? ", " : "", r + 1, drawing.faces.regions()[r].name);
+  const auto first = [](const std::vector<int>& list) { return list.empty() ? -1 : list.front(); };
+  write_vtk_boundary(
+      drawing.drawn,
+      {region_array(drawing, "body", "", [](int, const FaceRegion& r) { return r.body; }),
+       region_array(drawing, "face", names, [](int index, const FaceRegion&) { return index + 1; }),
+       region_array(drawing, "support", "", [&](int, const FaceRegion& r) { return first(r.supports); }),
+       region_array(drawing, "load", "", [&](int, const FaceRegion& r) { return first(r.loads); }),
+       region_array(drawing, "contact", "", [&](int, const FaceRegion& r) { return first(r.contacts); })},
+      file_name);
+}
+
+/// Files are written here first and then moved, so that each is the old one or the new one.
+class Workshop {
+ public:
+  explicit Workshop(const fs::path& directory) : path_(directory / fmt::format(".check.tmp-{}", getpid())) {
+    fs::create_directories(path_ / "plots");
+  }
+  ~Workshop() {
+    std::error_code error;
+    fs::remove_all(path_, error);
+  }
+  Workshop(const Workshop&) = delete;
+  Workshop& operator=(const Workshop&) = delete;
+  fs::path path() const { return path_; }
+  void deliver(const std::string& name, const fs::path& directory) const {
+    if (fs::exists(path_ / name)) fs::rename(path_ / name, directory / name);
+  }
+
+ private:
+  fs::path path_;
+};
+
+}  // namespace
+
+std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
+                                           GnuplotRuns& runs) {
+  const MarkedFaces faces(scene, bodies);
+  Drawing drawing = make_drawing(scene, bodies, faces);
+  drawing.folder = runs.directory() + "/plots";
+  runs.start("conditions", conditions_script(drawing), {"conditions.png"});
+  std::vector<ConditionFace> list;
+  for (std::size_t r = 0; r < faces.regions().size(); ++r) {
+    const FaceRegion& face = faces.regions()[r];
+    if (role_of(face) != Role::free)
+      list.push_back({static_cast<int>(r) + 1, face.name, conditions(scene, face), face.area});
+  }
+  return list;
+}
+
+std::vector<std::string> write_check(const Scene& scene, const std::vector<CheckedBody>& bodies,
+                                     const std::string& directory) try {
+  const Workshop workshop(directory);
+  const MarkedFaces faces(scene, bodies);
+  Drawing drawing = make_drawing(scene, bodies, faces);
+  drawing.folder = (workshop.path() / "plots").string();
+  GnuplotRuns runs(workshop.path().string());
+  runs.start("check", script(drawing), {"check.png"});
+  std::vector<const CutCells*> cut_cells;
+  for (const CheckedBody& body : bodies) cut_cells.push_back(body.cut_cells);
+  write_vtk_cells(drawing.drawn, cut_cells, (workshop.path() / "check_cells.vtkhdf").string());
+  write_faces(drawing, (workshop.path() / "check_faces.vtkhdf").string());
+  std::vector<std::string> warnings;
+  if (!runs.finish().empty())
+    warnings.emplace_back("no check.png: the program gnuplot was not found (Debian package gnuplot-nox) or failed");
+  for (const char* name : {"check.png", "check_faces.vtkhdf", "check_cells.vtkhdf"}) workshop.deliver(name, directory);
+  return warnings;
+} catch (const fs::filesystem_error& error) {
+  throw InputError(fmt::format("cannot write to {}: {}", directory, error.code().message()));
+}
+
+}  // namespace cgcontact

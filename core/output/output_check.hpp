@@ -1,0 +1,34 @@
+/// The picture and the ParaView files of `cgcontact check --out DIR`.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/drawing/marked_faces.hpp"
+#include "core/output/output_gnuplot.hpp"
+
+namespace cgcontact {
+
+/// Writes into `directory` (made if it is missing; other files in it stay):
+/// - check.png: the scene with its bodies in different colours; each body from two sides with its faces numbered and
+///   coloured by what holds there (support, load, contact), and a slice through its grid with the cut cells; legends.
+/// - check_faces.vtkhdf: the boundary; cell arrays body, face (the numbers of the picture), support, load, contact.
+/// - check_cells.vtkhdf: the cells; cell arrays body, cell, cut, volume_fraction.
+/// Returns warnings (no gnuplot, no picture). Throws InputError if the files cannot be written; the old ones are then
+/// still there.
+std::vector<std::string> write_check(const Scene& scene, const std::vector<CheckedBody>& bodies,
+                                     const std::string& directory);
+
+/// A face of a picture of draw_conditions.
+struct ConditionFace {
+  int number = 0;               ///< in the picture
+  std::string name, condition;  ///< "body.face"; what holds there, in words
+  double area = 0;              ///< m^2
+};
+
+/// Starts conditions.png: each body from two sides, its faces numbered and coloured by what holds there, with arrows
+/// for loads and prescribed motions. Returns the faces on which something holds.
+std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
+                                           GnuplotRuns& runs);
+
+}  // namespace cgcontact

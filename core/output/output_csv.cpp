@@ -1,0 +1,51 @@
+#include "core/output/output_csv.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "core/base/text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+/// Significant digits: results of the same scene in other axes, units or on other machines agree to 1e-9 or so; more
+/// digits are rounding.
+constexpr int digits = 10;
+
+}  // namespace
+
+void write_contact_csv(const Results& results, const std::string& file_name) {
+  std::vector<std::string> names, pairs;
+  for (const BodyFields& body : results.bodies) names.push_back(csv_text(body.name));
+  for (const PairFigures& pair : results.pairs) pairs.push_back(csv_text(pair.name));
+  std::string text =
+      "body,pair,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active\n";
+  for (const ContactRow& row : results.contact_rows) {
+    text += names.at(row.body) + "," + pairs.at(row.pair);
+    for (const double value : {row.x[0], row.x[1], row.x[2], row.normal[0], row.normal[1], row.normal[2], row.weight,
+                               row.gap, row.pressure_raw, row.pressure_spr, row.pressure_sprc, row.pressure_error})
+      fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
+    text += row.active ? ",1\n" : ",0\n";
+  }
+  write_text(file_name, text);
+}
+
+void write_steps_csv(const Results& results, const std::string& file_name) {
+  std::string text =
+      "step,loads,displacements,interference,contact,force,force_x,force_y,force_z,area,max_pressure,active_points,"
+      "converged\n";
+  for (std::size_t k = 0; k < results.steps.size(); ++k) {
+    const StepFigures& s = results.steps[k];
+    for (const PairFigures& pair : s.pairs) {
+      const Vec3& f = pair.force_on_first;
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", k + 1, s.step.loads,
+                     s.step.displacements, s.step.interference, csv_text(pair.name), f.norm(), f[0], f[1], f[2],
+                     pair.area, pair.max_pressure, pair.active_points, s.converged ? 1 : 0);
+    }
+  }
+  write_text(file_name, text);
+}
+
+}  // namespace cgcontact

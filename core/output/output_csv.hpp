@@ -1,0 +1,16 @@
+/// contact.csv: one line per boundary point of the contact faces; steps.csv: one per step and contact pair.
+#pragma once
+
+#include <string>
+
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// SI units (x, y, z, gap: m; weight: m^2; pressures: Pa, positive in compression), ten significant digits.
+void write_contact_csv(const Results& results, const std::string& file_name);
+
+/// Force on the first body of the pair (N), area (m^2), largest pressure (Pa).
+void write_steps_csv(const Results& results, const std::string& file_name);
+
+}  // namespace cgcontact

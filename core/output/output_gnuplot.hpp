@@ -1,0 +1,71 @@
+/// What all pictures share: running gnuplot, colours, units.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/program/interruption.hpp"
+
+namespace cgcontact {
+
+/// The pictures of one result directory: each run of gnuplot starts as soon as its data are written and goes on beside
+/// the program. Scripts and data lie in the folder `plots` of the directory.
+class GnuplotRuns {
+ public:
+  explicit GnuplotRuns(const std::string& directory);
+  ~GnuplotRuns();
+  GnuplotRuns(const GnuplotRuns&) = delete;
+  GnuplotRuns& operator=(const GnuplotRuns&) = delete;
+
+  const std::string& directory() const { return directory_; }
+  /// Writes `script` as `name`.gp and starts gnuplot on it; `pictures` (in the directory) must exist in the end.
+  void start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures);
+  void warn(const std::string& warning);
+  /// Waits for all runs. Failures are warnings, their scripts and data stay.
+  const std::vector<std::string>& finish();
+
+ private:
+  struct Run {
+    std::string name;
+    std::vector<std::string> pictures;
+    int child;  ///< 0: it has ended
+  };
+  void kill_all();
+
+  const std::string directory_;
+  std::vector<Run> runs_;
+  std::vector<std::string> warnings_;
+  const CleanUp clean_up_;
+};
+
+/// Colour of a value in [0,1], from blue to red; channels in [0,1].
+std::array<double, 3> palette_colour(double value);
+/// The same as a gnuplot command.
+std::string gnuplot_palette();
+
+/// Text for gnuplot in single quotes: in double quotes it would run commands in backquotes. Nothing in it is
+/// interpreted if the terminal is set to noenhanced.
+std::string gnuplot_text(const std::string& text);
+
+/// The text for a PNG: squares in place of letters that its font may not have.
+std::string drawable_text(const std::string& text);
+
+/// Letters of a name in a legend, so that a plot keeps its width.
+constexpr int longest_entry = 24;
+
+/// Height in pixels of a font of so many points in the terminal pngcairo; in svg points are pixels.
+constexpr double png_pixels(double points) { return points * 4 / 3; }
+
+/// About the width in pixels of a text in a font of that height.
+double gnuplot_width(const std::string& text, double pixels);
+
+/// A heading for "set title" in lines that fit `width` pixels in a font of that height; longer than four lines it ends
+/// in dots.
+struct GnuplotTitle {
+  std::string text;  ///< in quotes
+  int lines = 1;
+};
+GnuplotTitle gnuplot_title(const std::string& text, int width, double pixels);
+
+}  // namespace cgcontact

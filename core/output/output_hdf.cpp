@@ -1,0 +1,126 @@
+#include "core/output/output_hdf.hpp"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/base/text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr hsize_t rows_per_chunk = 1 << 16;
+
+/// Fails on the negative values by which HDF5 reports errors; they mean lack of memory or a mistake of ours.
+template <class Id>
+Id check(Id id, const char* what) {
+  if (id < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", what));
+  return id;
+}
+
+/// An HDF5 handle and the function that closes it.
+struct Handle {
+  hid_t id;
+  herr_t (*close)(hid_t);
+  Handle(hid_t id_, herr_t (*close_)(hid_t), const char* what) : id(check(id_, what)), close(close_) {}
+  ~Handle() { close(id); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+};
+
+template <class T>
+hid_t type_of();
+template <>
+hid_t type_of<unsigned char>() {
+  return H5T_NATIVE_UCHAR;
+}
+template <>
+hid_t type_of<int>() {
+  return H5T_NATIVE_INT;
+}
+template <>
+hid_t type_of<long long>() {
+  return H5T_NATIVE_LLONG;
+}
+template <>
+hid_t type_of<float>() {
+  return H5T_NATIVE_FLOAT;
+}
+template <>
+hid_t type_of<double>() {
+  return H5T_NATIVE_DOUBLE;
+}
+
+}  // namespace
+
+HdfFile::HdfFile() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare a file");
+  check(H5Pset_fapl_core(access.id, std::size_t{1} << 22, 0), "prepare a file in memory");
+  file_ = check(H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access.id), "create a file in memory");
+}
+
+HdfFile::~HdfFile() { H5Fclose(file_); }
+
+void HdfFile::make_group(const std::string& path) {
+  Handle(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "create a group");
+}
+
+void HdfFile::set_attribute(const std::string& group, const std::string& name, const std::string& value) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "copy a type");
+  check(H5Tset_size(type.id, value.size()), "set a string's length");
+  check(H5Tset_strpad(type.id, H5T_STR_NULLPAD), "set a string's padding");
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "create a space");
+  const Handle attribute(
+      H5Acreate_by_name(file_, group.c_str(), name.c_str(), type.id, space.id, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose, "create an attribute");
+  check(H5Awrite(attribute.id, type.id, value.data()), "write an attribute");
+}
+
+void HdfFile::set_attribute(const std::string& group, const std::string& name, const std::vector<long long>& values) {
+  const hsize_t size = values.size();
+  const Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, "create a space");
+  const Handle attribute(H5Acreate_by_name(file_, group.c_str(), name.c_str(), H5T_NATIVE_LLONG, space.id, H5P_DEFAULT,
+                                           H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, "create an attribute");
+  check(H5Awrite(attribute.id, H5T_NATIVE_LLONG, values.data()), "write an attribute");
+}
+
+template <class T>
+void HdfFile::write(const std::string& path, const std::vector<T>& values, int columns) {
+  const hsize_t width = std::max(columns, 1);
+  const hsize_t size[2] = {values.size() / width, width};
+  const int rank = columns > 0 ? 2 : 1;
+  const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, "create a space");
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "prepare a data set");
+  check(H5Pset_obj_track_times(properties.id, false), "leave out the time");  // equal runs give equal files
+  if (size[0] > 1 && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
+    const hsize_t chunk[2] = {std::min(size[0], rows_per_chunk), width};
+    check(H5Pset_chunk(properties.id, rank, chunk), "set a chunk size");
+    check(H5Pset_shuffle(properties.id), "set up compression");
+    check(H5Pset_deflate(properties.id, 1), "set up compression");
+  }
+  const Handle set(H5Dcreate2(file_, path.c_str(), type_of<T>(), space.id, H5P_DEFAULT, properties.id, H5P_DEFAULT),
+                   H5Dclose, "create a data set");
+  if (!values.empty())
+    check(H5Dwrite(set.id, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a data set");
+}
+
+template void HdfFile::write(const std::string&, const std::vector<unsigned char>&, int);
+template void HdfFile::write(const std::string&, const std::vector<int>&, int);
+template void HdfFile::write(const std::string&, const std::vector<long long>&, int);
+template void HdfFile::write(const std::string&, const std::vector<float>&, int);
+template void HdfFile::write(const std::string&, const std::vector<double>&, int);
+
+void HdfFile::save(const std::string& file_name) {
+  check(H5Fflush(file_, H5F_SCOPE_GLOBAL), "flush a file");
+  const ssize_t size = check(H5Fget_file_image(file_, nullptr, 0), "size a file");
+  std::string image(static_cast<std::size_t>(size), '\0');
+  check(H5Fget_file_image(file_, image.data(), image.size()), "copy a file");
+  write_text(file_name, image);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,580 @@
+#include "core/output/output_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <numeric>
+
+#include "core/base/text.hpp"
+#include "core/output/output_page_style.hpp"
+#include "core/output/output_plots.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+/// A part of the resultants below this fraction of the largest one is rounding, or what the linear solver leaves.
+constexpr double no_force = 1e-6;
+/// Estimates below this are rounding.
+constexpr double rounding = 1e-9;
+
+struct Explanation {
+  const char *name, *text;
+};
+
+constexpr Explanation patch_kinds[] = {{"interior", "inside a body, touches no face"},
+                                       {"boundary", "touches a free face, or a contact face where it is open"},
+                                       {"loaded", "touches a face with a load"},
+                                       {"symmetry", "touches a face with symmetry or a prescribed normal displacement"},
+                                       {"support", "touches another support"},
+                                       {"contact", "touches closed contact"},
+                                       {"contact_edge", "the edge of the contact zone runs through it"}};
+
+constexpr Explanation patch_statuses[] = {
+    {"exact", "equilibrium, loads and contact conditions are met exactly"},
+    {"truncated", "redundant conditions were dropped, the others are met exactly; usual at edges and corners"},
+    {"degree_lowered", "too little material for a polynomial of degree 2, degree 1 was used"},
+    {"conflicting",
+     "the conditions contradict each other (loads that disagree at an edge) and are met in the mean only: "
+     "look at the stress there with care"},
+    {"uncoupled", "closed contact, but too little material of the other body: no pressure was taken from there"},
+    {"edge_unclear", "the edge of the contact zone runs through the patch but could not be placed"},
+    {"balanced",
+     "the pressure did not carry the forces that the solution transmits (corners, knife edges, fillets of few cells) "
+     "and was changed until it does: smaller cells are needed for its details"},
+    {"singular", "too little material for a polynomial: the mean stress was used"}};
+
+template <std::size_t n>
+std::string explain(const Explanation (&table)[n], const std::string& name) {
+  for (const Explanation& entry : table)
+    if (name == entry.name) return entry.text;
+  return "";
+}
+
+/// The name of a unit as people write it.
+std::string pretty(const std::string& unit) {
+  std::string text = unit;
+  if (text.size() > 2 && text.compare(text.size() - 2, 2, "^2") == 0) text.replace(text.size() - 2, 2, "²");
+  if (text[0] == 'u') text.replace(0, 1, "µ");
+  return text;
+}
+
+/// A figure with its value in SI as data.
+std::string figure(double si, const std::string& shown) {
+  return fmt::format("<data value=\"{}\">{}</data>", si, std::isfinite(si) ? shown : "not a number");
+}
+
+std::string figure(double si, const DisplayUnit& unit, int digits = 4) {
+  return figure(si, short_number(si * unit.factor, digits) + "&#160;" + pretty(unit.name));
+}
+
+std::string count(long long n) { return fmt::format("<data value=\"{}\">{}</data>", n, grouped(n)); }
+
+/// Nobody wants to read the digits of rounding.
+std::string percent(double fraction) {
+  return figure(fraction, std::abs(fraction) < rounding ? "below 1e-7&#160;%" : percent_number(fraction) + "&#160;%");
+}
+
+/// The estimated error of a pair's force or pressure, as far as there is one.
+std::string estimate(const Results& results, const PairFigures& pair, const std::optional<double>& error) {
+  const std::size_t k = static_cast<std::size_t>(&pair - results.pairs.data());
+  if (pair.active_points == 0) return "-";
+  if (!error) return "not resolved";
+  if (error == 0 && pair.force_given_by_loads) return figure(0, "given by the loads");
+  const bool coarse =
+      k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
+  return coarse ? figure(*error, "not resolved") : percent(*error);
+}
+
+/// The largest of all forces: of loads, supports, pairs, and what the pressures of a pair would give if all had one
+/// direction (those of a shrink fit add up to nothing).
+double force_scale(const Results& results) {
+  double scale = 0;
+  for (const PairFigures& pair : results.pairs)
+    scale = std::max({scale, pair.force_on_first.norm(), pair.max_pressure * pair.area});
+  for (const LoadFigures& load : results.loads) scale = std::max(scale, load.force.norm());
+  for (const SupportFigures& support : results.supports) scale = std::max(scale, support.force.norm());
+  return scale;
+}
+
+std::string stress(double pa) { return figure(pa, stress_unit(std::abs(pa)), 4); }
+std::string force(double newton, double scale = 0) {
+  return std::abs(newton) <= no_force * scale ? figure(newton, "0") : figure(newton, force_unit(std::abs(newton)), 5);
+}
+std::string seconds(double s) { return figure(s, fmt::format("{:.2f}&#160;s", s)); }
+
+/// Cells of a table for the components of a force, all in one unit; those that are rounding of `scale` are zero.
+std::string components(const Vec3& f, double scale) {
+  const DisplayUnit unit = force_unit(f.cwiseAbs().maxCoeff() <= no_force * scale ? 0 : f.cwiseAbs().maxCoeff());
+  std::string cells;
+  for (double c : f)
+    cells +=
+        "<td>" +
+        figure(c, std::abs(c) <= no_force * scale ? "0" : short_number(c * unit.factor, 5) + "&#160;" + unit.name) +
+        "</td>";
+  return cells;
+}
+
+/// "(12.5, 0, -3) mm"; the value in SI of each component as data. Components that are rounding beside the others are 0.
+std::string place(const Vec3& x) {
+  const double size = x.cwiseAbs().maxCoeff();
+  const DisplayUnit unit = length_unit(size);
+  std::string text = "(";
+  for (int k = 0; k < 3; ++k)
+    text += (k ? ", " : "") + figure(x[k], std::abs(x[k]) <= 1e-9 * size ? "0" : short_number(x[k] * unit.factor, 4));
+  return text + ")&#160;" + pretty(unit.name);
+}
+
+/// The pages's building blocks. All take HTML; names and titles go through html_text before.
+std::string section(const std::string& id, const std::string& title, const std::string& content) {
+  return content.empty() ? "" : fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}</section>\n", id, title, content);
+}
+
+std::string paragraph(const std::string& text) { return "<p>" + text + "</p>\n"; }
+std::string note(const std::string& text) { return "<p class=\"note\">" + text + "</p>\n"; }
+std::string cell(const std::string& text) { return "<td>" + text + "</td>"; }
+std::string name_cell(const std::string& text) { return "<th scope=\"row\">" + text + "</th>"; }
+
+/// `rows`: cells of each row; a class may be given to the whole table.
+std::string table(const std::vector<std::string>& head, const std::vector<std::string>& rows,
+                  const std::string& style = "") {
+  std::string text = "<div class=\"wide\"><table" + (style.empty() ? "" : " class=\"" + style + "\"") + "><thead><tr>";
+  for (const std::string& title : head) text += "<th scope=\"col\">" + title + "</th>";
+  text += "</tr></thead><tbody>\n";
+  for (const std::string& row : rows) text += "<tr>" + row + "</tr>\n";
+  return text + "</tbody></table></div>\n";
+}
+
+/// A cell with a bar of this fraction of its width.
+std::string bar(double fraction, const std::string& style = "bar") {
+  return fmt::format("<td class=\"{}\"><span style=\"width:{:.1f}%\"></span></td>", style,
+                     std::isfinite(fraction) ? 100 * std::clamp(fraction, 0.0, 1.0) : 0.0);
+}
+
+/// The picture itself as data; empty if the file is missing.
+std::string picture(const std::string& directory, const std::string& file, const std::string& description,
+                    const std::string& caption) {
+  const std::filesystem::path path = std::filesystem::path(directory) / file;
+  if (file.empty() || !std::filesystem::exists(path)) return "";
+  const char* const type = path.extension() == ".svg" ? "svg+xml" : "png";
+  return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"/>", html_text(description), type,
+                     base64(read_text(path.string()))) +
+         (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") + "</figure>\n";
+}
+
+/// Class and heading of the verdict's box: only contact that is resolved is green.
+std::pair<const char*, const char*> verdict_heading(const Results& results) {
+  switch (results.verdict.state) {
+    case Verdict::State::not_resolved:
+      return {"doubtful", "Solved, but not resolved"};
+    case Verdict::State::contact_missed:
+      return {"bad", "Contact missed"};
+    case Verdict::State::no_contact:
+      if (results.pairs.empty()) return {"good", "Solved"};
+      return {"doubtful", "Solved, without contact"};
+    default:
+      return {"good", "Solved"};
+  }
+}
+
+/// "the zone ..." -> "The zone ..."
+std::string sentence(std::string text) {
+  if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+  return text;
+}
+
+std::string verdict(const Results& results, const std::vector<std::string>& warnings) {
+  std::string text;
+  if (results.converged) {
+    const auto [style, heading] = verdict_heading(results);
+    text += fmt::format("<div class=\"verdict {}\"><strong>{}.</strong> ", style, heading);
+    if (!results.verdict.text.empty()) text += html_text(sentence(results.verdict.text)) + ". ";
+    text += fmt::format("Converged after {} outer iteration{}", results.outer_iterations,
+                        results.outer_iterations == 1 ? "" : "s");
+    if (!results.outer_residuals.empty()) text += fmt::format("; last residual {:.1e}", results.outer_residuals.back());
+    text += ".</div>\n";
+  } else {
+    text += "<div class=\"verdict bad\"><strong>Did not converge.</strong> " + html_text(results.diagnosis) +
+            ". The figures below are those of the last iteration: do not use them as results.</div>\n";
+  }
+  if (warnings.empty()) return text + note("No warnings.");
+  text += fmt::format("<div class=\"warnings\"><strong>{} warning{}</strong><ul>\n", warnings.size(),
+                      warnings.size() == 1 ? "" : "s");
+  for (const std::string& warning : warnings) text += "<li>" + html_text(warning) + "</li>\n";
+  return text + "</ul></div>\n";
+}
+
+std::string tile(const std::string& label, const std::string& value, const std::string& remark) {
+  return "<div class=\"tile\"><span>" + label + "</span><b>" + value + "</b><span>" + remark + "</span></div>\n";
+}
+
+/// The body with the largest value.
+template <class Value>
+std::size_t largest(const std::vector<BodyExtremes>& bodies, const Value& value) {
+  return static_cast<std::size_t>(
+      std::max_element(bodies.begin(), bodies.end(),
+                       [&](const BodyExtremes& a, const BodyExtremes& b) { return value(a) < value(b); }) -
+      bodies.begin());
+}
+
+/// Of the pair with the largest force, and of the bodies.
+std::string tiles(const Results& results) {
+  std::string text = "<div class=\"tiles\">\n";
+  if (!results.pairs.empty()) {
+    const PairFigures& pair = *std::max_element(
+        results.pairs.begin(), results.pairs.end(),
+        [](const PairFigures& a, const PairFigures& b) { return a.force_on_first.norm() < b.force_on_first.norm(); });
+    const std::string of = results.pairs.size() > 1 ? "of " + html_text(pair.name) + ", " : "";
+    text += tile("Contact force", force(pair.force_on_first.norm()),
+                 of + "estimated error " + estimate(results, pair, pair.force_error_estimate));
+    text += tile("Largest contact pressure", stress(pair.max_pressure),
+                 of + "mean error " + estimate(results, pair, pair.pressure_error_estimate));
+    text += tile("Contact area", figure(pair.area, area_unit(pair.area)),
+                 of + fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points)));
+  }
+  if (!results.extremes.empty() && results.extremes.size() == results.bodies.size()) {
+    const std::size_t s = largest(results.extremes, [](const BodyExtremes& body) { return body.von_mises; });
+    const std::size_t u = largest(results.extremes, [](const BodyExtremes& body) { return body.displacement; });
+    const BodyExtremes &stressed = results.extremes[s], &moved = results.extremes[u];
+    text += tile("Largest von Mises stress", stress(stressed.von_mises),
+                 "recovered, in " + html_text(results.bodies[s].name) + " at " + place(stressed.von_mises_at));
+    text += tile("Largest displacement", figure(moved.displacement, length_unit(moved.displacement)),
+                 "in " + html_text(results.bodies[u].name) + " at " + place(moved.displacement_at));
+  }
+  text += tile("Error of the stress", percent(results.estimated_error_relative), "estimate, mean over the bodies");
+  return text + "</div>\n";
+}
+
+/// What the estimates say, for somebody who has to trust or refine.
+std::string reliability(const Results& results) {
+  std::string text;
+  double pressure = 0, forces = 0;
+  std::size_t unresolved = 0;
+  bool given_by_loads = true;
+  for (std::size_t k = 0; k < results.pairs.size(); ++k) {
+    const PairFigures& pair = results.pairs[k];
+    if (k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved) {
+      ++unresolved;
+      continue;
+    }
+    pressure = std::max(pressure, pair.pressure_error_estimate);
+    forces = std::max(forces, pair.force_error_estimate.value_or(0));
+    given_by_loads &= pair.force_given_by_loads;
+  }
+  if (unresolved > 0)
+    text += paragraph(fmt::format(
+        "<b>Not resolved:</b> the zone{} of {} contact pair{} {} too few cells across. No figure tells how far "
+        "pressure "
+        "and force are off there; refine until the zone is resolved.",
+        unresolved == 1 ? "" : "s", unresolved, unresolved == 1 ? "" : "s", unresolved == 1 ? "has" : "have"));
+  const char* const which = results.pairs.size() - unresolved > 1 ? ", for the worst of all resolved pairs" : "";
+  if (results.pairs.size() > unresolved)
+    text += paragraph(
+        (given_by_loads ? std::string("<b>Contact force:</b> given by the loads. ")
+         : forces == 0  ? ""
+                        : fmt::format("<b>Contact force:</b> off by about {}{}. ", percent(forces), which)) +
+        fmt::format("<b>Contact pressure:</b> off by about {} in the mean over the contact face{} (root mean square).",
+                    percent(pressure), which));
+  text += paragraph(fmt::format(
+      "<b>Stress in the bodies:</b> the finite element stress differs from the recovered one, which is shown here, by "
+      "{} "
+      "in the mean (energy norm). Half the cell size about halves this. Where the shape has a sharp inner edge or a "
+      "load ends, the largest stress grows with every refinement: judge it at some distance.",
+      percent(results.estimated_error_relative)));
+  if (results.has_effectivity)
+    text +=
+        paragraph(fmt::format("<b>Against the exact stress of the scene:</b> the estimate is {} times the true error "
+                              "(effectivity index; 1 is "
+                              "perfect).",
+                              figure(results.effectivity, fmt::format("{:.3f}", results.effectivity))));
+  return text;
+}
+
+std::string pairs_section(const Results& results) {
+  if (results.pairs.empty()) return paragraph("The scene has no contact pair.");
+  std::vector<std::string> rows;
+  for (const PairFigures& pair : results.pairs) {
+    const double size = pair.force_on_first.norm();
+    rows.push_back(
+        name_cell(html_text(pair.name)) + cell(force(size)) + cell(estimate(results, pair, pair.force_error_estimate)) +
+        cell(stress(pair.max_pressure)) + cell(estimate(results, pair, pair.pressure_error_estimate)) +
+        cell(figure(pair.area, area_unit(pair.area))) + cell(count(pair.active_points) + " of " + count(pair.points)));
+  }
+  std::vector<std::string> forces;
+  for (const PairFigures& pair : results.pairs)
+    forces.push_back(name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) +
+                     components(pair.force_on_first, pair.force_on_first.norm()) + cell(place(pair.centre)) +
+                     cell(place(pair.max_pressure_at)));
+  return table({"Pair", "Force", "est. error", "Max. pressure", "est. error (mean)", "Area", "Closed points"}, rows) +
+         table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces);
+}
+
+/// Supports, loads and interferences with their resultants; every face of the picture by its number.
+std::string conditions_section(const Results& results, const PageParts& parts) {
+  const double scale = force_scale(results);
+  std::vector<std::string> rows;
+  const auto text_cell = [](const std::string& text) { return "<td class=\"text\">" + html_text(text) + "</td>"; };
+  for (const SupportFigures& support : results.supports)
+    rows.push_back(name_cell(html_text(support.face)) + text_cell("support: " + support.condition) +
+                   cell(figure(support.area, area_unit(support.area))) + components(support.force, scale));
+  for (const LoadFigures& load : results.loads)
+    rows.push_back(name_cell(html_text(load.face)) +
+                   text_cell(load.of_body ? load.condition : "load: " + load.condition) +
+                   cell(load.of_body ? "" : figure(load.area, area_unit(load.area))) + components(load.force, scale));
+  std::string text;
+  if (!rows.empty()) text += table({"Face", "Condition", "Area", "Resultant x", "y", "z"}, rows);
+  std::vector<std::string> fits;
+  for (const PairFigures& pair : results.pairs)
+    if (pair.interference != 0)
+      fits.push_back(name_cell(html_text(pair.name)) +
+                     cell(figure(std::abs(pair.interference), length_unit(std::abs(pair.interference)))) +
+                     text_cell(pair.interference > 0 ? "interference" : "clearance") +
+                     cell(force(pair.force_on_first.norm())));
+  if (!fits.empty())
+    text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);
+  const std::string shown =
+      picture(parts.directory, "conditions.png", "Faces of the bodies, numbered, in the colour of what holds there",
+              "Each body from above in front and from below behind.");
+  if (shown.empty()) return text;
+  std::vector<std::string> faces;
+  for (const ConditionFace& face : parts.faces)
+    faces.push_back(cell(std::to_string(face.number)) + "<th scope=\"row\">" + html_text(face.name) + "</th>" +
+                    text_cell(face.condition) + cell(figure(face.area, area_unit(face.area))));
+  return text + shown + table({"No.", "Face in the picture", "What holds there", "Area"}, faces);
+}
+
+std::string steps_section(const Results& results, const PageParts& parts) {
+  std::vector<std::string> rows;
+  for (std::size_t k = 0; k < results.steps.size(); ++k) {
+    const StepFigures& s = results.steps[k];
+    const std::string step = name_cell(fmt::format("{}{}", k + 1, s.converged ? "" : " (did not converge)")) +
+                             cell(fmt::format("{:g}", s.step.loads)) + cell(fmt::format("{:g}", s.step.displacements)) +
+                             cell(fmt::format("{:g}", s.step.interference));
+    for (const PairFigures& pair : s.pairs)
+      rows.push_back(step + cell(html_text(pair.name)) + cell(force(pair.force_on_first.norm())) +
+                     cell(stress(pair.max_pressure)) + cell(figure(pair.area, area_unit(pair.area))));
+    if (s.pairs.empty()) rows.push_back(step + cell("") + cell("") + cell("") + cell(""));
+  }
+  if (rows.empty()) return "";
+  return table({"Step", "loads times", "displacements times", "interference times", "Pair", "Force", "Max. pressure",
+                "Area"},
+               rows) +
+         picture(parts.directory, "steps.svg", "Force, area and largest pressure over the steps", "");
+}
+
+std::string maps_section(const Results& results, const PageParts& parts) {
+  std::string text;
+  for (const PressureMap& map : parts.pressure_maps)
+    text += picture(parts.directory, map.file, "Contact pressure of " + results.pairs[map.pair].name,
+                    html_text(map.caption));
+  if (!text.empty() && parts.pressure_maps.size() < results.pairs.size())
+    text += note(fmt::format("Shown are the {} pairs with the largest forces of {}; all are in contact.vtkhdf.",
+                             parts.pressure_maps.size(), results.pairs.size()));
+  return text;
+}
+
+std::string profile_section(const Results& results, const PageParts& parts) {
+  std::string text;
+  const std::string from = results.path_from_largest ? "The line follows the face through the largest pressure. " : "";
+  for (std::size_t pair = 0; pair < results.pairs.size(); ++pair)
+    text += picture(parts.directory, path_picture(pair), "Contact pressure along the path",
+                    from +
+                        "SPR-C is the result; the raw finite element stress and the plain recovery (SPR) show what it "
+                        "gains.");
+  text += picture(parts.directory, "stress_error.svg", "Error of the stress on the contact face",
+                  "Error of the whole stress tensor against the scene's reference.");
+  return text;
+}
+
+std::string balance_section(const Results& results) {
+  double scale = force_scale(results), worst = 0;
+  for (const BodyBalance& body : results.balance)
+    for (const Vec3& f : {body.loads, body.supports, body.contact}) scale = std::max(scale, f.norm());
+  std::vector<std::string> rows;
+  for (const BodyBalance& body : results.balance) {
+    const std::pair<const char*, Vec3> parts[] = {
+        {"loads", body.loads}, {"supports", body.supports}, {"contact", body.contact}};
+    for (const auto& [name, f] : parts)
+      rows.push_back(name_cell(html_text(body.body)) + cell(name) + components(f, scale));
+    worst = std::max(worst, (body.loads + body.supports + body.contact).norm());
+  }
+  std::string text;
+  if (!results.balance.empty() && scale > 0)
+    text += paragraph(
+        fmt::format("Loads, support reactions and contact forces of each body sum to {} of the largest of them.",
+                    figure(worst / scale, fmt::format("{:.1e}", worst / scale))));
+  if (!rows.empty()) text += table({"Body", "Resultant of", "x", "y", "z"}, rows);
+  std::vector<std::string> supports;
+  for (const SupportFigures& support : results.supports)
+    supports.push_back(name_cell(html_text(support.face)) + cell(force(support.force.norm(), scale)) +
+                       components(support.force, scale));
+  if (!supports.empty())
+    text += "<h3>Reactions of the supports</h3>\n" + table({"Face", "Force", "x", "y", "z"}, supports);
+  return text;
+}
+
+std::string convergence_section(const Results& results) {
+  std::vector<std::string> rows;
+  double lowest = 1;
+  for (double r : results.outer_residuals)
+    if (r > 0 && std::isfinite(r)) lowest = std::min(lowest, r);
+  for (std::size_t i = 0; i < results.linear_iterations.size(); ++i) {
+    const bool has_residual = i < results.outer_residuals.size();
+    const double residual = has_residual ? results.outer_residuals[i] : 0;
+    const double length = residual > 0 && lowest < 1 ? 1 - std::log(residual) / std::log(lowest) : 0;
+    rows.push_back(name_cell(has_residual || !results.converged ? std::to_string(i + 1) : "last solve") +
+                   cell(has_residual ? figure(residual, fmt::format("{:.1e}", residual)) : "") +
+                   bar(0.02 * (has_residual ? 1 : 0) + 0.98 * length) +
+                   cell(i < results.active_of_iteration.size() ? count(results.active_of_iteration[i]) : "") +
+                   cell(count(results.linear_iterations[i])));
+  }
+  if (rows.empty()) return "";
+  return paragraph(
+             "The outer iteration finds which points touch and feeds the recovered stress back; it ends when no point "
+             "changes its state and the residual is below solver.tolerance. Bars: logarithm of the residual.") +
+         table({"Iteration", "Residual", "", "Closed points", "Linear iterations"}, rows);
+}
+
+std::string bodies_section(const Results& results) {
+  std::vector<std::string> rows;
+  double total = 0;
+  std::vector<double> squared;
+  for (const BodyFields& body : results.bodies) {
+    double sum = 0;
+    for (double e : body.error_of_cell) sum += e * e;
+    squared.push_back(sum);
+    total += sum;
+  }
+  for (std::size_t b = 0; b < results.bodies.size(); ++b) {
+    const BodyFields& body = results.bodies[b];
+    const CutCells& cells = *body.cut_cells;
+    const double e = body.material.youngs_modulus;
+    const bool drawn = b < results.extremes.size();
+    rows.push_back(
+        name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
+        cell(figure(cells.grid.cell_size, length_unit(cells.grid.cell_size))) +
+        cell(count(static_cast<long long>(cells.cells.size()))) +
+        cell(count(static_cast<long long>(cells.moments.size()))) +
+        (drawn ? cell(stress(results.extremes[b].von_mises) + "<br/>" + place(results.extremes[b].von_mises_at)) +
+                     cell(figure(results.extremes[b].displacement, length_unit(results.extremes[b].displacement)) +
+                          "<br/>" + place(results.extremes[b].displacement_at))
+               : cell("") + cell("")) +
+        cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
+        cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
+  }
+  if (rows.empty()) return "";
+  return table({"Body", "E", "ν", "Cell", "Cells", "of them cut", "Max. von Mises", "Max. displacement", "Est. error",
+                "Share", ""},
+               rows) +
+         note(
+             "Estimated error: energy norm of the difference between recovered and finite element stress; the share "
+             "says which body to refine first.");
+}
+
+std::string reference_section(const Results& results) {
+  if (results.pressure_errors.empty()) return "";
+  std::vector<std::string> rows;
+  for (const ZoneError& zone : results.pressure_errors)
+    rows.push_back(name_cell(html_text(zone.zone)) + cell(percent(zone.raw)) + cell(percent(zone.spr)) +
+                   cell(percent(zone.sprc)));
+  return paragraph("Relative error (L2 norm) of the contact pressure against the reference of the scene.") +
+         table({"Zone", "raw stress", "SPR", "SPR-C"}, rows);
+}
+
+template <std::size_t n>
+std::string counts_table(const std::string& title, const std::vector<std::pair<std::string, long long>>& counts,
+                         const Explanation (&explanations)[n]) {
+  std::vector<std::string> rows;
+  for (const auto& [name, number] : counts)
+    rows.push_back(name_cell(html_text(name)) + cell(count(number)) + "<td class=\"text\">" +
+                   html_text(explain(explanations, name)) + "</td>");
+  return rows.empty() ? "" : table({title, "Patches", ""}, rows);
+}
+
+std::string recovery_section(const Results& results) {
+  if (results.patches_by_kind.empty()) return "";
+  return paragraph(
+             "Around every node a polynomial is fitted to the finite element stress, under conditions of equilibrium, "
+             "known tractions and continuous contact pressure (SPR-C).") +
+         counts_table("A patch", results.patches_by_kind, patch_kinds) +
+         counts_table("Its conditions", results.patches_by_status, patch_statuses) +
+         note(fmt::format("{} patches joined with a neighbour for lack of material, {} of degree 2, {} redundant "
+                          "conditions dropped.",
+                          grouped(results.grown_patches), grouped(results.quadratic_patches),
+                          grouped(results.truncated_rows)));
+}
+
+std::string cost_section(const Results& results) {
+  double total = 0;
+  for (const auto& [phase, s] : results.times_s) total += s;
+  std::vector<std::string> rows;
+  for (const auto& [phase, s] : results.times_s)
+    rows.push_back(name_cell(html_text(phase)) + "<td class=\"run\">" + seconds(s) + "</td>" +
+                   bar(total > 0 ? s / total : 0, "bar run"));
+  std::string text =
+      paragraph(fmt::format("{} unknowns, {} cells: {} cut by a boundary, {} inside.", count(results.unknowns),
+                            count(results.cells.active), count(results.cells.cut), count(results.cells.interior)));
+  if (!rows.empty()) {
+    rows.push_back(name_cell("sum") + "<td class=\"run\">" + seconds(total) + "</td>" + cell(""));
+    text += table({"Phase", "Wall time", ""}, rows);
+  }
+  return text + "<p class=\"run\">Peak memory " +
+         figure(static_cast<double>(results.peak_memory_bytes),
+                scaled(static_cast<double>(results.peak_memory_bytes), "B", 3)) +
+         ".</p>\n";
+}
+
+std::string date() {
+  const std::time_t now = std::time(nullptr);
+  std::tm local{};
+  localtime_r(&now, &local);
+  char text[64];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M %z", &local);
+  return text;
+}
+
+std::string reproduce_section(const Results& results, const PageParts& parts) {
+  std::string text;
+  if (!results.command.empty()) text += "<pre class=\"run\">" + html_text(results.command) + "</pre>\n";
+  text += paragraph(fmt::format("cgcontact {}, backend {}, {} thread{}; scene {}.", CGCONTACT_VERSION,
+                                html_text(results.backend), results.threads, results.threads == 1 ? "" : "s",
+                                html_text(results.scene_file)));
+  text += "<p class=\"run\">Written " + date() + ".</p>\n";
+  std::string files;
+  for (const std::string& file : parts.files) files += (files.empty() ? "" : ", ") + html_text(file);
+  return text + note("Files beside this page: " + files +
+                     ". Figures in SI units: report.json; ParaView 5.11 opens the .vtkhdf files.");
+}
+
+}  // namespace
+
+std::string page(const Results& results, const PageParts& parts) {
+  std::vector<std::string> warnings = results.warnings;
+  warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
+  const std::string title = html_text(results.title.empty() ? results.scene_file : results.title);
+  std::string text = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
+  text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
+  text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + "</style>\n</head>\n<body>\n";
+  text += "<header><h1>" + title + "</h1>\n" + note("Scene " + html_text(results.scene_file)) + "</header>\n<main>\n";
+  text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results) + "</section>\n";
+  text += section("reliability", "How accurate is this?", reliability(results));
+  text += section("picture", "Deformed bodies", picture(parts.directory, "scene.png", "Deformed bodies", ""));
+  text += section("contact", "Contact", pairs_section(results));
+  text += section("steps", "Steps", steps_section(results, parts));
+  text += section("pressure", "Pressure on the contact face", maps_section(results, parts));
+  text += section("profile", "Pressure along the path", profile_section(results, parts));
+  text += section("reference", "Against the reference", reference_section(results));
+  text += section("conditions", "Supports, loads and interferences", conditions_section(results, parts));
+  text += section("balance", "Forces", balance_section(results));
+  text += section("bodies", "Bodies and where the error is", bodies_section(results));
+  text += section("convergence", "Convergence", convergence_section(results));
+  text += section("recovery", "Recovery of the stress", recovery_section(results));
+  text += section("cost", "Size, time and memory", cost_section(results));
+  text += section("reproduce", "How to reproduce", reproduce_section(results, parts));
+  return text + "</main>\n</body>\n</html>\n";
+}
+
+}  // namespace cgcontact

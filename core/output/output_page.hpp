@@ -1,0 +1,27 @@
+/// report.html: the results of a run on one page for people, with all pictures inside.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/output/output_check.hpp"
+#include "core/output/output_pressure_map.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// What the page shows beside the results.
+struct PageParts {
+  std::string directory;  ///< of the pictures; those that are missing are left out
+  std::vector<PressureMap> pressure_maps;
+  std::vector<ConditionFace> faces;   ///< of conditions.png
+  std::vector<std::string> warnings;  ///< those of the output
+  std::vector<std::string> files;     ///< of the result directory
+};
+
+/// A whole page in HTML 5 that is well-formed XML too, without scripts and without references to anything outside.
+/// Figures are `data value="..."` elements with the value in SI; what differs between two runs of the same scene
+/// (times, memory, date, command) has the class "run".
+std::string page(const Results& results, const PageParts& parts);
+
+}  // namespace cgcontact

@@ -1,0 +1,386 @@
+#include "core/output/output_picture.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/base/text.hpp"
+#include "core/drawing/cut_open.hpp"
+#include "core/drawing/drawn_fits.hpp"
+#include "core/drawing/render.hpp"
+#include "core/output/output_gnuplot.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr int long_side = 1000;
+/// Largest drawn displacement over the diagonal of the scene.
+constexpr double drawn_displacement = 0.03;
+/// The contact is inside the scene, and the scene cut open, if it is this far (fraction of the extent) from its sides.
+constexpr double inside_fraction = 0.15;
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+  void add(const Vec3& x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  Vec3 extent() const { return high - low; }
+};
+
+Box bounds(const std::vector<DrawnBody>& bodies) {
+  Box box;
+  for (const DrawnBody& body : bodies)
+    for (const Vec3& x : body.position) box.add(x);
+  return box;
+}
+
+/// How the scene is looked at.
+struct View {
+  Camera camera;
+  int thin_axis = -1;        ///< axis along which a thin scene is seen, or -1: view in space
+  double exaggeration = 1;   ///< of the displacement
+  double low = 0, high = 1;  ///< Pa, range of colours
+  Box box;
+};
+
+double choose_exaggeration(const std::vector<DrawnBody>& bodies, const Box& box) {
+  double largest = 0;
+  for (const DrawnBody& body : bodies)
+    for (const Vec3& u : body.displacement) largest = std::max(largest, u.norm());
+  if (!(largest > 0) || !std::isfinite(largest)) return 1;
+  const double factor = drawn_displacement * box.extent().norm() / largest;
+  return factor <= 1 || factor > 1e9 ? 1 : round_down(factor);  // smaller displacements are rounding
+}
+
+int find_thin_axis(const Results& results, const Box& box) {
+  double cell = std::numeric_limits<double>::max();
+  for (const BodyFields& body : results.bodies) cell = std::min(cell, body.cut_cells->grid.cell_size);
+  const Vec3 extent = box.extent();
+  int axis = 0;
+  extent.minCoeff(&axis);
+  const double others = std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);
+  return extent[axis] < 2.01 * cell && extent[axis] < 0.34 * others ? axis : -1;
+}
+
+/// Range of the stress on the boundary without its highest half per cent; the picture says where it is cut.
+void choose_colours(const std::vector<DrawnBody>& bodies, View& view) {
+  std::vector<double> values;
+  for (const DrawnBody& body : bodies)
+    for (const BoundaryTriangle& triangle : body.mesh.boundary)
+      for (int p : triangle.points)
+        if (const double value = von_mises(body.stress[p]); std::isfinite(value)) values.push_back(value);
+  if (values.empty()) return;
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  view.high = *place > 0 ? *place : 1;
+}
+
+/// Stress-weighted area that faces the viewer.
+double visible_stress(const std::vector<DrawnBody>& bodies, const Vec3& eye) {
+  double sum = 0;
+  for (const DrawnBody& body : bodies)
+    for (const BoundaryTriangle& triangle : body.mesh.boundary) {
+      const auto& t = triangle.points;
+      const Vec3& a = body.position[t[0]];
+      const double area = (body.position[t[1]] - a).cross(body.position[t[2]] - a).dot(eye);
+      if (area > 0) sum += area * von_mises(body.stress[t[0]]);
+    }
+  return sum;
+}
+
+void look_along_axis(int axis, Camera& camera) {
+  camera.right = axis == 0 ? Vec3::UnitY() : Vec3::UnitX();
+  camera.up = axis == 2 ? Vec3::UnitY() : Vec3::UnitZ();
+  camera.eye = camera.right.cross(camera.up);
+}
+
+/// From above, from the corner that shows the most stress.
+void look_from_corner(const std::vector<DrawnBody>& bodies, Camera& camera) {
+  double best = -1;
+  Vec3 eye = Vec3::UnitZ();
+  for (double x : {1.0, -1.0})
+    for (double y : {-1.0, 1.0}) {
+      const Vec3 candidate = Vec3(0.55 * x, 0.75 * y, 0.42).normalized();
+      const double stress = visible_stress(bodies, candidate);
+      if (stress <= best * (1 + 1e-6)) continue;
+      best = stress;
+      eye = candidate;
+    }
+  camera.eye = eye;
+  camera.right = Vec3::UnitZ().cross(eye).normalized();
+  camera.up = eye.cross(camera.right);
+}
+
+/// Scales the camera so that the deformed scene fits; returns width and height in pixels, 0 if there is nothing to see.
+std::array<int, 2> fit_camera(const std::vector<DrawnBody>& bodies, View& view) {
+  double low[2], high[2];
+  std::fill(low, low + 2, std::numeric_limits<double>::max());
+  std::fill(high, high + 2, -std::numeric_limits<double>::max());
+  for (const DrawnBody& body : bodies)
+    for (std::size_t p = 0; p < body.position.size(); ++p) {
+      Vec3 x = body.position[p];
+      if (!body.displacement.empty()) x += view.exaggeration * body.displacement[p];
+      if (!x.allFinite()) continue;
+      const double on_paper[2] = {view.camera.right.dot(x), view.camera.up.dot(x)};
+      for (int k = 0; k < 2; ++k) {
+        low[k] = std::min(low[k], on_paper[k]);
+        high[k] = std::max(high[k], on_paper[k]);
+      }
+    }
+  const double largest = std::max(high[0] - low[0], high[1] - low[1]);
+  if (!(largest > 0)) return {0, 0};
+  const double margin = 0.02 * largest;
+  view.camera.pixels_per_metre = long_side / (largest + 2 * margin);
+  std::array<int, 2> size;
+  for (int k = 0; k < 2; ++k) {
+    view.camera.low[k] = low[k] - margin;
+    size[k] = static_cast<int>(std::ceil((high[k] - low[k] + 2 * margin) * view.camera.pixels_per_metre));
+  }
+  return size;
+}
+
+/// Centre and main direction of the closed contact, if it lies inside the scene.
+struct ContactPlace {
+  Vec3 centre;
+  int axis;  ///< coordinate axis nearest to the normal
+};
+
+std::optional<ContactPlace> contact_inside(const Results& results, const Box& box) {
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  double area = 0;
+  for (const ContactRow& row : results.contact_rows) {
+    if (!row.active) continue;
+    centre += row.weight * row.x;
+    normal += row.weight * row.normal.cwiseAbs();
+    area += row.weight;
+  }
+  if (!(area > 0)) return std::nullopt;
+  ContactPlace place{centre / area, 0};
+  normal.maxCoeff(&place.axis);
+  for (int k = 0; k < 3; ++k) {
+    if (k == place.axis) continue;
+    const double fraction = (place.centre[k] - box.low[k]) / box.extent()[k];
+    if (fraction < inside_fraction || fraction > 1 - inside_fraction) return std::nullopt;
+  }
+  return place;
+}
+
+/// The bodies without the quarter towards the viewer around the contact.
+std::vector<DrawnBody> cut_open(const std::vector<DrawnBody>& bodies, const ContactPlace& place, const Vec3& eye) {
+  std::array<Vec3, 2> towards_viewer;
+  for (int i = 0; i < 2; ++i) {
+    const int k = (place.axis + 1 + i) % 3;
+    towards_viewer[i] = Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0);
+  }
+  std::vector<DrawnBody> open;
+  for (const DrawnBody& body : bodies) open.push_back(cut_open(body, place.centre, towards_viewer));
+  return open;
+}
+
+Vec3 drawn_position(const DrawnBody& body, int point, double exaggeration) {
+  return body.displacement.empty() ? body.position[point]
+                                   : Vec3(body.position[point] + exaggeration * body.displacement[point]);
+}
+
+/// Pixels of the bodies, by row from the bottom.
+std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, const std::array<int, 2>& size) {
+  std::vector<std::array<int, 2>> triangles;  // body, triangle of its boundary
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (std::size_t i = 0; i < bodies[b].mesh.boundary.size(); ++i)
+      triangles.push_back({static_cast<int>(b), static_cast<int>(i)});
+  const auto triangle = [&](std::size_t i) {
+    const DrawnBody& body = bodies[triangles[i][0]];
+    RasterTriangle drawn;
+    drawn.part = triangles[i][0];
+    for (int v = 0; v < 3; ++v) {
+      const int p = body.mesh.boundary[triangles[i][1]].points[v];
+      drawn.vertices[v].position = drawn_position(body, p, view.exaggeration);
+      drawn.vertices[v].grid = body.mesh.points[p];
+      drawn.vertices[v].value = (von_mises(body.stress[p]) - view.low) / (view.high - view.low);
+    }
+    return drawn;
+  };
+  return render(size, view.camera, palette_colour, view.thin_axis < 0 ? 1.0 : 0.0, triangles.size(), triangle).pixels;
+}
+
+/// Pixels from the left and the bottom of the picture.
+using Pixel = std::array<double, 2>;
+
+/// A script of gnuplot in pixels of the whole picture.
+class Overlay {
+ public:
+  Overlay(int width, int height) : width_(width), height_(height) {}
+
+  void label(const std::string& text, const Pixel& at, const std::string& style) {
+    script_ += fmt::format("set label {} at {} {}\n", gnuplot_text(text), screen(at), style);
+  }
+  void line(const Pixel& from, const Pixel& to, const std::string& style) {
+    script_ += fmt::format("set arrow from {} to {} {}\n", screen(from), screen(to), style);
+  }
+  void ring(const Pixel& at, double radius) {
+    const auto circle = [&](const char* colour, double width) {
+      script_ += fmt::format("set object circle at {} size screen {} fs empty border lc rgb '{}' lw {} front\n",
+                             screen(at), radius / width_, colour, width);
+    };
+    circle("white", 4);
+    circle("black", 2);
+  }
+  const std::string& script() const { return script_; }
+
+ private:
+  std::string screen(const Pixel& at) const { return fmt::format("screen {},{}", at[0] / width_, at[1] / height_); }
+
+  const double width_, height_;
+  std::string script_;
+};
+
+/// The coordinate axes as they are seen, and a length of 1, 2 or 5 times a power of ten.
+void draw_axes_and_scale(const View& view, int picture_width, const Pixel& corner, Overlay& overlay) {
+  constexpr double axis_length = 42;
+  static const char* const names[] = {"x", "y", "z"};
+  for (int k = 0; k < 3; ++k) {
+    const double right = view.camera.right[k], up = view.camera.up[k];
+    if (std::hypot(right, up) < 0.05) continue;
+    const Pixel tip{corner[0] + axis_length * right, corner[1] + axis_length * up};
+    overlay.line(corner, tip, "front filled size screen 0.008,20 lw 2 lc rgb '#303030'");
+    overlay.label(names[k], {tip[0] + 11 * right, tip[1] + 11 * up}, "center front font ',14'");
+  }
+  const double length = round_down(0.25 * picture_width / view.camera.pixels_per_metre);
+  const double pixels = length * view.camera.pixels_per_metre;
+  const Pixel from{corner[0] + 90, corner[1] - 12}, to{from[0] + pixels, from[1]};
+  overlay.line(from, to, "heads front size screen 0.004,90 lw 2 lc rgb '#303030'");
+  const DisplayUnit unit = length_unit(length);
+  overlay.label(short_number(length * unit.factor) + " " + unit.name, {(from[0] + to[0]) / 2, from[1] + 14},
+                "center front font ',13'");
+}
+
+/// The body with the largest von Mises stress; nothing if there is none.
+std::optional<std::size_t> most_stressed(const Results& results) {
+  std::optional<std::size_t> most;
+  for (std::size_t b = 0; b < results.extremes.size(); ++b)
+    if (results.extremes[b].von_mises > (most ? results.extremes[*most].von_mises : 0.0)) most = b;
+  return most;
+}
+
+/// "largest (ring): 42.7 MPa in shell at (0.1, 0, 0.5) m", and whether the colours end below it.
+std::string largest_text(const Results& results, std::size_t body, const View& view, bool has_ring) {
+  const BodyExtremes& most = results.extremes[body];
+  const DisplayUnit length = length_unit(most.von_mises_at.cwiseAbs().maxCoeff());
+  const double rounding = 1e-9 * most.von_mises_at.cwiseAbs().maxCoeff();
+  const auto component = [&](int k) {
+    const double x = most.von_mises_at[k];
+    return short_number(std::abs(x) <= rounding ? 0 : x * length.factor, 4);
+  };
+  return fmt::format("largest ({}): {} in {} at ({}, {}, {}) {}{}", has_ring ? "ring" : "cut away",
+                     scaled(most.von_mises, "Pa"), results.bodies[body].name, component(0), component(1), component(2),
+                     length.name, most.von_mises > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
+}
+
+std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size,
+                           const std::optional<Vec3>& largest_at) {
+  const DisplayUnit stress = stress_unit(view.high);
+  const DisplayUnit length = length_unit(view.box.extent().maxCoeff());
+  const bool flat = view.thin_axis >= 0;
+  const int left = flat ? 125 : 30, right = 170;
+  const auto most = most_stressed(results);
+  const int width = size[0] + left + right;
+  const GnuplotTitle title = gnuplot_title(drawable_text(results.title), width - 20, png_pixels(18));
+  const GnuplotTitle largest =
+      gnuplot_title(most ? largest_text(results, *most, view, largest_at.has_value()) : "", width - 20, png_pixels(14));
+  const int notes = 10 + 20 * largest.lines;
+  const int bottom = notes + (flat ? 80 : 125), top = 36 + 24 * title.lines;
+  const int height = size[1] + bottom + top;
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n", width,
+      height);
+  script += "set output '../scene.png'\nunset key\n" + gnuplot_palette();
+  script += fmt::format(
+      "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
+      static_cast<double>(left) / width, static_cast<double>(left + size[0]) / width,
+      static_cast<double>(bottom) / height, static_cast<double>(bottom + size[1]) / height);
+  script += fmt::format("set label {} at screen 0.5,{} center font ',18'\n", title.text, 1 - 28.0 / height);
+  script += fmt::format("set cbrange [{}:{}]\nset cblabel 'von Mises stress [{}]'\n", view.low * stress.factor,
+                        view.high * stress.factor, stress.name);
+  const double bar_left = left + size[0] + 25, bar_bottom = bottom + 0.1 * size[1], bar_height = 0.8 * size[1];
+  script += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", bar_left / width,
+                        bar_bottom / height, 24.0 / width, bar_height / height);
+  const double step = length.factor / view.camera.pixels_per_metre;
+  const double x = view.camera.low[0] * length.factor, y = view.camera.low[1] * length.factor;
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x, x + size[0] * step, y, y + size[1] * step);
+  const std::string scale = view.exaggeration > 1 ? fmt::format("displacement x {:.0f}", view.exaggeration)
+                                                  : std::string("displacement to scale");
+  Overlay overlay(width, height);
+  if (most) {
+    script += fmt::format("set label {} at screen 0.5,{} center font ',14'\n", largest.text, (notes - 12.0) / height);
+    if (results.extremes[*most].von_mises > view.high * (1 + 1e-6))
+      overlay.label("to " + scaled(results.extremes[*most].von_mises, "Pa"),
+                    {bar_left + 12, bar_bottom + bar_height + 16}, "center front font ',13'");
+  }
+  if (largest_at) {
+    const Pixel at{left + (view.camera.right.dot(*largest_at) - view.camera.low[0]) * view.camera.pixels_per_metre,
+                   bottom + (view.camera.up.dot(*largest_at) - view.camera.low[1]) * view.camera.pixels_per_metre};
+    overlay.ring(at, 9);
+  }
+  if (flat) {
+    const char* right_axis = view.thin_axis == 0 ? "y" : "x";
+    const char* up_axis = view.thin_axis == 2 ? "y" : "z";
+    script += "set border 3 lc rgb '#404040'\nset tics nomirror out\n";
+    script += fmt::format("set xlabel '{} [{}]     ({})'\nset ylabel '{} [{}]'\n", right_axis, length.name, scale,
+                          up_axis, length.name);
+  } else {
+    script += "unset border\nunset xtics\nunset ytics\n";
+    draw_axes_and_scale(view, size[0], {left + 55.0, notes + 50.0}, overlay);
+    overlay.label(scale, {width - 30.0, notes + 40.0}, "right front font ',14'");
+  }
+  script += overlay.script();
+  script += fmt::format(
+      "plot 'scene.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage, \\\n"
+      "  '+' using 1:(NaN):1 with points palette\n",
+      size[0], size[1], x + step / 2, y + step / 2, step, step);
+  return script;
+}
+
+/// Where the largest von Mises stress is drawn; nothing if it has been cut away.
+std::optional<Vec3> place_of_largest(const Results& results, const std::vector<DrawnBody>& drawn, const View& view) {
+  const auto most = most_stressed(results);
+  if (!most) return std::nullopt;
+  const Vec3& place = results.extremes[*most].von_mises_at;
+  const DrawnBody& body = drawn[*most];
+  for (std::size_t p = 0; p < body.position.size(); ++p)
+    if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);
+  return std::nullopt;
+}
+
+}  // namespace
+
+void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, GnuplotRuns& runs) {
+  const bool complete =
+      std::all_of(bodies.begin(), bodies.end(), [](const DrawnBody& body) { return !body.stress.empty(); });
+  if (bodies.empty() || !complete) return;
+  View view;
+  view.box = bounds(bodies);
+  view.thin_axis = find_thin_axis(results, view.box);
+  view.exaggeration = choose_exaggeration(bodies, view.box);
+
+  std::vector<DrawnBody> opened;
+  if (view.thin_axis >= 0) {
+    look_along_axis(view.thin_axis, view.camera);
+  } else {
+    look_from_corner(bodies, view.camera);
+    if (const auto place = contact_inside(results, view.box)) opened = cut_open(bodies, *place, view.camera.eye);
+  }
+  std::vector<DrawnBody> drawn = opened.empty() ? bodies : std::move(opened);
+  draw_fits_closed(results, view.exaggeration, drawn);
+  choose_colours(drawn, view);
+  const std::array<int, 2> size = fit_camera(drawn, view);
+  if (size[0] < 1 || size[1] < 1) return;
+  write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
+  runs.start("scene", picture_script(results, view, size, place_of_largest(results, drawn, view)), {"scene.png"});
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,15 @@
+/// pressure.svg and stress_error.svg, drawn by gnuplot.
+#pragma once
+
+#include "core/output/output_gnuplot.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// "pressure.svg" of the first pair, "pressure_2.svg" of the next one ...
+std::string path_picture(std::size_t pair);
+
+/// Starts the plots the results have data for.
+void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs);
+
+}  // namespace cgcontact

@@ -1,0 +1,385 @@
+#include "core/output/output_pressure_map.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "core/base/text.hpp"
+#include "core/drawing/clip_cells.hpp"
+#include "core/drawing/face_chart.hpp"
+#include "core/drawing/render.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr std::size_t most_maps = 12;
+constexpr int long_side = 720;
+constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
+/// Of the largest pressure: below this the face is grey. On curved faces the recovered pressure where nothing touches
+/// is zero to a few thousandths only.
+constexpr double no_pressure = 0.005;
+/// Around the zone, of its longer side; and cells at least.
+constexpr double zone_margin = 0.25, zone_margin_cells = 2;
+/// A zone that takes so much of the face in both directions is no reason to leave out the rest.
+constexpr double nearly_all = 0.6;
+/// The contact zone ends here; the contact area of the report is measured so too.
+constexpr double zone_end = 0.01;
+
+std::array<double, 3> pressure_colour(double value) {
+  return value > no_pressure ? palette_colour(value) : std::array<double, 3>{0.9, 0.9, 0.9};
+}
+
+/// What is drawn of one pair.
+struct Face {
+  std::size_t pair;
+  int body;
+  FaceTriangles shape;
+  std::vector<int> index;  ///< of the triangles in the contact surface
+};
+
+/// The face of the pair's body with the smaller cells; empty if no triangle is there.
+Face face_of_pair(const Results& results, const ContactSurface& surface, std::size_t pair) {
+  Face face{pair, -1, {}, {}};
+  const auto cell_size = [&](int body) { return results.bodies[body].cut_cells->grid.cell_size; };
+  for (std::size_t i = 0; i < surface.size(); ++i)
+    if (surface.pair[i] == static_cast<int>(pair) &&
+        (face.body < 0 || cell_size(surface.body[i]) < cell_size(face.body)))
+      face.body = surface.body[i];
+  face.shape.position = &surface.position;
+  for (std::size_t i = 0; i < surface.size(); ++i)
+    if (surface.pair[i] == static_cast<int>(pair) && surface.body[i] == face.body) {
+      face.index.push_back(static_cast<int>(i));
+      face.shape.triangles.push_back(surface.triangles[i]);
+    }
+  return face;
+}
+
+Vec3 centroid(const FaceTriangles& shape, const std::array<int, 3>& t) {
+  return ((*shape.position)[t[0]] + (*shape.position)[t[1]] + (*shape.position)[t[2]]) / 3;
+}
+
+/// Corners of the face on paper, m.
+struct Paper {
+  double low[2], high[2];
+  double extent(int k) const { return high[k] - low[k]; }
+  double largest() const { return std::max(extent(0), extent(1)); }
+};
+
+Paper bounds(const FaceTriangles& shape, const FaceChart& chart) {
+  Paper paper;
+  std::fill(paper.low, paper.low + 2, std::numeric_limits<double>::max());
+  std::fill(paper.high, paper.high + 2, -std::numeric_limits<double>::max());
+  for (const auto& t : shape.triangles)
+    for (int p : t) {
+      const Vec3 x = chart.place((*shape.position)[p], centroid(shape, t));
+      for (int k = 0; k < 2; ++k) {
+        paper.low[k] = std::min(paper.low[k], x[k]);
+        paper.high[k] = std::max(paper.high[k], x[k]);
+      }
+    }
+  return paper;
+}
+
+/// The triangles of the face that carry pressure; all if none does.
+FaceTriangles zone_of(const ContactSurface& surface, const Face& face, double largest_pressure) {
+  FaceTriangles zone{face.shape.position, {}};
+  for (std::size_t i = 0; i < face.index.size(); ++i)
+    if (surface.triangle_values[face.index[i]][ContactSurface::pressure_sprc] > zone_end * largest_pressure)
+      zone.triangles.push_back(face.shape.triangles[i]);
+  return zone.triangles.empty() ? face.shape : zone;
+}
+
+/// The zone with a margin, or the whole face where that is not much more.
+Paper zoomed(const Paper& zone, const Paper& whole, double cell_size) {
+  const double margin = std::max(zone_margin * zone.largest(), zone_margin_cells * cell_size);
+  Paper paper = zone;
+  bool all = true;
+  for (int k = 0; k < 2; ++k) {
+    paper.low[k] = std::max(zone.low[k] - margin, whole.low[k]);
+    paper.high[k] = std::min(zone.high[k] + margin, whole.high[k]);
+    all &= paper.extent(k) > nearly_all * whole.extent(k);
+  }
+  return all ? whole : paper;
+}
+
+DisplayUnit unit_of(const Paper& paper) {
+  double largest = 0;
+  for (int k = 0; k < 2; ++k) largest = std::max({largest, -paper.low[k], paper.high[k]});
+  return length_unit(largest * (1 + 1e-9));
+}
+
+/// The range of the colours, Pa.
+double highest(const PairFigures& pair) {
+  return std::isfinite(pair.max_pressure) && pair.max_pressure > 0 ? pair.max_pressure : 1;
+}
+
+/// A part of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.
+using Piece = std::array<RasterVertex, 3>;
+
+/// The recovered pressure at the corners of the triangles; those in which the contact zone ends are divided, because
+/// the pressure falls like a square root there.
+class Pieces {
+ public:
+  /// Of the triangles that reach into the paper.
+  Pieces(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
+         const Paper& paper)
+      : body_(results.bodies[face.body]), limit_(highest(results.pairs[face.pair])), chart_(chart) {
+    for (int i : face.index) {
+      const auto& t = surface.triangles[i];
+      const Vec3 x[3] = {surface.position[t[0]], surface.position[t[1]], surface.position[t[2]]};
+      cell_ = surface.cell[i];
+      normal_ = (x[1] - x[0]).cross(x[2] - x[0]).normalized();
+      near_ = (x[0] + x[1] + x[2]) / 3;
+      if (!reaches(paper, {chart_.place(x[0], near_), chart_.place(x[1], near_), chart_.place(x[2], near_)})) continue;
+      Corner corners[3];
+      for (int v = 0; v < 3; ++v) corners[v] = corner(x[v]);
+      divide(corners[0], corners[1], corners[2], most_divisions);
+    }
+  }
+
+  const std::vector<Piece>& all() const { return pieces_; }
+
+  /// Where the pressure passes a fraction of the largest one on the side towards the viewer: lines for gnuplot.
+  std::string contour(double fraction, const DisplayUnit& unit) const {
+    std::string lines;
+    for (const Piece& piece : pieces_) {
+      const Vec3 side = piece[1].position - piece[0].position, other = piece[2].position - piece[0].position;
+      if (side[0] * other[1] - side[1] * other[0] <= 0) continue;
+      int found = 0;
+      for (int v = 0; v < 3; ++v) {
+        const RasterVertex &a = piece[v], &b = piece[(v + 1) % 3];
+        if ((a.value > fraction) == (b.value > fraction)) continue;
+        const Vec3 x = a.position + (fraction - a.value) / (b.value - a.value) * (b.position - a.position);
+        fmt::format_to(std::back_inserter(lines), "{:.7g} {:.7g}\n", x[0] * unit.factor, x[1] * unit.factor);
+        ++found;
+      }
+      if (found > 0) lines += "\n";
+    }
+    return lines;
+  }
+
+ private:
+  static constexpr int most_divisions = 3;
+  struct Corner {
+    Vec3 x;
+    double value;
+  };
+
+  static bool reaches(const Paper& paper, const std::array<Vec3, 3>& corners) {
+    for (int k = 0; k < 2; ++k) {
+      const auto [low, high] = std::minmax({corners[0][k], corners[1][k], corners[2][k]});
+      const double slack = 0.05 * paper.largest();
+      if (high < paper.low[k] - slack || low > paper.high[k] + slack) return false;
+    }
+    return true;
+  }
+
+  Corner corner(const Vec3& x) const {
+    const CutCells& cells = *body_.cut_cells;
+    const Sym3 s = body_.stress_recovered(cell_, clamped_cell_coordinates(cells, cell_, cells.grid.to_grid(x)));
+    Mat3 tensor;
+    tensor << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
+    return {x, -normal_.dot(tensor * normal_) / limit_};
+  }
+
+  void divide(const Corner& a, const Corner& b, const Corner& c, int divisions) {
+    const int pressed = (a.value > zone_end) + (b.value > zone_end) + (c.value > zone_end);
+    if (divisions > 0 && pressed > 0 && pressed < 3) {
+      const Corner ab = corner((a.x + b.x) / 2), bc = corner((b.x + c.x) / 2), ca = corner((c.x + a.x) / 2);
+      divide(a, ab, ca, divisions - 1);
+      divide(ab, b, bc, divisions - 1);
+      divide(ca, bc, c, divisions - 1);
+      divide(ab, bc, ca, divisions - 1);
+      return;
+    }
+    const auto vertex = [&](const Corner& p) {
+      return RasterVertex{chart_.place(p.x, near_), body_.cut_cells->grid.to_grid(p.x), p.value};
+    };
+    pieces_.push_back(chart_.mirrored() ? Piece{vertex(a), vertex(c), vertex(b)}
+                                        : Piece{vertex(a), vertex(b), vertex(c)});
+  }
+
+  const BodyFields& body_;
+  const double limit_;
+  const FaceChart& chart_;
+  int cell_ = 0;
+  Vec3 normal_, near_;
+  std::vector<Piece> pieces_;
+};
+
+GnuplotTitle title_of(const Results& results, const Face& face, int width) {
+  return gnuplot_title("Contact pressure: " + results.pairs[face.pair].name, width, png_pixels(15));
+}
+
+/// Map of a face; `name` of the data and picture.
+std::string map_script(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
+                       const Paper& paper, const std::string& name, const std::string& folder) {
+  const double margin = 0.02 * paper.largest();
+  Camera camera;
+  camera.right = Vec3::UnitX();
+  camera.up = Vec3::UnitY();
+  camera.eye = Vec3::UnitZ();
+  camera.pixels_per_metre = long_side / (paper.largest() + 2 * margin);
+  std::array<int, 2> size;
+  for (int k = 0; k < 2; ++k) {
+    camera.low[k] = paper.low[k] - margin;
+    size[k] = static_cast<int>(std::ceil((paper.extent(k) + 2 * margin) * camera.pixels_per_metre));
+  }
+  const Pieces pieces(results, surface, face, chart, paper);
+  const auto triangle = [&](std::size_t k) { return RasterTriangle{pieces.all()[k], 0}; };
+  write_text(folder + "/" + name + ".rgb",
+             render(size, camera, pressure_colour, 0, pieces.all().size(), triangle).pixels);
+  const DisplayUnit length = unit_of(paper);
+  const std::string lines = pieces.contour(zone_end, length);
+  if (!lines.empty()) write_text(folder + "/" + name + ".dat", lines);
+
+  const double limit = highest(results.pairs[face.pair]);
+  const DisplayUnit stress = stress_unit(limit);
+  const int left = 110, right = 180, bottom = 125;
+  const double width = size[0] + left + right;
+  const GnuplotTitle title =
+      title_of(results, face, static_cast<int>(width) - (right - left) - 20);  // centred over the map
+  const int top = 40 + 20 * title.lines;
+  const double height = size[1] + bottom + top;
+  std::string script = fmt::format(
+      "set terminal pngcairo size {},{} noenhanced font 'sans-serif,14' background 'white'\n", width, height);
+  script += fmt::format("set output '../{}.png'\nset title {}\n", name, title.text);
+  script += fmt::format(
+      "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
+      left / width, (left + size[0]) / width, bottom / height, (bottom + size[1]) / height);
+  script += size[0] < 300 ? "set xtics rotate by -60\n" : "set xtics norotate\n";
+  script += fmt::format("set key at screen {},{} right bottom horizontal Left reverse samplen 2.6\n",
+                        (left + size[0]) / width, 12 / height);
+  script += fmt::format("set cbrange [0:{}]\nset cblabel 'contact pressure (SPR-C) [{}]'\n", limit * stress.factor,
+                        stress.name);
+  script += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", (left + size[0] + 25) / width,
+                        bottom / height, 24 / width, size[1] / height);
+  const double step = length.factor / camera.pixels_per_metre;
+  const double x = camera.low[0] * length.factor, y = camera.low[1] * length.factor;
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", x, x + size[0] * step, y, y + size[1] * step);
+  script += fmt::format("set xlabel '{} [{}]'\nset ylabel '{} [{}]'\n", chart.right_name(), length.name,
+                        chart.up_name(), length.name);
+  script += fmt::format(
+      "plot '{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage notitle, \\\n"
+      "  '+' using 1:(NaN):1 with points palette notitle",
+      name, size[0], size[1], x + step / 2, y + step / 2, step, step);
+  if (!lines.empty())
+    script += fmt::format(", \\\n  '{}.dat' with lines lc rgb 'black' lw 2 title 'edge of the contact zone'", name);
+  return script + "\n";
+}
+
+/// Means over the thin direction: coordinate, SPR-C, share of closed points; one block per body.
+std::string curve_data(const Results& results, const Face& face, const FaceChart& chart, int axis,
+                       const DisplayUnit& length, const DisplayUnit& stress, std::vector<int>& bodies,
+                       std::vector<double>& borders) {
+  std::string data;
+  for (int b = 0; b < static_cast<int>(results.bodies.size()); ++b) {
+    std::map<double, std::array<double, 3>> bins;  // rounded coordinate: sums of pressure, closed, count
+    for (const ContactRow& row : results.contact_rows) {
+      if (row.body != b || row.pair != static_cast<int>(face.pair)) continue;
+      const double s = chart.place(row.x)[axis] * length.factor;
+      auto& bin = bins.try_emplace(std::stod(fmt::format("{:.6g}", s)), std::array<double, 3>{}).first->second;
+      bin[0] += row.pressure_sprc * stress.factor;
+      bin[1] += row.active ? 1 : 0;
+      bin[2] += 1;
+    }
+    if (bins.empty()) continue;
+    bodies.push_back(b);
+    const auto* previous = static_cast<const std::pair<const double, std::array<double, 3>>*>(nullptr);
+    for (const auto& bin : bins) {
+      fmt::format_to(std::back_inserter(data), "{} {}\n", bin.first, bin.second[0] / bin.second[2]);
+      const auto closed = [](const auto& entry) { return 2 * entry.second[1] > entry.second[2]; };
+      if (b == face.body && previous && closed(*previous) != closed(bin))
+        borders.push_back((previous->first + bin.first) / 2);
+      previous = &bin;
+    }
+    data += "\n\n";
+  }
+  return data;
+}
+
+/// Curve along a face that is much longer than wide.
+std::string curve_script(const Results& results, const Face& face, const FaceChart& chart, const Paper& paper,
+                         const std::string& name, const std::string& folder) {
+  const int axis = paper.extent(0) >= paper.extent(1) ? 0 : 1;
+  const DisplayUnit length = unit_of(paper), stress = stress_unit(highest(results.pairs[face.pair]));
+  std::vector<int> bodies;
+  std::vector<double> borders;
+  write_text(folder + "/" + name + ".dat", curve_data(results, face, chart, axis, length, stress, bodies, borders));
+  std::string script = "set terminal pngcairo size 900,520 noenhanced font 'sans-serif,14' background 'white'\n";
+  script += fmt::format("set output '../{}.png'\nset title {}\nset grid lc rgb '#e4e4e4' lw 1 dt 1\n", name,
+                        title_of(results, face, 800).text);
+  script +=
+      "set xtics norotate\nset key outside top right horizontal Left reverse samplen 2.6\nunset colorbox\nset lmargin "
+      "-1\nset rmargin "
+      "-1\nset bmargin -1\nset tmargin -1\n";
+  script += fmt::format("set xlabel '{} [{}]'\nset ylabel 'contact pressure (SPR-C) [{}]'\n",
+                        axis == 0 ? chart.right_name() : chart.up_name(), length.name, stress.name);
+  script += fmt::format("set xrange [{}:{}]\nset yrange [0:{}]\n", paper.low[axis] * length.factor,
+                        paper.high[axis] * length.factor, 1.08 * highest(results.pairs[face.pair]) * stress.factor);
+  for (double s : borders)
+    script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lc rgb '#606060' dt (6,4)\n", s);
+  script += "plot ";
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    script += fmt::format("{}'{}.dat' index {} with lines lc rgb '#d2501e' lw {} dt {} title {}", k ? ", \\\n  " : "",
+                          name, k, k ? 1.6 : 2.4, k ? "(6,4)" : "1",
+                          gnuplot_text(shortened_name(results.bodies[bodies[k]].name, longest_entry)));
+  if (!borders.empty())
+    script += ", \\\n  NaN with lines lc rgb '#606060' dt (6,4) title 'border of the closed points'";
+  return script + "\nunset arrow\nunset grid\n";
+}
+
+}  // namespace
+
+std::vector<std::size_t> pairs_to_draw(const Results& results) {
+  std::vector<std::size_t> pairs(results.pairs.size());
+  std::iota(pairs.begin(), pairs.end(), std::size_t{0});
+  const auto force = [&](std::size_t k) {
+    const double f = results.pairs[k].force_on_first.norm();
+    return std::isfinite(f) ? f : 0;
+  };
+  std::stable_sort(pairs.begin(), pairs.end(), [&](std::size_t a, std::size_t b) { return force(a) > force(b); });
+  pairs.resize(std::min(pairs.size(), most_maps));
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<PressureMap> write_pressure_maps(const Results& results, const ContactSurface& surface, GnuplotRuns& runs) {
+  std::vector<PressureMap> maps;
+  std::vector<std::string> files;
+  std::string script = "set encoding utf8\nset border 3 lc rgb '#404040'\nset tics nomirror out\n" + gnuplot_palette();
+  for (std::size_t pair : pairs_to_draw(results)) {
+    const Face face = face_of_pair(results, surface, pair);
+    if (face.body < 0 || !results.bodies[face.body].stress_recovered) continue;
+    const double cell_size = results.bodies[face.body].cut_cells->grid.cell_size;
+    const FaceTriangles zone = zone_of(surface, face, highest(results.pairs[pair]));
+    const FaceChart chart(face.shape), zone_chart(zone);
+    const Paper whole = bounds(face.shape, chart);
+    if (!(whole.largest() > 0) || !std::isfinite(whole.largest())) continue;
+    const std::string name = pair == 0 ? "pressure_map" : fmt::format("pressure_map_{}", pair + 1);
+    const bool curve = std::min(whole.extent(0), whole.extent(1)) < thin_face * whole.largest();
+    const std::string folder = runs.directory() + "/plots";
+    const FaceChart& used = curve ? chart : zone_chart;
+    const Paper all = bounds(face.shape, used), paper = zoomed(bounds(zone, used), all, cell_size);
+    script += curve ? curve_script(results, face, used, paper, name, folder)
+                    : map_script(results, surface, face, used, paper, name, folder);
+    files.push_back(name + ".png");
+    std::string caption =
+        curve ? "Pressure along the contact face, mean over its narrow side"
+              : fmt::format("Contact face of {} with its cells; grey: no pressure (below 0.5 % of the largest)",
+                            results.bodies[face.body].name);
+    if (used.unrolled()) caption += "; the cylindrical face is unrolled";
+    if (paper.largest() < 0.99 * all.largest()) caption += "; only the surroundings of the contact zone are shown";
+    maps.push_back({pair, files.back(), caption + "."});
+  }
+  if (!maps.empty()) runs.start("pressure_map", script, files);
+  return maps;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,27 @@
+/// pressure_map.png, pressure_map_2.png ...: the contact pressure over the contact face of each pair.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/drawing/drawn_body.hpp"
+#include "core/output/output_gnuplot.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+struct PressureMap {
+  std::size_t pair;  ///< index into Results::pairs
+  std::string file, caption;
+};
+
+/// The pairs that are drawn, in order: of many those with the largest forces.
+std::vector<std::size_t> pairs_to_draw(const Results& results);
+
+/// Starts the drawing: recovered pressure on the face of the body with the smaller cells, with the edge of the contact
+/// zone (1 % of the largest pressure). Faces that are nearly flat are seen along a coordinate axis, cylindrical ones
+/// are unrolled, other ones are seen along their mean normal; faces much longer than wide (plane strain) become curves.
+/// Of many pairs those with the largest forces are drawn.
+std::vector<PressureMap> write_pressure_maps(const Results& results, const ContactSurface& surface, GnuplotRuns& runs);
+
+}  // namespace cgcontact

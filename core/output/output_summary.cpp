@@ -1,0 +1,224 @@
+#include "core/output/output_summary.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "core/base/text.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+using Lines = std::vector<std::string>;
+
+constexpr int screen_width = 80;
+constexpr std::size_t screen_lines = 24;
+/// A text longer than this many lines ends in three dots.
+constexpr std::size_t longest_text = 3;
+
+/// How much of what can be long is shown.
+struct Allowance {
+  std::size_t pairs, warnings, text_lines;
+};
+
+void append(Lines& lines, const Lines& more) { lines.insert(lines.end(), more.begin(), more.end()); }
+
+/// At most `longest` lines of a text.
+Lines shortened(Lines lines, std::size_t longest) {
+  if (lines.size() <= longest) return lines;
+  lines.resize(longest);
+  lines.back() += " ...";
+  return lines;
+}
+
+Lines paragraph(const std::string& label, const std::string& text, std::size_t longest = longest_text) {
+  return shortened(wrapped(text, label, screen_width - 4), longest);
+}
+
+std::string in_unit(double value, const DisplayUnit& unit, int digits) {
+  return short_number(value * unit.factor, digits) + " " + unit.name;
+}
+
+/// "0.41 %"; estimates below rounding are zero.
+std::string percent(double fraction) { return percent_number(fraction < 1e-9 ? 0.0 : fraction) + " %"; }
+
+Lines pair_table(const Results& results, std::size_t rows) {
+  Lines lines{fmt::format("  {:<20} {:>11} {:>7} {:>12} {:>11} {:>12}", "contact pair", "force", "error",
+                          "max pressure", "error", "area")};
+  const std::size_t shown = results.pairs.size() <= rows ? results.pairs.size() : rows - 1;
+  for (std::size_t k = 0; k < shown; ++k) {
+    const PairFigures& pair = results.pairs[k];
+    const double force = pair.force_on_first.norm();
+    const bool coarse =
+        k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
+    const auto error = [&](const std::optional<double>& estimate) {
+      return coarse ? "coarse" : pair.active_points > 0 && estimate ? percent(*estimate) : "-";
+    };
+    lines.push_back(fmt::format("  {:<20} {:>11} {:>7} {:>12} {:>11} {:>12}", shortened_name(pair.name, 20),
+                                in_unit(force, force_unit(force), 5), error(pair.force_error_estimate),
+                                in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 5),
+                                error(pair.pressure_error_estimate), in_unit(pair.area, area_unit(pair.area), 4)));
+  }
+  if (shown < results.pairs.size())
+    lines.push_back(fmt::format("  and {} more pairs, see the report", results.pairs.size() - shown));
+  return lines;
+}
+
+/// The first pair over the steps; all of them are in steps.csv.
+Lines step_lines(const Results& results, std::size_t rows) {
+  Lines lines;
+  const std::size_t count = results.steps.size(), shown = count <= rows ? count : rows - 1;
+  for (std::size_t k = 0; k < shown; ++k) {
+    const StepFigures& s = results.steps[k];
+    std::string text = fmt::format("  step {} of {}:", k + 1, count);
+    if (!s.pairs.empty()) {
+      const PairFigures& pair = s.pairs.front();
+      const double force = pair.force_on_first.norm();
+      text += fmt::format(" {:<22} {}, at most {}", shortened_name(pair.name, 22), in_unit(force, force_unit(force), 4),
+                          in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 4));
+    }
+    lines.push_back(text + (s.converged ? "" : " NOT CONVERGED"));
+  }
+  if (shown < count) lines.push_back(fmt::format("  and {} more steps, see steps.csv", count - shown));
+  return lines;
+}
+
+/// "3 interior, 2 contact".
+std::string counts_text(const std::vector<std::pair<std::string, long long>>& counts) {
+  std::string text;
+  for (const auto& [name, count] : counts) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, name);
+  return text;
+}
+
+std::string recovery_text(const Results& results) {
+  long long total = 0;
+  for (const auto& [kind, count] : results.patches_by_kind) total += count;
+  return fmt::format("{} patches ({}); {}", total, counts_text(results.patches_by_kind),
+                     counts_text(results.patches_by_status));
+}
+
+std::string error_text(const Results& results) {
+  std::string text = fmt::format("stress {} of the energy norm", percent(results.estimated_error_relative));
+  if (results.has_effectivity) text += fmt::format(" (effectivity {:.3f})", results.effectivity);
+  return text;
+}
+
+/// The pressure's errors against the scene's reference.
+std::string reference_text(const Results& results) {
+  std::string text = "SPR-C";
+  for (std::size_t k = 0; k < results.pressure_errors.size(); ++k)
+    text += fmt::format("{} {} {}", k ? "," : "", results.pressure_errors[k].zone,
+                        percent(results.pressure_errors[k].sprc));
+  const ZoneError& whole = results.pressure_errors.front();
+  return text + fmt::format("; SPR {} {}, raw {}", whole.zone, percent(whole.spr), percent(whole.raw));
+}
+
+std::string times_text(const Results& results) {
+  std::string phases;
+  double total = 0;
+  for (const auto& [phase, seconds] : results.times_s) {
+    phases += fmt::format("{}{} {:.2f}", phases.empty() ? "" : ", ", phase, seconds);
+    total += seconds;
+  }
+  return fmt::format("{:.2f} s ({}); {}, {} thread{} ({})", total, phases,
+                     scaled(static_cast<double>(results.peak_memory_bytes), "B", 3), results.threads,
+                     results.threads == 1 ? "" : "s", results.backend);
+}
+
+std::string iterations_text(const Results& results) {
+  long long linear = 0, points = 0;
+  for (int n : results.linear_iterations) linear += n;
+  for (const PairFigures& pair : results.pairs) points += pair.points;
+  std::string text = fmt::format("{} outer, {} linear", results.outer_iterations, linear);
+  if (!results.outer_residuals.empty()) text += fmt::format("; residual {:.1e}", results.outer_residuals.back());
+  if (points > 0)
+    text += fmt::format("; {} of {} contact points closed", grouped(results.active_points), grouped(points));
+  return text;
+}
+
+Lines warning_lines(const Results& results, const Allowance& allowance) {
+  Lines lines;
+  const std::size_t shown = std::min(results.warnings.size(), allowance.warnings);
+  for (std::size_t k = 0; k < shown; ++k)
+    append(lines, paragraph("  warning:    ", results.warnings[k], allowance.text_lines));
+  if (shown < results.warnings.size())
+    lines.push_back(fmt::format("  and {} more warning{}, see the report", results.warnings.size() - shown,
+                                results.warnings.size() - shown == 1 ? "" : "s"));
+  return lines;
+}
+
+/// What to open next: the page if it was written, else the figures.
+Lines closing_lines(const Results& results, const std::string& directory) {
+  namespace fs = std::filesystem;
+  Lines lines;
+  std::string others;
+  for (const char* name : {"report.html", "report.json", "scene.png", "steps.csv", "contact.csv", "result.vtkhdf"})
+    if (fs::exists(fs::path(directory) / name)) others += fmt::format(" {}", name);
+  const std::string place = fmt::format("  results in {}:", directory);
+  if (columns_of(place + others) <= screen_width)
+    lines.push_back(place + others);
+  else
+    append(lines, {place, "   " + others});
+  if (!fs::exists(fs::path(directory) / "report.html")) return lines;
+  const char* const next = results.converged ? "  open next: " : "  open, for what went wrong: ";
+  lines.push_back(next + (fs::path(directory) / "report.html").string());
+  return lines;
+}
+
+/// The verdict in words that cannot be overlooked.
+std::string opening_words(const Results& results) {
+  if (!results.converged) return "DID NOT CONVERGE";
+  switch (results.verdict.state) {
+    case Verdict::State::not_resolved:
+      return "solved, but NOT RESOLVED";
+    case Verdict::State::contact_missed:
+      return "solved, but CONTACT MISSED";
+    case Verdict::State::no_contact:
+      return results.pairs.empty() ? "solved" : "solved, without contact";
+    default:
+      return "solved";
+  }
+}
+
+Lines summary_lines(const Results& results, const std::string& directory, const Allowance& allowance) {
+  const std::string opening = opening_words(results);
+  Lines lines = shortened(wrapped(results.title, opening + (results.title.empty() ? "" : ": "), screen_width - 4),
+                          allowance.text_lines);
+  const auto add = [&](const std::string& label, const std::string& text) {
+    append(lines, paragraph(label, text, allowance.text_lines));
+  };
+  if (!results.diagnosis.empty()) append(lines, paragraph("  diagnosis:  ", results.diagnosis, 4));
+  if (results.converged && !results.verdict.text.empty())
+    append(lines, paragraph("  verdict:    ", results.verdict.text, 4));
+  append(lines, warning_lines(results, allowance));
+  add("  size:       ", fmt::format("{} unknowns, {} cells ({} cut)", grouped(results.unknowns),
+                                    grouped(results.cells.active), grouped(results.cells.cut)));
+  add("  iterations: ", iterations_text(results));
+  if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
+  if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
+  add("  est. error: ", error_text(results));
+  if (!results.pressure_errors.empty()) add("  true error of the pressure: ", reference_text(results));
+  if (!results.patches_by_kind.empty()) add("  recovery:   ", recovery_text(results));
+  if (!results.times_s.empty()) add("  time:       ", times_text(results));
+  append(lines, closing_lines(results, directory));
+  return lines;
+}
+
+}  // namespace
+
+std::string summary(const Results& results, const std::string& directory) {
+  Lines lines;
+  for (const Allowance allowance :
+       {Allowance{8, 3, 4}, Allowance{6, 2, 3}, Allowance{4, 1, 3}, Allowance{3, 1, 2}, Allowance{2, 1, 1}}) {
+    lines = summary_lines(results, directory, allowance);
+    if (lines.size() <= screen_lines) break;
+  }
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,14 @@
+/// Where the structure of a region's slices changes along t.
+#pragma once
+
+#include <vector>
+
+#include "core/quadrature/outer_map.hpp"
+#include "core/quadrature/region_slice.hpp"
+
+namespace cgcontact {
+
+/// The non-empty intervals in ascending order.
+void find_intervals(Slicer& slicer, std::vector<Interval>& intervals);
+
+}  // namespace cgcontact

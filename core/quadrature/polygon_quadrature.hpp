@@ -1,0 +1,11 @@
+/// Regions bounded by straight lines: cut into convex polygons, exact to rounding.
+#pragma once
+
+#include "core/quadrature/region_quadrature.hpp"
+
+namespace cgcontact {
+
+/// All functions of the region must be linear conics.
+void integrate_polygons(const Region& region, const RegionRule& rule, std::vector<RegionPoint>& points);
+
+}  // namespace cgcontact

@@ -1,0 +1,193 @@
+/// What a run hands to the output: fields as functions, contact rows, figures. SI units, global axes.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/cells/cut_cells.hpp"
+#include "core/scene/scene.hpp"
+
+namespace cgcontact {
+
+/// Fields of one body; `cell` is an active cell, xi the cell coordinates in [-1,1]^3.
+struct BodyFields {
+  std::string name;
+  const CutCells* cut_cells = nullptr;
+  Material material;
+  std::function<Vec3(int cell, const Vec3& xi)> displacement;      ///< m
+  std::function<Sym3(int cell, const Vec3& xi)> stress_raw;        ///< Pa, sigma_h
+  std::function<Sym3(int cell, const Vec3& xi)> stress_recovered;  ///< Pa, sigma*
+  std::vector<double> error_of_cell;  ///< estimated error, energy norm per active cell, sqrt(J)
+  /// Per active cell: the largest numbers of the patches of its eight nodes (Results::patch_kinds, patch_statuses).
+  /// Empty without constrained recovery.
+  std::vector<unsigned char> patch_kind, patch_status;
+  /// Index into Scene::contacts for each boundary point that has something opposite, else -1.
+  std::vector<int> contact_of_point;
+};
+
+/// Largest values of one body at the points of its drawn mesh, and where they are (undeformed).
+struct BodyExtremes {
+  double displacement = 0;  ///< m
+  Vec3 displacement_at = Vec3::Zero();
+  double von_mises = 0;  ///< Pa, recovered stress
+  Vec3 von_mises_at = Vec3::Zero();
+};
+
+/// One boundary point of a contact face.
+struct ContactRow {
+  int body = 0;
+  int pair = 0;
+  int cell = 0;                                  ///< active cell of the body
+  Vec3 x = Vec3::Zero(), normal = Vec3::Zero();  ///< m; outward
+  double weight = 0;                             ///< m^2
+  double gap = 0;                                ///< m, after deformation, positive when open
+  double distance = 0;  ///< m, of the geometry before, without interference; infinite: nothing opposite
+  double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;  ///< Pa, positive in compression
+  double pressure_opposite = 0;                                  ///< Pa, SPR-C of the other body; NaN: nothing opposite
+  double pressure_transmitted = 0;  ///< Pa, what the solution transmits at the nearest contact point; NaN: none
+  double pressure_error = 0;        ///< Pa, estimated error of pressure_sprc
+  Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
+  bool active = false;
+  /// Closed, or open beside closed points: where the pair's contact zone can be. Area, largest pressure and the force
+  /// of the recovered pressure are those of these rows.
+  bool touching = false;
+};
+
+/// Pressure along the scene's path, one entry per sample and body.
+struct PathSample {
+  int body = 0;
+  int pair = 0;
+  double s = 0;  ///< m, the coordinate that the reference uses, else arc length
+  Vec3 x = Vec3::Zero();
+  double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;
+  bool has_reference = false;
+  double pressure_reference = 0;
+};
+
+/// Stress error at a contact point against the reference, for stress_error.svg.
+struct StressErrorSample {
+  int body = 0;
+  Vec3 x = Vec3::Zero();
+  double error_raw = 0, error_spr = 0, error_sprc = 0;  ///< Frobenius norm of the stress difference, Pa
+};
+
+/// Figures of one contact pair.
+struct PairFigures {
+  std::string name, body_first, body_second;
+  Vec3 force_on_first = Vec3::Zero(), force_on_second = Vec3::Zero();    ///< N
+  Vec3 moment_on_first = Vec3::Zero(), moment_on_second = Vec3::Zero();  ///< N m about the origin
+  /// Of the contact zone (ContactRow::touching); without contact all are exactly zero.
+  double area = 0;                      ///< m^2, where the pressure is positive (closed points without SPR-C)
+  double max_pressure = 0;              ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
+  Vec3 max_pressure_at = Vec3::Zero();  ///< m
+  Vec3 centre = Vec3::Zero();           ///< m, of the transmitted pressure: where the resultant acts
+  int points = 0, active_points = 0;
+  double interference = 0;             ///< m, as the scene gives it
+  double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
+  /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
+  std::optional<double> force_error_estimate;
+  bool force_given_by_loads = false;  ///< by equilibrium alone
+};
+
+/// What a run says of itself before anything else: can its contact be used, and if not, what would help?
+struct Verdict {
+  enum class State { resolved, not_resolved, contact_missed, not_converged, no_contact };
+  struct Pair {
+    std::string name;
+    State state = State::no_contact;
+    /// Cells of the coarser body across the narrowest zone that matters; none: no open points bound the zone.
+    std::optional<double> cells_across;
+    std::optional<double> cell_size_needed;  ///< m, at most, of both bodies; where the zone is not resolved or missed
+  };
+  State state = State::resolved;
+  std::string text;  ///< one sentence
+  std::vector<Pair> pairs;
+};
+
+/// "resolved", "not_resolved", ... as in report.json.
+inline const char* name_of(Verdict::State state) {
+  constexpr const char* names[] = {"resolved", "not_resolved", "contact_missed", "not_converged", "no_contact"};
+  return names[static_cast<int>(state)];
+}
+
+/// Reaction of one support.
+struct SupportFigures {
+  std::string face;           ///< "body.face"
+  Vec3 force = Vec3::Zero();  ///< N, acts on the body
+  std::string condition;      ///< "symmetry", "x = 0, z = -1.6e-06 m"
+  double area = 0;            ///< m^2
+};
+
+/// Resultant of one load, as it acts in the last step.
+struct LoadFigures {
+  std::string face;           ///< "body.face", or the body that a body force acts on
+  std::string condition;      ///< "pressure 0 .. 1e+07 Pa, traction"
+  Vec3 force = Vec3::Zero();  ///< N
+  double area = 0;            ///< m^2; of a body force: its volume, m^3
+  bool of_body = false;       ///< a body force
+};
+
+/// Resultants of what acts on one body; they sum to zero up to the tolerance of the linear solver.
+struct BodyBalance {
+  std::string body;
+  Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
+};
+
+/// One step of several: what was on, how it was solved, its contact pairs (without estimated errors).
+struct StepFigures {
+  StepSpec step;
+  int outer_iterations = 0;
+  bool converged = false;
+  std::vector<PairFigures> pairs;
+};
+
+/// Relative L2 error of the pressure in a zone.
+struct ZoneError {
+  std::string zone;
+  double raw = 0, spr = 0, sprc = 0;
+};
+
+struct Results {
+  std::string scene_file, title, backend;
+  std::string command;  ///< the command line, quoted for a shell; empty: not run by the program
+  int threads = 1;
+  long long unknowns = 0;
+  struct CellCounts {
+    long long active = 0, cut = 0, interior = 0;
+  } cells;
+  int outer_iterations = 0;
+  std::vector<int> linear_iterations;
+  std::vector<double> outer_residuals;
+  std::vector<long long> active_of_iteration;  ///< closed contact points after each outer iteration
+  long long active_points = 0;
+  bool converged = false;
+  std::string diagnosis;  ///< why not, if not
+  Verdict verdict;
+  std::vector<std::string> warnings;
+  std::vector<PairFigures> pairs;
+  std::vector<StepFigures> steps;  ///< in order, the last one too; empty without [steps]
+  std::vector<SupportFigures> supports;
+  std::vector<LoadFigures> loads;
+  std::vector<BodyExtremes> extremes;  ///< by body; empty if neither pictures nor fields are written
+  std::vector<BodyBalance> balance;    ///< by body
+  double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
+  bool has_effectivity = false;
+  double exact_error = 0, effectivity = 0;
+  std::vector<std::string> patch_kinds, patch_statuses;  ///< names of the numbers in BodyFields
+  std::vector<std::pair<std::string, long long>> patches_by_kind, patches_by_status;  ///< those that occur, in order
+  long long grown_patches = 0, truncated_rows = 0, inconsistent_patches = 0;
+  long long quadratic_patches = 0, lowered_patches = 0;  ///< of degree 2; of degree 1 where 2 was asked for
+  std::vector<std::pair<std::string, double>> times_s;   ///< phases in order
+  long long peak_memory_bytes = 0;
+  std::vector<BodyFields> bodies;
+  std::vector<ContactRow> contact_rows;
+  std::vector<PathSample> path;
+  bool path_from_largest = false;  ///< the path runs through the largest pressure of each pair, s is zero there
+  std::vector<StressErrorSample> stress_errors;
+  std::vector<ZoneError> pressure_errors;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,289 @@
+#include "core/scene/expression.hpp"
+
+#include <muParser.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <mutex>
+
+#include "core/base/suggest.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846, e = 2.71828182845904523536;
+/// Names of muParser's own constants, with all their digits.
+const char* const pi_name = "_pi";
+const char* const e_name = "_e";
+const char* const axis_names[3] = {"x", "y", "z"};
+const char* const operators_help =
+    "numbers, x, y, z, pi, _e, parameters, + - * / ^ ( ), comparisons, && ||, a ? b : c, "
+    "sqrt abs min max sign exp ln sin cos tan ...";
+
+bool starts_name(char c) { return std::isalpha(static_cast<unsigned char>(c)) || c == '_'; }
+bool continues_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
+/// Number of characters of the decimal number at the start of the text (with exponent), 0 if there is none.
+std::size_t length_of_number(const std::string& text, std::size_t begin) {
+  const auto digit = [&](std::size_t k) {
+    return k < text.size() && std::isdigit(static_cast<unsigned char>(text[k]));
+  };
+  std::size_t k = begin;
+  if (!digit(k) && !(text[k] == '.' && digit(k + 1))) return 0;
+  while (digit(k)) ++k;
+  if (k < text.size() && text[k] == '.') ++k;
+  while (digit(k)) ++k;
+  if (k < text.size() && (text[k] == 'e' || text[k] == 'E')) {
+    const std::size_t sign = (k + 1 < text.size() && (text[k + 1] == '+' || text[k + 1] == '-')) ? 1 : 0;
+    if (digit(k + 1 + sign)) {
+      k += 1 + sign;
+      while (digit(k)) ++k;
+    }
+  }
+  return k - begin;
+}
+
+/// Calls visit(name, is_called) for every name in the text; a name followed by "(" is called.
+void for_each_name(const std::string& text, const std::function<void(const std::string&, bool)>& visit) {
+  std::size_t k = 0;
+  while (k < text.size()) {
+    if (const std::size_t length = length_of_number(text, k)) {
+      k += length;
+    } else if (starts_name(text[k])) {
+      const std::size_t begin = k;
+      while (k < text.size() && continues_name(text[k])) ++k;
+      const std::size_t next = text.find_first_not_of(" \t", k);
+      visit(text.substr(begin, k - begin), next != std::string::npos && text[next] == '(');
+    } else {
+      ++k;
+    }
+  }
+}
+
+mu::Parser make_parser(const Constants& constants) {
+  mu::Parser parser;
+  parser.DefineConst("pi", pi);
+  parser.DefineConst(pi_name, pi);
+  parser.DefineConst(e_name, e);
+  for (const auto& [name, value] : constants) parser.DefineConst(name, value);
+  return parser;
+}
+
+std::string quoted(const std::string& text) { return '"' + text + '"'; }
+
+std::string format_number(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.9g", value);
+  return buffer;
+}
+
+/// Turns a muParser error into an InputError; a name that nobody knows gets a suggestion.
+[[noreturn]] void fail(const mu::ParserError& error, const std::string& text, const SourcePlace& place,
+                       const Constants& constants, bool with_coordinates) {
+  std::vector<std::string> known;
+  if (with_coordinates) known.insert(known.end(), std::begin(axis_names), std::end(axis_names));
+  known.insert(known.end(), {"pi", pi_name, e_name});
+  std::vector<std::string> parameters;
+  for (const auto& entry : constants) parameters.push_back(entry.first);
+  known.insert(known.end(), parameters.begin(), parameters.end());
+  std::vector<std::string> functions;
+  const mu::Parser parser;
+  for (const auto& entry : parser.GetFunDef()) functions.push_back(entry.first);
+
+  const std::string token = error.GetToken();
+  const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  static const std::vector<std::string> units = {"m",  "mm", "cm",  "um",  "km",  "in",  "ft",  "N", "kN",
+                                                 "MN", "Pa", "kPa", "MPa", "GPa", "deg", "rad", "kg"};
+  for_each_name(text, [&](const std::string& name, bool is_called) {
+    if (!is_called && contains(units, name) && !contains(known, name) && did_you_mean(name, parameters).empty())
+      throw InputError(place, quoted(text),
+                       "unknown name " + quoted(name) + ": numbers have no units here, all values are in SI units",
+                       join(known) + ", " + join(functions, " "));
+    if (is_called && !contains(functions, name) && !contains(known, name))
+      throw InputError(place, quoted(text), "unknown function " + quoted(name) + did_you_mean(name, functions),
+                       join(functions, " "));
+  });
+  if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN && !token.empty() && starts_name(token[0])) {
+    std::vector<std::string> all = known;
+    all.insert(all.end(), functions.begin(), functions.end());
+    const bool coordinate = token == "x" || token == "y" || token == "z";
+    std::string why = "unknown name " + quoted(token) + did_you_mean(token, all);
+    if (coordinate) why = "must be one number, it cannot depend on " + quoted(token);
+    if (token == contact_force_name)
+      why = quoted(token) +
+            " is a result: only parameters, pressure, stress and zones of [reference] may use it, in a scene with a "
+            "contact pair";
+    throw InputError(place, quoted(text), why, join(known) + ", " + join(functions, " "));
+  }
+  std::string message = error.GetCode() == mu::ecINTERNAL_ERROR ? "an operand is missing" : error.GetMsg();
+  while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
+  throw InputError(place, quoted(text), "not a valid expression: " + message, operators_help);
+}
+
+/// What muParser would accept although it makes no sense here: nothing at all, assignments, several values.
+void check_text(const std::string& text, const SourcePlace& place) {
+  const auto fail_with = [&](const char* problem) { throw InputError(place, quoted(text), problem, operators_help); };
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos) fail_with("empty expression");
+  int depth = 0;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char last = k > 0 ? text[k - 1] : ' ', next = k + 1 < text.size() ? text[k + 1] : ' ';
+    if (text[k] == '(') ++depth;
+    if (text[k] == ')') --depth;
+    if (text[k] == ',' && depth == 0) fail_with("not a valid expression: one value is needed, not several");
+    if (text[k] == '=' && next != '=' && last != '=' && last != '<' && last != '>' && last != '!')
+      fail_with("not a valid expression: assignment is not possible, equality is ==");
+  }
+}
+
+/// A parser with the variables it is bound to; never moved.
+struct BoundParser {
+  BoundParser(const std::string& text, const Constants& constants) : parser(make_parser(constants)) {
+    for (int k = 0; k < 3; ++k) parser.DefineVar(axis_names[k], &x[k]);
+    parser.SetExpr(text);
+  }
+  BoundParser(const BoundParser&) = delete;
+  double evaluate(const Vec3& point) {
+    for (int k = 0; k < 3; ++k) x[k] = point[k];
+    return parser.Eval();
+  }
+
+  double x[3] = {0, 0, 0};
+  mu::Parser parser;
+};
+
+}  // namespace
+
+/// A text that has been checked, with as many parsers as threads have ever evaluated it at the same time.
+struct Expression::Compiled {
+  Compiled(const std::string& text_in, const SourcePlace& place_in, const Constants& constants_in)
+      : text(text_in), place(place_in), constants(constants_in) {
+    try {
+      auto parser = std::make_unique<BoundParser>(text, constants);
+      is_constant = parser->parser.GetUsedVar().empty();
+      parser->parser.Eval();  // makes the bytecode
+      idle.push_back(std::move(parser));
+    } catch (const mu::ParserError& error) {
+      fail(error, text, place, constants, true);
+    }
+  }
+  Compiled(const Compiled& other) : Compiled(other.text, other.place, other.constants) {}
+  Compiled& operator=(const Compiled&) = delete;
+
+  double evaluate(const Vec3& point) {
+    std::unique_ptr<BoundParser> parser = take();
+    const double value = parser->evaluate(point);
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      idle.push_back(std::move(parser));
+    }
+    if (std::isfinite(value)) return value;
+    const std::string at = is_constant ? ""
+                                       : " at x = " + format_number(point[0]) + ", y = " + format_number(point[1]) +
+                                             ", z = " + format_number(point[2]);
+    throw InputError(place, quoted(text),
+                     "the value is " + std::string(std::isnan(value) ? "not a number" : "infinite") + at +
+                         used_constants(text, constants) + " (division by zero, or a function outside its domain?)",
+                     "finite values wherever the expression is used");
+  }
+
+  /// A parser that no other thread uses.
+  std::unique_ptr<BoundParser> take() {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      if (!idle.empty()) {
+        auto parser = std::move(idle.back());
+        idle.pop_back();
+        return parser;
+      }
+    }
+    return std::make_unique<BoundParser>(text, constants);
+  }
+
+  std::string text;
+  SourcePlace place;
+  Constants constants;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<BoundParser>> idle;
+  bool is_constant = false;
+};
+
+Expression::Expression() = default;
+
+Expression::Expression(double value) : constant_(value) {}
+
+Expression::Expression(const std::string& text, const SourcePlace& place, const Constants& constants) {
+  check_text(text, place);
+  auto compiled = std::make_unique<Compiled>(text, place, constants);
+  if (compiled->is_constant)
+    constant_ = compiled->evaluate(Vec3::Zero());
+  else
+    compiled_ = std::move(compiled);
+}
+
+Expression::~Expression() = default;
+Expression::Expression(Expression&&) noexcept = default;
+Expression& Expression::operator=(Expression&&) noexcept = default;
+
+Expression::Expression(const Expression& other)
+    : constant_(other.constant_), compiled_(other.compiled_ ? std::make_unique<Compiled>(*other.compiled_) : nullptr) {}
+
+Expression& Expression::operator=(const Expression& other) {
+  if (this != &other) *this = Expression(other);
+  return *this;
+}
+
+double Expression::operator()(const Vec3& x) const { return compiled_ ? compiled_->evaluate(x) : constant_; }
+
+bool Expression::is_zero() const { return is_constant() && constant_ == 0; }
+
+bool Expression::is_constant() const { return compiled_ == nullptr; }
+
+double evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants) {
+  check_text(text, place);
+  double value = 0;
+  try {
+    mu::Parser parser = make_parser(constants);
+    parser.SetExpr(text);
+    value = parser.Eval();
+  } catch (const mu::ParserError& error) {
+    fail(error, text, place, constants, false);
+  }
+  if (!std::isfinite(value))
+    throw InputError(place, quoted(text),
+                     "the value is not finite" + used_constants(text, constants) + " (division by zero?)",
+                     "a finite number");
+  return value;
+}
+
+std::vector<std::string> identifiers(const std::string& text) {
+  std::vector<std::string> names;
+  for_each_name(text, [&names](const std::string& name, bool is_called) {
+    if (!is_called && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  });
+  return names;
+}
+
+std::string used_constants(const std::string& text, const Constants& constants) {
+  std::string result;
+  for (const std::string& name : identifiers(text))
+    if (const auto found = constants.find(name); found != constants.end())
+      result += (result.empty() ? " with " : ", ") + name + " = " + format_number(found->second);
+  return result;
+}
+
+bool is_free_name(const std::string& name) {
+  if (name.empty() || !starts_name(name[0]) || !std::all_of(name.begin(), name.end(), continues_name)) return false;
+  if (name == "pi" || name == contact_force_name ||
+      std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names))
+    return false;
+  const mu::Parser parser;
+  return parser.GetFunDef().count(name) == 0 && parser.GetConst().count(name) == 0;
+}
+
+}  // namespace cgcontact

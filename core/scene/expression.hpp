@@ -1,0 +1,57 @@
+/// Expressions in x, y, z (m) given by the user, compiled by muParser.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/errors.hpp"
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+/// Named numbers that expressions may use besides x, y, z and pi (the scene's [parameters]).
+using Constants = std::map<std::string, double>;
+
+/// Name of the constant that only [reference] knows, after the solve: magnitude of the first pair's contact force, N.
+inline constexpr const char* contact_force_name = "contact_force";
+
+/// A number or an expression of x, y, z. Several threads may evaluate one object at the same time.
+class Expression {
+ public:
+  Expression();  ///< zero
+  explicit Expression(double value);
+  /// Compiles; throws InputError that names the place, the text and the position of the mistake.
+  Expression(const std::string& text, const SourcePlace& place, const Constants& constants = {});
+  ~Expression();
+  Expression(const Expression&);
+  Expression& operator=(const Expression&);
+  Expression(Expression&&) noexcept;
+  Expression& operator=(Expression&&) noexcept;
+
+  /// Value at x (global coordinates, m); throws InputError if it is not finite there (division by zero, ...).
+  double operator()(const Vec3& x) const;
+  /// True if it is the constant zero.
+  bool is_zero() const;
+  bool is_constant() const;
+
+ private:
+  struct Compiled;
+  double constant_ = 0;
+  std::unique_ptr<Compiled> compiled_;
+};
+
+/// Value of an expression of the constants alone; throws InputError like Expression, also if x, y or z occur.
+double evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants = {});
+
+/// The names of variables and constants (not of functions) that occur in the text, in order, without repetition.
+std::vector<std::string> identifiers(const std::string& text);
+
+/// " with n = 16, t = 0.1" for the constants that occur in the text, or "".
+std::string used_constants(const std::string& text, const Constants& constants);
+
+/// Is the name free to be used as a constant: an identifier that is no variable, function or built-in name?
+bool is_free_name(const std::string& name);
+
+}  // namespace cgcontact

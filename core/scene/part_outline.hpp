@@ -1,0 +1,51 @@
+/// A first look at a part that comes as a triangle surface: its size, what lies at its top and bottom, its smooth
+/// parts. `cgcontact init --stl` lays out a scene by it.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+/// Triangles that creases of 30 degrees divide from the others.
+struct SmoothPart {
+  double area = 0;             ///< m^2
+  Vec3 normal = Vec3::Zero();  ///< mean outward normal, zero where the part is closed in itself
+  Vec3 seed = Vec3::Zero();    ///< m, centre of its largest triangle
+  bool flat = false;           ///< all normals within a degree of the mean
+};
+
+/// The end of the part in the direction z+ or z-.
+struct PartEnd {
+  bool flat = false;  ///< most of it lies in the plane that touches the part
+  /// Extent of the flat part, or of what lies within 2 % of the part's height, m.
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();
+  /// Is there surface within the last tenth of the height whose normal is within 30 degrees of the direction?
+  bool faces_outwards = false;
+};
+
+struct PartOutline {
+  std::string note;                             ///< file, triangles, size, repairs; one line
+  std::string doubt;                            ///< "" or why the unit may be wrong
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< m
+  double volume = 0;                            ///< m^3
+  PartEnd top, bottom;
+  std::vector<SmoothPart> parts;  ///< largest first, places and normals as in the file
+  Mat3 turn = Mat3::Identity();   ///< min, max, top and bottom are those of the part turned so about the origin
+  double area = 0;                ///< m^2
+  /// How far a horizontal plane is to come down on the part for the cut to be twice this wide (area over length of its
+  /// rim), m; at most `most`.
+  double push_for(double half_width, double most) const;
+  /// Triangles that come near the top, turned, m below it: corners by their depth.
+  std::vector<std::array<Vec3, 3>> below_top;
+};
+
+/// Reads, checks and repairs the surface (.stl, .obj, .ply, .off) as a scene would. A part that ends in a tip or edge
+/// at its top is turned such that its largest flat part is there, if it has one. scale: m per unit of the file. Throws
+/// InputError that names the file.
+PartOutline outline_part(const std::string& file, double scale, bool repair = false);
+
+}  // namespace cgcontact

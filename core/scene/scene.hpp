@@ -1,0 +1,170 @@
+/// What the user describes: bodies, materials, grids, faces, supports, loads, contact. No grid is made yet.
+/// All units are SI (m, N, Pa); all keys are documented in docs/scene.md.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/errors.hpp"
+#include "core/base/types.hpp"
+#include "core/geometry/csg.hpp"
+#include "core/scene/expression.hpp"
+
+namespace cgcontact {
+
+struct Material {
+  double youngs_modulus = 0;  ///< Pa
+  double poisson_ratio = 0;
+};
+
+/// A named part of a body's boundary: the points that match every selector given.
+struct FaceSpec {
+  std::string name;
+  std::vector<std::string> surfaces;                   ///< primitive faces, "primitive.face"; empty: any
+  std::optional<std::pair<Vec3, Vec3>> box;            ///< points in [min, max], m
+  std::optional<std::pair<Vec3, double>> normal_cone;  ///< unit axis, cosine of the half angle
+  SourcePlace place;
+
+  /// Does a boundary point lie on the face? `names`: names of the elementary surface; x in m and n in global axes.
+  bool contains(const std::vector<std::string>& names, const Vec3& x, const Vec3& n) const {
+    return selects(names) && contains(x, n);
+  }
+  /// Its two parts: the elementary surface; box and normal cone.
+  bool selects(const std::vector<std::string>& names) const;
+  bool contains(const Vec3& x, const Vec3& n) const;
+};
+
+struct BodySpec {
+  std::string name;
+  Solid solid;  ///< global coordinates, m
+  Material material;
+  double cell_size = 0;  ///< m
+  Vec3 grid_offset =
+      Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
+  Mat3 grid_rotation = Mat3::Identity();
+  std::array<Expression, 3> body_force;  ///< N/m^3
+  std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
+  std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
+  std::vector<std::string> warnings;     ///< the same for what the user should look at
+  SourcePlace place;
+};
+
+/// "body.face" resolved.
+struct FaceRef {
+  int body = -1;
+  FaceSpec face;
+  SourcePlace place;
+};
+
+/// Frictionless support: u . direction = value on the face, one entry per constrained direction.
+struct SupportSpec {
+  FaceRef face;
+  bool symmetry = false;                                  ///< direction is the normal of the face, value 0
+  std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
+  std::optional<Expression> normal_displacement;          ///< m, along the outward normal
+
+  bool holds_normal() const { return symmetry || normal_displacement; }
+  SourcePlace place;
+};
+
+struct LoadSpec {
+  FaceRef face;
+  std::array<Expression, 3> traction;  ///< Pa, global axes
+  Expression pressure;                 ///< Pa, acts against the outward normal
+  SourcePlace place;
+};
+
+struct ContactSpec {
+  std::string name;
+  FaceRef first, second;    ///< with automatic pairs: FaceSpec that selects all points
+  bool automatic = false;   ///< made by automatic = true: no error if the two bodies are out of reach
+  double interference = 0;  ///< m, overlap added to the geometric one (positive presses the bodies together)
+  /// m, points farther apart than this do not belong to the pair; 0: twice the larger cell
+  double search_distance = 0;
+  SourcePlace place;
+};
+
+struct SolverSpec {
+  std::string preconditioner = "multigrid";
+  double tolerance = 1e-6;  ///< relative outer residual
+  int max_outer_iterations = 30;
+  double linear_tolerance = 1e-10;  ///< relative residual of the last linear solve
+  int max_linear_iterations = 1000;
+  double kappa = 10;            ///< stabilisation of supports and contact, times E / h
+  double ghost_penalty = 0.01;  ///< gamma
+};
+
+/// Degree (1 or 2) of the recovered polynomials by class of patch; 0 at the contact: 2 where closed and both bodies
+/// thick.
+struct RecoveryDegree {
+  int interior = 1;  ///< full cells only, no contact face
+  int boundary = 1;  ///< neither interior nor contact
+  int contact = 0;   ///< patches that hold points of a contact face, closed or open
+};
+
+struct RecoverySpec {
+  bool spr_c = true;             ///< run the constrained recovery at the end
+  double rank_tolerance = 0.1;   ///< truncated pseudo-inverse
+  double auxiliary_depth = 0.5;  ///< in cells of the other body
+  bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
+  RecoveryDegree degree;
+  int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
+  double patch_volume = 1;       ///< cells: smaller patches grow
+  bool inverse_variance = true;  ///< weights of the two bodies in a coupled patch
+  int rings = 0;                 ///< of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
+};
+
+/// Pressure along a line on a contact face, and what it is compared with.
+struct ReferenceSpec {
+  /// CSV file (first column: coordinate along the path, m; second: pressure, Pa) or empty
+  std::string pressure_file;
+  /// Stress on the contact face: CSV with y, then syy, szz, syz of the first and of the second body (plane strain)
+  std::string stress_file;
+  std::optional<Expression> pressure;  ///< Pa, function of x, y, z
+  std::string coordinate = "y";        ///< which coordinate the first column of the file is: x, y or z
+  std::optional<double> force;         ///< N, total contact force of the first pair
+  /// Exact stress of each body as expressions (xx, yy, zz, xy, yz, zx), for effectivity; empty: unknown
+  std::vector<std::array<Expression, 6>> stress_of_body;
+  std::vector<std::pair<std::string, Expression>> zones;  ///< name, expression that is non-zero inside the zone
+  SourcePlace place;
+};
+
+struct OutputSpec {
+  std::string directory;  ///< empty: `out/<scene name>`
+  bool vtk = true, csv = true, plots = true, report = true;
+  std::optional<std::pair<Vec3, Vec3>> path;  ///< line for pressure.svg, m
+};
+
+/// What loads the bodies in one step, as parts of what the scene says.
+struct StepSpec {
+  double loads = 1;          ///< tractions, pressures and body forces
+  double displacements = 1;  ///< prescribed at supports
+  double interference = 1;   ///< of all contacts; overlap of the geometry is always there
+};
+
+struct Scene {
+  std::string file, title;
+  std::vector<BodySpec> bodies;
+  std::vector<SupportSpec> supports;
+  std::vector<LoadSpec> loads;
+  std::vector<ContactSpec> contacts;
+  std::vector<StepSpec> steps;  ///< the last one is the scene itself; empty: that alone
+  SolverSpec solver;
+  RecoverySpec recovery;
+  OutputSpec output;
+  ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
+  /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it
+  std::function<ReferenceSpec(double)> late_reference;
+  Constants parameters;  ///< values of [parameters], after --set
+
+  /// The reference at the computed contact force, N; a force of zero is as good as none.
+  ReferenceSpec reference_at(double contact_force) const;
+};
+
+/// Reads and validates a scene; `overrides` are "dotted.key=value" as given to --set (body.NAME.cell_size=1e-3
+/// addresses a body by name). Throws InputError.
+Scene read_scene(const std::string& file, const std::vector<std::string>& overrides = {});
+
+}  // namespace cgcontact

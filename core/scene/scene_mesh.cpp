@@ -1,0 +1,198 @@
+#include "core/scene/scene_mesh.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+
+#include "core/base/suggest.hpp"
+#include "core/scene/scene_shapes.hpp"
+#include "core/triangles/triangle_faces.hpp"
+#include "core/triangles/triangle_reader.hpp"
+#include "core/triangles/triangle_repair.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr std::size_t most_patches = 20000;
+constexpr double degree = 3.14159265358979323846 / 180;
+
+/// m; a surface outside of this range was probably read in a wrong unit.
+constexpr double largest_usual = 100, smallest_usual = 1e-5;
+
+Range angle_range() {
+  Range angle = Range::positive("degrees");
+  angle.max = 180;
+  angle.text = "0 < angle <= 180 degrees";
+  return angle;
+}
+
+/// Metres per unit of the file.
+double read_scale(const TomlCursor& node) {
+  const auto unit = node.find("unit"), scale = node.find("scale");
+  if (unit && scale) node.fail("has both unit and scale", "unit = \"mm\" or scale = 1e-3");
+  if (scale) return scale->number(Range::positive("m per unit of the file"));
+  std::vector<std::string> names;
+  for (const auto& entry : mesh_units()) names.push_back(entry.first);
+  return mesh_units().at(node.at("unit", join(names) + ", or scale = metres per unit of the file").one_of(names));
+}
+
+TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup& soup) {
+  node.expect_keys({"seed", "triangle", "angle"});
+  TriangleSelector::Growth growth;
+  const auto seed = node.find("seed"), triangle = node.find("triangle");
+  if (seed.has_value() == triangle.has_value())
+    node.fail("needs one of seed and triangle", "seed = [x, y, z] (m), or triangle = its number in the file, from 1");
+  if (seed) {
+    growth.seed = seed->vector("m");
+  } else {
+    const int wanted = triangle->integer(1, 2000000000);
+    const auto place =
+        soup.number.empty() ? soup.number.end() : std::find(soup.number.begin(), soup.number.end(), wanted);
+    const std::size_t index = soup.number.empty() ? static_cast<std::size_t>(wanted) - 1
+                                                  : static_cast<std::size_t>(place - soup.number.begin());
+    if (index >= soup.triangles.size())
+      triangle->fail("there is no such triangle on the surface", fmt::format("1 to {}", soup.triangles.size()));
+    const Triangle& t = soup.triangles[index];
+    growth.seed = (soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3;
+  }
+  const auto angle = node.find("angle");
+  growth.angle = angle ? angle->number(angle_range()) * degree : default_crease_angle;
+  return growth;
+}
+
+TriangleSelector read_selector(const TomlCursor& node, const TriangleSoup& soup) {
+  node.expect_keys({"name", "normal", "box", "plane", "smooth"});
+  TriangleSelector selector;
+  selector.place = node.place();
+  selector.name = read_name(node.at("name", "a name"));
+  if (const auto normal = node.find("normal")) {
+    normal->expect_keys({"axis", "angle"});
+    selector.normal_cone = std::make_pair(normal->at("axis", "[x, y, z]").direction(),
+                                          std::cos(normal->at("angle", "degrees").number(angle_range()) * degree));
+  }
+  if (const auto box = node.find("box")) {
+    box->expect_keys({"min", "max"});
+    selector.box =
+        std::make_pair(box->at("min", "[x, y, z], m").vector("m"), box->at("max", "[x, y, z], m").vector("m"));
+    if (!(selector.box->first.array() <= selector.box->second.array()).all())
+      box->fail("is empty", "min <= max in x, y and z");
+  }
+  if (const auto plane = node.find("plane")) {
+    plane->expect_keys({"point", "normal", "distance"});
+    selector.plane = {plane->at("point", "[x, y, z], m").vector("m"), plane->at("normal", "[x, y, z]").direction(),
+                      plane->at("distance", ">= 0 m").number(Range::not_negative("m"))};
+  }
+  if (const auto smooth = node.find("smooth")) selector.smooth = read_growth(*smooth, soup);
+  if (!selector.normal_cone && !selector.box && !selector.plane && !selector.smooth)
+    node.fail("selects nothing", "at least one of normal, box, plane, smooth");
+  return selector;
+}
+
+std::vector<TriangleSelector> read_selectors(const TomlCursor& node, const TriangleSoup& soup) {
+  std::vector<TriangleSelector> selectors;
+  std::set<std::string> seen{"rest"};
+  if (const auto faces = node.find("faces"))
+    for (const TomlCursor& entry : faces->elements("[{name, normal, box, plane, smooth}, ...]")) {
+      selectors.push_back(read_selector(entry, soup));
+      if (!seen.insert(selectors.back().name).second)
+        entry.at("name").fail("is the name of another face of this mesh", "unique names other than \"rest\"");
+    }
+  return selectors;
+}
+
+/// What is wrong with a surface is said of the key that names the file.
+BodySurface read_surface(const TomlCursor& node, const std::string& file, double scale, bool repair) {
+  try {
+    return read_body_surface(file, scale, repair);
+  } catch (const InputError& error) {
+    node.fail(error.what());
+  }
+}
+
+}  // namespace
+
+const std::map<std::string, double>& mesh_units() {
+  static const std::map<std::string, double> units = {{"um", 1e-6}, {"mm", 1e-3},   {"cm", 1e-2},
+                                                      {"m", 1},     {"in", 0.0254}, {"ft", 0.3048}};
+  return units;
+}
+
+BodySurface read_body_surface(const std::string& file, double scale, bool repair) {
+  BodySurface surface;
+  surface.soup = read_triangles(file);
+  for (Vec3& x : surface.soup.points) x *= scale;
+  const TriangleSoup as_read = repair ? surface.soup : TriangleSoup();
+  try {
+    surface.repairs = repair_and_check(surface.soup, file);
+    return surface;
+  } catch (const InputError& error) {
+    if (!repair)
+      throw InputError(std::string(error.what()) +
+                       "; with repair = true in the mesh it is repaired as far as that goes (docs/scene.md)");
+  }
+  surface.soup = as_read;
+  SurfaceRepair done = repair_surface(surface.soup, file);
+  try {
+    const TriangleSoup repaired = surface.soup;
+    surface.repairs = check_parted(surface.soup, file);
+    if (surface.soup.triangles.size() != repaired.triangles.size()) done.is_new.clear();
+  } catch (const InputError& error) {
+    throw InputError(std::string(error.what()) + "; that is what repair = true has left (" + done.text() + ")");
+  }
+  surface.repair = done.text();
+  surface.is_new = std::move(done.is_new);
+  return surface;
+}
+
+std::string describe_surface(const std::string& file, const BodySurface& surface, const Vec3& extent) {
+  const SurfaceRepairs& repairs = surface.repairs;
+  std::string text =
+      fmt::format("{}: {} triangles in {} shell{}, {:.4g} x {:.4g} x {:.4g} m", file, repairs.num_triangles,
+                  repairs.shells, repairs.shells > 1 ? "s" : "", extent[0], extent[1], extent[2]);
+  if (repairs.any()) text += "; repaired: " + repairs.text();
+  if (!surface.repair.empty()) text += "; repaired on request: " + surface.repair;
+  return text;
+}
+
+std::string doubtful_unit(const Vec3& extent) {
+  const double longest = extent.maxCoeff();
+  if (longest <= largest_usual && longest >= smallest_usual) return "";
+  return fmt::format("the surface is {:.3g} m long: is its unit right?", longest);
+}
+
+MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
+  node.expect_keys({"file", "unit", "scale", "crease", "repair", "faces"});
+  const TomlCursor file_node = node.at("file", "an .stl, .obj, .ply or .off file");
+  const std::string given = file_node.string("a file name");
+  const std::string file = (std::filesystem::path(node.text().file).parent_path() / given).string();
+  const double scale = read_scale(node);
+  const auto crease = node.find("crease");
+  const double crease_angle = crease ? crease->number(angle_range()) * degree : default_crease_angle;
+
+  const auto repair = node.find("repair");
+  const BodySurface read = read_surface(file_node, file, scale, repair && repair->boolean());
+  const TriangleSoup& soup = read.soup;
+  const NamedTriangles faces = name_faces(soup, name, read_selectors(node, soup));
+  TriangleSurface surface = make_surface(soup, faces, crease_angle);
+  if (surface.face_names().size() > most_patches)
+    file_node.fail(
+        fmt::format("creases divide the surface into {} patches: is it a rough scan?", surface.face_names().size()),
+        fmt::format("{} patches; a larger angle for the key crease makes fewer", most_patches));
+  MeshShape shape;
+  shape.solid = Solid::bounded_by(std::move(surface));
+  for (const std::string& face : faces.names) shape.faces.push_back(face.substr(name.size() + 1));
+  Vec3 min, max;
+  shape.solid.bounding_box(min, max);
+  shape.extent = max - min;
+  shape.repaired = read.repairs.any() || !read.repair.empty();
+  if (!read.repair.empty()) shape.mended.push_back({name, soup.points, soup.triangles, read.is_new});
+  shape.note = describe_surface(given, read, shape.extent);
+  return shape;
+}
+
+}  // namespace cgcontact

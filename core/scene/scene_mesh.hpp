@@ -1,0 +1,54 @@
+/// Reads the `mesh` of a shape: a triangle surface from a file, with its named faces.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/geometry/csg.hpp"
+#include "core/scene/toml_cursor.hpp"
+#include "core/triangles/triangle_checks.hpp"
+
+namespace cgcontact {
+
+/// A surface that was repaired on request, m.
+struct RepairedSurface {
+  std::string name;  ///< of the shape
+  std::vector<Vec3> points;
+  std::vector<Triangle> triangles;
+  std::vector<char> is_new;  ///< of every triangle: was not in the file
+};
+
+struct MeshShape {
+  Solid solid;
+  std::vector<std::string> faces;  ///< without the name of the shape
+  std::string note;                ///< what was read and what was repaired, one line
+  bool repaired = false;
+  Vec3 extent = Vec3::Zero();           ///< m
+  std::vector<RepairedSurface> mended;  ///< none or one
+};
+
+/// A surface from a file, in metres, checked.
+struct BodySurface {
+  TriangleSoup soup;
+  SurfaceRepairs repairs;
+  std::string repair;        ///< what `repair = true` changed, one line; "": nothing
+  std::vector<char> is_new;  ///< if something was: of every triangle, whether it was not in the file
+};
+
+/// `repair`: surfaces that bound no body are repaired first (core/triangles/triangle_repair.hpp). Throws InputError.
+BodySurface read_body_surface(const std::string& file, double scale, bool repair);
+
+/// Metres per unit, by the names that a scene may use.
+const std::map<std::string, double>& mesh_units();
+
+/// One line on a surface that was read: size (extent in m) and repairs.
+std::string describe_surface(const std::string& file, const BodySurface& surface, const Vec3& extent);
+
+/// "" or a question about the unit, if a surface of this extent (m) is unusually long or short.
+std::string doubtful_unit(const Vec3& extent);
+
+/// Throws InputError.
+MeshShape read_mesh(const TomlCursor& node, const std::string& name);
+
+}  // namespace cgcontact

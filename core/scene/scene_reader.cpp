@@ -1,0 +1,424 @@
+#include "core/scene/scene_reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/suggest.hpp"
+#include "core/scene/scene_probe.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+constexpr double most_cells = 2e9;      // cell indices are 32-bit integers
+constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
+constexpr std::size_t most_parameters = 1000;
+
+/// The elements of an optional array of tables.
+std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::string& key) {
+  const auto list = root.find(key);
+  return list ? list->elements("[[" + key + "]] sections") : std::vector<TomlCursor>{};
+}
+
+/// One parameter after those that its expression uses; `in_progress` detects circles.
+double read_parameter(const TomlCursor& table, const std::string& name, Constants& known,
+                      std::set<std::string>& in_progress) {
+  const TomlCursor entry = table.at(name);
+  if (!is_free_name(name))
+    entry.fail("\"" + name + "\" cannot be the name of a parameter",
+               "letters, digits and _, but not x, y, z, pi, _pi, _e, contact_force or a function's name");
+  if (const auto found = known.find(name); found != known.end()) return found->second;
+  if (!in_progress.insert(name).second)
+    entry.fail("is defined by itself", "parameters that do not refer to each other");
+  if (entry.is_string()) {
+    for (const std::string& used : identifiers(entry.string()))
+      if (table.find(used)) read_parameter(table, used, known, in_progress);
+    const SceneText text{entry.text().file, known};
+    known[name] = TomlCursor(entry.node(), entry.key(), text).number(Range::any());
+  } else {
+    known[name] = entry.number(Range::any());
+  }
+  in_progress.erase(name);
+  return known[name];
+}
+
+Material read_material(const TomlCursor& node) {
+  node.expect_keys({"E", "nu"});
+  Range poisson;
+  poisson.min = -1;
+  poisson.max = 0.5;
+  poisson.min_allowed = poisson.max_allowed = false;
+  poisson.text = "-1 < nu < 0.5; at 0.5 the material is incompressible and its bulk modulus E/(3(1-2nu)) infinite";
+  Range modulus;  // beyond it forces overflow
+  modulus.min = 1e-9;
+  modulus.max = 1e21;
+  modulus.text = "1e-9 to 1e21 Pa";
+  Material material;
+  const TomlCursor youngs_modulus = node.at("E", "> 0 Pa");
+  youngs_modulus.number(Range::positive("Pa"));
+  material.youngs_modulus = youngs_modulus.number(modulus);
+  material.poisson_ratio = node.at("nu", "-1 < nu < 0.5").number(poisson);
+  return material;
+}
+
+/// Cell size, checked against the number of cells that it makes.
+double read_cell_size(const TomlCursor& body, const Solid& solid) {
+  const double size = read_cell_size(body);
+  const TomlCursor node = body.at("cell_size");
+  Vec3 min, max;
+  solid.bounding_box(min, max);
+  const Vec3 extent = max - min;
+  if (solid.triangles() && size > extent.maxCoeff())
+    node.fail(fmt::format("is more than the whole body, which is {:.3g} m long: is the unit of the mesh right?",
+                          extent.maxCoeff()));
+  const std::string lengths = fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent[0], extent[1], extent[2]);
+  if ((extent / size + Vec3::Ones()).prod() > most_cells) {
+    const double least = std::cbrt(extent[0]) * std::cbrt(extent[1]) * std::cbrt(extent[2]) / std::cbrt(most_cells);
+    node.fail("makes more than 2e9 cells of a body of " + lengths, fmt::format("about {:.2g} m or more", least));
+  }
+  if (size > extent.maxCoeff())
+    node.fail("is more than the whole body, which is " + lengths, fmt::format("<= {:.3g} m", extent.maxCoeff()));
+  const double distance = min.cwiseAbs().cwiseMax(max.cwiseAbs()).maxCoeff();
+  if (distance > farthest_cells * size)
+    node.fail(
+        fmt::format("the body is {:.3g} m from the origin: rounding there is not small against the cells", distance),
+        fmt::format(">= {:.2g} m, or a body nearer to the origin", distance / farthest_cells));
+  return size;
+}
+
+void read_grid(const TomlCursor& node, BodySpec& body) {
+  node.expect_keys({"offset", "rotation"});
+  if (const auto offset = node.find("offset")) {
+    Range fraction;
+    fraction.min = 0;
+    fraction.max = 1;
+    fraction.max_allowed = false;
+    fraction.text = "fractions of a cell, 0 <= f < 1";
+    body.grid_offset = offset->vector("fractions of a cell, 0 <= f < 1");
+    const std::vector<TomlCursor> components = offset->elements("");
+    for (const TomlCursor& component : components) component.number(fraction);
+  }
+  if (const auto rotation = node.find("rotation")) {
+    rotation->expect_keys({"axis", "angle"});
+    body.grid_rotation = rotation->rotation();
+  }
+}
+
+std::array<Expression, 3> read_vector_field(const TomlCursor& node, const std::string& unit) {
+  const std::string allowed = "[x, y, z] of numbers or expressions, " + unit;
+  const std::vector<TomlCursor> components = node.elements(allowed);
+  if (components.size() != 3) node.fail("has " + std::to_string(components.size()) + " components, not 3", allowed);
+  return {components[0].expression(), components[1].expression(), components[2].expression()};
+}
+
+/// Throws if the name was there before.
+void check_unique(const TomlCursor& node, const std::string& name, std::set<std::string>& seen,
+                  const std::string& what) {
+  if (!seen.insert(name).second) node.fail("is the name of an earlier " + what, "unique names");
+}
+
+}  // namespace
+
+Constants read_parameters(const TomlCursor& table) {
+  if (!table.is_table()) table.expect_keys({"name = number"});
+  if (table.entries().size() > most_parameters)
+    table.fail("has too many parameters", fmt::format("at most {}", most_parameters));
+  Constants known = table.text().parameters;
+  std::set<std::string> in_progress;
+  for (const auto& entry : table.entries()) read_parameter(table, entry.first, known, in_progress);
+  return known;
+}
+
+FaceSpec SceneReader::read_face(const TomlCursor& node, const Shape& shape) const {
+  node.expect_keys({"name", "surfaces", "box", "normal"});
+  FaceSpec face;
+  face.place = node.place();
+  const TomlCursor name_node = node.at("name", "a name");
+  face.name = read_name(name_node);
+  if (!shape.resolve(face.name).empty())
+    name_node.fail("is already the name of a shape or of its face", "another name");
+  if (const auto surfaces = node.find("surfaces")) {
+    const std::vector<TomlCursor> names = surfaces->elements("[\"shape.face\", ...]");
+    for (const TomlCursor& entry : names) {
+      const std::string name = entry.string("\"shape.face\"");
+      const std::vector<std::string> resolved = shape.resolve(name);
+      if (resolved.empty())
+        entry.fail("is no face of this body" + did_you_mean(name, shape.face_names()), join(shape.face_names()));
+      face.surfaces.insert(face.surfaces.end(), resolved.begin(), resolved.end());
+    }
+    if (names.empty()) surfaces->fail("names no face", join(shape.face_names()));
+  }
+  if (const auto box = node.find("box")) {
+    box->expect_keys({"min", "max"});
+    const Vec3 min = box->at("min", "[x, y, z], m").vector("m"), max = box->at("max", "[x, y, z], m").vector("m");
+    if (!(min.array() <= max.array()).all()) box->fail("is empty", "min <= max in x, y and z");
+    face.box = std::make_pair(min, max);
+  }
+  if (const auto normal = node.find("normal")) {
+    normal->expect_keys({"axis", "angle"});
+    Range angle = Range::positive("degrees");
+    angle.max = 180;
+    angle.text = "0 < angle <= 180 degrees";
+    face.normal_cone = std::make_pair(normal->at("axis", "[x, y, z]").direction(),
+                                      std::cos(normal->at("angle", angle.text).number(angle) * degree));
+  }
+  if (face.surfaces.empty() && !face.box && !face.normal_cone)
+    node.fail("selects nothing", "at least one of surfaces, box, normal");
+  return face;
+}
+
+BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) const {
+  BodySpec body;
+  body.place = node.place();
+  body.name = read_name(node.at("name", "a name"));
+  body.solid = shape.solid;
+  body.notes = shape.notes;
+  body.warnings = shape.warnings;
+  body.material = read_material(node.at("material", "{E = .., nu = ..}"));
+  body.cell_size = read_cell_size(node, body.solid);
+  if (const auto grid = node.find("grid")) read_grid(*grid, body);
+  if (const auto force = node.find("body_force")) body.body_force = read_vector_field(*force, "N/m^3");
+  if (const auto faces = node.find("faces")) {
+    std::set<std::string> seen;
+    for (const TomlCursor& entry : faces->elements("[{name, surfaces, box, normal}, ...]")) {
+      body.faces.push_back(read_face(entry, shape));
+      check_unique(entry.at("name"), body.faces.back().name, seen, "face of this body");
+    }
+  }
+  return body;
+}
+
+void SceneReader::read_bodies(const TomlCursor& root) {
+  std::set<std::string> seen;
+  const TomlCursor list = root.at("body", "one [[body]] section per body");
+  for (const TomlCursor& node : list.elements("[[body]] sections")) {
+    node.expect_keys({"name", "shape", "material", "cell_size", "grid", "body_force", "faces"});
+    const TomlCursor name = node.at("name", "a name");
+    check_unique(name, read_name(name), seen, "body");
+    shapes_.push_back(read_shape(node));
+    scene_.bodies.push_back(read_body(node, shapes_.back()));
+  }
+  if (scene_.bodies.empty()) list.fail("there is no body", "one [[body]] section per body");
+}
+
+int SceneReader::body_index(const std::string& name) const {
+  for (std::size_t k = 0; k < scene_.bodies.size(); ++k)
+    if (scene_.bodies[k].name == name) return static_cast<int>(k);
+  return -1;
+}
+
+std::vector<std::string> SceneReader::body_names() const {
+  std::vector<std::string> names;
+  for (const BodySpec& body : scene_.bodies) names.push_back(body.name);
+  return names;
+}
+
+/// "body.face" of all declared faces and of all faces of the primitives.
+std::vector<std::string> SceneReader::face_names(int body) const {
+  std::vector<std::string> names;
+  const std::string prefix = scene_.bodies[body].name + ".";
+  for (const FaceSpec& face : scene_.bodies[body].faces) names.push_back(prefix + face.name);
+  for (const std::string& face : shapes_[body].face_names()) names.push_back(prefix + face);
+  return names;
+}
+
+FaceRef SceneReader::resolve_face(const TomlCursor& node) const {
+  const std::string reference = node.string("\"body.face\"");
+  const std::size_t dot = reference.find('.');
+  const std::string name = reference.substr(0, dot);
+  FaceRef result;
+  result.place = node.place();
+  result.body = body_index(name);
+  if (result.body < 0)
+    node.fail("there is no body \"" + name + "\"" + did_you_mean(name, body_names()),
+              "\"body.face\" with body one of " + join(body_names()));
+  const std::string face = dot == std::string::npos ? "" : reference.substr(dot + 1);
+  for (const FaceSpec& declared : scene_.bodies[result.body].faces) {
+    if (declared.name != face) continue;
+    result.face = declared;
+    return result;
+  }
+  result.face.name = face;
+  result.face.place = result.place;
+  result.face.surfaces = shapes_[result.body].resolve(face);
+  if (!result.face.surfaces.empty()) return result;
+  const std::vector<std::string> known = face_names(result.body);
+  node.fail("body \"" + name + "\" has no face \"" + face + "\"" + did_you_mean(reference, known), join(known));
+}
+
+void SceneReader::read_supports(const TomlCursor& root) {
+  for (const TomlCursor& node : optional_elements(root, "support")) {
+    node.expect_keys({"face", "symmetry", "displacement"});
+    SupportSpec support;
+    support.place = node.place();
+    support.face = resolve_face(node.at("face", "\"body.face\""));
+    if (const auto symmetry = node.find("symmetry")) support.symmetry = symmetry->boolean();
+    const auto displacement = node.find("displacement");
+    if (support.symmetry == displacement.has_value())
+      node.fail(displacement ? "has both symmetry and displacement" : "says nothing",
+                "symmetry = true, or displacement = {x = .., y = .., z = ..}");
+    if (displacement) {
+      displacement->expect_keys({"x", "y", "z", "normal"});
+      if (const auto normal = displacement->find("normal")) support.normal_displacement = normal->expression();
+      const char* const axes[3] = {"x", "y", "z"};
+      for (int k = 0; k < 3; ++k)
+        if (const auto component = displacement->find(axes[k])) support.displacement[k] = component->expression();
+      if (displacement->entries().empty())
+        displacement->fail("prescribes nothing", "at least one of x, y, z, normal (m)");
+    }
+    std::vector<const Expression*> given;
+    if (support.normal_displacement) given.push_back(&*support.normal_displacement);
+    for (const auto& component : support.displacement)
+      if (component) given.push_back(&*component);
+    probe_expressions(scene_.bodies[support.face.body], support.face.face, given);
+    scene_.supports.push_back(support);
+  }
+  if (scene_.supports.empty()) {
+    SourcePlace place{scene_.file, 0, "support"};
+    throw InputError(place, "", "nothing holds the bodies: the scene has no support",
+                     "at least one [[support]] with symmetry = true or displacement = {...}");
+  }
+}
+
+void SceneReader::read_loads(const TomlCursor& root) {
+  for (const TomlCursor& node : optional_elements(root, "load")) {
+    node.expect_keys({"face", "pressure", "traction"});
+    LoadSpec load;
+    load.place = node.place();
+    load.face = resolve_face(node.at("face", "\"body.face\""));
+    const auto pressure = node.find("pressure"), traction = node.find("traction");
+    if (!pressure && !traction) node.fail("says no load", "pressure = .. and/or traction = [x, y, z] (Pa)");
+    if (pressure) load.pressure = pressure->expression();
+    if (traction) load.traction = read_vector_field(*traction, "Pa");
+    probe_expressions(scene_.bodies[load.face.body], load.face.face,
+                      {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
+    scene_.loads.push_back(load);
+  }
+}
+
+ContactSpec SceneReader::read_contact(const TomlCursor& node) const {
+  ContactSpec contact;
+  contact.place = node.place();
+  const TomlCursor list = node.at("faces", "[\"body.face\", \"body.face\"] of two bodies, or automatic = true");
+  const std::vector<TomlCursor> faces = list.elements("[\"body.face\", \"body.face\"]");
+  if (faces.size() != 2)
+    list.fail("a contact pair needs two faces, here are " + std::to_string(faces.size()),
+              "[\"body.face\", \"body.face\"]");
+  contact.first = resolve_face(faces[0]);
+  contact.second = resolve_face(faces[1]);
+  if (contact.first.body == contact.second.body)
+    list.fail("both faces belong to the body \"" + scene_.bodies[contact.first.body].name + "\"",
+              "faces of two different bodies");
+  const auto name = node.find("name");
+  contact.name =
+      name ? read_name(*name) : scene_.bodies[contact.first.body].name + "-" + scene_.bodies[contact.second.body].name;
+  return contact;
+}
+
+/// One pair of all points for every two bodies that no other pair joins.
+void SceneReader::add_automatic_contacts(const TomlCursor& node) {
+  if (node.find("faces") || node.find("name"))
+    node.fail("automatic pairs take no faces and no name", "automatic = true");
+  if (scene_.bodies.size() < 2) node.fail("automatic contact needs at least two bodies", "two or more [[body]]");
+  std::set<std::pair<int, int>> joined;
+  for (const ContactSpec& contact : scene_.contacts)
+    joined.insert(std::minmax(contact.first.body, contact.second.body));
+  for (int b = 1; b < static_cast<int>(scene_.bodies.size()); ++b) {
+    for (int a = 0; a < b; ++a) {
+      if (joined.count({a, b}) > 0) continue;
+      ContactSpec contact;
+      contact.place = node.place();
+      contact.name = scene_.bodies[a].name + "-" + scene_.bodies[b].name;
+      contact.automatic = true;
+      contact.first.body = a;
+      contact.second.body = b;
+      contact.first.face.name = contact.second.face.name = "all";
+      contact.first.place = contact.second.place = contact.place;
+      contact.first.face.place = contact.second.face.place = contact.place;
+      scene_.contacts.push_back(contact);
+    }
+  }
+}
+
+double SceneReader::longest_side(int body) const {
+  Vec3 min, max;
+  scene_.bodies[body].solid.bounding_box(min, max);
+  return (max - min).maxCoeff();
+}
+
+/// The same two faces in an earlier pair would carry the pressure twice.
+void SceneReader::check_new_pair(const TomlCursor& node, const ContactSpec& contact) const {
+  const auto id = [](const FaceRef& face) { return std::make_pair(face.body, face.face.name); };
+  for (const ContactSpec& earlier : scene_.contacts)
+    if (!earlier.automatic &&
+        std::minmax(id(earlier.first), id(earlier.second)) == std::minmax(id(contact.first), id(contact.second)))
+      node.at("faces").fail("is the pair \"" + earlier.name + "\" again", "every two faces once");
+}
+
+void SceneReader::read_contacts(const TomlCursor& root) {
+  std::set<std::string> seen;
+  std::vector<TomlCursor> ordered = optional_elements(root, "contact");
+  for (const TomlCursor& node : ordered)
+    node.expect_keys({"name", "faces", "automatic", "interference", "search_distance"});
+  const auto is_automatic = [](const TomlCursor& node) {
+    const auto automatic = node.find("automatic");
+    return automatic && automatic->boolean();
+  };
+  // Automatic pairs fill what the named ones leave.
+  std::stable_partition(ordered.begin(), ordered.end(), [&](const TomlCursor& node) { return !is_automatic(node); });
+  for (const TomlCursor& node : ordered) {
+    const std::size_t first = scene_.contacts.size();
+    if (is_automatic(node)) {
+      add_automatic_contacts(node);
+    } else {
+      ContactSpec contact = read_contact(node);
+      check_new_pair(node, contact);
+      scene_.contacts.push_back(std::move(contact));
+    }
+    for (std::size_t k = first; k < scene_.contacts.size(); ++k) {
+      ContactSpec& contact = scene_.contacts[k];
+      check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
+      if (const auto value = node.find("interference")) {
+        contact.interference = value->number(Range::any("m"));
+        const double longest = std::min(longest_side(contact.first.body), longest_side(contact.second.body));
+        if (std::abs(contact.interference) > longest)
+          value->fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
+      }
+      if (const auto value = node.find("search_distance"))
+        contact.search_distance = value->number(Range::not_negative("m"));
+    }
+  }
+}
+
+const std::vector<std::string>& scene_keys() {
+  static const std::vector<std::string> keys{"title", "parameters", "body",     "support", "load",     "contact",
+                                             "steps", "solver",     "recovery", "output",  "reference"};
+  return keys;
+}
+
+Scene SceneReader::read(const TomlCursor& root) {
+  root.expect_keys(scene_keys());
+  scene_.file = root.text().file;
+  scene_.parameters = root.text().parameters;
+  if (const auto title = root.find("title")) scene_.title = printable(title->string());
+  read_bodies(root);
+  read_supports(root);
+  read_loads(root);
+  read_contacts(root);
+  if (const auto node = root.find("steps")) scene_.steps = read_steps(*node);
+  if (const auto node = root.find("solver")) scene_.solver = read_solver(*node);
+  if (const auto node = root.find("recovery")) scene_.recovery = read_recovery(*node);
+  if (const auto node = root.find("output")) scene_.output = read_output(*node);
+  if (const auto node = root.find("reference")) {
+    std::optional<double> contact_force;
+    if (!scene_.contacts.empty()) contact_force = 1;
+    scene_.reference = read_reference(*node, body_names(), contact_force);
+  }
+  return std::move(scene_);
+}
+
+}  // namespace cgcontact

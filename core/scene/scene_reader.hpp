@@ -1,0 +1,59 @@
+/// Turns the parsed scene file into a Scene, checking every value. Used by read_scene() only.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "core/scene/scene_shapes.hpp"
+#include "core/scene/toml_cursor.hpp"
+
+namespace cgcontact {
+
+/// Values of a table of parameters and those that its text knows already; entries may be expressions of other entries,
+/// in any order.
+Constants read_parameters(const TomlCursor& table);
+
+/// Sections and keys at the top of a scene.
+const std::vector<std::string>& scene_keys();
+
+class SceneReader {
+ public:
+  /// `root`: the whole document; the text's parameters must have been read.
+  Scene read(const TomlCursor& root);
+
+ private:
+  void read_bodies(const TomlCursor& root);
+  BodySpec read_body(const TomlCursor& node, const Shape& shape) const;
+  FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
+  void read_supports(const TomlCursor& root);
+  void read_loads(const TomlCursor& root);
+  void read_contacts(const TomlCursor& root);
+  ContactSpec read_contact(const TomlCursor& node) const;
+  void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
+  void add_automatic_contacts(const TomlCursor& node);
+  double longest_side(int body) const;
+  FaceRef resolve_face(const TomlCursor& node) const;
+  int body_index(const std::string& name) const;
+  std::vector<std::string> body_names() const;
+  std::vector<std::string> face_names(int body) const;
+
+  Scene scene_;
+  std::vector<Shape> shapes_;  ///< one per body
+};
+
+// Sections without references to bodies' faces (scene_settings.cpp).
+std::vector<StepSpec> read_steps(const TomlCursor& node);
+SolverSpec read_solver(const TomlCursor& node);
+RecoverySpec read_recovery(const TomlCursor& node);
+OutputSpec read_output(const TomlCursor& node);
+
+// [reference] (scene_reference.cpp).
+
+/// `contact_force`: value of that name in expressions, N; without one it is not known.
+ReferenceSpec read_reference(const TomlCursor& section, const std::vector<std::string>& body_names,
+                             std::optional<double> contact_force);
+bool uses_contact_force(const TomlCursor& section);
+
+}  // namespace cgcontact

@@ -1,0 +1,40 @@
+/// Reads the `shape` of a body: a tree of primitives and boolean operations.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/geometry/csg.hpp"
+#include "core/scene/toml_cursor.hpp"
+
+namespace cgcontact {
+
+/// Name of a primitive and of its faces.
+struct PrimitiveFaces {
+  std::string name;
+  std::vector<std::string> faces;
+};
+
+struct Shape {
+  Solid solid;
+  std::vector<PrimitiveFaces> primitives;  ///< in the order of the file
+  std::vector<std::string> notes;          ///< on what was read from mesh files, one line each
+  std::vector<std::string> warnings;       ///< the same for what the user should look at
+
+  /// "primitive.face" of all faces.
+  std::vector<std::string> face_names() const;
+  /// The faces that "primitive.face", "primitive" (all its faces) or "face" (if only one primitive has such a face)
+  /// means; empty if there is none.
+  std::vector<std::string> resolve(const std::string& reference) const;
+};
+
+/// The `cell_size` of a [[body]], m. Throws InputError.
+double read_cell_size(const TomlCursor& body);
+
+/// The `shape` of a [[body]]. Throws InputError; checks that the solid is bounded.
+Shape read_shape(const TomlCursor& body);
+
+/// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit.
+std::string read_name(const TomlCursor& node);
+
+}  // namespace cgcontact

@@ -1,0 +1,410 @@
+#include "core/scene/scene_template.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+
+#include "core/base/errors.hpp"
+#include "core/base/suggest.hpp"
+#include "core/scene/part_outline.hpp"
+#include "core/scene/scene_mesh.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const example = R"toml(# A spherical cap is pressed onto a block. It runs as it is:
+#
+#   cgcontact check {0}               what the scene contains
+#   cgcontact run {0}                 solve; results in out/{1}
+#   cgcontact run {0} --set n=24      the same on finer cells
+#   cgcontact study {0} --vary n=9,12,18,24
+#
+# Lengths in m, pressures in Pa. Every key is in docs/scene.md of cgcontact.
+
+title = "Sphere on a block"
+
+[parameters]     # numbers for use below, as text: "2*R"
+n = 18           # cells of the block per side
+R = 0.1          # radius of the sphere, m
+L = 0.03         # side of both bodies, m; a quarter of them is modelled
+d = 0.6e-3       # the cap is moved down by this, m
+E = 210e9        # Young's modulus, Pa
+nu = 0.3         # Poisson's ratio
+
+# Each body has cells of its own, which need not fit the body. Finer cells cost more time and memory.
+[[body]]
+name = "block"
+shape = {{name = "base", box = {{min = [0, 0, "-L"], max = ["L", "L", 0]}}}}
+material = {{E = "E", nu = "nu"}}
+cell_size = "L/n"
+grid = {{offset = [0.4, 0.7, 0.2]}}   # the grid begins a part of a cell before the body; may be left out
+
+# The part of a ball within a box; the box reaches below the ball, so that its own lower face is no part of the cap.
+[[body]]
+name = "cap"
+shape = {{intersection = [
+  {{name = "ball", sphere = {{center = [0, 0, "R"], radius = "R"}}}},
+  {{name = "cut", box = {{min = [0, 0, -0.01], max = ["L", "L", "L"]}}}},
+]}}
+material = {{E = "E", nu = "nu"}}
+cell_size = "L/(1.2*n)"
+grid = {{offset = [0.5, 0.3, 0.9]}}
+
+# Faces are "body.shape.face". symmetry: no displacement along the normal.
+[[support]]
+face = "block.base.x-"
+symmetry = true
+
+[[support]]
+face = "block.base.y-"
+symmetry = true
+
+[[support]]
+face = "block.base.z-"
+displacement = {{z = 0}}              # components that are not given are free
+
+[[support]]
+face = "cap.cut.x-"
+symmetry = true
+
+[[support]]
+face = "cap.cut.y-"
+symmetry = true
+
+[[support]]
+face = "cap.cut.z+"
+displacement = {{z = "-d"}}
+
+# Loads are given the same way: face, and pressure = 1e6 or traction = [0, 0, -1e6] (Pa).
+
+[[contact]]
+faces = ["block.base.z+", "cap.ball.surface"]
+
+[output]
+path = {{from = [0, 0, 0], to = [0.012, 0, 0]}}   # where pressure.svg shows the pressure
+
+# What is known of the solution, for the figures of the true error; may be left out. Here: Hertz at the computed force.
+[reference]
+pressure = "p0*sqrt(max(0, 1-(x^2+y^2)/a^2))"
+
+[reference.parameters]
+F = "4*contact_force"            # N; the model is a quarter
+Es = "E/(2*(1-nu^2))"            # Pa
+a = "(3*F*R/(4*Es))^(1/3)"       # radius of the contact circle, m
+p0 = "3*F/(2*pi*a^2)"            # pressure in its centre, Pa
+)toml";
+
+const char* const part_scene = R"toml(# {note}
+#
+# A plate is pressed onto the top (z+) of the part, which stands on its bottom (z-). {state}
+#
+#   cgcontact check {file}       what the scene contains
+#   cgcontact run {file}         solve; results in out/{stem}
+#   cgcontact run {file} --set h={finer}
+#
+# but it knows nothing of your problem: go through the lines marked TODO. Lengths in m, pressures in Pa. Every key is in
+# docs/scene.md of cgcontact.
+
+title = {title}
+
+[parameters]
+h = {h:.6g}           # cell size of the part, m: {cells} cells along its longest side. Smaller is more accurate and costs more
+push = {push:.6g}     # TODO how far the plate moves down, m
+
+[[body]]
+name = "part"
+material = {{E = 210e9, nu = 0.3}}   # TODO Young's modulus (Pa) and Poisson's ratio; this is steel
+cell_size = "h"
+faces = [                          # TODO parts of the surface that supports, loads and contact refer to, here by place and direction
+  {{name = "bottom", {bottom}}},
+  {{name = "top", {top}}},
+]
+
+[body.shape]
+name = "surface"
+{turn}
+# TODO name the faces you need: remove the "#" before a line and give the face a better name. It is then
+# "part.surface.face1" in supports, loads and contact. (Triangles in none of them make up the face "rest".)
+# These are the smooth parts of the surface, largest first; edges of more than 30 degrees divide them.
+[body.shape.mesh]
+file = {surface}
+unit = "{unit}"
+{repair}faces = [
+{faces}]
+
+[[body]]
+name = "plate"
+shape = {{name = "block", box = {{min = [{p0:.9g}, {p1:.9g}, {z:.9g}], max = [{q0:.9g}, {q1:.9g}, {q2:.9g}]}}}}   # TODO what touches the part
+material = {{E = 210e9, nu = 0.3}}   # TODO
+cell_size = "{plate_ratio:.3g}*h"
+grid = {{offset = [0.3, 0.6, 0.2]}}   # cells need not fit the body: the grid begins a part of a cell before it
+
+[[support]]                        # TODO what holds the part
+face = "part.bottom"
+displacement = {{x = 0, y = 0, z = 0}}   # components that are not given are free; or: symmetry = true
+
+[[support]]                        # TODO what moves the plate
+face = "plate.block.z+"
+displacement = {{x = 0, y = 0, z = "-push"}}
+
+# A load instead of a prescribed motion, or beside it (N/m^2, against the normal); the plate's support then loses its z.
+# [[load]]
+# face = "plate.block.z+"
+# pressure = 1e6
+
+[[contact]]                        # TODO which faces may touch
+faces = ["part.top", "plate.block.z-"]
+)toml";
+
+/// A TOML string.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (static_cast<unsigned char>(c) < 0x20)
+      result += fmt::format("\\u{:04X}", c);
+    else
+      result += c;
+  }
+  return result + "\"";
+}
+
+/// As a word of a command line in a comment: without line breaks, quoted if needed.
+std::string shell_word(const std::string& text) {
+  std::string word = text;
+  std::replace_if(
+      word.begin(), word.end(), [](unsigned char c) { return c < 0x20; }, '?');
+  return word.find_first_of(" '\"\\$&()*;<>?[]`{|}~!#") == std::string::npos ? word : "\"" + word + "\"";
+}
+
+/// Multiples of a power of ten that is small against `size`.
+std::string vector(const Vec3& v, double size) {
+  const double digits = std::ceil(4 - std::log10(size));
+  const auto rounded = [&](double x) { return std::round(x * std::pow(10, digits)) / std::pow(10, digits) + 0.0; };
+  return fmt::format("[{:.12g}, {:.12g}, {:.12g}]", rounded(v[0]), rounded(v[1]), rounded(v[2]));
+}
+
+double two_digits(double value) {
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+  return std::round(value / unit) * unit;
+}
+
+/// Cells of part and plate, and where the plate is: enough cells through thin parts, not too many in all.
+struct Layout {
+  double cell_size, plate_cell, push;
+  Vec3 plate_min, plate_max;
+  bool is_narrow;  ///< the plate would have to come down too far for a contact zone of some cells
+};
+
+Layout lay_out(const PartOutline& part, double cells) {
+  const Vec3 extent = part.max - part.min;
+  const double longest = extent.maxCoeff(), shortest = extent.minCoeff();
+  constexpr double cells_through = 4, most_cells = 30000, most_plate_cells_across = 60;
+  Layout layout{};
+  double h = std::min(longest / cells, shortest / cells_through);
+  const double affordable = std::cbrt(part.volume / (most_cells * std::pow(cells / 20.0, 3)));
+  h = std::min(std::max(h, affordable), shortest / 1.2);
+  // Sheets: rather less than a cell through the thickness than too many cells.
+  h = two_digits(std::max(h, std::sqrt(part.area / 2 / (4 * most_cells))));
+  layout.cell_size = h;
+
+  const PartEnd& top = part.top;
+  const double narrowest = std::min(extent[0], extent[1]);
+  Vec3 half = (top.max - top.min) / 2;
+  for (int k = 0; k < 2; ++k) half[k] = std::max({1.1 * half[k], 0.2 * narrowest, 3 * h});
+  layout.plate_cell = std::max(0.8 * h, 2 * std::max(half[0], half[1]) / most_plate_cells_across);
+  const double thickness =
+      std::max(cells_through * layout.plate_cell, std::min(0.6 * std::min(half[0], half[1]), extent[2]));
+  const Vec3 center = (top.min + top.max) / 2;
+  layout.plate_min = {center[0] - half[0], center[1] - half[1], part.max[2]};
+  layout.plate_max = {center[0] + half[0], center[1] + half[1], part.max[2] + thickness};
+
+  // Flat: a thousandth. Others: so far that the planes would cut out some six cells across; a contact zone is 0.7 of
+  // that.
+  const double most = std::max(0.01 * extent[2], 0.6 * h);
+  const double push = top.flat ? 1e-3 * extent[2] : part.push_for(1.42 * h, most);
+  layout.push = two_digits(push);
+  layout.is_narrow = !top.flat && push == most;
+  return layout;
+}
+
+/// Selectors of the outermost tenth of the part, of its outward side where it has one.
+std::string end_selector(const PartOutline& part, const PartEnd& end, double sign) {
+  const Vec3 extent = part.max - part.min;
+  Vec3 min = part.min - 0.01 * extent, max = part.max + 0.01 * extent;
+  (sign > 0 ? min : max)[2] = sign > 0 ? part.max[2] - 0.1 * extent[2] : part.min[2] + 0.1 * extent[2];
+  std::string text =
+      fmt::format("box = {{min = {}, max = {}}}", vector(min, extent.maxCoeff()), vector(max, extent.maxCoeff()));
+  if (end.faces_outwards) text += fmt::format(", normal = {{axis = [0, 0, {}], angle = 30}}", sign);
+  return text;
+}
+
+std::string face_lines(const PartOutline& part) {
+  constexpr std::size_t most_lines = 20;
+  const double size = (part.max - part.min).maxCoeff();
+  std::string text;
+  for (std::size_t k = 0; k < std::min(part.parts.size(), most_lines); ++k) {
+    const SmoothPart& face = part.parts[k];
+    const std::string shape = face.normal.isZero()
+                                  ? "closed"
+                                  : fmt::format("{}, normal{} {}", face.flat ? "flat" : "curved",
+                                                face.flat ? "" : " on average", vector(face.normal, 1));
+    text += fmt::format("#  {{name = \"face{}\", smooth = {{seed = {}, angle = 30}}}},   # {:.4g} m^2, {}\n", k + 1,
+                        vector(face.seed, size), face.area, shape);
+  }
+  if (part.parts.size() > most_lines)
+    text += fmt::format("#  ... and {} smaller ones\n", part.parts.size() - most_lines);
+  return text;
+}
+
+/// Creates the file; what exists is not touched.
+void write_new_file(const std::string& file, const std::string& text) {
+  std::FILE* const out = std::fopen(file.c_str(), "wx");
+  if (!out && errno == EEXIST)
+    throw InputError(file + ": exists already, and init does not overwrite (allowed: the name of a new file)");
+  if (!out) throw InputError(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
+  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
+  if (std::fclose(out) == 0 && written) return;
+  const int reason = errno;
+  std::remove(file.c_str());
+  throw InputError(fmt::format("{}: cannot be written: {}", file, std::strerror(reason)));
+}
+
+/// Before the work: what write_new_file would say of an existing file.
+void expect_new(const std::string& file) {
+  std::error_code ignored;
+  if (fs::symlink_status(file, ignored).type() != fs::file_type::not_found)
+    throw InputError(file + ": exists already, and init does not overwrite (allowed: the name of a new file)");
+}
+
+/// "" or the line of the shape that turns it.
+std::string rotation_line(const Mat3& turn) {
+  const Eigen::AngleAxisd rotation(turn);
+  if (turn.isIdentity()) return "";
+  const Vec3& axis = rotation.axis();
+  return fmt::format(
+      "rotate = {{axis = [{:.15g}, {:.15g}, {:.15g}], angle = {:.15g}}}   # its largest flat part is its top\n",
+      axis[0], axis[1], axis[2], rotation.angle() * 180 / 3.14159265358979323846);
+}
+
+const char* const runs = "It runs as it is:";
+
+/// A scene around a part with this many cells along its longest side, and what to tell of it. `state`: does it run?
+std::string scene_of_part(const InitOptions& options, const PartOutline& part, double cells, const std::string& file,
+                          const std::string& state, std::string& told) {
+  const Layout layout = lay_out(part, cells);
+  const Vec3 extent = part.max - part.min;
+  const fs::path folder = fs::absolute(file).parent_path();
+  const std::string surface = fs::path(options.surface).is_absolute()
+                                  ? options.surface
+                                  : fs::absolute(options.surface).lexically_proximate(folder).string();
+  told = part.note + "\n";
+  if (!part.doubt.empty()) told += fmt::format("warning: {}: {}\n", options.surface, part.doubt);
+  if (!part.turn.isIdentity())
+    told += "the part ends in a tip or a sharp edge at its top (z+): it is turned (rotate)\n";
+  if (layout.is_narrow)
+    told +=
+        "warning: the part ends in a tip or a sharp edge at its top (z+): its contact zone is smaller than the cells, "
+        "so that the force is rough or zero: smaller cells (--cells), or press on another face\n";
+  if (extent.minCoeff() < layout.cell_size)
+    told +=
+        fmt::format("warning: the part is {:.3g} m thin, less than a cell: its bending is rough\n", extent.minCoeff());
+  told += fmt::format("cells of {:.3g} m; the part has {} smooth face{}\n", layout.cell_size, part.parts.size(),
+                      part.parts.size() == 1 ? "" : "s");
+  return fmt::format(
+      part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", shell_word(file)),
+      fmt::arg("turn", rotation_line(part.turn)), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
+      fmt::arg("stem", shell_word(fs::path(file).stem().string())),
+      fmt::arg("finer", fmt::format("{:.3g}", layout.cell_size / 1.5)),
+      fmt::arg("title", quoted(fs::path(options.surface).stem().string() + " under a plate")),
+      fmt::arg("h", layout.cell_size), fmt::arg("cells", std::lround(extent.maxCoeff() / layout.cell_size)),
+      fmt::arg("push", layout.push), fmt::arg("bottom", end_selector(part, part.bottom, -1)),
+      fmt::arg("top", end_selector(part, part.top, 1)), fmt::arg("surface", quoted(surface)),
+      fmt::arg("unit", options.unit), fmt::arg("faces", face_lines(part)), fmt::arg("p0", layout.plate_min[0]),
+      fmt::arg("p1", layout.plate_min[1]), fmt::arg("z", layout.plate_min[2]), fmt::arg("q0", layout.plate_max[0]),
+      fmt::arg("q1", layout.plate_max[1]), fmt::arg("q2", layout.plate_max[2]),
+      fmt::arg("plate_ratio", layout.plate_cell / layout.cell_size));
+}
+
+/// Tries cells of several sizes until the scene passes `find_fault`.
+std::string passing_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
+                          std::string& told) {
+  for (const std::string& name : {options.surface, file})
+    if (printable(name) != name)
+      throw InputError(
+          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
+                      "(allowed: another name)",
+                      name));
+  const PartOutline part = outline_part(options.surface, mesh_units().at(options.unit), options.repair);
+  std::string first_fault;
+  for (const double factor : {1.0, 0.7, 1.4, 0.5, 2.0}) {
+    const std::string text = scene_of_part(options, part, options.cells * factor, file, runs, told);
+    const std::string fault = find_fault ? find_fault(text, file) : "";
+    if (fault.empty()) return text;
+    if (first_fault.empty()) first_fault = fault;
+  }
+  const std::string text =
+      scene_of_part(options, part, options.cells, file, "It does not run yet (see `check`):", told);
+  told += fmt::format("warning: the scene does not pass check yet: {}\n", first_fault);
+  return text;
+}
+
+}  // namespace
+
+std::string init_scene(const InitOptions& options, const FindFault& find_fault) {
+  const bool from_surface = !options.surface.empty();
+  if (from_surface && options.unit.empty())
+    throw InputError(
+        fmt::format("--stl {} needs --unit as well: the file does not say in which unit its numbers are (allowed: {})",
+                    options.surface, join(unit_names())));
+  if (!from_surface && !options.unit.empty())
+    throw InputError(fmt::format("--unit {} is the unit of a surface: it needs --stl FILE", options.unit));
+  std::string file = options.file;
+  if (file.empty()) file = from_surface ? fs::path(options.surface).stem().string() + ".toml" : "scene.toml";
+  if (fs::path(file).extension() != ".toml")
+    throw InputError(file + ": is not the name of a scene (allowed: a name that ends in .toml)");
+  expect_new(file);
+  std::string told;
+  const std::string name = shell_word(file), stem = shell_word(fs::path(file).stem().string());
+  const std::string text =
+      from_surface ? passing_scene(options, file, find_fault, told) : fmt::format(example, name, stem);
+  write_new_file(file, text);
+  told += fmt::format("wrote {}\nNext:\n", file);
+  if (from_surface) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";
+  told += fmt::format("  cgcontact check {0}\n  cgcontact run {0}\n", name);
+  return told;
+}
+
+std::vector<std::string> unit_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : mesh_units()) names.push_back(entry.first);
+  return names;
+}
+
+int parse_init_cells(const std::string& text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < fewest_init_cells || value > most_init_cells)
+    throw InputError(fmt::format("\"{}\" is not a number of cells (allowed: an integer from {} to {})", text,
+                                 fewest_init_cells, most_init_cells));
+  return value;
+}
+
+std::string parse_unit(const std::string& text) {
+  const std::vector<std::string> names = unit_names();
+  if (std::find(names.begin(), names.end(), text) == names.end())
+    throw InputError(fmt::format("\"{}\" is not a unit{} (allowed: {})", text, did_you_mean(text, names), join(names)));
+  return text;
+}
+
+}  // namespace cgcontact

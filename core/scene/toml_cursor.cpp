@@ -1,0 +1,216 @@
+#include "core/scene/toml_cursor.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+
+#include "core/base/suggest.hpp"
+#include "core/scene/unknown_physics.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr double degree = 3.14159265358979323846 / 180;
+
+std::string with_unit(const std::string& text, const std::string& unit) {
+  return unit.empty() ? text : text + " " + unit;
+}
+
+/// The value in one line, numbers with as many digits as they need.
+std::string as_toml(const toml::node& node) {
+  std::string text;
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, child] : *table)
+      text += (text.empty() ? "" : ", ") + std::string(key.str()) + " = " + as_toml(child);
+    return "{" + text + "}";
+  }
+  if (const toml::array* array = node.as_array()) {
+    for (const toml::node& child : *array) text += (text.empty() ? "" : ", ") + as_toml(child);
+    return "[" + text + "]";
+  }
+  if (node.is_string()) return '"' + *node.value<std::string>() + '"';
+  if (node.is_floating_point()) return fmt::format("{}", *node.value<double>());
+  std::ostringstream stream;
+  node.visit([&stream](const auto& value) { stream << value; });
+  return stream.str();
+}
+
+/// Integers beyond 2^53 are rounded to the nearest double, as in "1e16".
+double number_of(const toml::node& node) {
+  if (const toml::value<std::int64_t>* integer = node.as_integer()) return static_cast<double>(integer->get());
+  return *node.value<double>();
+}
+
+}  // namespace
+
+Range Range::any(const std::string& unit) {
+  Range range;
+  range.text = with_unit("a finite number", unit.empty() ? "" : "(" + unit + ")");
+  return range;
+}
+
+Range Range::positive(const std::string& unit) {
+  Range range;
+  range.min = 0;
+  range.min_allowed = false;
+  range.text = with_unit("> 0", unit);
+  return range;
+}
+
+Range Range::not_negative(const std::string& unit) {
+  Range range;
+  range.min = 0;
+  range.text = with_unit(">= 0", unit);
+  return range;
+}
+
+TomlCursor::TomlCursor(const toml::node& node, std::string key, const SceneText& text)
+    : node_(&node), key_(std::move(key)), text_(&text) {}
+
+SourcePlace TomlCursor::place() const {
+  const toml::source_region& source = node_->source();
+  SourcePlace place{text_->file, static_cast<int>(source.begin.line), key_};
+  if (source.path && source.path->rfind(override_prefix, 0) == 0) {
+    place.file = *source.path;
+    place.line = 0;
+  }
+  return place;
+}
+
+std::string TomlCursor::value() const { return node_->is_array_of_tables() ? "[...]" : as_toml(*node_); }
+
+void TomlCursor::fail(const std::string& problem, const std::string& allowed) const {
+  throw InputError(place(), value(), problem, allowed);
+}
+
+std::string TomlCursor::type_name() const {
+  if (node_->is_table()) return "a table";
+  if (node_->is_array()) return "an array";
+  if (node_->is_string()) return "a string";
+  if (node_->is_boolean()) return "a boolean";
+  if (node_->is_number()) return "a number";
+  return "a date or time";
+}
+
+void TomlCursor::expect_keys(const std::vector<std::string>& keys) const {
+  if (!is_table()) fail("is " + type_name() + ", not a table", "{" + join(keys) + "}");
+  for (const auto& [name, entry] : entries()) {
+    if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
+    const std::string physics = unknown_physics(name);
+    entry.fail("unknown key \"" + name + "\"" + (physics.empty() ? did_you_mean(name, keys) : ": " + physics),
+               join(keys));
+  }
+}
+
+std::optional<TomlCursor> TomlCursor::find(const std::string& key) const {
+  const toml::table* table = node_->as_table();
+  const toml::node* child = table ? table->get(key) : nullptr;
+  if (!child) return std::nullopt;
+  return TomlCursor(*child, key_.empty() ? key : key_ + "." + key, *text_);
+}
+
+TomlCursor TomlCursor::at(const std::string& key, const std::string& allowed) const {
+  if (auto found = find(key)) return *found;
+  SourcePlace where = place();
+  where.key = key_.empty() ? key : key_ + "." + key;
+  throw InputError(where, "", "this key is required but missing", allowed);
+}
+
+std::vector<std::pair<std::string, TomlCursor>> TomlCursor::entries() const {
+  std::vector<std::pair<std::string, TomlCursor>> result;
+  if (!is_table()) return result;
+  std::vector<std::pair<toml::source_position, std::string>> order;
+  for (const auto& [key, child] : *node_->as_table())
+    order.emplace_back(key.source().begin ? key.source().begin : child.source().begin, std::string(key.str()));
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [position, key] : order) result.emplace_back(key, *find(key));
+  return result;
+}
+
+std::vector<TomlCursor> TomlCursor::elements(const std::string& what) const {
+  if (!is_array()) fail("is " + type_name() + ", not an array", what);
+  std::vector<TomlCursor> result;
+  std::size_t k = 0;
+  for (const toml::node& child : *node_->as_array())
+    result.emplace_back(child, key_ + "[" + std::to_string(k++) + "]", *text_);
+  return result;
+}
+
+std::string TomlCursor::string(const std::string& what) const {
+  if (!is_string()) fail("is " + type_name() + ", not a string", what);
+  std::string text = *node_->value<std::string>();
+  if (text.empty()) fail("is empty", what);
+  return text;
+}
+
+std::string TomlCursor::one_of(const std::vector<std::string>& names) const {
+  const std::string name = string(join(names));
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    fail("is not known" + did_you_mean(name, names), join(names));
+  return name;
+}
+
+bool TomlCursor::boolean() const {
+  if (!node_->is_boolean()) fail("is " + type_name() + ", not a boolean", "true or false");
+  return *node_->value<bool>();
+}
+
+double TomlCursor::number(const Range& range) const {
+  double number = 0;
+  if (is_string())
+    number = evaluate_constant(*node_->value<std::string>(), place(), text_->parameters);
+  else if (node_->is_number())
+    number = number_of(*node_);
+  else
+    fail("is " + type_name() + ", not a number", range.text);
+  if (std::isfinite(number) && range.contains(number)) return number;
+  std::string problem = std::isfinite(number) ? "out of range" : "not finite";
+  if (is_string())
+    problem +=
+        fmt::format(", its value is {}", number) + used_constants(*node_->value<std::string>(), text_->parameters);
+  fail(problem, range.text);
+}
+
+int TomlCursor::integer(int min, int max) const {
+  Range range;
+  range.min = min;
+  range.max = max;
+  range.text = "an integer from " + std::to_string(min) + " to " + std::to_string(max);
+  const double value = number(range);
+  if (value != std::floor(value)) fail("is not an integer", range.text);
+  return static_cast<int>(value);
+}
+
+Vec3 TomlCursor::vector(const std::string& unit) const {
+  const std::string allowed = "[x, y, z]" + (unit.empty() ? "" : ", " + unit);
+  const std::vector<TomlCursor> components = elements(allowed);
+  if (components.size() != 3) fail("has " + std::to_string(components.size()) + " components, not 3", allowed);
+  Vec3 result;
+  for (int k = 0; k < 3; ++k) result[k] = components[k].number(Range::any(unit));
+  return result;
+}
+
+Vec3 TomlCursor::direction() const {
+  const Vec3 v = vector();
+  const double length = v.stableNorm();
+  if (!(length > 0)) fail("has length zero", "any vector but [0, 0, 0]");
+  return v / length;
+}
+
+Expression TomlCursor::expression() const {
+  if (is_string()) return Expression(*node_->value<std::string>(), place(), text_->parameters);
+  if (!node_->is_number()) fail("is " + type_name() + ", not a number", "a number or an expression of x, y, z");
+  return Expression(number(Range::any()));
+}
+
+Mat3 TomlCursor::rotation() const {
+  const Vec3 axis = at("axis", "[x, y, z]").direction();
+  const double angle = at("angle", "degrees").number(Range::any("degrees"));
+  return Eigen::AngleAxisd(angle * degree, axis).toRotationMatrix();
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,91 @@
+/// A node of the scene file with its dotted key: typed, checked access whose errors name file, line, key and value.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/errors.hpp"
+#include "core/base/types.hpp"
+#include "core/scene/expression.hpp"
+
+namespace cgcontact {
+
+/// Allowed values of a number and the words that say so in an error message.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool min_allowed = true, max_allowed = true;
+  std::string text = "a finite number";
+
+  bool contains(double value) const {
+    return (min_allowed ? value >= min : value > min) && (max_allowed ? value <= max : value < max);
+  }
+  static Range any(const std::string& unit = "");
+  static Range positive(const std::string& unit = "");
+  static Range not_negative(const std::string& unit = "");
+};
+
+/// What all cursors of one scene share.
+struct SceneText {
+  std::string file;
+  Constants parameters;
+};
+
+/// Nodes that come from --set carry the text of the option as their source path.
+const char* const override_prefix = "--set ";
+
+class TomlCursor {
+ public:
+  TomlCursor(const toml::node& node, std::string key, const SceneText& text);
+
+  const toml::node& node() const { return *node_; }
+  const std::string& key() const { return key_; }
+  const SceneText& text() const { return *text_; }
+  SourcePlace place() const;
+  /// The value as TOML.
+  std::string value() const;
+  [[noreturn]] void fail(const std::string& problem, const std::string& allowed = {}) const;
+
+  bool is_table() const { return node_->is_table(); }
+  bool is_array() const { return node_->is_array(); }
+  bool is_string() const { return node_->is_string(); }
+
+  /// Throws unless this is a table that has no other keys than these.
+  void expect_keys(const std::vector<std::string>& keys) const;
+  std::optional<TomlCursor> find(const std::string& key) const;
+  /// Throws "missing" unless the key exists; `allowed` says what should be there.
+  TomlCursor at(const std::string& key, const std::string& allowed = {}) const;
+  /// Key and value of all entries in the order of the file.
+  std::vector<std::pair<std::string, TomlCursor>> entries() const;
+  /// Elements of an array; a missing array of tables is empty. `what` says what the elements are.
+  std::vector<TomlCursor> elements(const std::string& what) const;
+
+  std::string string(const std::string& what = "a string") const;
+  /// A string that is one of these names.
+  std::string one_of(const std::vector<std::string>& names) const;
+  bool boolean() const;
+  /// A number, or a string that is an expression of the parameters.
+  double number(const Range& range) const;
+  int integer(int min, int max) const;
+  Vec3 vector(const std::string& unit = "") const;
+  /// A vector that is not zero, normalised.
+  Vec3 direction() const;
+  /// A number, or a string that is an expression of x, y, z and the parameters.
+  Expression expression() const;
+  /// {axis = [..], angle = degrees}; other keys are not looked at.
+  Mat3 rotation() const;
+
+ private:
+  std::string type_name() const;
+
+  const toml::node* node_;
+  std::string key_;
+  const SceneText* text_;
+};
+
+}  // namespace cgcontact

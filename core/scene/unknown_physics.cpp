@@ -1,0 +1,81 @@
+#include "core/scene/unknown_physics.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <vector>
+
+namespace cgcontact {
+
+namespace {
+
+struct Entry {
+  const char* sentence;
+  std::vector<const char*> words;  ///< the whole key
+  std::vector<const char*> parts;  ///< anywhere in it
+};
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> all{
+      {"there is no friction: contact carries pressure only, and no sliding is resisted",
+       {"mu", "mus", "muk", "mud", "cof"},
+       {"friction", "coulomb", "stickslip"}},
+      {"there is no cohesion: contact carries pressure only and opens without resistance; bodies that hold together "
+       "are one body (a union of shapes)",
+       {"tie", "tied", "glue", "glued", "weld", "bond"},
+       {"cohesi", "adhesi", "bonded"}},
+      {"there is no load given as a force: divide it by the area of the face (cgcontact check lists the areas) and "
+       "give "
+       "pressure or traction = [x, y, z] in Pa",
+       {"force", "forces", "pointload", "pointforce", "nodalforce", "fx", "fy", "fz", "cload", "preload", "boltload"},
+       {"resultantforce", "totalforce"}},
+      {"there is no load given as a moment: give a traction that varies over the face, for example traction = [0, 0, "
+       "\"k*x\"] in Pa",
+       {"moment", "moments", "torque", "mx", "my", "mz", "couple"},
+       {"moment", "torque"}},
+      {"there is no density: give the weight per volume as body_force = [0, 0, \"-9.81*7800\"] of the body, N/m^3",
+       {"rho"},
+       {"density"}},
+      {"there is no gravity of its own: give the weight per volume as body_force = [0, 0, \"-9.81*7800\"] of every "
+       "body, N/m^3",
+       {"g", "dload"},
+       {"gravity", "acceleration", "selfweight"}},
+      {"there is no temperature: strains come from loads, motions and interference only",
+       {"cte", "dt"},
+       {"temperature", "thermal", "expansion"}},
+      {"there is no plasticity: materials are linear elastic, E and nu; compare the von Mises stress with the yield "
+       "stress",
+       {"sigmay", "sy", "re", "rp02", "creep"},
+       {"plastic", "yield", "hardening", "damage", "viscos"}},
+      {"there is no dynamics: the result is the static equilibrium",
+       {"velocity", "mass", "dynamic", "dynamics", "frequency"},
+       {"damping", "inertia"}},
+      {"there are no springs: hold the face with displacement = {...}, or model what is elastic as a body",
+       {"k", "spring", "springs"},
+       {"springstiffness", "elasticfoundation"}},
+      {"a face that is held in all directions has displacement = {x = 0, y = 0, z = 0}",
+       {"fix", "clamp", "encastre"},
+       {"fixed", "clamped"}},
+      {"materials are isotropic: E and nu are all there is",
+       {"ex", "ey", "ez", "gxy", "gxz", "gyz", "nuxy", "orthotropic", "anisotropic"},
+       {"orthotrop", "anisotrop"}},
+      {"the shear modulus follows from E and nu: G = E/(2(1+nu))", {"shearmodulus"}, {}},
+  };
+  return all;
+}
+
+}  // namespace
+
+std::string unknown_physics(const std::string& key) {
+  std::string word;
+  for (const char c : key)
+    if (c != '_' && c != '-') word += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto is_word = [&](const char* other) { return word == other; };
+  const auto is_part = [&](const char* part) { return word.find(part) != std::string::npos; };
+  for (const Entry& entry : entries())
+    if (std::any_of(entry.words.begin(), entry.words.end(), is_word) ||
+        std::any_of(entry.parts.begin(), entry.parts.end(), is_part))
+      return entry.sentence;
+  return "";
+}
+
+}  // namespace cgcontact

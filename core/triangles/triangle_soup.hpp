@@ -1,0 +1,28 @@
+/// Triangles as they come from a file, before anything is known about them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/triangles/triangle_tree.hpp"
+
+namespace cgcontact {
+
+struct TriangleSoup {
+  std::vector<Vec3> points;
+  std::vector<Triangle> triangles;
+  std::vector<int> number;  ///< of the facet in the file, from 1; empty: as they stand
+  std::vector<int> line;    ///< of the facet in the file; empty: a binary file
+
+  /// "triangle 7 (line 52) at (x, y, z)": number, line if known, centroid.
+  std::string place(int triangle) const;
+  /// Keeps the triangles whose entry is not zero.
+  void keep(const std::vector<char>& kept);
+  /// Of the box about all points.
+  double diagonal() const;
+  /// Merges those of some points that are nearer to each other than a distance; returns how many went. Triangles may
+  /// collapse.
+  int merge(std::vector<int> candidates, double distance);
+};
+
+}  // namespace cgcontact

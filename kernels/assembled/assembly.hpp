@@ -1,0 +1,17 @@
+/// The same system as an assembled matrix, for MueLu.
+#pragma once
+
+#include <Tpetra_CrsMatrix.hpp>
+
+#include "kernels/operator/operator.hpp"
+#include "kernels/operator/soft_cells.hpp"
+
+namespace cgcontact {
+
+using TpetraMatrix = Tpetra::CrsMatrix<double>;
+
+/// Assembled matrix of the system on the given map; equals the matrix-free operator to rounding.
+Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
+                                           const SoftCells& soft = {});
+
+}  // namespace cgcontact

@@ -1,0 +1,79 @@
+#include "kernels/assembled/muelu.hpp"
+
+#include <MueLu_CreateTpetraPreconditioner.hpp>
+
+namespace cgcontact {
+namespace {
+
+using Teuchos::RCP;
+using Teuchos::rcp;
+
+/// Node positions in global axes, units of Scales::length.
+RCP<TpetraVector> node_positions(const ElasticSystem& system, const RCP<const TpetraMap>& map) {
+  auto node_map = rcp(new TpetraMap(static_cast<Tpetra::global_size_t>(system.num_nodes), 0, map->getComm()));
+  auto x = rcp(new TpetraVector(node_map, 3));
+  auto view = x->getLocalViewHost(Tpetra::Access::OverwriteAll);
+  for (const BodyMesh& mesh : system.meshes) {
+    const Grid& grid = mesh.cut_cells->grid;
+    for (int n = 0; n < mesh.num_nodes; ++n) {
+      const Vec3 position = grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])) *
+                            (mesh.cell_size / grid.cell_size);
+      for (int i = 0; i < 3; ++i) view(mesh.first_node + n, i) = position[i];
+    }
+  }
+  return x;
+}
+
+/// Six rigid-body modes of the assembly, components in each body's grid axes.
+RCP<TpetraVector> rigid_body_modes(const ElasticSystem& system, const RCP<const TpetraMap>& map,
+                                   const TpetraVector& positions) {
+  auto modes = rcp(new TpetraVector(map, 6));
+  auto view = modes->getLocalViewHost(Tpetra::Access::OverwriteAll);
+  const auto x = positions.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto position = [&](int n) { return Vec3(x(n, 0), x(n, 1), x(n, 2)); };
+  Vec3 centre = Vec3::Zero();
+  for (int n = 0; n < system.num_nodes; ++n) centre += position(n) / system.num_nodes;
+  for (const BodyMesh& mesh : system.meshes) {
+    const Mat3 to_local = mesh.cut_cells->grid.rotation.transpose();
+    for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
+      for (int m = 0; m < 3; ++m) {
+        const Vec3 e = Vec3::Unit(m);
+        const Vec3 translation = to_local * e, rotation = to_local * e.cross(position(n) - centre);
+        for (int i = 0; i < 3; ++i) {
+          view(3 * n + i, m) = translation[i];
+          view(3 * n + i, 3 + m) = rotation[i];
+        }
+      }
+  }
+  return modes;
+}
+
+}  // namespace
+
+RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map,
+                               const RCP<TpetraMatrix>& assembled) {
+  const RCP<TpetraOperator> matrix = assembled;
+  Teuchos::ParameterList list;
+  list.set("verbosity", "none");
+  list.set("number of equations", 3);
+  list.set("use kokkos refactor", false);
+  list.set("problem: symmetric", true);
+  list.set("coarse: max size", 4000);
+  // Chebyshev runs on SpMV, 2-3 times faster here than Gauss-Seidel sweeps; with MueLu's default of 10 power iterations
+  // the preconditioner can become indefinite (design section 5), 30 are safe.
+  list.set("smoother: type", "CHEBYSHEV");
+  Teuchos::ParameterList& smoother = list.sublist("smoother: params");
+  smoother.set("chebyshev: degree", 3);
+  smoother.set("chebyshev: ratio eigenvalue", 20.0);
+  smoother.set("chebyshev: eigenvalue max iterations", 30);
+  const RCP<TpetraVector> positions = node_positions(system, map);
+  list.sublist("user data").set("Nullspace", rigid_body_modes(system, map, *positions));
+  list.sublist("user data").set("Coordinates", positions);
+  return MueLu::CreateTpetraPreconditioner<double>(matrix, list);
+}
+
+RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map, const SoftCells& soft) {
+  return make_muelu(system, map, assemble_matrix(system, map, soft));
+}
+
+}  // namespace cgcontact

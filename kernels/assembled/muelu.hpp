@@ -1,0 +1,18 @@
+/// MueLu (smoothed aggregation) on the assembled matrix of a system: the preconditioner of the coarsest level, and of
+/// the whole system for comparison.
+#pragma once
+
+#include "kernels/assembled/assembly.hpp"
+#include "kernels/operator/operator.hpp"
+
+namespace cgcontact {
+
+/// Sets up MueLu on the system's assembled matrix, with the rigid-body modes of the assembly.
+Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
+                                        const Teuchos::RCP<TpetraMatrix>& matrix);
+
+/// Assembles the matrix as the system is now and sets up MueLu on it.
+Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
+                                        const SoftCells& soft = {});
+
+}  // namespace cgcontact

@@ -1,0 +1,44 @@
+/// Numbering of one body's active nodes and cells.
+#pragma once
+
+#include <vector>
+
+#include "core/cells/cut_cells.hpp"
+#include "core/scene/scene.hpp"
+#include "kernels/mesh/hex.hpp"
+#include "kernels/mesh/views.hpp"
+
+namespace cgcontact {
+
+/// Scales of the dimensionless system: lengths by `length`, stresses by `stress`.
+struct Scales {
+  double length = 1;  ///< m
+  double stress = 1;  ///< Pa
+};
+
+/// Active nodes of one body (corners of active cells) and the nodes of its cells.
+/// Displacements are stored node by node (x, y, z in grid axes), in units of Scales::length;
+/// node numbers run through all bodies (first_node .. first_node + num_nodes).
+struct BodyMesh {
+  const CutCells* cut_cells = nullptr;
+  UnitElasticity law;
+  double modulus = 1;    ///< E / Scales::stress
+  double cell_size = 1;  ///< h / Scales::length
+  int first_node = 0, num_nodes = 0;
+  std::vector<Index3> nodes;                   ///< grid index of each active node
+  std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
+  std::vector<double> full_volume;             ///< of each active cell where the body is thinner than a cell; empty: 1
+
+  /// Factor from gradients per cell unit to stresses in units of Scales::stress.
+  double stress_factor() const { return modulus / cell_size; }
+  double poisson_ratio() const { return law.lambda / (2 * (law.lambda + law.mu)); }
+};
+
+/// Whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a quarter,
+/// of BodyMesh::full_volume, which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs
+/// twice the time and gives nothing: docs/decisions.md, "Ghost penalty".
+bool is_ghost_face(const BodyMesh& mesh, int e, int f);
+
+BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node);
+
+}  // namespace cgcontact

@@ -1,0 +1,274 @@
+#include "kernels/multigrid/multigrid.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+
+#include "kernels/assembled/muelu.hpp"
+#include "kernels/multigrid/coarsen.hpp"
+#include "kernels/multigrid/smoother.hpp"
+#include "kernels/operator/fast_operator.hpp"
+
+namespace cgcontact {
+namespace {
+
+using Teuchos::RCP;
+using Teuchos::rcp;
+using Real = float;
+using LevelVector = Kokkos::View<Real*, MemSpace>;
+
+/// Steps of the Lanczos estimate of the largest eigenvalue, and its margin: 8 steps x 1.1 are safe (multigrid.md, table
+/// G; an estimate 20 % low ruins the smoother).
+constexpr int lanczos_steps = 10;
+constexpr double eigenvalue_margin = 1.1;
+
+double dot(const ExecSpace& exec, const LevelVector& x, const LevelVector& y) {
+  constexpr int block = 4096, lanes = 16;  // independent sums: one would wait for the previous addition every time
+  const int n = static_cast<int>(x.extent(0));
+  double sum = 0;
+  Kokkos::parallel_reduce(
+      "cgcontact::multigrid::dot", Kokkos::RangePolicy<ExecSpace>(exec, 0, (n + block - 1) / block),
+      KOKKOS_LAMBDA(const int b, double& s) {
+        double part[lanes] = {};
+        const int end = n < (b + 1) * block ? n : (b + 1) * block;
+        int i = b * block;
+        for (; i + lanes <= end; i += lanes)
+          for (int l = 0; l < lanes; ++l) part[l] += static_cast<double>(x(i + l)) * y(i + l);
+        for (; i < end; ++i) s += static_cast<double>(x(i)) * y(i);
+        for (int l = 0; l < lanes; ++l) s += part[l];
+      },
+      sum);
+  return sum;
+}
+
+/// One grid of the hierarchy; the finest refers to the solver's own system.
+struct Level {
+  std::vector<CutCells> cells;  // owned, coarse levels only
+  ElasticSystem own_system;
+  const ElasticSystem* system = nullptr;
+  SoftCells soft;
+  int smoother_degree = 0;
+  double smoother_ratio = 0;
+  std::unique_ptr<FastOperator<Real>> op;
+  std::unique_ptr<SurfaceSmoother<Real>> smoother;
+  Transfer transfer;  // to the next coarser level
+  double largest_eigenvalue = 0;
+  LevelVector b, x, r, d;
+};
+
+}  // namespace
+
+struct Multigrid::Impl {
+  const ElasticSystem& fine;
+  RCP<const TpetraMap> map, coarsest_map;
+  MultigridSettings settings;
+  MultigridReport report;
+  std::vector<std::unique_ptr<Level>> levels;
+  RCP<TpetraOperator> coarsest;
+  RCP<TpetraVector> coarsest_b, coarsest_x;
+  std::vector<double> full_stiffness;   // contact groups closed, finest level
+  std::vector<double> coarsest_groups;  // stiffness that `coarsest` was set up with
+  ExecSpace exec;
+
+  Impl(const ElasticSystem& system, RCP<const TpetraMap> m, const MultigridSettings& s)
+      : fine(system), map(std::move(m)), settings(s) {
+    build_levels();
+    update_groups();
+    for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
+      levels[l]->largest_eigenvalue = eigenvalue_margin * estimate_eigenvalue(*levels[l]);
+      report.largest_eigenvalue.push_back(levels[l]->largest_eigenvalue);
+    }
+  }
+
+  bool may_coarsen(const ElasticSystem& system) const {
+    return system.num_dofs() > settings.coarsest_unknowns &&
+           std::any_of(system.meshes.begin(), system.meshes.end(),
+                       [](const BodyMesh& mesh) { return !is_coarsest(*mesh.cut_cells); });
+  }
+
+  void build_levels() {
+    levels.push_back(std::make_unique<Level>());
+    levels[0]->system = &fine;
+    while (may_coarsen(*levels.back()->system)) {
+      Level& from = *levels.back();
+      auto to = std::make_unique<Level>();
+      for (const BodyMesh& mesh : from.system->meshes) to->cells.push_back(next_cut_cells(*mesh.cut_cells));
+      std::vector<const CutCells*> cells;
+      std::vector<Material> materials;
+      for (std::size_t b = 0; b < to->cells.size(); ++b) {
+        cells.push_back(&to->cells[b]);
+        materials.push_back(fine.materials[b]);
+      }
+      to->own_system = make_elastic_system(cells, materials, fine.scales, fine.ghost_penalty);
+      to->system = &to->own_system;
+      for (std::size_t b = 0; b < cells.size(); ++b)
+        add_support_terms(to->own_system, static_cast<int>(b),
+                          coarse_supports(*from.system->meshes[b].cut_cells, *cells[b], from.system->supports[b]));
+      from.transfer = make_transfer(*from.system, *to->system);
+      levels.push_back(std::move(to));
+    }
+    const ElasticSystem* finer = nullptr;
+    SoftCells of_finer;
+    for (auto& level : levels) {
+      report.unknowns.push_back(level->system->num_dofs());
+      const int n = level->system->num_dofs();
+      level->b = LevelVector("cgcontact::multigrid::b", n);
+      level->x = LevelVector("cgcontact::multigrid::x", n);
+      const NodeColumns<Real> columns = make_node_columns<Real>(*level->system);
+      if (settings.soft_cells) {
+        SoftCells soft = make_soft_cells(*level->system, columns, finer, &of_finer);
+        for (std::size_t b = 0; b < level->own_system.meshes.size(); ++b)
+          level->own_system.meshes[b].full_volume = soft.full_volume[b];
+        if (finer) level->soft = soft;
+        finer = level->system;
+        of_finer = std::move(soft);
+      }
+      level->smoother_degree = settings.smoother_degree << level->soft.halvings;
+      level->smoother_ratio = settings.smoother_ratio * std::pow(4.0, level->soft.halvings);
+      if (level == levels.back()) break;
+      level->op = std::make_unique<FastOperator<Real>>(*level->system, level->soft);
+      level->r = LevelVector("cgcontact::multigrid::r", n);
+      level->d = LevelVector("cgcontact::multigrid::d", n);
+      FastOperator<Real>::BlockView blocks("cgcontact::multigrid::blocks", level->system->num_nodes);
+      level->op->diagonal_blocks(exec, blocks, columns);
+      level->smoother = std::make_unique<SurfaceSmoother<Real>>(*level->system, blocks, columns);
+    }
+    coarsest_map = make_dof_map(*levels.back()->system, map->getComm());
+    coarsest_b = rcp(new TpetraVector(coarsest_map, 1));
+    coarsest_x = rcp(new TpetraVector(coarsest_map, 1));
+  }
+
+  void update_groups() {
+    std::vector<double> stiffness = group_stiffness(fine), full = fine.full_group_stiffness;
+    if (full.empty()) full.assign(stiffness.size(), 1.0);
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      Level& level = *levels[l];
+      if (l + 1 == levels.size()) break;
+      level.op->set_groups(level.system->groups);
+      level.smoother->set_groups(level.system->group_rows, stiffness);
+      Level& next = *levels[l + 1];
+      CoarseRows rows =
+          coarse_rows(*level.system, *next.system, level.transfer, level.system->group_rows, stiffness, full);
+      set_group_rows(next.own_system, std::move(rows.rows));
+      set_group_stiffness(next.own_system, rows.stiffness);
+      stiffness = std::move(rows.stiffness);
+      full = std::move(rows.full_stiffness);
+    }
+    if (coarsest.is_null() || changed_much(coarsest_groups, stiffness)) {
+      coarsest = make_muelu(*levels.back()->system, coarsest_map, levels.back()->soft);
+      coarsest_groups = stiffness;
+      ++report.coarsest_setups;
+    }
+  }
+
+  /// Largest eigenvalue of M^-1 A from the Lanczos matrix of CG with a random right-hand side.
+  double estimate_eigenvalue(Level& level) const {
+    const int n = level.system->num_dofs();
+    const LevelVector r = level.r, z = level.d, p = level.x, q = level.b;
+    unsigned state = 12345;
+    auto host = Kokkos::create_mirror_view(r);
+    for (int i = 0; i < n; ++i) {
+      state = 1664525u * state + 1013904223u;
+      host(i) = static_cast<Real>(state / 4294967296.0 - 0.5);
+    }
+    Kokkos::deep_copy(r, host);
+    std::vector<double> alpha, beta;
+    double rz = 0;
+    LevelVector ignored("cgcontact::multigrid::ignored", n);
+    for (int k = 0; k < lanczos_steps; ++k) {
+      level.smoother->step(exec, r, 1, 0, z, ignored, true);
+      const double next = dot(exec, r, z);
+      if (k > 0) beta.push_back(next / rz);
+      const Real b = k > 0 ? static_cast<Real>(next / rz) : Real(0);
+      rz = next;
+      Kokkos::parallel_for(
+          "cgcontact::multigrid::direction", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+          KOKKOS_LAMBDA(const int i) { p(i) = z(i) + (b != 0 ? b * p(i) : Real(0)); });
+      level.op->apply(exec, p, q);
+      alpha.push_back(rz / dot(exec, p, q));
+      const Real a = static_cast<Real>(alpha.back());
+      Kokkos::parallel_for(
+          "cgcontact::multigrid::residual", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+          KOKKOS_LAMBDA(const int i) { r(i) -= a * q(i); });
+    }
+    Eigen::MatrixXd T = Eigen::MatrixXd::Zero(lanczos_steps, lanczos_steps);
+    for (int k = 0; k < lanczos_steps; ++k) {
+      T(k, k) = 1 / alpha[k] + (k > 0 ? beta[k - 1] / alpha[k - 1] : 0);
+      if (k > 0) T(k, k - 1) = T(k - 1, k) = std::sqrt(beta[k - 1]) / alpha[k - 1];
+    }
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(T).eigenvalues()[lanczos_steps - 1];
+  }
+
+  /// Chebyshev iteration on the level; from zero if `start`.
+  void smooth(const Level& level, bool start) const {
+    const double upper = level.largest_eigenvalue, lower = upper / level.smoother_ratio;
+    const double centre = 0.5 * (upper + lower), half = 0.5 * (upper - lower), sigma = centre / half;
+    double rho = 1 / sigma;
+    for (int k = 0; k < level.smoother_degree; ++k) {
+      const bool from_b = start && k == 0;
+      if (!from_b) level.op->residual(exec, level.b, level.x, level.r);
+      double alpha = 1 / centre, beta = 0;
+      if (k > 0) {
+        const double next = 1 / (2 * sigma - rho);
+        alpha = 2 * next / half;
+        beta = next * rho;
+        rho = next;
+      }
+      level.smoother->step(exec, from_b ? level.b : level.r, static_cast<Real>(alpha), static_cast<Real>(beta), level.d,
+                           level.x, from_b);
+    }
+  }
+
+  void solve_coarsest(const Level& level) const {
+    const auto b = Kokkos::subview(coarsest_b->getLocalViewDevice(Tpetra::Access::OverwriteAll), Kokkos::ALL, 0);
+    Kokkos::deep_copy(exec, b, level.b);
+    exec.fence();
+    coarsest->apply(*coarsest_b, *coarsest_x);
+    const auto x = Kokkos::subview(coarsest_x->getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
+    Kokkos::deep_copy(exec, level.x, x);
+  }
+
+  void cycle(std::size_t l) const {
+    const Level& level = *levels[l];
+    if (l + 1 == levels.size()) return solve_coarsest(level);
+    const Level& next = *levels[l + 1];
+    smooth(level, true);
+    level.op->residual(exec, level.b, level.x, level.r);
+    restrict_to(exec, level.transfer, level.r, next.b);
+    cycle(l + 1);
+    prolongate_add(exec, level.transfer, next.x, level.x);
+    smooth(level, false);
+  }
+};
+
+Multigrid::Multigrid(const ElasticSystem& system, RCP<const TpetraMap> map, const MultigridSettings& settings)
+    : impl_(std::make_unique<Impl>(system, std::move(map), settings)) {}
+Multigrid::~Multigrid() = default;
+void Multigrid::update_groups() { impl_->update_groups(); }
+const MultigridReport& Multigrid::report() const { return impl_->report; }
+RCP<const TpetraMap> Multigrid::getDomainMap() const { return impl_->map; }
+RCP<const TpetraMap> Multigrid::getRangeMap() const { return impl_->map; }
+
+void Multigrid::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp, double, double) const {
+  const ExecSpace exec = impl_->exec;
+  const auto r = Kokkos::subview(X.getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
+  const auto z = Kokkos::subview(Y.getLocalViewDevice(Tpetra::Access::OverwriteAll), Kokkos::ALL, 0);
+  const Level& level = *impl_->levels[0];
+  const int n = level.system->num_dofs();
+  // Single precision has a short range: the residual comes in with a largest entry of 1.
+  double largest = 0;
+  Kokkos::parallel_reduce(
+      "cgcontact::multigrid::largest", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+      KOKKOS_LAMBDA(const int i, double& m) { m = std::max(m, std::abs(r(i))); }, Kokkos::Max<double>(largest));
+  const double scale = largest > 0 ? largest : 1.0;
+  const auto b = level.b, x = level.x;
+  Kokkos::parallel_for(
+      "cgcontact::multigrid::in", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+      KOKKOS_LAMBDA(const int i) { b(i) = static_cast<Real>(r(i) / scale); });
+  impl_->cycle(0);
+  Kokkos::parallel_for(
+      "cgcontact::multigrid::out", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+      KOKKOS_LAMBDA(const int i) { z(i) = scale * x(i); });
+  exec.fence();
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,396 @@
+#include "kernels/multigrid/smoother.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Sparse>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "kernels/mesh/host_copy.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
+constexpr int longest_run = 512;  // nodes
+constexpr int runs_at_once = 16;
+
+}  // namespace
+
+template <class Real>
+SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Real>& columns) {
+  SupportRows result;
+  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    std::vector<SupportTerm> terms;
+    for (const SupportTerm& t : system.supports[b])
+      if (t.thin && std::none_of(mesh.cell_nodes[t.cell].begin(), mesh.cell_nodes[t.cell].end(),
+                                 [&](const int n) { return columns.column_of_node(n) >= 0; }))
+        terms.push_back(t);
+    std::stable_sort(terms.begin(), terms.end(),
+                     [](const SupportTerm& x, const SupportTerm& y) { return x.cell < y.cell; });
+    for (std::size_t first = 0, last; first < terms.size(); first = last) {
+      for (last = first; last < terms.size() && terms[last].cell == terms[first].cell;) ++last;
+      // Directions of one cell that lie within 45 degrees share a row.
+      std::vector<Vec3> direction;
+      std::vector<std::array<double, 24>> sum;
+      std::vector<double> stiffness;
+      for (std::size_t t = first; t < last; ++t) {
+        std::size_t r = 0;
+        while (r < direction.size() && direction[r].dot(terms[t].direction) < 0.7) ++r;
+        if (r == direction.size()) {
+          direction.push_back(terms[t].direction);
+          sum.emplace_back();
+          stiffness.push_back(0);
+        }
+        double N[8];
+        hex_shape(terms[t].xi.data(), N);
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i) sum[r][3 * a + i] += terms[t].stiffness * N[a] * terms[t].direction[i];
+        stiffness[r] += terms[t].stiffness;
+      }
+      for (std::size_t r = 0; r < direction.size(); ++r) {
+        GroupRow row;
+        row.body = static_cast<int>(b);
+        row.cell = terms[first].cell;
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i)
+            if (sum[r][3 * a + i] != 0)
+              row.entries.emplace_back(3 * mesh.cell_nodes[row.cell][a] + i, sum[r][3 * a + i] / stiffness[r]);
+        std::sort(row.entries.begin(), row.entries.end());
+        result.rows.push_back(std::move(row));
+        result.stiffness.push_back(stiffness[r]);
+      }
+    }
+  }
+  return result;
+}
+
+template SupportRows make_support_rows(const ElasticSystem&, const NodeColumns<float>&);
+template SupportRows make_support_rows(const ElasticSystem&, const NodeColumns<double>&);
+
+template <class Real>
+struct SurfaceSmoother<Real>::Factor {
+  Eigen::SimplicialLLT<Eigen::SparseMatrix<Real>> llt;
+};
+
+/// In double: across a sliver the entries of a column differ by many orders.
+template <class Real>
+void SurfaceSmoother<Real>::invert_columns(const BlocksView& blocks) {
+  const NodeColumns<Real> columns = columns_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::invert_columns", Kokkos::RangePolicy<ExecSpace>(0, columns.num_columns()),
+      KOKKOS_LAMBDA(const int c) {
+        using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor,
+                                     3 * NodeColumns<Real>::longest, 3 * NodeColumns<Real>::longest>;
+        const auto& column = columns.columns(c);
+        const int n = 3 * column.size;
+        Real* entries = &columns.matrices(column.matrix);
+        Matrix m(n, n), nodes = Matrix::Zero(n, n);
+        for (int row = 0; row < n; ++row)
+          for (int col = 0; col < n; ++col) m(row, col) = 0.5 * (entries[row * n + col] + entries[col * n + row]);
+        for (int p = 0; p < column.size; ++p)
+          for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+              m(3 * p + i, 3 * p + j) = nodes(3 * p + i, 3 * p + j) = blocks(columns.nodes(column.first + p), at[i][j]);
+        Eigen::LLT<Matrix> llt(m);
+        if (llt.info() != Eigen::Success) llt.compute(nodes);  // single precision has lost the blocks between nodes
+        const Matrix inverse = llt.solve(Matrix::Identity(n, n));
+        for (int row = 0; row < n; ++row)
+          for (int col = 0; col < n; ++col) entries[row * n + col] = static_cast<Real>(inverse(row, col));
+      });
+}
+
+template <class Real>
+SurfaceSmoother<Real>::SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks,
+                                       const NodeColumns<Real>& columns)
+    : num_nodes_(system.num_nodes), columns_(columns), supports_(make_support_rows(system, columns)) {
+  for (std::size_t r = 0; r < supports_.rows.size(); ++r)
+    for (const auto& [p, vp] : supports_.rows[r].entries)
+      for (const auto& [q, vq] : supports_.rows[r].entries)
+        if (p / 3 == q / 3 && p <= q)
+          blocks(p / 3, at[p % 3][q % 3]) -= static_cast<Real>(supports_.stiffness[r] * vp * vq);
+  // The blocks of the stencil are multiples of the identity: most nodes need no matrix.
+  std::vector<std::array<int, 3>> runs;
+  std::vector<Real> run_inverse;
+  block_of_node_ = IntView("cgcontact::smoother::block_of_node", num_nodes_);
+  int num_blocks = 0;
+  for (int n = 0; n < num_nodes_; ++n) {
+    const Real d = blocks(n, 0);
+    const bool scalar =
+        blocks(n, 1) == d && blocks(n, 2) == d && blocks(n, 3) == 0 && blocks(n, 4) == 0 && blocks(n, 5) == 0;
+    const bool in_column = columns_.column_of_node(n) >= 0;
+    const Real inverse = in_column ? -1 : scalar ? 1 / d : 0;
+    block_of_node_(n) = in_column ? -2 : scalar ? -1 : num_blocks;
+    if (runs.empty() || run_inverse.back() != inverse || runs.back()[1] == longest_run) {
+      runs.push_back({n, 0, block_of_node_(n)});
+      run_inverse.push_back(inverse);
+    }
+    ++runs.back()[1];
+    num_blocks += !scalar && !in_column;
+  }
+  run_ = copy_rows_to_view<decltype(run_)>("cgcontact::smoother::run", runs);
+  run_inverse_ = copy_to_view<Vector>("cgcontact::smoother::run_inverse", run_inverse);
+  inverse_ = BlocksView("cgcontact::smoother::inverse", num_blocks);
+  const auto block_of_node = block_of_node_;
+  const auto inverses = inverse_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::invert", Kokkos::RangePolicy<ExecSpace>(0, num_nodes_), KOKKOS_LAMBDA(const int n) {
+        const int b = block_of_node(n);
+        if (b < 0) return;
+        Mat3 m;
+        for (int i = 0; i < 3; ++i)
+          for (int j = 0; j < 3; ++j) m(i, j) = blocks(n, at[i][j]);
+        const Mat3 inverse = m.inverse();
+        for (int i = 0; i < 3; ++i)
+          for (int j = i; j < 3; ++j) inverses(b, at[i][j]) = static_cast<Real>(inverse(i, j));
+      });
+  invert_columns(blocks);
+}
+
+template <class Real>
+Mat3 SurfaceSmoother<Real>::inverse(int node) const {
+  const int b = block_of_node_(node);
+  Mat3 m;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) m(i, j) = b < 0 ? 0 : inverse_(b, at[i][j]);
+  if (b >= 0) return m;
+  int low = 0, high = static_cast<int>(run_.extent(0));
+  while (high - low > 1) {
+    const int middle = (low + high) / 2;
+    (run_(middle, 0) <= node ? low : high) = middle;
+  }
+  return run_inverse_(low) * Mat3::Identity();
+}
+
+template <class Real>
+void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness) {
+  // W by rows, then by touched nodes: those of a row, and the rest of their columns.
+  std::vector<int> row_begin{0}, row_node, count(num_nodes_, 0);
+  std::vector<Vec3> row_b, row_w;  // sqrt(k) b and D^-1 sqrt(k) b of each node of each row
+  std::vector<std::pair<int, Vec3>> entries;
+  std::vector<int> row_columns;
+  const std::size_t num_supports = supports_.rows.size();
+  for (std::size_t r = 0; r < num_supports + rows.size(); ++r) {
+    const GroupRow& row = r < num_supports ? supports_.rows[r] : rows[r - num_supports];
+    const double k = r < num_supports ? supports_.stiffness[r] : stiffness[r - num_supports];
+    if (k <= 0) continue;
+    const double root = std::sqrt(k);
+    entries.clear();
+    row_columns.clear();
+    for (const auto& [dof, value] : row.entries) {
+      if (entries.empty() || entries.back().first != dof / 3) {
+        entries.emplace_back(dof / 3, Vec3::Zero());
+        if (columns_.column_of_node(dof / 3) >= 0) row_columns.push_back(columns_.column_of_node(dof / 3));
+      }
+      entries.back().second[dof % 3] = root * value;
+    }
+    std::sort(row_columns.begin(), row_columns.end());
+    row_columns.erase(std::unique(row_columns.begin(), row_columns.end()), row_columns.end());
+    const std::size_t own = entries.size();
+    const auto find = [&](int node) {
+      const auto e = std::lower_bound(entries.begin(), entries.begin() + own, node,
+                                      [](const auto& entry, int n) { return entry.first < n; });
+      return e != entries.begin() + own && e->first == node ? static_cast<int>(e - entries.begin()) : -1;
+    };
+    for (int c : row_columns) {
+      const auto& column = columns_.columns(c);
+      for (int p = 0; p < column.size; ++p)
+        if (const int node = columns_.nodes(column.first + p); find(node) < 0) entries.emplace_back(node, Vec3::Zero());
+    }
+    std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [node, b] : entries) {
+      row_node.push_back(node);
+      row_b.push_back(b);
+      row_w.push_back(columns_.column_of_node(node) < 0 ? Vec3(inverse(node) * b) : Vec3(Vec3::Zero()));
+      ++count[node];
+    }
+    const auto position_of = [&](int node) {
+      return std::lower_bound(row_node.begin() + row_begin.back(), row_node.end(), node) - row_node.begin();
+    };
+    for (int c : row_columns) {
+      const auto& column = columns_.columns(c);
+      const int n = 3 * column.size;
+      for (int p = 0; p < column.size; ++p)
+        for (int q = 0; q < column.size; ++q) {
+          const Vec3& b = row_b[position_of(columns_.nodes(column.first + q))];
+          Vec3& w = row_w[position_of(columns_.nodes(column.first + p))];
+          for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) w[i] += columns_.matrices(column.matrix + (3 * p + i) * n + 3 * q + j) * b[j];
+        }
+    }
+    row_begin.push_back(static_cast<int>(row_node.size()));
+  }
+  const int num_rows = static_cast<int>(row_begin.size()) - 1;
+  std::vector<int> node_begin{0}, touched(num_nodes_, -1), touched_nodes;
+  for (int n = 0; n < num_nodes_; ++n) {
+    if (count[n] == 0) continue;
+    touched[n] = static_cast<int>(touched_nodes.size());
+    touched_nodes.push_back(n);
+    node_begin.push_back(node_begin.back() + count[n]);
+  }
+  std::vector<int> node_row(row_node.size()), node_entry(row_node.size()),
+      position(node_begin.begin(), node_begin.end());
+  for (int r = 0; r < num_rows; ++r)
+    for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
+      const int p = position[touched[row_node[e]]]++;
+      node_row[p] = r;
+      node_entry[p] = e;
+    }
+  touched_ = copy_to_view<IntView>("cgcontact::smoother::touched", touched_nodes);
+  node_begin_ = copy_to_view<IntView>("cgcontact::smoother::node_begin", node_begin);
+  node_row_ = copy_to_view<IntView>("cgcontact::smoother::node_row", node_row);
+  row_begin_ = copy_to_view<IntView>("cgcontact::smoother::row_begin", row_begin);
+  row_node_ = copy_to_view<IntView>("cgcontact::smoother::row_node", row_node);
+  node_w_ = decltype(node_w_)("cgcontact::smoother::node_w", row_node.size());
+  row_w_ = decltype(row_w_)("cgcontact::smoother::row_w", row_node.size());
+  for (std::size_t e = 0; e < row_node.size(); ++e)
+    for (int i = 0; i < 3; ++i) {
+      row_w_(e, i) = static_cast<Real>(row_w[e][i]);
+      node_w_(e, i) = static_cast<Real>(row_w[node_entry[e]][i]);
+    }
+  surface_ = Vector("cgcontact::smoother::surface", num_rows);
+  factor_.reset();
+  if (num_rows == 0) return;
+  // C = 1 + sum over touched nodes b^T D^-1 b.
+  std::vector<Eigen::Triplet<Real>> triplets;
+  std::vector<double> sum(num_rows, 0.0);
+  std::vector<int> marked;
+  std::vector<char> seen(num_rows, 0);
+  for (int r = 0; r < num_rows; ++r) {
+    marked.assign(1, r);
+    seen[r] = 1;
+    sum[r] = 1;
+    for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
+      const int t = touched[row_node[e]];
+      for (int p = node_begin[t]; p < node_begin[t + 1]; ++p) {
+        const int s = node_row[p];
+        if (s < r) continue;
+        if (!seen[s]) {
+          seen[s] = 1;
+          marked.push_back(s);
+        }
+        sum[s] += row_b[e].dot(row_w[node_entry[p]]);
+      }
+    }
+    for (int s : marked) {
+      triplets.emplace_back(s, r, static_cast<Real>(sum[s]));
+      sum[s] = 0;
+      seen[s] = 0;
+    }
+  }
+  Eigen::SparseMatrix<Real> C(num_rows, num_rows);
+  C.setFromTriplets(triplets.begin(), triplets.end());
+  factor_ = std::make_shared<Factor>();
+  factor_->llt.compute(C);
+  if (factor_->llt.info() != Eigen::Success) throw std::runtime_error("smoother: the surface matrix is not definite");
+}
+
+/// All columns of one size.
+template <class Real>
+template <int size>
+void SurfaceSmoother<Real>::step_columns(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
+                                         const Vector& x, bool overwrite) const {
+  const int first = columns_.size_begin[size], last = columns_.size_begin[size + 1];
+  if (first == last) return;
+  const NodeColumns<Real> columns = columns_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::columns", Kokkos::RangePolicy<ExecSpace>(exec, first, last), KOKKOS_LAMBDA(const int c) {
+        constexpr int n = 3 * size;
+        const auto& column = columns.columns(c);
+        const Real* __restrict m = &columns.matrices(column.matrix);
+        const int* nodes = &columns.nodes(column.first);
+        Real z[n] = {};
+        for (int q = 0; q < size; ++q)
+          for (int j = 0; j < 3; ++j) {  // symmetric: row c is column c
+            const Real value = alpha * r(3 * static_cast<std::size_t>(nodes[q]) + j);
+            for (int i = 0; i < n; ++i) z[i] += m[(3 * q + j) * n + i] * value;
+          }
+        for (int p = 0; p < size; ++p)
+          for (int i = 0; i < 3; ++i) {
+            const std::size_t dof = 3 * static_cast<std::size_t>(nodes[p]) + i;
+            Real change = z[3 * p + i];
+            if (beta != 0) change += beta * d(dof);
+            d(dof) = change;
+            x(dof) = overwrite ? change : x(dof) + change;
+          }
+      });
+}
+
+template <class Real>
+void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
+                                 const Vector& x, bool overwrite) const {
+  const int num_rows = static_cast<int>(surface_.extent(0));
+  const auto surface = surface_;
+  if (num_rows > 0) {
+    const auto row_begin = row_begin_, row_node = row_node_;
+    const auto w = row_w_;
+    Kokkos::parallel_for(
+        "cgcontact::smoother::rows", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows), KOKKOS_LAMBDA(const int k) {
+          Real sum = 0;
+          for (int e = row_begin(k); e < row_begin(k + 1); ++e)
+            for (int i = 0; i < 3; ++i) sum += w(e, i) * r(3 * row_node(e) + i);
+          surface(k) = sum;
+        });
+    exec.fence();
+    Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface.data(), num_rows);
+    g = factor_->llt.solve(g).eval();
+  }
+  const int num_runs = static_cast<int>(run_.extent(0));
+  const auto run = run_;
+  const auto run_inverse = run_inverse_;
+  const auto inverse = inverse_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::nodes",
+      Kokkos::RangePolicy<ExecSpace, Kokkos::Schedule<Kokkos::Dynamic>>(exec, 0, num_runs,
+                                                                        Kokkos::ChunkSize(runs_at_once)),
+      KOKKOS_LAMBDA(const int k) {
+        const std::size_t first = 3 * static_cast<std::size_t>(run(k, 0));
+        const int nodes = run(k, 1);
+        const Real* __restrict rk = r.data() + first;
+        Real* __restrict dk = d.data() + first, * __restrict xk = x.data() + first;
+        const auto add = [&](int i, Real z) {
+          Real change = alpha * z;
+          if (beta != 0) change += beta * dk[i];
+          dk[i] = change;
+          xk[i] = overwrite ? change : xk[i] + change;
+        };
+        if (run(k, 2) == -2) return;
+        if (run(k, 2) < 0) {
+          const Real scalar = run_inverse(k);
+          for (int i = 0; i < 3 * nodes; ++i) add(i, scalar * rk[i]);
+          return;
+        }
+        for (int n = 0; n < nodes; ++n) {
+          const Real* m = &inverse(run(k, 2) + n, 0);
+          const Real r0 = rk[3 * n], r1 = rk[3 * n + 1], r2 = rk[3 * n + 2];
+          add(3 * n, m[0] * r0 + m[3] * r1 + m[5] * r2);
+          add(3 * n + 1, m[3] * r0 + m[1] * r1 + m[4] * r2);
+          add(3 * n + 2, m[5] * r0 + m[4] * r1 + m[2] * r2);
+        }
+      });
+  step_columns<2>(exec, r, alpha, beta, d, x, overwrite);
+  step_columns<3>(exec, r, alpha, beta, d, x, overwrite);
+  step_columns<4>(exec, r, alpha, beta, d, x, overwrite);
+  step_columns<5>(exec, r, alpha, beta, d, x, overwrite);
+  static_assert(NodeColumns<Real>::longest == 5);
+  if (num_rows == 0) return;
+  const auto touched = touched_, node_begin = node_begin_, node_row = node_row_;
+  const auto w = node_w_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::touched", Kokkos::RangePolicy<ExecSpace>(exec, 0, touched.extent(0)),
+      KOKKOS_LAMBDA(const int t) {
+        for (int i = 0; i < 3; ++i) {
+          Real z = 0;
+          for (int e = node_begin(t); e < node_begin(t + 1); ++e) z += w(e, i) * surface(node_row(e));
+          d(3 * touched(t) + i) -= alpha * z;
+          x(3 * touched(t) + i) -= alpha * z;
+        }
+      });
+}
+
+template class SurfaceSmoother<float>;
+template class SurfaceSmoother<double>;
+
+}  // namespace cgcontact

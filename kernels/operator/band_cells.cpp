@@ -1,0 +1,271 @@
+#include "kernels/operator/band_cells.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+
+#include "kernels/mesh/host_copy.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Moments of x^i y^j z^k, i, j, k <= 2, from those of Legendre products: x^2 = (2 L2 + L0) / 3.
+void monomial_moments(const Moments& legendre, double out[27]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) {
+        double sum = 0;
+        for (int a = i % 2; a <= i; a += 2)
+          for (int b = j % 2; b <= j; b += 2)
+            for (int c = k % 2; c <= k; c += 2) {
+              auto share = [](int degree, int l) { return degree < 2 ? 1.0 : (l == 2 ? 2. / 3 : 1. / 3); };
+              sum += share(i, a) * share(j, b) * share(k, c) *
+                     legendre[(a * (moment_degree + 1) + b) * (moment_degree + 1) + c];
+            }
+        out[9 * i + 3 * j + k] = sum;
+      }
+}
+
+/// Gradients per cell unit are twice those in cell coordinates, the volume is an eighth, the coefficients are eight
+/// times those of the modes, on both sides.
+double moment_scale(const BodyMesh& mesh) { return mesh.modulus * mesh.cell_size * mesh.law.mu * 4 / (8 * 64); }
+
+/// Boundary moments of the support terms of one cell, per pair of components (xx, yy, zz, xy, yz, zx).
+struct SupportMoments {
+  double value[6][27] = {};
+  void add(const SupportTerm& term) {
+    for (int pair = 0; pair < 6; ++pair) {
+      const int i = pair % 3, j = pair < 3 ? i : (i + 1) % 3;
+      const double k = term.stiffness * term.direction[i] * term.direction[j] / 64;
+      if (k == 0) continue;
+      double x = k;
+      for (int a = 0; a < 3; ++a, x *= term.xi[0]) {
+        double y = x;
+        for (int b = 0; b < 3; ++b, y *= term.xi[1]) {
+          double z = y;
+          for (int c = 0; c < 3; ++c, z *= term.xi[2]) value[pair][9 * a + 3 * b + c] += z;
+        }
+      }
+    }
+  }
+  int mask() const {
+    int bits = 0;
+    for (int pair = 0; pair < 6; ++pair)
+      for (double v : value[pair])
+        if (v != 0) bits |= 1 << pair;
+    return bits;
+  }
+};
+
+/// A cell of the band, with what decides about its place.
+struct BandCell {
+  int body, cell, slab;
+  int pair_mask;  ///< 64: full cell; 128 + axis: soft
+  int parity;     ///< neighbours along x are kept apart: the one stores what the other loads
+};
+
+}  // namespace
+
+bool counts_as_full(const CutCells& cut_cells, int active) {
+  const int cut = cut_cells.cut_of_active[active];
+  if (cut < 0) return true;
+  constexpr int n = moment_degree + 1;
+  const Moments &m = cut_cells.moments[cut], &full = full_cell_moments();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k)
+        if (std::abs(m[(i * n + j) * n + k] - full[(i * n + j) * n + k]) > 1e-14 * full[0]) return false;
+  return true;
+}
+
+SlabPartition make_slabs(const std::vector<BodyMesh>& meshes) {
+  constexpr int most_slabs = 32;
+  SlabPartition result;
+  for (const BodyMesh& mesh : meshes) {
+    const CutCells& cc = *mesh.cut_cells;
+    SlabPartition::Body body;
+    Index3 low = cc.grid.num_cells, high = {0, 0, 0};
+    for (const Index3& c : cc.cells)
+      for (int d = 0; d < 3; ++d) {
+        low[d] = std::min(low[d], c[d]);
+        high[d] = std::max(high[d], c[d] + 1);
+      }
+    for (int d = 1; d < 3; ++d)
+      if (high[d] - low[d] >= high[body.axis] - low[body.axis]) body.axis = d;
+    // About equal numbers of cut cells, at least two layers: a ghost face reaches over one layer more.
+    std::vector<double> weight(cc.grid.num_cells[body.axis], 0.0);
+    double total = 0;
+    for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+      const double w = cc.cut_of_active[e] < 0 ? 0.01 : 1;
+      weight[cc.cells[e][body.axis]] += w;
+      total += w;
+    }
+    body.slab_of_layer.assign(weight.size(), 0);
+    int slab = static_cast<int>(result.colour_of_slab.size());
+    int layers = 0, colour = 0;
+    double sum = 0, share = total / most_slabs;
+    for (int layer = low[body.axis]; layer < high[body.axis]; ++layer) {
+      if (layers >= 2 && sum >= share && high[body.axis] - layer >= 2) {
+        result.colour_of_slab.push_back(colour);
+        ++slab;
+        colour = 1 - colour;
+        layers = 0;
+        sum = 0;
+      }
+      body.slab_of_layer[layer] = slab;
+      ++layers;
+      sum += weight[layer];
+    }
+    result.colour_of_slab.push_back(colour);
+    result.bodies.push_back(std::move(body));
+  }
+  return result;
+}
+
+template <class Real>
+std::size_t BandCells<Real>::bytes() const {
+  return nodes.size() * sizeof(int) + stencil_lanes.size() * sizeof(int) +
+         (moments.size() + pairs.size()) * sizeof(Real) + batches.size() * sizeof(Batch);
+}
+
+template <class Real>
+BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
+                                const SlabPartition& slabs, const SoftCells& soft) {
+  constexpr int L = Lanes<Real>::count;
+  constexpr std::size_t cache = 16 << 20;
+  BandCells<Real> result;
+  result.far = 3 * sizeof(Real) * system.num_nodes > cache;
+  std::vector<BandCell> list;
+  std::vector<std::map<int, SupportMoments>> supports(system.meshes.size());
+  std::vector<typename BandCells<Real>::Law> laws;
+  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
+    const BodyMesh& mesh = system.meshes[b];
+    const CutCells& cc = *mesh.cut_cells;
+    typename BandCells<Real>::Law law;
+    law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
+    law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
+    for (int p = 0; p < 3; ++p) law.full[p] = static_cast<Real>(moment_scale(mesh) * 8 / std::pow(3, p));
+    laws.push_back(law);
+    enum Kind : char { by_stencil_alone, full, cut };
+    std::vector<Kind> kind(cc.cells.size());
+    Kokkos::parallel_for(
+        "cgcontact::band::kind",
+        Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(kind.size())), [&](const int e) {
+          const auto& n = mesh.cell_nodes[e];
+          const bool inside = std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node]; });
+          kind[e] = !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
+        });
+    SupportMoments* of_cell = nullptr;
+    for (std::size_t t = 0; t < system.supports[b].size(); ++t) {  // terms of a cell mostly follow each other
+      const SupportTerm& term = system.supports[b][t];
+      if (t == 0 || term.cell != system.supports[b][t - 1].cell) of_cell = &supports[b][term.cell];
+      of_cell->add(term);
+      kind[term.cell] = cut;
+    }
+    for (std::size_t e = 0; e < cc.cells.size(); ++e) {
+      if (kind[e] == by_stencil_alone) continue;
+      BandCell cell{static_cast<int>(b), static_cast<int>(e), slabs.slab_of(static_cast<int>(b), cc.cells[e]), 0, 0};
+      const Index3& c = cc.cells[e];
+      cell.parity = 2 * c[2] + (c[0] & 1);
+      if (kind[e] == full) {
+        cell.pair_mask = 64;
+        ++result.num_full;
+      } else {
+        const auto s = supports[b].find(static_cast<int>(e));
+        if (s != supports[b].end()) cell.pair_mask = s->second.mask();
+        ++result.num_cut;
+        if (cell.pair_mask) ++result.num_supported;
+        if (soft.of(b, e) >= 0) cell.pair_mask = 128 + soft.of(b, e);
+      }
+      list.push_back(cell);
+    }
+  }
+  std::stable_sort(list.begin(), list.end(), [](const BandCell& a, const BandCell& b) {
+    return std::tie(a.slab, a.pair_mask, a.parity) < std::tie(b.slab, b.pair_mask, b.parity);
+  });
+
+  std::vector<typename BandCells<Real>::Batch> batches;
+  std::vector<std::size_t> first_cell;
+  std::vector<int> chunk_begin(slabs.colour_of_slab.size() + 1, 0);
+  int num_moments_batches = 0, num_pairs = 0;
+  for (std::size_t p = 0; p < list.size();) {
+    std::size_t end = p;
+    while (end < list.size() && end < p + L && list[end].slab == list[p].slab &&
+           list[end].pair_mask == list[p].pair_mask)
+      ++end;
+    typename BandCells<Real>::Batch batch{};
+    batch.body = list[p].body;
+    batch.count = static_cast<int>(end - p);
+    const bool full = list[p].pair_mask == 64;
+    batch.moments = full ? -1 : num_moments_batches++;
+    batch.pairs = num_pairs;
+    const bool is_soft = list[p].pair_mask >= 128;
+    batch.soft_axis = is_soft ? list[p].pair_mask - 128 : -1;
+    batch.pair_mask = full || is_soft ? 0 : list[p].pair_mask;
+    for (int bit = 0; bit < 6; ++bit) num_pairs += batch.pair_mask >> bit & 1;
+    ++chunk_begin[list[p].slab + 1];
+    batches.push_back(batch);
+    first_cell.push_back(p);
+    p = end;
+  }
+  for (std::size_t s = 1; s < chunk_begin.size(); ++s) chunk_begin[s] += chunk_begin[s - 1];
+
+  result.nodes = typename BandCells<Real>::NodeBatches("cgcontact::band::nodes", batches.size());
+  result.stencil_lanes = decltype(result.stencil_lanes)("cgcontact::band::stencil_lanes", batches.size());
+  result.moments = typename BandCells<Real>::MomentBatches("cgcontact::band::moments", num_moments_batches);
+  result.pairs = typename BandCells<Real>::PairBatches("cgcontact::band::pairs", num_pairs);
+  auto nodes = Kokkos::create_mirror_view(result.nodes);
+  auto stencil_lanes = Kokkos::create_mirror_view(result.stencil_lanes);
+  auto moments = Kokkos::create_mirror_view(result.moments);
+  auto pairs = Kokkos::create_mirror_view(result.pairs);
+  Kokkos::parallel_for("cgcontact::band::setup",
+                       Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(batches.size())),
+                       [&](const int b) {
+                         auto& batch = batches[b];
+                         for (int l = 0; l < L; ++l) {
+                           const bool used = l < batch.count;
+                           const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
+                           const BodyMesh& mesh = system.meshes[cell.body];
+                           for (int pair = 0; pair < 4; ++pair)
+                             nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
+                           if (!used) continue;  // its moments stay zero, its forces are dropped
+                           for (int a = 0; a < 8; ++a)
+                             if (by_stencil[mesh.cell_nodes[cell.cell][a]]) {
+                               stencil_lanes(b, a) |= 1 << l;
+                               batch.stencil_any = 1;
+                             }
+                           if (batch.moments < 0) continue;
+                           double m[27];
+                           monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
+                           const double scale = moment_scale(mesh);
+                           for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
+                           int slot = batch.pairs;
+                           for (int bit = 0; bit < 6; ++bit) {
+                             if (!(batch.pair_mask >> bit & 1)) continue;
+                             const SupportMoments& s = supports[cell.body].at(cell.cell);
+                             for (int e = 0; e < 27; ++e) pairs(slot, e, l) = static_cast<Real>(s.value[bit][e]);
+                             ++slot;
+                           }
+                         }
+                       });
+  Kokkos::deep_copy(result.nodes, nodes);
+  Kokkos::deep_copy(result.stencil_lanes, stencil_lanes);
+  Kokkos::deep_copy(result.moments, moments);
+  Kokkos::deep_copy(result.pairs, pairs);
+  using BatchView = Kokkos::View<typename BandCells<Real>::Batch*, MemSpace>;
+  using LawView = Kokkos::View<typename BandCells<Real>::Law*, MemSpace>;
+  result.batches = copy_to_view<BatchView>("cgcontact::band::batches", batches);
+  result.laws = copy_to_view<LawView>("cgcontact::band::laws", laws);
+  result.chunk_begin = copy_to_view<IntView>("cgcontact::band::chunk_begin", chunk_begin);
+  return result;
+}
+
+template struct BandCells<double>;
+template struct BandCells<float>;
+template BandCells<double> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&,
+                                           const SoftCells&);
+template BandCells<float> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&,
+                                          const SoftCells&);
+
+}  // namespace cgcontact

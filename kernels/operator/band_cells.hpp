@@ -1,0 +1,351 @@
+/// Cells that reach nodes outside of the stencil: cut cells, and full cells on faces that lie on grid planes.
+///
+/// Nothing but 27 moments is stored of a cut cell. In the basis 1, x, y, z, xy, yz, zx, xyz of the cell the strains are
+/// coefficients of the displacement, so the stiffness is a set of products "moment times stress coefficient": 192
+/// multiply-adds, as many as with a stored matrix of rank 18 (171 numbers), from a sixth of the memory. Support terms
+/// have the same form with moments over the boundary.
+///
+/// Corners at stencil nodes have received the full cell's share already: a cut cell adds the difference there.
+/// Batches hold one cell per lane. Cells come in chunks (slabs of at least two layers); chunks of one colour share no
+/// node, and a chunk is walked in order by one thread, so the result does not depend on the number of threads.
+#pragma once
+
+#include <vector>
+
+#include "kernels/operator/soft_cells.hpp"
+#include "kernels/operator/system.hpp"
+#include "kernels/simd/lanes.hpp"
+
+namespace cgcontact {
+
+/// Slabs of cell layers along the longest direction of each body, in two colours.
+struct SlabPartition {
+  struct Body {
+    int axis = 0;
+    std::vector<int> slab_of_layer;
+  };
+  std::vector<Body> bodies;
+  std::vector<int> colour_of_slab;  ///< all bodies
+  int slab_of(int body, const Index3& cell) const { return bodies[body].slab_of_layer[cell[bodies[body].axis]]; }
+};
+SlabPartition make_slabs(const std::vector<BodyMesh>& meshes);
+
+/// Interior cells, and cells on a face that lies on a grid plane: "cut" by name, with the full cell's moments.
+bool counts_as_full(const CutCells& cut_cells, int active);
+
+template <class Real>
+struct BandCells {
+  static constexpr int L = Lanes<Real>::count;
+  using NodeBatches = Kokkos::View<int* [4][L], Kokkos::LayoutRight, MemSpace>;
+  using MaskBatches = Kokkos::View<typename Lanes<Real>::Integer*, MemSpace>;
+  using MomentBatches = Kokkos::View<Real* [27][L], Kokkos::LayoutRight, MemSpace>;
+  using PairBatches = Kokkos::View<Real* [27][L], Kokkos::LayoutRight, MemSpace>;
+
+  struct Law {
+    Real across, lambda;  ///< (lambda + 2 mu) / mu, lambda / mu
+    Real full[3];         ///< mu times the full cell's moments 1, x x, x x y y
+  };
+  struct Batch {
+    int body, count;       ///< cells in use: the first lanes
+    int moments;           ///< index into moments; -1: full cells
+    int pairs;             ///< first of the support pairs
+    int pair_mask;         ///< which of xx, yy, zz, xy, yz, zx there are
+    int soft_axis;         ///< SoftCells, or -1
+    unsigned stencil_any;  ///< some corner of some cell is a stencil node
+  };
+
+  NodeBatches nodes;  ///< (batch, corner pair, lane): first of the two nodes along x
+  Kokkos::View<int* [8], Kokkos::LayoutRight, MemSpace> stencil_lanes;  ///< (batch, corner): bit of each lane
+  MomentBatches moments;
+  PairBatches pairs;
+  Kokkos::View<Batch*, MemSpace> batches;
+  IntView chunk_begin;  ///< slab -> first batch
+  Kokkos::View<Law*, MemSpace> laws;
+  long long num_cut = 0, num_full = 0, num_supported = 0;
+  bool far = false;  ///< vectors do not stay in the cache: values are fetched one batch ahead
+
+  std::size_t bytes() const;
+};
+
+template <class Real>
+BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
+                                const SlabPartition& slabs, const SoftCells& soft);
+
+namespace band {
+
+/// Position of a mode's exponents in the table of moments; sums for products of modes.
+constexpr int moment_index(int mode) { return 9 * (mode & 1) + 3 * (mode >> 1 & 1) + (mode >> 2 & 1); }
+
+/// Eight corner values -> coefficients of 8 x modes.
+template <class V>
+inline void to_modes(V u[8]) {
+#pragma GCC unroll 3
+  for (int s = 1; s < 8; s *= 2)
+#pragma GCC unroll 8
+    for (int a = 0; a < 8; ++a)
+      if (!(a & s)) {
+        const V low = u[a], high = u[a + s];
+        u[a] = high + low;
+        u[a + s] = high - low;
+      }
+}
+
+/// The transpose of to_modes: modal forces -> corner forces.
+template <class V>
+inline void to_corners(V f[8]) {
+#pragma GCC unroll 3
+  for (int s = 1; s < 8; s *= 2)
+#pragma GCC unroll 8
+    for (int a = 0; a < 8; ++a)
+      if (!(a & s)) {
+        const V mean = f[a], slope = f[a + s];
+        f[a] = mean - slope;
+        f[a + s] = mean + slope;
+      }
+}
+
+/// Modal forces of the full cell.
+template <class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void full_forces(const typename BandCells<Real>::Law& law, const V c[3][8], V f[3][8]) {
+  const Real m0 = law.full[0], m1 = law.full[1], m2 = law.full[2];
+#pragma GCC unroll 3
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, g = (d + 2) % 3, D = 1 << d, E = 1 << e, G = 1 << g;
+    const V xx0 = c[d][D], yy0 = c[e][E], zz0 = c[g][G];
+    // Normal stress along d tested with 1, E, G, EG; shear of d with e and with g tested with the derivatives of u_d.
+    f[d][0] = V{};
+    f[d][D] = m0 * (law.across * xx0 + law.lambda * (yy0 + zz0));
+    f[d][E] = m0 * (c[d][E] + c[e][D]);
+    f[d][G] = m0 * (c[d][G] + c[g][D]);
+    f[d][D | E] = m1 * (law.across * c[d][D | E] + law.lambda * c[g][G | E] + c[d][D | E]);
+    f[d][D | G] = m1 * (law.across * c[d][D | G] + law.lambda * c[e][E | G] + c[d][D | G]);
+    f[d][E | G] = m1 * ((c[d][E | G] + c[e][D | G]) + (c[d][E | G] + c[g][D | E]));
+    f[d][7] = m2 * (law.across + 2) * c[d][7];
+  }
+}
+
+/// Modal forces from the moments of a cut cell. With a soft axis, what a shear across it takes from its other
+/// direction's displacement does not vary along that direction.
+template <int soft_axis = -1, class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void cut_forces(const typename BandCells<Real>::Law& law, const Real* moments,
+                                            const V c[3][8], V f[3][8]) {
+  constexpr int L = Lanes<Real>::count;
+  const V* m = reinterpret_cast<const V*>(moments);
+  static_assert(sizeof(V) == L * sizeof(Real));
+#pragma GCC unroll 3
+  for (int d = 0; d < 3; ++d)
+#pragma GCC unroll 8
+    for (int a = 0; a < 8; ++a) f[d][a] = V{};
+#pragma GCC unroll 3
+  for (int d = 0; d < 3; ++d) {
+    const int e = (d + 1) % 3, g = (d + 2) % 3, D = 1 << d, E = 1 << e, G = 1 << g;
+    // Stress dd: modes without D from the strain dd, those without E and without G from the others.
+    V s[8];
+    s[0] = law.across * c[d][D] + law.lambda * (c[e][E] + c[g][G]);
+    s[E] = law.across * c[d][D | E] + law.lambda * c[g][G | E];
+    s[G] = law.across * c[d][D | G] + law.lambda * c[e][E | G];
+    s[E | G] = law.across * c[d][7];
+    s[D] = law.lambda * (c[e][D | E] + c[g][D | G]);
+    s[D | G] = law.lambda * c[e][7];
+    s[D | E] = law.lambda * c[g][7];
+    const int test[4] = {0, E, G, E | G}, trial[7] = {0, E, G, E | G, D, D | G, D | E};
+#pragma GCC unroll 4
+    for (int t = 0; t < 4; ++t) {
+      V sum = m[moment_index(test[t]) + moment_index(trial[0])] * s[trial[0]];
+#pragma GCC unroll 6
+      for (int n = 1; n < 7; ++n) sum += m[moment_index(test[t]) + moment_index(trial[n])] * s[trial[n]];
+      f[d][test[t] | D] += sum;
+    }
+    // Shear de: all modes but those with D and E.
+    V h[6];
+    const int mode[6] = {0, D, E, G, D | G, E | G};
+    h[0] = c[d][E] + c[e][D];
+    h[1] = c[d][D | E];
+    h[2] = c[e][D | E];
+    h[3] = c[d][E | G] + c[e][D | G];
+    h[4] = c[d][7];
+    h[5] = c[e][7];
+    if constexpr (soft_axis >= 0) {
+      if (soft_axis == e) h[1] = h[4] = V{};
+      if (soft_axis == d) h[2] = h[5] = V{};
+    }
+#pragma GCC unroll 6
+    for (int t = 0; t < 6; ++t) {
+      if (soft_axis >= 0 && ((soft_axis == e && (mode[t] & D)) || (soft_axis == d && (mode[t] & E)))) continue;
+      V sum = m[moment_index(mode[t]) + moment_index(mode[0])] * h[0];
+#pragma GCC unroll 6
+      for (int n = 1; n < 6; ++n) sum += m[moment_index(mode[t]) + moment_index(mode[n])] * h[n];
+      if (!(mode[t] & E)) f[d][mode[t] | E] += sum;
+      if (!(mode[t] & D)) f[e][mode[t] | D] += sum;
+    }
+  }
+}
+
+/// Adds the support terms: modal forces from boundary moments of each pair of components.
+template <class Real, class V>
+inline void add_support_forces(const BandCells<Real>& cells, const typename BandCells<Real>::Batch& batch,
+                               const V c[3][8], V f[3][8]) {
+  int slot = batch.pairs;
+  for (int pair = 0; pair < 6; ++pair) {
+    if (!(batch.pair_mask >> pair & 1)) continue;
+    const V* m = reinterpret_cast<const V*>(&cells.pairs(slot++, 0, 0));
+    const int i = pair % 3, j = pair < 3 ? i : (i + 1) % 3;
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b) {
+        const V& w = m[moment_index(a) + moment_index(b)];
+        f[i][a] += w * c[j][b];
+        if (pair >= 3) f[j][a] += w * c[i][b];
+      }
+  }
+}
+
+/// Keeps the lanes whose bit is set (or not set).
+template <class Real>
+inline Vector<Real> lanes_where(int bits, const Vector<Real>& v) {
+#ifdef __AVX512F__
+  if constexpr (sizeof(Real) == 8)
+    return _mm512_maskz_mov_pd(static_cast<__mmask8>(bits), v);
+  else
+    return _mm512_maskz_mov_ps(static_cast<__mmask16>(bits), v);
+#else
+  Vector<Real> r = {};
+  for (int l = 0; l < Lanes<Real>::count; ++l)
+    if (bits >> l & 1) r[l] = v[l];
+  return r;
+#endif
+}
+
+/// Corner forces of a batch from its corner displacements, in place.
+template <class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void batch_forces(const BandCells<Real>& cells, int b, V u[3][8]) {
+  const auto& batch = cells.batches(b);
+  const auto& law = cells.laws(batch.body);
+  V f[3][8];
+  for (int i = 0; i < 3; ++i) to_modes(u[i]);
+  if (batch.moments < 0) {
+    full_forces<Real>(law, u, f);
+    for (int i = 0; i < 3; ++i) {
+      to_corners(f[i]);
+      for (int a = 0; a < 8; ++a) u[i][a] = lanes_where<Real>(~cells.stencil_lanes(b, a), f[i][a]);
+    }
+    return;
+  }
+  const Real* moments = &cells.moments(batch.moments, 0, 0);
+  switch (batch.soft_axis) {
+    case 0:
+      cut_forces<0, Real>(law, moments, u, f);
+      break;
+    case 1:
+      cut_forces<1, Real>(law, moments, u, f);
+      break;
+    case 2:
+      cut_forces<2, Real>(law, moments, u, f);
+      break;
+    default:
+      cut_forces<-1, Real>(law, moments, u, f);
+  }
+  if (batch.pair_mask) add_support_forces(cells, batch, u, f);
+  for (int i = 0; i < 3; ++i) to_corners(f[i]);
+  if (!batch.stencil_any) {
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 8; ++a) u[i][a] = f[i][a];
+    return;
+  }
+  V full[3][8];
+  full_forces<Real>(law, u, full);
+  for (int i = 0; i < 3; ++i) {
+    to_corners(full[i]);
+    for (int a = 0; a < 8; ++a) u[i][a] = f[i][a] - lanes_where<Real>(cells.stencil_lanes(b, a), full[i][a]);
+  }
+}
+
+/// Corner values of a batch: u[component][corner].
+template <class Real, class V>
+inline void gather(const BandCells<Real>& cells, int b, const Real* x, V u[3][8]) {
+  constexpr int L = Lanes<Real>::count;
+  for (int pair = 0; pair < 4; ++pair) {
+    const int* nodes = &cells.nodes(b, pair, 0);
+    V r[8];
+    for (int l = 0; l < 8; ++l) {
+      r[l] = load_first(x + 3 * static_cast<std::size_t>(nodes[l]), 6);
+      if constexpr (L == 16) {
+        const V second = load_first(x + 3 * static_cast<std::size_t>(nodes[l + 8]), 6);
+        r[l] = join_halves(r[l], second);
+      }
+    }
+    transpose8<Real>(r);
+    for (int i = 0; i < 3; ++i) {
+      u[i][2 * pair] = r[i];
+      u[i][2 * pair + 1] = r[3 + i];
+    }
+  }
+}
+
+/// y += (or -=) the corner forces, one cell after the other: cells of a batch may share nodes.
+template <bool subtract, class Real, class V>
+inline void scatter(const BandCells<Real>& cells, int b, const V u[3][8], Real* y) {
+  constexpr int L = Lanes<Real>::count;
+  const int count = cells.batches(b).count;
+  for (int pair = 0; pair < 4; ++pair) {
+    const int* nodes = &cells.nodes(b, pair, 0);
+    V r[8] = {u[0][2 * pair],     u[1][2 * pair],     u[2][2 * pair],     u[0][2 * pair + 1],
+              u[1][2 * pair + 1], u[2][2 * pair + 1], u[0][2 * pair + 1], u[0][2 * pair + 1]};
+    transpose8<Real>(r);
+    const Real* rows = reinterpret_cast<const Real*>(r);
+    for (int l = 0; l < count; ++l)
+      add_six<subtract>(y + 3 * static_cast<std::size_t>(nodes[l]), rows + (l % 8) * L + l / 8 * 8);
+  }
+}
+
+/// Fetches the corner values of a batch.
+template <class Real>
+inline void prefetch(const BandCells<Real>& cells, int b, const Real* x) {
+  const int* nodes = &cells.nodes(b, 0, 0);
+  for (int i = 0; i < 4 * BandCells<Real>::L; ++i) __builtin_prefetch(x + 3 * static_cast<std::size_t>(nodes[i]));
+}
+
+template <bool subtract, class Real>
+inline void apply_chunk(const BandCells<Real>& cells, int chunk, const Real* x, Real* y) {
+  const int end = cells.chunk_begin(chunk + 1);
+  for (int b = cells.chunk_begin(chunk); b < end; ++b) {
+    if (cells.far) {
+      prefetch(cells, b, y);
+      if (b + 1 < end) prefetch(cells, b + 1, x);
+    }
+    Vector<Real> u[3][8];
+    gather(cells, b, x, u);
+    batch_forces(cells, b, u);
+    scatter<subtract>(cells, b, u, y);
+  }
+}
+
+/// Node blocks (xx, yy, zz, xy, yz, zx) and the blocks between different nodes of a column, from unit displacements of
+/// every corner.
+template <class Real, class Blocks>
+inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const Blocks& blocks,
+                                const NodeColumns<Real>& columns) {
+  for (int b = cells.chunk_begin(chunk); b < cells.chunk_begin(chunk + 1); ++b)
+    for (int a = 0; a < 8; ++a)
+      for (int j = 0; j < 3; ++j) {
+        Vector<Real> u[3][8] = {};
+        u[j][a] += Real(1);
+        batch_forces(cells, b, u);
+        for (int l = 0; l < cells.batches(b).count; ++l) {
+          const int node = cells.nodes(b, a / 2, l) + a % 2;
+          blocks(node, j) += u[j][a][l];
+          blocks(node, 3 + j) += u[(j + 1) % 3][a][l];
+          const int c = columns.column_of_node(node);
+          if (c < 0) continue;
+          const auto& column = columns.columns(c);
+          const int across = a ^ 1 << column.axis, other = cells.nodes(b, across / 2, l) + across % 2;
+          Real* m = &columns.matrices(column.matrix);
+          const int place = columns.place(column, node), row = place + (a >> column.axis & 1 ? -1 : 1);
+          if (row < 0 || row >= column.size || columns.nodes(column.first + row) != other) continue;
+          for (int i = 0; i < 3; ++i) m[(3 * row + i) * 3 * column.size + 3 * place + j] += u[i][across][l];
+        }
+      }
+}
+
+}  // namespace band
+
+}  // namespace cgcontact

@@ -1,0 +1,166 @@
+#include "kernels/operator/stencil_tiles.hpp"
+
+#include <algorithm>
+
+#include "kernels/mesh/grid_numbers.hpp"
+#include "kernels/mesh/host_copy.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Pieces of about equal size, at most `largest` each.
+std::vector<std::array<int, 2>> pieces(int begin, int end, int largest) {
+  std::vector<std::array<int, 2>> result;
+  const int n = (end - begin + largest - 1) / largest;
+  for (int p = 0; p < n; ++p)
+    result.push_back({begin + static_cast<int>((end - begin) * static_cast<long long>(p) / n),
+                      begin + static_cast<int>((end - begin) * static_cast<long long>(p + 1) / n)});
+  return result;
+}
+
+struct Records {
+  std::vector<int> tile_plane, tile_body, copy_begin, run_begin;
+  std::vector<std::array<int, 3>> copies;
+  std::vector<std::array<int, 4>> runs;
+};
+
+/// Tiles of one body. Every node next to a stencil node is active, so consecutive grid nodes have consecutive numbers.
+template <class Real>
+class TileMaker {
+ public:
+  TileMaker(const BodyMesh& mesh, const std::vector<char>& by_stencil, Records& out)
+      : grid_(mesh.cut_cells->grid), number_(numbers_on_grid(mesh)), by_stencil_(by_stencil), out_(out) {}
+
+  void run(int body) {
+    // Long tiles read fewer planes twice; short ones keep several threads busy on a small body.
+    const int columns = static_cast<int>(pieces(1, grid_.num_cells[1], StencilRing<Real>::rows).size() *
+                                         pieces(1, grid_.num_cells[0], StencilRing<Real>::block).size());
+    const int planes = std::min(32, std::max(8, grid_.num_cells[2] * columns / 48));
+    for (const auto& z : pieces(1, grid_.num_cells[2], planes))
+      for (const auto& y : pieces(1, grid_.num_cells[1], StencilRing<Real>::rows))
+        for (const auto& x : pieces(1, grid_.num_cells[0], StencilRing<Real>::block)) add(body, x, y, z);
+  }
+
+ private:
+  bool stencil(int i, int j, int k) const {
+    const int n = number_[grid_.node_index({i, j, k})];
+    return n >= 0 && by_stencil_[n];
+  }
+
+  void add(int body, const std::array<int, 2>& x, const std::array<int, 2>& y, const std::array<int, 2>& z) {
+    using Ring = StencilRing<Real>;
+    const int nx = x[1] - x[0], ny = y[1] - y[0];
+    const std::size_t num_runs = out_.runs.size();
+    // need[plane % 3][row slot][position]: read by a run of one of the three planes around it.
+    std::vector<char> need((z[1] - z[0] + 2) * static_cast<std::size_t>(ny + 2) * (nx + 2), 0);
+    auto mark = [&](int plane, int row) {
+      return &need[(static_cast<std::size_t>(plane) * (ny + 2) + row) * (nx + 2)];
+    };
+    std::vector<int> run_begin;
+    for (int k = z[0] - 1; k <= z[1]; ++k) {
+      run_begin.push_back(static_cast<int>(out_.runs.size()));
+      if (k < z[0] || k == z[1]) continue;
+      for (int j = y[0]; j < y[1]; ++j)
+        for (int i = x[0]; i < x[1]; ++i) {
+          if (!stencil(i, j, k)) continue;
+          const int start = i;
+          while (i < x[1] && stencil(i, j, k)) ++i;
+          out_.runs.push_back({number_[grid_.node_index({start, j, k})], j - y[0] + 1, start - x[0] + 1, i - start});
+          for (int dz = 0; dz < 3; ++dz)
+            for (int dy = 0; dy < 3; ++dy) {
+              char* row = mark(k - z[0] + dz, j - y[0] + dy);
+              std::fill(row + (start - x[0]), row + (i - x[0] + 2), 1);
+            }
+        }
+    }
+    if (out_.runs.size() == num_runs) return;
+    for (int k = z[0] - 1; k <= z[1]; ++k) {
+      out_.copy_begin.push_back(static_cast<int>(out_.copies.size()));
+      for (int j = y[0] - 1; j <= y[1]; ++j) {
+        const char* row = mark(k - z[0] + 1, j - y[0] + 1);
+        for (int p = 0; p < nx + 2; ++p) {
+          if (!row[p]) continue;
+          const int start = p;
+          while (p < nx + 2 && row[p]) ++p;
+          out_.copies.push_back({number_[grid_.node_index({x[0] - 1 + start, j, k})],
+                                 (j - y[0] + 1) * Ring::row_stride + start, p - start});
+        }
+      }
+    }
+    out_.copy_begin.push_back(static_cast<int>(out_.copies.size()));
+    out_.run_begin.insert(out_.run_begin.end(), run_begin.begin(), run_begin.end());
+    out_.run_begin.push_back(static_cast<int>(out_.runs.size()));
+    out_.tile_plane.push_back(static_cast<int>(out_.run_begin.size()));
+    out_.tile_body.push_back(body);
+  }
+
+  const Grid& grid_;
+  std::vector<int> number_;
+  const std::vector<char>& by_stencil_;
+  Records& out_;
+};
+
+}  // namespace
+
+template <class Real>
+StencilCoefficients<Real>::StencilCoefficients(const BodyMesh& mesh, double sign) {
+  const double scale = sign * mesh.modulus * mesh.cell_size;
+  const double mu = mesh.law.mu, across = mesh.law.lambda + 2 * mu, mixed = mesh.law.lambda + mu;
+  for (int c = 0; c < 3; ++c) {
+    const double a = c == 0 ? across : mu;                            // of Sx My Mz
+    const double b = c == 1 ? across : mu, d = c == 2 ? across : mu;  // of Mx Sy Mz, Mx My Sz
+    const double mass[4] = {1. / 36, 4. / 36, 4. / 36, 16. / 36};
+    const double stiff[4] = {-(b + d) / 6, (-4 * b + 2 * d) / 6, (2 * b - 4 * d) / 6, 8 * (b + d) / 6};
+    for (int e = 0; e < 4; ++e) {
+      outer[c][e] = static_cast<Real>(scale * (stiff[e] / 6 - a * mass[e]));
+      inner[c][e] = static_cast<Real>(scale * (4 * stiff[e] / 6 + 2 * a * mass[e]));
+    }
+  }
+  cross_outer = static_cast<Real>(-scale * mixed / 24);
+  cross_inner = static_cast<Real>(-scale * mixed / 6);
+  cross_x = static_cast<Real>(scale * mixed / 24);
+}
+
+template <class Real>
+double StencilCoefficients<Real>::diagonal(const BodyMesh& mesh) {
+  return StencilCoefficients<double>(mesh, 1).inner[0][3];
+}
+
+template <class Real>
+std::size_t StencilTiles<Real>::bytes() const {
+  return sizeof(int) *
+         (tile_plane.size() + tile_body.size() + copy_begin.size() + run_begin.size() + copies.size() + runs.size());
+}
+
+template <class Real>
+StencilTiles<Real> make_stencil_tiles(const std::vector<BodyMesh>& meshes, const std::vector<char>& by_stencil) {
+  Records records;
+  records.tile_plane.push_back(0);
+  std::vector<StencilCoefficients<Real>> plus, minus;
+  for (std::size_t b = 0; b < meshes.size(); ++b) {
+    TileMaker<Real>(meshes[b], by_stencil, records).run(static_cast<int>(b));
+    plus.emplace_back(meshes[b], 1.0);
+    minus.emplace_back(meshes[b], -1.0);
+  }
+  StencilTiles<Real> tiles;
+  for (const auto& run : records.runs) tiles.num_nodes += run[3];
+  tiles.tile_plane = copy_to_view<IntView>("cgcontact::stencil::tile_plane", records.tile_plane);
+  tiles.tile_body = copy_to_view<IntView>("cgcontact::stencil::tile_body", records.tile_body);
+  tiles.copy_begin = copy_to_view<IntView>("cgcontact::stencil::copy_begin", records.copy_begin);
+  tiles.run_begin = copy_to_view<IntView>("cgcontact::stencil::run_begin", records.run_begin);
+  tiles.copies = copy_rows_to_view<typename StencilTiles<Real>::Copies>("cgcontact::stencil::copies", records.copies);
+  tiles.runs = copy_rows_to_view<typename StencilTiles<Real>::Runs>("cgcontact::stencil::runs", records.runs);
+  using Coefficients = Kokkos::View<StencilCoefficients<Real>*, MemSpace>;
+  tiles.plus = copy_to_view<Coefficients>("cgcontact::stencil::plus", plus);
+  tiles.minus = copy_to_view<Coefficients>("cgcontact::stencil::minus", minus);
+  return tiles;
+}
+
+template struct StencilCoefficients<double>;
+template struct StencilCoefficients<float>;
+template struct StencilTiles<double>;
+template struct StencilTiles<float>;
+template StencilTiles<double> make_stencil_tiles(const std::vector<BodyMesh>&, const std::vector<char>&);
+template StencilTiles<float> make_stencil_tiles(const std::vector<BodyMesh>&, const std::vector<char>&);
+
+}  // namespace cgcontact

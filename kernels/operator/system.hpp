@@ -1,0 +1,69 @@
+/// All bodies' stiffness, ghost penalty, supports and contact terms as one linear system (dimensionless, Scales).
+#pragma once
+
+#include <vector>
+
+#include "kernels/mesh/mesh.hpp"
+
+namespace cgcontact {
+
+/// Boundary condition term k (u . d)(v . d) at one support point.
+struct SupportTerm {
+  int cell;           ///< active cell
+  Vec3 xi;            ///< cell coordinates
+  Vec3 direction;     ///< unit, grid axes
+  double stiffness;   ///< kappa E/h times the point's weight, Scales::stress * Scales::length
+  bool thin = false;  ///< the body is about one cell thick: the smoother holds the support's unknowns together
+};
+
+/// One contact group: mean normal gap over a boundary piece of the coarser body's cell, as a sparse row on the DoFs.
+struct GroupRow {
+  std::vector<std::pair<int, double>> entries;  ///< (DoF, coefficient), sorted by DoF
+  int body = 0, cell = 0;                       ///< active cell of the coarser body that the piece lies in
+  int family = 0;                               ///< rows of one family may be merged on coarser grids
+};
+
+/// Sparse rows (one per contact group) and their transpose, both compressed: coefficients of the mean gap.
+struct GroupRows {
+  IntView row_begin, row_dof;  ///< group -> entries; (num_groups + 1), (num_entries)
+  RealView row_value;
+  IntView dof_begin, dof_list;  ///< touched DoF -> entries of the transpose; dof_list: the touched DoFs
+  IntView column_group;
+  RealView column_value;
+  RealView stiffness;  ///< k of each group; 0 where the group is open
+  RealView scratch;    ///< (num_groups)
+};
+
+struct ElasticSystem {
+  std::vector<BodyMesh> meshes;
+  std::vector<std::vector<SupportTerm>> supports;  ///< per body
+  double ghost_penalty = 0;
+  std::vector<Material> materials;
+  Scales scales;
+  GroupRows groups;
+  std::vector<GroupRow> group_rows;          ///< host copy of the rows of `groups`
+  std::vector<double> full_group_stiffness;  ///< of each group when closed
+  int num_nodes = 0;
+
+  int num_dofs() const { return 3 * num_nodes; }
+};
+
+/// Meshes of all bodies.
+ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
+                                  const Scales& scales, double ghost_penalty);
+
+/// Adds support terms to a body; support points lie in cut cells only.
+void add_support_terms(ElasticSystem& system, int body, const std::vector<SupportTerm>& terms);
+
+/// Sets the rows of the contact groups; stiffnesses start at zero.
+void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows);
+
+/// Present stiffness of each group.
+std::vector<double> group_stiffness(const ElasticSystem& system);
+/// Have the stiffnesses changed so much that a matrix factorised with the old ones is a bad preconditioner?
+bool changed_much(const std::vector<double>& before, const std::vector<double>& now);
+
+/// Sets the stiffness of each group (Scales::stress * Scales::length).
+void set_group_stiffness(ElasticSystem& system, const std::vector<double>& stiffness);
+
+}  // namespace cgcontact

@@ -1,0 +1,63 @@
+/// Belos CG on the matrix-free operator, preconditioned by geometric multigrid or, for comparison, by MueLu on the
+/// assembled matrix (design section 5).
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kernels/operator/system.hpp"
+
+namespace cgcontact {
+
+enum class Preconditioner { multigrid, muelu };
+
+struct PreconditionerReport {
+  int setups = 0;                   ///< of MueLu: on the whole system, or on the coarsest level
+  std::vector<int> unknowns;        ///< multigrid: per level, finest first
+  std::vector<double> eigenvalues;  ///< multigrid: largest of the smoothed operator, per level
+};
+
+struct LinearSolveResult {
+  int iterations = 0;
+  double residual = 0;  ///< absolute, recomputed with the operator
+  bool converged = false;
+};
+
+class LinearSolver {
+ public:
+  /// The system must outlive the solver.
+  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner);
+  ~LinearSolver();
+
+  /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
+  /// follows the changes, MueLu is set up anew when they are large).
+  void update();
+  const PreconditionerReport& report() const;
+
+  /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.
+  LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);
+
+  /// x . A x, after an update.
+  double energy(const RealView& x) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Starts Kokkos and Tpetra (and MPI underneath) once, stops them at the end of its life. threads = 0: the backend's
+/// default.
+class TrilinosScope {
+ public:
+  explicit TrilinosScope(int threads);
+  ~TrilinosScope();
+  static const char* backend();  ///< name of the default execution space
+  static bool has_openmp();
+  static int concurrency();  ///< number of threads
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,319 @@
+/// Small symmetric systems, one per lane: packed Cholesky, and the truncated pseudo-inverse applied to a vector.
+/// Matrices are lower triangles by rows, entry (r, s) at row(r)[s]. No lane's result depends on the others': a lane
+/// that is done, or has fewer rows, takes part with rotations and rows that change nothing.
+#pragma once
+
+#include "kernels/simd/lane_math.hpp"
+
+namespace cgcontact {
+
+/// Rows come in blocks of this many (those added: 1 on the diagonal, else 0).
+constexpr int row_block = 4;
+
+KOKKOS_FORCEINLINE_FUNCTION constexpr int packed_row(int r) { return r * (r + 1) / 2; }
+
+/// What earlier columns leave of a block: acc[i][j] = A(r+i, s+j) - sum_k L(r+i, k) L(s+j, k).
+template <class Real>
+KOKKOS_FORCEINLINE_FUNCTION void cholesky_block(const Real* A, const Real* L, int r, int s, Real acc[4][4]) {
+  const Real* a[4];
+  const Real* b[4];
+  for (int i = 0; i < 4; ++i) a[i] = L + packed_row(r + i), b[i] = L + packed_row(s + i);
+#pragma GCC unroll 4
+  for (int i = 0; i < 4; ++i)
+#pragma GCC unroll 4
+    for (int j = 0; j < 4; ++j) acc[i][j] = r > s || j <= i ? A[packed_row(r + i) + s + j] : Real{};
+  for (int k = 0; k < s; ++k)
+#pragma GCC unroll 4
+    for (int i = 0; i < 4; ++i)
+#pragma GCC unroll 4
+      for (int j = 0; j < 4; ++j) acc[i][j] -= a[i][k] * b[j][k];
+}
+
+/// A - shift I = L L^T, n rows (a multiple of row_block); the diagonal of L holds reciprocals. n^3 / 3 flop.
+/// True for the lanes whose matrix is positive definite; the factors of the others are finite and of no use.
+template <class Real>
+KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& shift, int n, Real* L) {
+  MaskOf<Real> positive = shift == shift;
+  for (int r = 0; r < n; r += 4) {
+    Real acc[4][4];
+    for (int s = 0; s < r; s += 4) {
+      cholesky_block(A, L, r, s, acc);
+#pragma GCC unroll 4
+      for (int j = 0; j < 4; ++j) {
+        const Real* d = L + packed_row(s + j) + s;
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; ++i) {
+#pragma GCC unroll 4
+          for (int k = 0; k < j; ++k) acc[i][j] -= acc[i][k] * d[k];
+          acc[i][j] *= d[j];
+          L[packed_row(r + i) + s + j] = acc[i][j];
+        }
+      }
+    }
+    cholesky_block(A, L, r, r, acc);
+#pragma GCC unroll 4
+    for (int j = 0; j < 4; ++j) {
+      Real pivot = acc[j][j] - shift;
+#pragma GCC unroll 4
+      for (int k = 0; k < j; ++k) pivot -= acc[j][k] * acc[j][k];
+      const MaskOf<Real> good = pivot > 1e-300;
+      positive = positive & good;
+      const Real inverse = 1.0 / square_root(select<Real>(good, pivot, Real{} + 1));
+      L[packed_row(r + j) + r + j] = inverse;
+#pragma GCC unroll 4
+      for (int i = j + 1; i < 4; ++i) {
+#pragma GCC unroll 4
+        for (int k = 0; k < j; ++k) acc[i][j] -= acc[i][k] * acc[j][k];
+        acc[i][j] *= inverse;
+        L[packed_row(r + i) + r + j] = acc[i][j];
+      }
+    }
+  }
+  return positive;
+}
+
+/// x <- (L L^T)^-1 x. 2 n^2 flop.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void packed_cholesky_solve(const Real* L, int n, Real* x) {
+  for (int c = 0; c < n; ++c) {
+    const Real value = x[c] *= L[packed_row(c) + c];
+    for (int r = c + 1; r < n; ++r) x[r] -= L[packed_row(r) + c] * value;
+  }
+  for (int r = n - 1; r >= 0; --r) {
+    const Real value = x[r] *= L[packed_row(r) + r];
+    for (int c = 0; c < r; ++c) x[c] -= L[packed_row(r) + c] * value;
+  }
+}
+
+/// Work space of pseudo_inverse_solve, numbers per lane.
+struct SpectralScratch {
+  /// QR takes less than two sweeps for an eigenvalue; the slowest lane counts.
+  static constexpr int max_sweeps(int n) { return 6 * n + 20; }
+  static constexpr int max_rotations(int n) { return n * (2 * n + 20); }
+  static constexpr std::size_t size(int n) { return 7 * n + 2 * max_sweeps(n) + 2 * max_rotations(n); }
+};
+
+/// The reflector H = 1 - factor v v^T that takes rows k+1 .. of column k of A to their length: v into the column, and v
+/// with zeros around it into v[]; e: the image's first entry.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void make_reflector(Real* A, int n, int k, Real* v, Real& factor, Real& e) {
+  Real squares = Real{};
+  for (int i = k + 1; i < n; ++i) {
+    v[i] = A[packed_row(i) + k];
+    squares += v[i] * v[i];
+  }
+  const MaskOf<Real> some = squares > 1e-280;
+  const Real first = v[k + 1], norm = square_root(squares);
+  const Real image = select<Real>(first > 0, -norm, norm);
+  v[k + 1] = A[packed_row(k + 1) + k] = first - image;
+  const Real half = squares - first * image;  // v.v / 2
+  factor = select<Real>(some, 1.0 / select<Real>(some, half, Real{} + 1), Real{});
+  e = select<Real>(some, image, Real{});
+}
+
+/// Householder's reduction to a tridiagonal matrix: A <- the reflectors (column k, below the diagonal), d, e, factor;
+/// x <- Q^T x. work: 4 n numbers. The update after one reflector and the product with the next one, which needs one
+/// updated column only, share one pass over the matrix. 4/3 n^3 flop.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void tridiagonalise(Real* A, int n, Real* d, Real* e, Real* factor, Real* work, Real* x) {
+  Real *v = work, *w = v + n, *next = w + n, *product = next + n;
+  make_reflector(A, n, 0, v, factor[0], e[0]);
+  for (int i = 1; i < n; ++i) product[i] = Real{};
+  for (int i = 1; i < n; ++i) {
+    const Real* row = A + packed_row(i);
+    Real sum = row[i] * v[i];
+    for (int j = 1; j < i; ++j) {
+      sum += row[j] * v[j];
+      product[j] += row[j] * v[i];
+    }
+    product[i] += sum;
+  }
+  for (int k = 0;; ++k) {
+    // A <- H A H = A - v w^T - w v^T in the rows from k + 1, with product = A v.
+    Real along = Real{}, inner = Real{};
+    for (int i = k + 1; i < n; ++i) {
+      along += v[i] * x[i];
+      inner += v[i] * product[i];
+    }
+    along *= factor[k];
+    inner *= 0.5 * factor[k] * factor[k];
+    for (int i = k + 1; i < n; ++i) {
+      w[i] = factor[k] * product[i] - inner * v[i];
+      x[i] -= along * v[i];
+    }
+    const int c = k + 1;
+    for (int i = c; i < n; ++i) A[packed_row(i) + c] -= v[i] * w[c] + w[i] * v[c];
+    if (c + 1 == n) break;
+    make_reflector(A, n, c, next, factor[c], e[c]);
+    for (int i = c + 1; i < n; ++i) product[i] = Real{};
+    for (int i = c + 1; i < n; ++i) {
+      Real* row = A + packed_row(i);
+      const Real vi = v[i], wi = w[i], ni = next[i];
+      Real sum = Real{};
+      for (int j = c + 1; j < i; ++j) {
+        const Real updated = row[j] = row[j] - (vi * w[j] + wi * v[j]);
+        sum += updated * next[j];
+        product[j] += updated * ni;
+      }
+      row[i] -= 2.0 * vi * wi;
+      product[i] += sum + row[i] * ni;
+    }
+    Real* const used = v;
+    v = next, next = used;
+  }
+  for (int k = 0; k < n; ++k) d[k] = A[packed_row(k) + k];
+}
+
+/// The last block of a tridiagonal matrix that has not split, per lane: rows low .. high (high 0: none is left), and
+/// the shift of its next step (Wilkinson's).
+template <class Real>
+struct ActiveBlock {
+  Real low, high, shift;
+};
+
+/// Off-diagonal entries below `small` become zero.
+template <class Real>
+KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int rows, const Real& small) {
+  const Real zero = Real{};
+  ActiveBlock<Real> block{zero, zero, zero};
+  MaskOf<Real> found = zero != zero, closed = zero != zero;
+  Real a = zero, b = zero, c = zero;  // of the last two rows: [a b; b c]
+  for (int k = rows - 2; k >= 0; --k) {
+    const MaskOf<Real> coupled = magnitude(e[k]) > small;
+    e[k] = select<Real>(coupled, e[k], zero);
+    const MaskOf<Real> starts = coupled & !found;
+    block.high = select<Real>(starts, zero + (k + 1), block.high);
+    a = select<Real>(starts, d[k], a), b = select<Real>(starts, e[k], b), c = select<Real>(starts, d[k + 1], c);
+    found = found | coupled;
+    closed = closed | (found & !coupled);
+    block.low = select<Real>(found & !closed, zero + k, block.low);
+  }
+  const Real delta = 0.5 * (a - c), root = square_root(delta * delta + b * b);
+  const Real denominator = select<Real>(delta > 0, delta + root, delta - root);
+  block.shift = c - select<Real>(found, b * b / select<Real>(found, denominator, zero + 1), zero);
+  return block;
+}
+
+/// What diagonalise() did, to be undone: sweep i turned rows ranges[2 i] .. ranges[2 i + 1], one rotation (cosine,
+/// sine) for each row and the next.
+template <class Real>
+struct RotationLog {
+  Real* ranges;
+  Real* rotations;
+  int num_sweeps = 0, num_rotations = 0;
+};
+
+/// One implicit QR step in the rows first .. last of each lane's block: d, e <- Q^T (d, e) Q, x <- Q^T x.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void qr_sweep(const ActiveBlock<Real>& block, int first, int last, Real* d, Real* e, Real* x,
+                                     Real* rotations) {
+  const Real zero = Real{}, one = Real{} + 1;
+  Real along = zero, bulge = zero;
+  for (int k = first; k < last; ++k) {
+    const Real row = zero + k;
+    const MaskOf<Real> starts = row == block.low, active = (row >= block.low) & (row < block.high);
+    const MaskOf<Real> goes_on = active & (row + 1 < block.high);
+    const Real u = select<Real>(starts, d[k] - block.shift, along), w = select<Real>(starts, e[k], bulge);
+    const Real squares = u * u + w * w;
+    const MaskOf<Real> turns = active & (squares > 1e-280);
+    const Real inverse = 1.0 / square_root(select<Real>(turns, squares, one));
+    const Real c = select<Real>(turns, u * inverse, one), s = select<Real>(turns, w * inverse, zero);
+    if (k > first) e[k - 1] = select<Real>(active & !starts, squares * inverse, e[k - 1]);
+    const Real p = d[k], q = d[k + 1], t = e[k], twist = 2.0 * c * s * t;
+    d[k] = select<Real>(turns, c * c * p + twist + s * s * q, p);
+    d[k + 1] = select<Real>(turns, s * s * p - twist + c * c * q, q);
+    along = e[k] = select<Real>(turns, c * s * (q - p) + (c * c - s * s) * t, t);
+    if (k + 1 < last) {
+      bulge = select<Real>(goes_on, s * e[k + 1], zero);
+      e[k + 1] = select<Real>(goes_on, c * e[k + 1], e[k + 1]);
+    }
+    const Real above = x[k], below = x[k + 1];
+    x[k] = c * above + s * below;
+    x[k + 1] = c * below - s * above;
+    rotations[2 * (k - first)] = c;
+    rotations[2 * (k - first) + 1] = s;
+  }
+}
+
+/// Implicit QR until all e are below `small`: d <- eigenvalues, x <- Q^T x. Lanes that did not get there: false.
+template <class Real>
+KOKKOS_INLINE_FUNCTION MaskOf<Real> diagonalise(Real* d, Real* e, int n, const Real& small, Real* x,
+                                                RotationLog<Real>& log) {
+  int rows = n;
+  for (;;) {
+    const ActiveBlock<Real> block = find_block(d, e, rows, small);
+    const MaskOf<Real> done = block.high == Real{};
+    if (!any(!done)) return done;
+    int first = n, last = 0;
+    for (int l = 0; l < LaneTraits<Real>::count; ++l) {
+      const int low = static_cast<int>(lane(block.low, l)), high = static_cast<int>(lane(block.high, l));
+      if (high == 0) continue;
+      first = low < first ? low : first;
+      last = high > last ? high : last;
+    }
+    rows = last + 1;
+    const int count = last - first;
+    if (log.num_sweeps == SpectralScratch::max_sweeps(n) ||
+        log.num_rotations + count > SpectralScratch::max_rotations(n))
+      return done;
+    qr_sweep(block, first, last, d, e, x, log.rotations + 2 * log.num_rotations);
+    log.ranges[2 * log.num_sweeps] = Real{} + first;
+    log.ranges[2 * log.num_sweeps + 1] = Real{} + last;
+    ++log.num_sweeps;
+    log.num_rotations += count;
+  }
+}
+
+/// x <- Q x.
+template <class Real>
+KOKKOS_INLINE_FUNCTION void rotate_back(const RotationLog<Real>& log, Real* x) {
+  const Real* rotation = log.rotations + 2 * log.num_rotations;
+  for (int i = log.num_sweeps - 1; i >= 0; --i) {
+    const int first = static_cast<int>(lane(log.ranges[2 * i], 0));
+    const int last = static_cast<int>(lane(log.ranges[2 * i + 1], 0));
+    for (int k = last - 1; k >= first; --k) {
+      rotation -= 2;
+      const Real c = rotation[0], s = rotation[1], above = x[k], below = x[k + 1];
+      x[k] = c * above - s * below;
+      x[k + 1] = s * above + c * below;
+    }
+  }
+}
+
+template <class Real>
+struct SpectralResult {
+  MaskOf<Real> converged;
+  Real largest;    ///< eigenvalue
+  Real truncated;  ///< number of eigenvalues that count as zero
+};
+
+/// x <- A^+ x, where eigenvalues up to relative_tolerance times the largest one count as zero (semidefinite A, of norm
+/// at most `norm`; destroyed). Tridiagonal form, implicit QR whose rotations are applied to x only and kept for the way
+/// back: 4/3 n^3 flop and some 30 n^2, no eigenvectors.
+template <class Real>
+KOKKOS_INLINE_FUNCTION SpectralResult<Real> pseudo_inverse_solve(Real* A, const Real& norm, double relative_tolerance,
+                                                                 int n, Real* x, Real* scratch) {
+  Real *d = scratch, *e = d + n, *factor = e + n, *work = factor + n, *ranges = work + 4 * n;
+  RotationLog<Real> log{ranges, ranges + 2 * SpectralScratch::max_sweeps(n)};
+  tridiagonalise(A, n, d, e, factor, work, x);
+  SpectralResult<Real> result;
+  result.converged = diagonalise<Real>(d, e, n, 1e-16 * norm, x, log);
+  result.largest = result.truncated = Real{};
+  for (int k = 0; k < n; ++k) result.largest = larger<Real>(result.largest, d[k]);
+  const Real threshold = relative_tolerance * result.largest;
+  for (int k = 0; k < n; ++k) {
+    const MaskOf<Real> kept = d[k] > threshold;
+    x[k] = select<Real>(kept, x[k] / select<Real>(kept, d[k], Real{} + 1), Real{});
+    result.truncated += select<Real>(kept, Real{}, Real{} + 1);
+  }
+  rotate_back(log, x);
+  for (int k = n - 2; k >= 0; --k) {
+    Real along = Real{};
+    for (int i = k + 1; i < n; ++i) along += A[packed_row(i) + k] * x[i];
+    along *= factor[k];
+    for (int i = k + 1; i < n; ++i) x[i] -= along * A[packed_row(i) + k];
+  }
+  return result;
+}
+
+}  // namespace cgcontact

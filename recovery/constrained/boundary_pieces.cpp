@@ -1,0 +1,232 @@
+#include "recovery/constrained/boundary_pieces.hpp"
+
+#include <algorithm>
+
+#include "core/geometry/solid_middle.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Voigt index of component (i, j).
+constexpr int voigt_index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
+/// Pieces smaller than this (standard deviation, cell units) get one constraint point along that direction: a
+/// stretch of 0.1 cells, below which three points differ by less than the fit can tell (prototype, section 4).
+constexpr double min_spread = 0.1 / 3.4641016151377544;
+
+/// On a flat contact face the points are spread at least this much, so that an open face is free of traction on its
+/// whole plane however small the piece in the patch is.
+constexpr double min_contact_spread = 0.1;
+
+/// Which way a tangent points from the middle of the body: in a scaled space, since those of a ball are at right angles
+/// to the way there. Less than this (cells): neither.
+const Vec3 uneven(1, 2, 3);
+constexpr double same_place = 1e-6;
+
+/// Pieces of a patch that stay as they are, whatever their number; with more, those below a share of the patch's area
+/// are joined where their normals are near to each other.
+constexpr std::size_t most_pieces = 12;
+constexpr double own_share = 1.0 / 8;
+/// Cosine of 60 degrees: at most 12 directions are that far apart.
+constexpr double joined_cosine = 0.5;
+
+Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_distance(x) * surface.gradient(x); }
+
+}  // namespace
+
+std::pair<Vec3, Vec3> tangents(const Vec3& n) {
+  // A fixed choice with one threshold: rounding of n does not turn the frame.
+  const Vec3 t1 = n.cross(std::abs(n[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
+  return {t1, n.cross(t1)};
+}
+
+Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e) {
+  const double p[num_terms] = {1, d[0], d[1], d[2]};
+  Row24 row = Row24::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int t = 0; t < num_terms; ++t) row[voigt_index[i][j] * num_terms + t] += e[i] * n[j] * p[t];
+  return row;
+}
+
+Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows() {
+  Eigen::Matrix<double, 3, 6 * num_terms> rows = decltype(rows)::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) rows(i, voigt_index[i][j] * num_terms + 1 + j) = 1;
+  return rows;
+}
+
+BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary)
+    : cut_cells_(cut_cells), middle_(middle_of(cut_cells.solid)) {
+  const std::vector<int>& cell = cut_cells.boundary.cell;  // ascending
+  begin_.reserve(cut_cells.active_of_cut.size() + 1);
+  begin_.push_back(0);
+  std::size_t begin = 0;
+  for (int active : cut_cells.active_of_cut) {
+    std::size_t end = begin;
+    while (end < cell.size() && cell[end] == active) ++end;
+    add_cell(boundary, begin, end);
+    begin_.push_back(static_cast<int>(pieces_.size()));
+    begin = end;
+  }
+}
+
+/// Appends the pieces of the points begin .. end, those of one cell.
+void BoundaryPieces::add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end) {
+  const BoundaryPoints& points = cut_cells_.boundary;
+  const std::size_t first = pieces_.size();
+  std::size_t latest = first;  // points of a piece mostly come one after the other
+  const auto piece_of = [&](std::size_t p) -> Piece& {
+    const std::array<int, 3> kind{points.surface[p], boundary.condition_of_point[p], boundary.pair_of_point[p]};
+    if (latest < pieces_.size() && pieces_[latest].kind() == std::tie(kind[0], kind[1], kind[2]))
+      return pieces_[latest];
+    for (std::size_t i = first; i < pieces_.size(); ++i)
+      if (pieces_[i].kind() == std::tie(kind[0], kind[1], kind[2])) return pieces_[latest = i];
+    latest = pieces_.size();
+    pieces_.push_back({kind[0], kind[1], kind[2]});
+    return pieces_.back();
+  };
+  for (std::size_t p = begin; p < end; ++p) {
+    Piece& piece = piece_of(p);
+    piece.area += points.weight[p];
+    piece.centroid += points.weight[p] * points.position[p];
+    piece.normal += points.weight[p] * points.normal[p];
+  }
+  for (std::size_t i = first; i < pieces_.size(); ++i) pieces_[i].centroid /= pieces_[i].area;
+  for (std::size_t p = begin; p < end; ++p) {
+    Piece& piece = piece_of(p);
+    const Vec3 d = points.position[p] - piece.centroid;
+    piece.second += points.weight[p] * d * d.transpose();
+  }
+}
+
+void BoundaryPieces::join(Piece& whole, const Piece& part) {
+  const double area = whole.area + part.area;
+  const Vec3 d = part.centroid - whole.centroid;
+  whole.second += part.second + (whole.area * part.area / area) * d * d.transpose();
+  whole.centroid += part.area / area * d;
+  whole.normal += part.normal;
+  whole.area = area;
+}
+
+/// Points on the surface with the same area moments up to degree 2 as the group, for a linear traction three on a
+/// circle, c + sqrt(2) F (cos t, sin t) with F F^T the covariance in the tangent plane, for a quadratic one the centre
+/// and five on a circle of sqrt(12/5) (no conic passes through all six). F is the Cholesky factor in a fixed frame,
+/// which depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points
+/// on a line. The tangents point from the middle of the body to the patch: its mirror image has the mirror image of the
+/// points.
+void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surface& surface, int degree,
+                                  ConstraintGroup& group) const {
+  auto [t1, t2] = tangents(g.normal.normalized());
+  for (Vec3* t : {&t1, &t2})
+    if (t->dot(uneven.cwiseProduct(patch - middle_)) < -same_place) *t = -*t;
+  Eigen::Matrix2d covariance;
+  covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
+  covariance /= g.area;
+  if (group.pair >= 0 && surface.kind == Surface::Kind::plane)
+    covariance += min_contact_spread * min_contact_spread * Eigen::Matrix2d::Identity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
+  const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
+  Eigen::Vector2d offsets[6];
+  int count = 0;
+  if (degree == 0 || spread[1] < min_spread) {
+    offsets[count++].setZero();
+  } else if (spread[0] < min_spread) {
+    const Eigen::Vector2d along = spread[1] * eigen.eigenvectors().col(1);
+    const double reach = degree == 1 ? 1 : std::sqrt(1.5);
+    offsets[count++] = -reach * along;
+    offsets[count++] = reach * along;
+    if (degree == 2) offsets[count++].setZero();
+  } else {
+    const Eigen::Matrix2d factor = covariance.llt().matrixL();
+    const int on_circle = degree == 1 ? 3 : 5;
+    const double radius = std::sqrt(degree == 1 ? 2.0 : 2.4);
+    for (int i = 0; i < on_circle; ++i) {
+      const double t = M_PI / 2 + i * 2 * M_PI / on_circle;
+      offsets[count++] = radius * factor * Eigen::Vector2d(std::cos(t), std::sin(t));
+    }
+    if (degree == 2) offsets[count++].setZero();
+  }
+  for (int i = 0; i < count; ++i) {
+    const Vec3 near = g.centroid + offsets[i][0] * t1 + offsets[i][1] * t2;
+    if (g.is_rough) {
+      group.position[i] = near;
+      group.normal[i] = g.normal.normalized();
+      continue;
+    }
+    const Vec3 x = surface.kind == Surface::Kind::patch ? project(surface.near(near), near) : project(surface, near);
+    Vec3 n = surface.gradient(x);
+    if (n.dot(g.normal) < 0) n = -n;
+    group.position[i] = x;
+    group.normal[i] = n;
+  }
+  group.num_points = count;
+}
+
+/// A rough surface (a scan, a knurl) has more small faces in a patch than the patch has unknowns: they act like their
+/// mean planes, over which the force is that of all of them.
+void BoundaryPieces::join_small(std::vector<Piece>& wholes) {
+  if (wholes.size() <= most_pieces) return;
+  double area = 0;
+  for (const Piece& piece : wholes) area += piece.area;
+  std::stable_sort(wholes.begin(), wholes.end(), [](const Piece& a, const Piece& b) { return a.area > b.area; });
+  struct Joined {
+    Piece piece;
+    Vec3 direction;  ///< of its largest part
+  };
+  std::vector<Joined> joined;
+  std::vector<Piece> kept;
+  for (const Piece& part : wholes) {
+    if (part.area >= own_share * area) {
+      kept.push_back(part);
+      continue;
+    }
+    const Vec3 direction = part.normal.normalized();
+    const auto like = std::find_if(joined.begin(), joined.end(), [&](const Joined& j) {
+      return j.piece.condition == part.condition && j.piece.pair == part.pair &&
+             j.direction.dot(direction) > joined_cosine;
+    });
+    if (like == joined.end()) {
+      joined.push_back({part, direction});
+    } else {
+      join(like->piece, part);
+      like->piece.is_rough = true;
+    }
+  }
+  for (const Joined& j : joined) kept.push_back(j.piece);
+  wholes.swap(kept);
+}
+
+void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const {
+  static thread_local std::vector<Piece> wholes;
+  wholes.clear();
+  for (int c = 0; c < num_cells; ++c) {
+    const int cut = cut_cells_.cut_of_active[cells[c]];
+    if (cut < 0) continue;
+    for (int i = begin_[cut]; i < begin_[cut + 1]; ++i) {
+      const Piece& part = pieces_[i];
+      if (!(part.area > 0)) continue;
+      const auto whole = std::lower_bound(wholes.begin(), wholes.end(), part,
+                                          [](const Piece& a, const Piece& b) { return a.kind() < b.kind(); });
+      if (whole != wholes.end() && whole->kind() == part.kind())
+        join(*whole, part);
+      else
+        wholes.insert(whole, part);
+    }
+  }
+  join_small(wholes);
+  Vec3 middle_of_patch = Vec3::Zero();  // not of the pieces: declared faces cut these
+  for (int c = 0; c < num_cells; ++c) {
+    const Index3& cell = cut_cells_.cells[cells[c]];
+    middle_of_patch += Vec3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5) / num_cells;
+  }
+  groups.assign(wholes.size(), {});
+  for (std::size_t i = 0; i < wholes.size(); ++i) {
+    std::tie(groups[i].surface, groups[i].condition, groups[i].pair) = wholes[i].kind();
+    groups[i].area = wholes[i].area;
+    place_points(wholes[i], middle_of_patch, cut_cells_.solid.surfaces()[wholes[i].surface],
+                 wholes[i].is_rough ? std::min(degree, 1) : degree, groups[i]);
+  }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,74 @@
+/// The constraint rows C a = Lambda of one patch (paper, equations 4, 5 and 12).
+/// Unknowns: 6 components x 4 terms of the node's polynomial in grid axes, then, for contact patches, those of the
+/// auxiliary patch of the other body in its own grid axes. Stresses in units of Scales::stress.
+#pragma once
+
+#include <tuple>
+
+#include "core/cells/grid.hpp"
+#include "recovery/patch/boundary_data.hpp"
+#include "recovery/patch/patches.hpp"
+
+namespace cgcontact {
+
+using Row24 = Eigen::Matrix<double, 1, 6 * num_terms>;
+
+/// Two unit vectors that complete the unit vector n to a right-handed orthonormal frame (n, t1, t2).
+std::pair<Vec3, Vec3> tangents(const Vec3& n);
+
+/// Traction R(n) P(d): row of the component along e of sigma n, at offset d from the polynomial's centre.
+Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e);
+
+/// Divergence rows (equation 4): row i is (div sigma)_i per cell unit; constant for linear polynomials.
+Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows();
+
+/// Boundary points of one surface and one kind in a patch, condensed to a few constraint points that carry the same
+/// first and second moments as the group's area: at most three, which determine linear tractions on a plane, for degree
+/// 1; at most six, which determine quadratic ones, for degree 2.
+struct ConstraintGroup {
+  int surface = -1;
+  int condition = -1;
+  int pair = -1;    ///< contact pair, -1 for a group with known traction
+  double area = 0;  ///< cell units squared
+  int num_points = 0;
+  std::array<Vec3, 6> position;  ///< constraint points on the surface, grid coordinates
+  std::array<Vec3, 6> normal;    ///< outward
+};
+
+/// The boundary points of one body by cell, surface and kind, condensed to their moments once for all patches.
+class BoundaryPieces {
+ public:
+  BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
+
+  /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair; points for polynomials
+  /// of the given degree (0: one point each). Of more than 12 pieces those with less than an eighth of the area are
+  /// joined by direction (60 degrees) into mean planes, whose `surface` is that of the largest piece.
+  void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const;
+  std::vector<ConstraintGroup> groups(const int* cells, int num_cells, int degree = 1) const {
+    std::vector<ConstraintGroup> found;
+    groups(cells, num_cells, degree, found);
+    return found;
+  }
+
+ private:
+  struct Piece {
+    int surface, condition, pair;
+    double area = 0;
+    Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();  ///< normal: integral over the piece
+    Mat3 second = Mat3::Zero();                           ///< about the centroid
+    bool is_rough = false;                                ///< joined from pieces of several surfaces
+    auto kind() const { return std::tie(surface, condition, pair); }
+  };
+  void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end);
+  static void join_small(std::vector<Piece>& wholes);
+  static void join(Piece& whole, const Piece& part);
+  void place_points(const Piece& whole, const Vec3& patch, const Surface& surface, int degree,
+                    ConstraintGroup& group) const;
+
+  const CutCells& cut_cells_;
+  const Vec3 middle_;       ///< of the body, grid coordinates
+  std::vector<int> begin_;  ///< cut cell -> first piece, and the end
+  std::vector<Piece> pieces_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,435 @@
+#include "recovery/constrained/force_balance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/parallel.hpp"
+#include "kernels/mesh/mesh.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Boundary points per chunk of the parallel loops.
+constexpr std::size_t grain = 128;
+
+/// What the force of a node that has half a cell's face of the coarser body or more may be off, part of the pressure
+/// around: the forces of single groups scatter by that much. With less, by the root of the area more.
+constexpr double node_scatter = 0.05, half_cell = 0.5;
+/// Width (standard deviation, cells of the coarser body) of the mean, what it may be off without any change, and from
+/// where on all of it is changed. Smooth contacts are within (docs/recovery.md).
+constexpr double mean_width = 1, mean_exact = 0.03, mean_wrong = 0.06;
+/// The total may be farther off than that of the plain recovery by that part of the force.
+constexpr double total_exact = 0.003;
+/// A smoothing pass (below) has this variance, cells squared.
+constexpr double pass_variance = 1. / 3;
+/// Forces of patches that carry no pressure go to others within so many cells.
+constexpr int steps_aside = 2;
+/// The same of the mean that the edges of a zone are judged by: within a cell and a half of an edge the solution's own
+/// zone of whole groups is another one.
+constexpr double misfit_width = 1.5;
+/// A contact point lies on the side of a boundary point if the cosine between the normals is more.
+constexpr double same_face = 0.5;
+/// Of the magnitudes of a pair's forces: what their sum has to be, to have a direction.
+constexpr double least_resultant = 0.5;
+/// Singular values of the normals around a node up to this times the largest one are dropped.
+constexpr double normal_tolerance = 0.1;
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+
+/// Weights of xx, yy, zz, xy, yz, zx in n . sigma n.
+Vec6 normal_weights(const Vec3& n) {
+  Vec6 w;
+  for (int i = 0; i < 3; ++i) {
+    w[i] = n[i] * n[i];
+    w[3 + i] = 2 * n[i] * n[(i + 1) % 3];
+  }
+  return w;
+}
+
+/// Whether a support acts on a boundary point along the normal: the pressure there is its reaction as well.
+bool is_held(const RecoveryBody& body, std::size_t point) {
+  constexpr double across = 1e-3;  // cosine
+  const TractionCondition& condition = body.boundary->conditions[body.boundary->condition_of_point[point]];
+  const CutCells& cc = *body.mesh->cut_cells;
+  const Vec3 n = cc.grid.rotation * cc.boundary.normal[point];
+  bool held = condition.normal_held;
+  for (int i = 0; i < 3; ++i) held = held || (condition.component_held[i] && std::abs(n[i]) > across);
+  return held;
+}
+
+/// Sum of the forces of a pair on a body, Pa m^2, outwards; grid axes. Zero if they mostly cancel (a pin in a hole).
+Vec3 resultant_of_pair(const RecoveryBody& body, int pair) {
+  Vec3 sum = Vec3::Zero();
+  double magnitudes = 0;
+  for (const ContactLink& link : body.boundary->links) {
+    if (link.pair != pair || !link.active) continue;
+    sum += link.weight * link.pressure * link.normal;
+    magnitudes += link.weight * std::abs(link.pressure);
+  }
+  return sum.norm() > least_resultant * magnitudes ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
+}
+
+/// How much of the area of a boundary point counts. Forces act along the normal of the body with the larger cells; on
+/// faces that are inclined to each other (the flank of a wedge) the pressure is to have the same part along
+/// `resultant`.
+double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant) {
+  const BoundaryPoints& points = body.mesh->cut_cells->boundary;
+  const int pair = body.boundary->pair_of_point[point];
+  Vec3 direction = Vec3::Zero();
+  for (const int l : body.boundary->links_of_cell[points.cell[point]]) {
+    const ContactLink& link = body.boundary->links[l];
+    if (link.pair == pair && link.normal.dot(points.normal[point]) > same_face) direction += link.weight * link.normal;
+  }
+  const double along = direction.normalized().dot(resultant), own = points.normal[point].dot(resultant);
+  return std::min(along, own) > same_face ? own / along : 1.0;
+}
+
+/// Cell coordinates of a place (grid coordinates).
+Vec3 coordinates_in_cell(const CutCells& cc, int cell, const Vec3& x) {
+  const Index3& at = cc.cells[cell];
+  return 2 * (x - Vec3(at[0], at[1], at[2])) - Vec3::Ones();
+}
+
+/// The pieces of the face of one pair by cell: products of the shape functions of the cell's nodes.
+class PairFace {
+ public:
+  PairFace(const BodyMesh& mesh, double area_unit) : mesh_(mesh), area_unit_(area_unit) {}
+
+  int add_node(int node) {
+    const auto [found, is_new] = number_.try_emplace(node, static_cast<int>(nodes.size()));
+    if (is_new) nodes.push_back(node);
+    return found->second;
+  }
+
+  /// Numbers and shape functions of the nodes of a cell at a place (grid coordinates).
+  void shapes(int cell, const Vec3& x, int number[8], double N[8]) {
+    const Vec3 xi = coordinates_in_cell(*mesh_.cut_cells, cell, x);
+    hex_shape(xi.data(), N);
+    if (cell != latest_cell_) {
+      latest_cell_ = cell;
+      for (int a = 0; a < 8; ++a) latest_[a] = add_node(mesh_.cell_nodes[cell][a] - mesh_.first_node);
+    }
+    std::copy_n(latest_, 8, number);
+  }
+
+  /// Points come cell by cell.
+  void add_point(int cell, const Vec3& x, double weight, double pressure, double plain) {
+    int number[8];
+    double N[8];
+    shapes(cell, x, number, N);
+    if (cells_.empty() || cells_.back().cell != cell) {
+      cells_.push_back({});
+      cells_.back().cell = cell;
+      std::copy_n(number, 8, cells_.back().node);
+    }
+    resize();
+    weight *= area_unit_;
+    for (int a = 0; a < 8; ++a) {
+      area[number[a]] += weight * N[a];
+      carried[number[a]] += weight * N[a] * pressure;
+      carried_plain[number[a]] += weight * N[a] * plain;
+      for (int b = 0; b < 8; ++b) cells_.back().mass[a][b] += weight * N[a] * N[b];
+    }
+  }
+
+  void add_contact(int cell, const Vec3& x, double weight, double pressure) {
+    int number[8];
+    double N[8];
+    shapes(cell, x, number, N);
+    resize();
+    for (int a = 0; a < 8; ++a) {
+      covered[number[a]] += N[a] * weight;
+      transmitted[number[a]] += N[a] * weight * pressure;
+    }
+  }
+
+  /// Contact points end where the other body does, boundary points within whole cells: a few of these may stand for a
+  /// larger piece, and are not made to carry its force alone.
+  double pressure_of(double force, int n) const {
+    const double whole = std::max(area[n], covered[n]);
+    return whole > 0 ? force / whole : 0.0;
+  }
+
+  /// Spreads forces over the nodes of the cells around, as often as given, among the nodes marked: their sum stays.
+  void smooth(const std::vector<char>& marked, int passes, std::vector<double>& force) const {
+    std::vector<double> sum(nodes.size(), 0.0), next;
+    each_product(marked, [&](int, int n, double mass) { sum[n] += mass; });
+    for (int pass = 0; pass < passes; ++pass) {
+      next.assign(nodes.size(), 0.0);
+      each_product(marked, [&](int m, int n, double mass) {
+        if (sum[n] > 0) next[m] += mass / sum[n] * force[n];
+      });
+      force.swap(next);
+    }
+  }
+
+  /// What a pressure (nodal values) adds to the forces that are carried.
+  void carry(const std::vector<double>& pressure) {
+    const std::vector<char> all(nodes.size(), 1);
+    each_product(all, [&](int m, int n, double mass) { carried[m] += mass * pressure[n]; });
+  }
+
+  /// Moves the forces of unmarked nodes to the nodes of the cells around, step by step; what blocked nodes get, and
+  /// what has not reached a marked one then, is lost.
+  void step_aside(const std::vector<char>& marked, const std::vector<char>& blocked, std::vector<double>& force) const {
+    const std::vector<char> all(nodes.size(), 1);
+    std::vector<double> moving(nodes.size(), 0.0), next;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      if (marked[n]) continue;
+      if (!blocked[n]) moving[n] = force[n];
+      force[n] = 0;
+    }
+    std::vector<double> sum(nodes.size(), 0.0), to_marked(nodes.size(), 0.0);
+    each_product(all, [&](int m, int n, double mass) {
+      sum[n] += mass;
+      if (marked[m]) to_marked[n] += mass;
+    });
+    for (int step = 0; step < steps_aside; ++step) {
+      next.assign(nodes.size(), 0.0);
+      each_product(all, [&](int m, int n, double mass) {
+        if (moving[n] == 0 || (to_marked[n] > 0 && !marked[m])) return;
+        const double part = mass / (to_marked[n] > 0 ? to_marked[n] : sum[n]) * moving[n];
+        if (marked[m])
+          force[m] += part;
+        else if (!blocked[m])
+          next[m] += part;
+      });
+      moving.swap(next);
+    }
+  }
+
+  void resize() {
+    for (auto* values : {&area, &covered, &carried, &carried_plain, &transmitted}) values->resize(nodes.size(), 0.0);
+  }
+  bool empty() const { return cells_.empty(); }
+
+  std::vector<int> nodes;                                   ///< of the body
+  std::vector<double> area, covered;                        ///< m^2, of the boundary points and of the contact points
+  std::vector<double> carried, carried_plain, transmitted;  ///< Scales::stress m^2
+
+ private:
+  struct CellFace {
+    int cell = -1;
+    int node[8];
+    double mass[8][8] = {};
+  };
+
+  /// use(m, n, integral of N_m N_n over a cell) for all marked m, n.
+  template <class Use>
+  void each_product(const std::vector<char>& marked, const Use& use) const {
+    for (const CellFace& c : cells_)
+      for (int b = 0; b < 8; ++b) {
+        if (!marked[c.node[b]]) continue;
+        for (int a = 0; a < 8; ++a)
+          if (marked[c.node[a]]) use(c.node[a], c.node[b], c.mass[a][b]);
+      }
+  }
+
+  const BodyMesh& mesh_;
+  double area_unit_;
+  std::map<int, int> number_;
+  int latest_cell_ = -1, latest_[8];  ///< points mostly come cell by cell
+  std::vector<CellFace> cells_;
+};
+
+/// The pressure, at the nodes, that is to be added.
+std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term,
+                                     double area_of_cell, int passes) {
+  const std::size_t size = face.nodes.size();
+  std::vector<double> added(size, 0.0), step(size, 0.0);
+  const auto defect = [&] {
+    std::vector<double> force(size);
+    for (std::size_t n = 0; n < size; ++n) force[n] = face.transmitted[n] - face.carried[n];
+    face.step_aside(pressed, term, force);
+    return force;
+  };
+  const auto add = [&](const std::vector<double>& pressure) {
+    for (std::size_t n = 0; n < size; ++n) added[n] += pressure[n];
+    face.carry(pressure);
+  };
+  // The pressure around.
+  const std::vector<char> all(size, 1);
+  std::vector<double> level = face.transmitted;
+  face.smooth(all, passes, level);
+  for (std::size_t n = 0; n < size; ++n) level[n] = std::abs(face.pressure_of(level[n], static_cast<int>(n)));
+
+  std::vector<double> force = defect();
+  for (std::size_t n = 0; n < size; ++n) {
+    const double share = std::max(face.area[n], face.covered[n]) / area_of_cell;
+    if (!pressed[n] || !(share > 0)) continue;
+    const double pressure = face.pressure_of(force[n], static_cast<int>(n));
+    const double scatter = node_scatter * std::max(1.0, std::sqrt(half_cell / share)) * level[n];
+    step[n] = std::copysign(std::max(std::abs(pressure) - scatter, 0.0), pressure);
+  }
+  add(step);
+  force = defect();
+  face.smooth(pressed, passes, force);
+  for (std::size_t n = 0; n < size; ++n) {
+    const double pressure = pressed[n] ? face.pressure_of(force[n], static_cast<int>(n)) : 0.0;
+    const double part =
+        std::clamp((std::abs(pressure) - mean_exact * level[n]) / ((mean_wrong - mean_exact) * level[n]), 0.0, 1.0);
+    step[n] = pressure == 0 ? 0.0 : part * pressure;
+  }
+  add(step);
+  // In total no farther than the plain recovery.
+  double transmitted = 0, carried = 0, plain = 0, carrying = 0;
+  for (std::size_t n = 0; n < size; ++n) {
+    transmitted += face.transmitted[n];
+    carried += face.carried[n];
+    plain += face.carried_plain[n];
+    if (pressed[n]) carrying += face.area[n] * level[n];
+  }
+  const double off = transmitted - carried;
+  if (std::abs(off) > std::abs(transmitted - plain) + total_exact * std::abs(transmitted) && carrying > 0) {
+    const double part = std::clamp(off / carrying, -mean_wrong, mean_wrong);
+    for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? part * level[n] : 0.0;
+    add(step);
+  }
+  return added;
+}
+
+/// The stresses of the smallest norm whose pressure is 1 on all faces around the nodes (-n n on one plane face).
+std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, const std::vector<int>& points,
+                                    const std::vector<double>& added) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<Eigen::Matrix<double, 6, 6>> products(face.nodes.size(), Eigen::Matrix<double, 6, 6>::Zero());
+  std::vector<Vec6> stress(face.nodes.size(), Vec6::Zero());
+  for (const int p : points) {
+    int number[8];
+    double N[8];
+    face.shapes(cc.boundary.cell[p], cc.boundary.position[p], number, N);
+    Vec6 scaled = normal_weights(cc.boundary.normal[p]);
+    scaled.tail<3>() /= std::sqrt(2.0);  // the norm of a stress counts its shear components twice
+    for (int a = 0; a < 8; ++a) {
+      if (added[number[a]] == 0) continue;
+      const double weight = std::abs(N[a]) * cc.boundary.weight[p];
+      products[number[a]] += weight * scaled * scaled.transpose();
+      stress[number[a]] -= weight * scaled;
+    }
+  }
+  parallel_for("cgcontact::force_balance::constant_stress", stress.size(), grain, [&](std::size_t n) {
+    if (added[n] == 0) return;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(products[n]);
+    const double least = normal_tolerance * normal_tolerance * eigen.eigenvalues()[5];
+    Vec6 solution = Vec6::Zero();
+    for (int i = 0; i < 6; ++i) {
+      if (!(eigen.eigenvalues()[i] > least)) continue;
+      const Vec6 e = eigen.eigenvectors().col(i);
+      solution += e.dot(stress[n]) / eigen.eigenvalues()[i] * e;
+    }
+    solution.tail<3>() /= std::sqrt(2.0);
+    stress[n] = solution;
+  });
+  return stress;
+}
+
+/// One pair of a body that carries force.
+struct PressedPair {
+  int number = 0;
+  double coarser = 1;              ///< cells of the coarser body of the pair over the body's own
+  const std::vector<int>& points;  ///< boundary points of the body
+};
+
+int passes_of_mean(double width) { return static_cast<int>(std::lround(width * width / pass_variance + 1e-6)); }
+
+/// use(face, pair) for all pairs of a body that carry force.
+template <class Use>
+void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
+                       const std::vector<double>& plain, const Scales& scales, const PatchStates& states,
+                       const Use& use) {
+  const RecoveryBody& body = bodies[index];
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::map<int, std::vector<int>> points;  // of the pairs
+  std::map<int, int> other;
+  for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
+    const int pair = body.boundary->pair_of_point[p];
+    if (pair < 0 || is_held(body, p)) continue;
+    const int cell = cc.boundary.cell[p], surface = cc.boundary.surface[p];
+    const bool on_open_side =
+        states.presses(*body.mesh, cell, pair, -1) && !states.presses(*body.mesh, cell, pair, surface);
+    if (!on_open_side) points[pair].push_back(static_cast<int>(p));
+  }
+  for (const ContactLink& link : body.boundary->links)
+    if (link.pressure != 0) other[link.pair] = link.other_body;
+  if (other.empty()) return;
+  const std::vector<double> pressures = contact_pressures(body, field);
+  for (const auto& [pair, other_body] : other) {
+    PairFace face(*body.mesh, cc.grid.cell_size * cc.grid.cell_size);
+    const Vec3 resultant = resultant_of_pair(body, pair);
+    for (const int p : points[pair]) {
+      const int cell = cc.boundary.cell[p];
+      const double pressure = states.presses(*body.mesh, cell, pair, -1) ? pressures[p] : 0.0;
+      face.add_point(cell, cc.boundary.position[p], cc.boundary.weight[p] * facing(body, p, resultant), pressure,
+                     plain.empty() ? 0.0 : plain[p]);
+    }
+    if (face.empty()) continue;
+    for (const ContactLink& link : body.boundary->links)
+      if (link.pair == pair && link.spread_pressure != 0)
+        face.add_contact(link.cell, link.position, link.weight, link.active ? link.pressure / scales.stress : 0.0);
+    const double coarser = std::max(1.0, bodies[other_body].mesh->cut_cells->grid.cell_size / cc.grid.cell_size);
+    use(face, PressedPair{pair, coarser, points[pair]});
+  }
+}
+
+}  // namespace
+
+std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredField& field) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<double> pressures(cc.boundary.size(), 0.0);
+  parallel_for("cgcontact::force_balance::pressures", pressures.size(), grain, [&](std::size_t p) {
+    if (body.boundary->pair_of_point[p] < 0) return;
+    const int cell = cc.boundary.cell[p];
+    const Vec3 xi = coordinates_in_cell(cc, cell, cc.boundary.position[p]);
+    double s[6];
+    evaluate_recovered(*body.mesh, field, cell, xi.data(), s);
+    pressures[p] = -normal_weights(cc.boundary.normal[p]).dot(Eigen::Map<const Vec6>(s));
+  });
+  return pressures;
+}
+
+void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
+                    const std::vector<double>& plain, const Scales& scales, PatchStates& states) {
+  const RecoveryBody& body = bodies[index];
+  const double h = body.mesh->cut_cells->grid.cell_size;
+  each_pressed_face(bodies, index, field, plain, scales, states, [&](PairFace& face, const PressedPair& pair) {
+    std::vector<char> pressed(face.nodes.size()), term(face.nodes.size());
+    for (std::size_t n = 0; n < face.nodes.size(); ++n) {
+      term[n] = field.edge && field.edge->of_node(face.nodes[n]);
+      pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair.number);
+    }
+    const std::vector<double> added =
+        missing_pressure(face, pressed, term, std::pow(pair.coarser * h, 2), passes_of_mean(mean_width * pair.coarser));
+    const std::vector<Vec6> stress = pressing_stresses(body, face, pair.points, added);
+    for (std::size_t n = 0; n < added.size(); ++n) {
+      if (added[n] == 0) continue;
+      double* a = &field.values(face.nodes[n], 0, 0);
+      for (int k = 0; k < 6; ++k) a[num_terms * k] += added[n] * stress[n][k];
+      PatchStatus& status = states.status[face.nodes[n]];
+      status = std::max(status, PatchStatus::balanced);
+    }
+  });
+}
+
+std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                                 const RecoveredField& field, const Scales& scales, const PatchStates& states,
+                                 const FoundEdges& edges) {
+  const BodyMesh& mesh = *bodies[index].mesh;
+  std::vector<double> missed(edges.num_zones(), 0.0), force(edges.num_zones(), 0.0);
+  each_pressed_face(bodies, index, field, {}, scales, states, [&](const PairFace& face, const PressedPair& pair) {
+    std::vector<double> defect(face.nodes.size());
+    for (std::size_t n = 0; n < defect.size(); ++n) defect[n] = face.transmitted[n] - face.carried[n];
+    face.smooth(std::vector<char>(defect.size(), 1), passes_of_mean(misfit_width * pair.coarser), defect);
+    for (std::size_t n = 0; n < defect.size(); ++n) {
+      const Index3& node = mesh.nodes[face.nodes[n]];
+      const int zone = edges.zone(pair.number, mesh.cut_cells->grid.to_global(Vec3(node[0], node[1], node[2])));
+      if (zone < 0) continue;
+      missed[zone] += std::abs(defect[n]);
+      force[zone] += std::abs(face.transmitted[n]);
+    }
+  });
+  for (std::size_t z = 0; z < missed.size(); ++z) missed[z] = force[z] > 0 ? missed[z] / force[z] : 0.0;
+  return missed;
+}
+
+}  // namespace cgcontact

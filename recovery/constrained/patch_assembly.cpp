@@ -1,0 +1,410 @@
+#include "recovery/constrained/patch_assembly.hpp"
+
+#include <algorithm>
+
+#include "recovery/zone_edge/edge_moments.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// A patch counts as closed when at least this part of its contact area is (one of four equal cells: whatever the
+/// rounding). Measured on the paper's scene, geometric
+/// mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159 .080 .038, a quarter .149
+/// .067 .035, half .216 .097 .041.
+constexpr double closed_fraction = 0.25;
+
+/// Closed patches whose contact face begins closer than this to the edge (own cells) carry its term as well.
+constexpr double edge_reach = 2;
+
+/// The edge is about half a cell (the coarser one) off the border of the closed points; if by more than this it is not
+/// that of the patch.
+constexpr double contradiction = 0.75;
+
+/// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
+constexpr double same_face = 0.5;
+
+/// Contact points are equally far from a place if they are so up to this (cell units squared): of those the one with
+/// the smallest gap counts, whatever the rounding and their order.
+constexpr double same_distance = 1e-9;
+
+/// Unit directions orthogonal to all held ones: those in which the traction at a point with normal n is known.
+/// Returns their number.
+int known_directions(const TractionCondition& condition, const Vec3& n, const Mat3& rotation, Vec3 directions[3]) {
+  Vec3 basis[3];
+  int count = 0;
+  const auto extend = [&](Vec3 v) {
+    for (int i = 0; i < count; ++i) v -= basis[i].dot(v) * basis[i];
+    if (count < 3 && v.norm() >= 0.1) basis[count++] = v.normalized();
+  };
+  if (condition.normal_held) extend(n);
+  for (int i = 0; i < 3; ++i)
+    if (condition.component_held[i]) extend(rotation.row(i).transpose());
+  const int num_held = count;
+  const auto [t1, t2] = tangents(n);
+  for (const Vec3& v : {n, t1, t2}) extend(v);
+  for (int i = num_held; i < count; ++i) directions[i - num_held] = basis[i];
+  return count - num_held;
+}
+
+/// The component along e of the traction on the normal n, in one of the bodies of a row.
+void set_traction(PatchRow& row, int body, const Vec3& place, const Vec3& n, const Vec3& e, double sign = 1) {
+  constexpr int first[6] = {0, 1, 2, 0, 1, 2}, second[6] = {0, 1, 2, 1, 2, 0};
+  for (int k = 0; k < 6; ++k) {
+    const int i = first[k], j = second[k];
+    row.weight[body][k] = sign * (k < 3 ? e[i] * n[i] : e[i] * n[j] + e[j] * n[i]);
+  }
+  for (int i = 0; i < 3; ++i) row.place[body][i] = place[i];
+}
+
+PatchRow traction_row_at(int body, const Vec3& place, const Vec3& n, const Vec3& e, double value) {
+  PatchRow row;
+  set_traction(row, body, place, n, e);
+  row.value = value;
+  return row;
+}
+
+const PairState* find_state(const std::vector<PairState>& states, int pair) {
+  for (const PairState& state : states)
+    if (state.pair == pair) return &state;
+  return nullptr;
+}
+
+bool is_on_face_of(const ContactEdge& edge, const ConstraintGroup& group) {
+  return std::abs(edge.closed.cross(edge.along).dot(group.normal[0])) >= same_face;
+}
+
+/// The row holds for the whole stress: what the term of the edge contributes goes to the right-hand side.
+void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit& own, PatchRow& row) {
+  double s[6];
+  edge.stress(own.centre + Vec3(row.place[0]), s);
+  for (int k = 0; k < 6; ++k) row.value -= factor * row.weight[0][k] * s[k];
+}
+
+}  // namespace
+
+bool PairState::is_closed() const { return closed_area > 0 && closed_area > closed_fraction * area * (1 - 1e-9); }
+
+PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
+                             const std::vector<std::vector<PatchPolynomial>>& polynomials, int index,
+                             const Scales& scales, const RecoveryOptions& options)
+    : bodies_(bodies),
+      integrals_(integrals),
+      body_(bodies[index]),
+      polynomials_(polynomials[index]),
+      index_(index),
+      grid_(body_.mesh->cut_cells->grid),
+      scales_(scales),
+      options_(options),
+      pieces_(*body_.mesh->cut_cells, *body_.boundary),
+      contact_(bodies, integrals, index, options.auxiliary_depth) {}
+
+bool PatchAssembly::is_interior(int n) const { return body_.patches->full[n] && !touches_contact(body_, n); }
+
+Vec3 PatchAssembly::divergence(const RecoveryBody& body, const Vec3& centre) const {
+  if (!body.boundary->body_force_at) return Vec3::Zero();
+  const Grid& grid = body.mesh->cut_cells->grid;
+  return -grid.cell_size / scales_.stress *
+         (grid.rotation.transpose() * body.boundary->body_force_at(grid.to_global(centre)));
+}
+
+/// Centred differences over one cell: exact for forces up to degree 2.
+void PatchAssembly::interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const {
+  double f[3], df[3][3] = {};
+  const Vec3 force = -divergence(body, fit.centre);
+  for (int i = 0; i < 3; ++i) f[i] = force[i];
+  if (fit.degree == 1) {
+    Polynomial<1>::interior_values(f, df, 0, values);
+    return;
+  }
+  for (int k = 0; k < 3 && body.boundary->body_force_at; ++k) {
+    const Vec3 half = 0.5 * Vec3::Unit(k);
+    const Vec3 change = divergence(body, fit.centre - half) - divergence(body, fit.centre + half);
+    for (int i = 0; i < 3; ++i) df[i][k] = change[i];
+  }
+  Polynomial<2>::interior_values(f, df, body.mesh->poisson_ratio(), values);
+}
+
+void PatchAssembly::pair_states(int node, std::vector<PairState>& states) const {
+  states.clear();
+  const PatchSet& patches = *body_.patches;
+  const int begin = patches.begin[node];
+  contact_.each(&patches.cells[begin], patches.begin[node + 1] - begin, -1, [&](const ContactPiece& piece, int) {
+    auto state = std::lower_bound(states.begin(), states.end(), piece.pair,
+                                  [](const PairState& s, int pair) { return s.pair < pair; });
+    if (state == states.end() || state->pair != piece.pair)
+      state = states.insert(state, PairState{piece.pair, piece.other_body, 0, 0});
+    state->area += piece.area;
+    state->closed_area += piece.closed_area;
+  });
+}
+
+/// Equation 5 in the directions that no support holds.
+void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Vec3& centre,
+                                       std::vector<PatchRow>& rows) const {
+  const TractionCondition& condition = body_.boundary->conditions[group.condition];
+  for (int p = 0; p < group.num_points; ++p) {
+    const Vec3 d = group.position[p] - centre, n = group.normal[p];
+    Vec3 t = Vec3::Zero(), directions[3];
+    if (condition.traction)
+      t = grid_.rotation.transpose() * condition.traction(grid_.to_global(group.position[p]), grid_.rotation * n) /
+          scales_.stress;
+    const int count = known_directions(condition, n, grid_.rotation, directions);
+    for (int i = 0; i < count; ++i) rows.push_back(traction_row_at(0, d, n, directions[i], directions[i].dot(t)));
+  }
+}
+
+void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& centre,
+                                   std::vector<PatchRow>& rows) const {
+  for (int p = 0; p < group.num_points; ++p) {
+    const auto [t1, t2] = tangents(group.normal[p]);
+    for (const Vec3& t : {t1, t2})
+      rows.push_back(traction_row_at(0, group.position[p] - centre, group.normal[p], t, 0));
+  }
+}
+
+/// Equation 12: zero shear on both bodies, equal normal traction. Open patches are free surfaces, and so are the
+/// polynomials beside the edge's term; a closed group without an auxiliary patch keeps the zero shear only.
+void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
+                                const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const {
+  const bool free = mode == ContactMode::open || mode == ContactMode::edge;
+  const PatchSet& patches = *body_.patches;
+  for (int p = 0; p < group.num_points; ++p) {
+    const Vec3 x = group.position[p], n = group.normal[p], d = x - own.centre;
+    const auto [t1, t2] = tangents(n);
+    rows.push_back(traction_row_at(0, d, n, t1, 0));
+    rows.push_back(traction_row_at(0, d, n, t2, 0));
+    if (free) {
+      rows.push_back(traction_row_at(0, d, n, n, 0));
+      rows.back().firm = true;
+    }
+    if (!auxiliary) continue;
+    const ContactLink* nearest = nullptr;
+    double least = 0;
+    const int begin = patches.begin[node], num_cells = patches.begin[node + 1] - begin;
+    contact_.each(&patches.cells[begin], num_cells, state->pair, [&](const ContactPiece& piece, int cell) {
+      if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + same_distance) return;
+      for (int l : body_.boundary->links_of_cell[cell]) {
+        const ContactLink& link = body_.boundary->links[l];
+        if (link.pair != state->pair || link.normal.dot(n) < same_face) continue;
+        const double distance = (link.position - x).squaredNorm();
+        if (nearest && distance > least + same_distance) continue;
+        if (nearest && distance > least - same_distance && link.distance >= nearest->distance) continue;
+        nearest = &link, least = distance;
+      }
+    });
+    if (!nearest) continue;
+    const Grid& other_grid = bodies_[state->other_body].mesh->cut_cells->grid;
+    const Mat3 to_other = other_grid.rotation.transpose() * grid_.rotation;
+    const Vec3 y = other_grid.to_grid(grid_.to_global(x) + nearest->distance * (grid_.rotation * n));
+    const Vec3 e = y - auxiliary->centre, m = to_other * n;
+    rows.push_back(traction_row_at(1, e, m, to_other * t1, 0));
+    rows.push_back(traction_row_at(1, e, m, to_other * t2, 0));
+    if (free) {
+      rows.push_back(traction_row_at(1, e, m, m, 0));
+    } else {
+      PatchRow row = traction_row_at(0, d, n, n, 0);
+      set_traction(row, 1, e, m, m, -1);
+      rows.push_back(row);
+    }
+  }
+}
+
+bool PatchAssembly::has_closed_points(const ConstraintGroup& group, const int* cells, int num_cells) const {
+  for (int c = 0; c < num_cells; ++c)
+    for (int l : body_.boundary->links_of_cell[cells[c]]) {
+      const ContactLink& link = body_.boundary->links[l];
+      if (link.pair != group.pair || !link.active) continue;
+      for (int p = 0; p < group.num_points; ++p)
+        if (link.normal.dot(group.normal[p]) >= same_face) return true;
+    }
+  return false;
+}
+
+ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal,
+                                     const EdgePiece& piece, double unit) const {
+  const BodyMesh& mesh = *body.mesh;
+  const Grid& grid = mesh.cut_cells->grid;
+  ContactEdge edge;
+  edge.origin = grid.to_grid(piece.origin);
+  edge.closed = grid.rotation.transpose() * piece.closed;
+  edge.along = grid.rotation.transpose() * piece.along;
+  edge.curvature = piece.curvature * grid.cell_size;
+  edge.inverse_width = piece.inverse_width * grid.cell_size;
+  edge.place_error = piece.place_error / grid.cell_size;
+  const Vec3 x = grid.to_grid(face_point), n = grid.rotation.transpose() * normal;
+  const Solid& solid = mesh.cut_cells->solid;
+  edge.surface = solid.surfaces()[solid.surface_at(x, n)].near(x);
+  edge.orientation = edge.surface.gradient(x).dot(n) < 0 ? -1 : 1;
+  edge.scale = grid.cell_size / unit;
+  edge.poisson_ratio = mesh.poisson_ratio();
+  return edge;
+}
+
+/// How a pair stands by the place of its edge; sets the patch's term if the edge is near.
+PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells,
+                                                       int num_cells, PatchProblem& problem) const {
+  const ContactMode plain = state.is_mixed()    ? ContactMode::unclear
+                            : state.is_closed() ? ContactMode::closed
+                                                : ContactMode::open;
+  Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero(), opposite = Vec3::Zero();
+  const Grid& other_grid = bodies_[state.other_body].mesh->cut_cells->grid;
+  contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part, int) {
+    centroid += part.position / state.area;
+    normal += part.normal;
+    opposite += part.other_position / state.area;
+  });
+  EdgePiece piece;
+  const Vec3 x = grid_.to_global(centroid), n = grid_.rotation * normal.normalized();
+  if (!edges.near(state.pair, x, piece)) return plain;
+  double least = 1e300, most = -1e300, most_closed = -1e300;
+  for (int c = 0; c < num_cells; ++c)
+    for (int l : body_.boundary->links_of_cell[cells[c]]) {
+      const ContactLink& link = body_.boundary->links[l];
+      if (link.pair != state.pair) continue;
+      const double inside = piece.inside(grid_.to_global(link.position)) / grid_.cell_size;
+      least = std::min(least, inside);
+      most = std::max(most, inside);
+      if (link.active) most_closed = std::max(most_closed, inside);
+    }
+  // The edge of another zone, or none.
+  const double far = contradiction * std::max(1.0, other_grid.cell_size / grid_.cell_size);
+  if (state.closed_area > 0 ? most_closed < -far : least > far) return plain;
+  if (most <= 0) return ContactMode::open;
+  if (least > edge_reach || problem.has_edge) return least > 0 ? ContactMode::closed : plain;
+  problem.has_edge = true;
+  problem.edge[0] = seen_from(body_, x, n, piece, grid_.cell_size);
+  problem.edge[1] = seen_from(bodies_[state.other_body], other_grid.to_global(opposite), -n, piece, grid_.cell_size);
+  problem.factor = piece.factor * std::sqrt(grid_.cell_size);
+  return least > 0 ? ContactMode::closed : ContactMode::edge;
+}
+
+void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
+                             PatchProblem& problem) const {
+  assemble(node, edges, polynomials_[node], workspace, rows, problem);
+}
+
+void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial polynomial, PatchWorkspace& workspace,
+                             std::vector<PatchRow>& rows, PatchProblem& problem) const {
+  const PatchSet& patches = *body_.patches;
+  const int* cells = patches.cells.data() + patches.begin[node];
+  const int num_cells = patches.begin[node + 1] - patches.begin[node];
+  problem.node = node;
+  problem.first_row = rows.size();
+  const int degree = polynomial.degree;
+  fit_cells(body_, node, polynomial, workspace.own);
+  PatchFit& own = problem.fit[0];
+  own_fit(node, degree, workspace.own, own);
+  const auto lowered = [&] {
+    problem = PatchProblem();
+    assemble(node, edges, PatchPolynomial{}, workspace, rows, problem);
+    problem.status = std::max(problem.status, PatchStatus::degree_lowered);
+    problem.lowered = true;
+  };
+  if (!own.regular) {
+    if (degree == 2) return lowered();
+    problem.status = PatchStatus::singular;
+    return;
+  }
+  interior_values(body_, own, problem.interior[0].data());
+  std::vector<ConstraintGroup>& groups = workspace.groups;
+  const int points = options_.points_per_face;
+  pieces_.groups(cells, num_cells, points == 0 ? degree : points == 1 ? 0 : points == 3 ? 1 : 2, groups);
+  pair_states(node, workspace.states);
+
+  // How each pair stands, and where its edge is.
+  std::vector<PairState>& states = workspace.states;
+  workspace.modes.assign(states.size(), 0);
+  const auto mode_of = [&](const PairState& state) {
+    return static_cast<ContactMode>(workspace.modes[&state - states.data()]);
+  };
+  const PairState* coupled = nullptr;  // the pair with the largest closed area gets the auxiliary patch
+  for (const PairState& state : states) {
+    ContactMode mode = state.is_closed() ? ContactMode::closed : ContactMode::open;
+    if (edges) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
+    workspace.modes[&state - states.data()] = static_cast<char>(mode);
+    if (mode != ContactMode::open) problem.pressed.push_back(state.pair);
+    const bool wants = mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed());
+    if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
+  }
+  if (coupled) {
+    auxiliary_fit(node, *coupled, polynomial, workspace, problem.fit[1]);
+    if (degree == 2 && !problem.fit[1].regular) return lowered();
+    problem.coupled = problem.fit[1].regular;
+    problem.pair = coupled->pair;
+    problem.other_body = coupled->other_body;
+    if (problem.coupled)
+      interior_values(bodies_[coupled->other_body], problem.fit[1], problem.interior[1].data());
+    else
+      problem.status = PatchStatus::uncoupled;
+  }
+  if (problem.coupled && options_.inverse_variance) {
+    own.variance = fit_variance(*body_.mesh, integrals_[index_], workspace.own, own);
+    problem.fit[1].variance = fit_variance(*bodies_[problem.other_body].mesh, integrals_[problem.other_body],
+                                           workspace.auxiliary, problem.fit[1]);
+  }
+  if (problem.has_edge) {
+    const std::vector<int>*list = &workspace.own, *other = &workspace.auxiliary;
+    subtract_edge_term(*body_.mesh, list->data(), static_cast<int>(list->size()), problem.edge[0], problem.factor, own);
+    if (problem.coupled)
+      subtract_edge_term(*bodies_[problem.other_body].mesh, other->data(), static_cast<int>(other->size()),
+                         problem.edge[1], problem.factor, problem.fit[1]);
+  }
+
+  const auto closed_on_surface = [&](int surface) {
+    double area = 0;
+    for (const ConstraintGroup& group : groups) {
+      const PairState* state = find_state(states, group.pair);
+      if (group.surface == surface && state && mode_of(*state) != ContactMode::open) area += group.area;
+    }
+    return area;
+  };
+  const auto set_kind = [&](PatchKind kind) { problem.kind = std::max(problem.kind, kind); };
+  for (const ConstraintGroup& group : groups) {
+    const TractionCondition& condition = body_.boundary->conditions[group.condition];
+    const PairState* state = find_state(states, group.pair);
+    const double closed_part = closed_on_surface(group.surface);
+    // Where the pair is closed in the patch (or its edge runs through it), but on another side of the body.
+    const bool elsewhere =
+        state && mode_of(*state) != ContactMode::open && !has_closed_points(group, cells, num_cells) &&
+        (mode_of(*state) == ContactMode::edge ? !is_on_face_of(problem.edge[0], group) : state->closed_area > 0);
+    // Points that see the other body although none of its contact points is here: the rim of what is closed beside
+    // them, or open.
+    const bool unseen = group.pair >= 0 && !state && !(closed_part > closed_fraction * (closed_part + group.area));
+    if (elsewhere) problem.open_sides.push_back(group.surface);
+    ContactMode mode = state && !elsewhere ? mode_of(*state) : ContactMode::open;
+    const bool is_loaded = condition.traction || condition.is_support();
+    const bool is_open = (state || unseen) && mode == ContactMode::open;
+    if (state || unseen)
+      set_kind(mode == ContactMode::open     ? PatchKind::boundary
+               : mode == ContactMode::closed ? PatchKind::contact
+                                             : PatchKind::contact_edge);
+    if (mode == ContactMode::unclear) {
+      problem.status = std::max(problem.status, PatchStatus::edge_unclear);
+      mode = state->is_closed() ? ContactMode::closed : ContactMode::open;
+    }
+    if (state && !elsewhere && !(is_open && is_loaded)) {
+      add_contact(group, node, own, problem.coupled && state == coupled ? &problem.fit[1] : nullptr, state, mode, rows);
+      continue;
+    }
+    // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small part of the
+    // patch): the closed part decides, as among contact points.
+    const std::size_t first = rows.size();
+    if (is_open && !is_loaded) {
+      add_contact(group, node, own, nullptr, state, mode, rows);
+    } else if (!is_open && (group.pair >= 0 || closed_part > closed_fraction * (closed_part + group.area))) {
+      add_zero_shear(group, own.centre, rows);
+    } else {
+      add_known_traction(group, own.centre, rows);
+      set_kind(condition.normal_held    ? PatchKind::symmetry
+               : condition.is_support() ? PatchKind::support
+               : condition.traction     ? PatchKind::loaded
+                                        : PatchKind::boundary);
+    }
+    if (problem.has_edge)
+      for (std::size_t r = first; r < rows.size(); ++r)
+        subtract_term_of_row(problem.edge[0], problem.factor, own, rows[r]);
+  }
+  problem.num_rows = static_cast<int>(rows.size() - problem.first_row);
+}
+
+}  // namespace cgcontact

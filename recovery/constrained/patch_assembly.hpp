@@ -1,0 +1,182 @@
+/// From the mesh and the boundary to the constrained fit of one patch: its kind, its auxiliary patch in the other body,
+/// its constraint rows (paper, equations 4, 5, 12, 13; design section 6).
+#pragma once
+
+#include "kernels/operator/system.hpp"
+#include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/contact_cells.hpp"
+#include "recovery/patch/boundary_data.hpp"
+#include "recovery/patch/patch_problem.hpp"
+#include "recovery/spr/cell_stress.hpp"
+#include "recovery/spr/spr.hpp"
+#include "recovery/zone_edge/contact_edge.hpp"
+
+namespace cgcontact {
+
+struct RecoveryOptions {
+  double rank_tolerance = 0.1;
+  double auxiliary_depth = 0.5;  ///< cells of the other body
+  bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
+  RecoveryDegree degree = {};    ///< of the polynomials
+  int quadratic_rings = 0;  ///< rings of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
+  int points_per_face = 0;  ///< 1, 3 or 6 constraint points; 0: by the degree
+  bool inverse_variance = true;  ///< the bodies of a coupled patch count with the inverse variance of their misfits
+
+  /// Degree 2: a tenth, the rows of the curvature of a traction are weak ones although not redundant
+  /// (docs/recovery.md).
+  double rank_tolerance_of(int of_degree) const { return of_degree == 1 ? rank_tolerance : 0.1 * rank_tolerance; }
+};
+
+/// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.
+struct RecoveryBody {
+  const BodyMesh* mesh;
+  const PatchSet* patches;
+  const BoundaryData* boundary;
+  RecoveredField field;
+  CellStress stress = {};  ///< what is fitted beside `field`; empty: sigma_h of the displacements
+};
+
+/// Cells that the polynomial of a node is fitted to, ascending: its patch, and so many rings of cells around the node.
+void fit_cells(const RecoveryBody& body, int node, PatchPolynomial polynomial, std::vector<int>& cells);
+
+/// Integrals over all cells near the closed contact points (as far as the auxiliary depth and two cells more), which
+/// auxiliary patches may consist of, and over those that polynomials of degree 2 are fitted to.
+StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<PatchPolynomial>& polynomials,
+                                 const CellStress& stress, const RecoveryOptions& options);
+
+/// Whether a patch holds points of a contact face, closed or open.
+bool touches_contact(const RecoveryBody& body, int node);
+
+/// Mean square of what a fit leaves of sigma_h; not less than the part of it that rounding may leave of a good fit.
+/// 0 if the integrals over some of the cells are not known.
+double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, const std::vector<int>& cells,
+                    const PatchFit& fit);
+
+/// Contact points of one pair inside a patch.
+struct PairState {
+  int pair = -1, other_body = -1;
+  double area = 0, closed_area = 0;  ///< m^2
+  bool is_closed() const;
+  bool is_mixed() const { return closed_area > 0 && closed_area < area * (1 - 1e-12); }
+};
+
+/// The edge of a contact zone near some place, found by recovery/zone_edge/edge_search.hpp; global axes.
+struct EdgePiece {
+  Vec3 origin = Vec3::Zero(), closed = Vec3::UnitX(),
+       along = Vec3::UnitY();  ///< m; across the edge into the zone, along it
+  double curvature = 0;        ///< 1/m, negative around a convex zone
+  double inverse_width = 0;    ///< of the zone across the edge, 1/m; 0: not known
+  double factor = 0;           ///< of the term, Scales::stress per square root of a metre
+  double place_error = 0;      ///< expected, across the edge, m
+  /// Distance from the edge of the zone, or from the opposite one if that is nearer; negative outside; m.
+  double inside(const Vec3& x) const {
+    const double t = along.dot(x - origin), s = closed.dot(x - origin) + 0.5 * curvature * t * t;
+    return 2 * s * inverse_width > 1 ? 1 / inverse_width - s : s;
+  }
+};
+
+/// Where the edges of all pairs run.
+class EdgeMap {
+ public:
+  virtual ~EdgeMap() = default;
+  /// The edge of a pair near x (m, global axes); false if there is none in reach.
+  virtual bool near(int pair, const Vec3& x, EdgePiece& piece) const = 0;
+  /// Whether any edges of a pair were found.
+  virtual bool has(int pair) const = 0;
+};
+
+/// The polynomial of every node of a body. Automatic at the contact: degree 2 in patches with closed points where both
+/// bodies are at least four cells thick in all directions of their grids, over as many rings as suit that thickness and
+/// the edge of the contact zone if that is near; `edges` may be null. Elsewhere one ring.
+std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                                               const EdgeMap* edges, const RecoveryOptions& options);
+
+/// Memory that is used again for patch after patch.
+struct PatchWorkspace {
+  std::vector<ConstraintGroup> groups;
+  std::vector<PairState> states;
+  std::vector<char> modes;          ///< of states
+  std::vector<int> own, auxiliary;  ///< cells that the polynomials are fitted to
+  std::vector<char> box;            ///< marks of the cells in a box
+};
+
+/// What assembling one patch gives; its rows are appended to a list of many patches.
+struct PatchProblem {
+  int node = -1;
+  PatchKind kind = PatchKind::interior;
+  PatchStatus status = PatchStatus::exact;
+  bool coupled = false;                                         ///< with an auxiliary patch
+  bool lowered = false;                                         ///< degree 2 was asked for
+  PatchFit fit[2];                                              ///< own, auxiliary
+  std::array<double, Polynomial<2>::num_interior> interior[2];  ///< Polynomial::interior_values; own, auxiliary
+  std::size_t first_row = 0;                                    ///< in the list
+  int num_rows = 0;
+  int pair = -1, other_body = -1;  ///< of the auxiliary patch
+  bool has_edge = false;           ///< the term of the contact edge is part of the stress
+  ContactEdge edge[2];             ///< own, auxiliary
+  double factor = 0;
+  std::vector<int> pressed;     ///< pairs that are not open, ascending
+  std::vector<int> open_sides;  ///< surfaces of these that are open all the same
+  bool loose = false;           ///< after the solution: not all rows are met
+
+  PatchProblem() {}  // not "= default", which zeroes 4 kB of matrices first
+  int degree() const { return fit[0].degree; }
+};
+
+/// Assembles the patches of one body.
+class PatchAssembly {
+ public:
+  /// `integrals`, `polynomials`: by body.
+  PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
+                const std::vector<std::vector<PatchPolynomial>>& polynomials, int index, const Scales& scales,
+                const RecoveryOptions& options);
+
+  /// Eight full cells without contact: only equilibrium is known there.
+  bool is_interior(int node) const;
+  /// What div sigma must be at a place (grid coordinates of a body), per cell unit.
+  Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
+
+  /// The patch of a node into a new `problem`, its rows appended to `rows`. `edges` may be null: edges are then not
+  /// looked for.
+  void assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
+                PatchProblem& problem) const;
+  /// Contact points by pair in the patch of a node.
+  void pair_states(int node, std::vector<PairState>& states) const;
+  const RecoveryBody& body() const { return body_; }
+  int index() const { return index_; }  ///< of the body
+  const RecoveryBody& body_of(int index) const { return bodies_[index]; }
+  const Grid& grid() const { return grid_; }
+
+ private:
+  enum class ContactMode { open, closed, edge, unclear };
+  void assemble(int node, const EdgeMap* edges, PatchPolynomial polynomial, PatchWorkspace& workspace,
+                std::vector<PatchRow>& rows, PatchProblem& problem) const;
+  void interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const;
+  /// Whether any point of the group's pair is closed on the same side of the body.
+  bool has_closed_points(const ConstraintGroup& group, const int* cells, int num_cells) const;
+  /// An edge (global axes, m) seen from a body; `unit`: m.
+  ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
+                        double unit) const;
+  ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
+                           PatchProblem& problem) const;
+  void own_fit(int node, int degree, const std::vector<int>& cells, PatchFit& fit) const;
+  void auxiliary_fit(int node, const PairState& state, PatchPolynomial polynomial, PatchWorkspace& workspace,
+                     PatchFit& fit) const;
+  void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
+  void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
+  void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
+                   const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const;
+
+  const std::vector<RecoveryBody>& bodies_;
+  const std::vector<StressIntegrals>& integrals_;  ///< by body
+  const RecoveryBody& body_;
+  const std::vector<PatchPolynomial>& polynomials_;  ///< by node
+  int index_;
+  const Grid& grid_;
+  const Scales& scales_;
+  const RecoveryOptions& options_;
+  const BoundaryPieces pieces_;
+  const ContactCells contact_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,173 @@
+/// The fits of a patch before constraints, and the integrals they are made of.
+#include <algorithm>
+
+#include "recovery/constrained/patch_assembly.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Least part of its diagonal entry that a pivot of the mass matrix of a linear polynomial must keep.
+constexpr double least_linear_pivot = 1e-14;
+
+/// Least volume of an auxiliary patch, cells: less carries no linear polynomial of six components.
+constexpr double least_auxiliary_volume = 0.25;
+
+/// A patch carries quadratic polynomials if every term keeps this part of its square when the terms before it are taken
+/// out: a plate 0.4 cells thick beside the node has 1e-3.
+constexpr double least_pivot = 1e-3;
+
+void sort_unique(std::vector<int>& cells) {
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+/// Solves for the coefficients about fit.centre; fit.regular says whether the patch carries them.
+template <int degree>
+void fit_polynomial(const BodyMesh& mesh, const StressIntegrals& integrals, const std::vector<int>& cells,
+                    PatchFit& fit) {
+  constexpr int terms = Polynomial<degree>::num_terms;
+  constexpr double least = degree == 1 ? least_linear_pivot : least_pivot;
+  using Mass = Eigen::Matrix<double, terms, terms>;
+  const QuadraticSums sums =
+      gather_quadratic(mesh, integrals, cells.data(), static_cast<int>(cells.size()), fit.centre.data());
+  const Mass mass = sums.mass.topLeftCorner<terms, terms>();
+  fit.degree = degree;
+  fit.mass = mass;
+  const Eigen::LLT<Mass> cholesky(mass);
+  fit.regular = cholesky.info() == Eigen::Success;
+  if (!fit.regular) return;
+  const Mass& factor = cholesky.matrixLLT();
+  for (int t = 0; t < terms; ++t)
+    if (!(factor(t, t) * factor(t, t) > least * mass(t, t))) fit.regular = false;
+  fit.a.resize(6 * terms);
+  for (int k = 0; k < 6; ++k)
+    fit.a.segment<terms>(terms * k) = cholesky.solve(sums.right.row(k).head<terms>().transpose());
+}
+
+/// Adds the cells at most `reach` cells away from any of the given ones along every axis, those with integrals.
+void add_rings(const StressIntegrals& integrals, const CutCells& cc, int reach, std::vector<char>& box,
+               std::vector<int>& cells) {
+  if (cells.empty()) return;
+  Index3 low = cc.cells[cells.front()], size;
+  Index3 high = low;
+  for (int c : cells)
+    for (int d = 0; d < 3; ++d) {
+      low[d] = std::min(low[d], cc.cells[c][d]);
+      high[d] = std::max(high[d], cc.cells[c][d]);
+    }
+  for (int d = 0; d < 3; ++d) low[d] -= reach, size[d] = high[d] + reach + 1 - low[d];
+  box.assign(static_cast<std::size_t>(size[0]) * size[1] * size[2], 0);
+  for (int c : cells) {
+    const Index3& at = cc.cells[c];
+    for (int k = at[2] - low[2] - reach; k <= at[2] - low[2] + reach; ++k)
+      for (int j = at[1] - low[1] - reach; j <= at[1] - low[1] + reach; ++j) {
+        const auto row = box.begin() + (static_cast<std::ptrdiff_t>(k) * size[1] + j) * size[0] + at[0] - low[0];
+        std::fill(row - reach, row + reach + 1, char{1});
+      }
+  }
+  cells.clear();
+  for (std::size_t n = 0; n < box.size(); ++n) {
+    if (!box[n]) continue;
+    const int i = static_cast<int>(n) % size[0], j = static_cast<int>(n) / size[0] % size[1],
+              k = static_cast<int>(n) / size[0] / size[1];
+    const int c = cc.find({low[0] + i, low[1] + j, low[2] + k});
+    if (c >= 0 && integrals.hold(c)) cells.push_back(c);
+  }
+}
+
+}  // namespace
+
+void fit_cells(const RecoveryBody& body, int n, PatchPolynomial polynomial, std::vector<int>& cells) {
+  const PatchSet& patches = *body.patches;
+  cells.assign(patches.cells.begin() + patches.begin[n], patches.cells.begin() + patches.begin[n + 1]);
+  const int rings = polynomial.rings;
+  if (rings == 1) return;
+  const CutCells& cc = *body.mesh->cut_cells;
+  const Index3& node = body.mesh->nodes[n];
+  for (int k = -rings; k < rings; ++k)
+    for (int j = -rings; j < rings; ++j)
+      for (int i = -rings; i < rings; ++i) {
+        const int c = cc.find({node[0] + i, node[1] + j, node[2] + k});
+        if (c >= 0) cells.push_back(c);
+      }
+  sort_unique(cells);
+}
+
+StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<PatchPolynomial>& polynomials,
+                                 const CellStress& stress, const RecoveryOptions& options) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<Index3> closed;
+  for (const ContactLink& link : body.boundary->links)
+    if (link.active && (closed.empty() || closed.back() != cc.cells[link.cell])) closed.push_back(cc.cells[link.cell]);
+  std::vector<char> marked(cc.cells.size(), 0);
+  std::vector<int> cells;
+  int rings = 2;
+  for (int n = 0; n < body.mesh->num_nodes; ++n) {
+    if (polynomials[n].degree == 1) continue;
+    rings = std::max<int>(rings, polynomials[n].rings);
+    fit_cells(body, n, polynomials[n], cells);
+    for (int c : cells) marked[c] = 1;
+  }
+  mark_around(cc, std::move(closed), static_cast<int>(std::ceil(options.auxiliary_depth)) + rings, marked);
+  return integrate_stress(*body.mesh, stress, Subset(marked));
+}
+
+double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, const std::vector<int>& cells,
+                    const PatchFit& fit) {
+  constexpr double least = 1e-8;
+  double square = 0, volume = 0, fitted = 0;
+  for (int cell : cells) {
+    if (!integrals.hold(cell)) return 0;
+    square += integrals.square[integrals.cells.row(cell)];
+    volume += mesh.cut_cells->volume_fraction(cell);
+  }
+  for (int k = 0; k < 6; ++k) {
+    const auto a = fit.a.segment(fit.terms() * k, fit.terms());
+    fitted += a.dot(fit.mass * a);
+  }
+  return std::max(square - fitted, least * square) / volume;
+}
+
+void PatchAssembly::own_fit(int n, int degree, const std::vector<int>& cells, PatchFit& fit) const {
+  const Index3& node = body_.mesh->nodes[n];
+  fit.centre = Vec3(node[0], node[1], node[2]);
+  if (degree == 2) {
+    fit_polynomial<2>(*body_.mesh, integrals_[index_], cells, fit);
+    return;
+  }
+  double m[num_terms][num_terms];
+  gather_mass(*body_.mesh, *body_.patches, cells.data(), static_cast<int>(cells.size()), fit.centre.data(), m);
+  fit.mass = Eigen::Map<const Eigen::Matrix<double, num_terms, num_terms>>(m[0]);
+  fit.a = Eigen::Map<const Eigen::Matrix<double, 6 * num_terms, 1>>(body_.field.at(n));
+  fit.regular = cholesky(m);
+}
+
+/// Fit over whole active cells of the other body under the patch's contact points, down to the auxiliary depth
+/// (equation 13); with degree 2 over more than one ring the cells around those as well.
+void PatchAssembly::auxiliary_fit(int node, const PairState& state, PatchPolynomial polynomial,
+                                  PatchWorkspace& workspace, PatchFit& fit) const {
+  const RecoveryBody& other = bodies_[state.other_body];
+  const StressIntegrals& integrals = integrals_[state.other_body];
+  const CutCells& cc = *other.mesh->cut_cells;
+  const PatchSet& patches = *body_.patches;
+  std::vector<int>& cells = workspace.auxiliary;
+  fit.centre = Vec3::Zero();
+  cells.clear();
+  const int begin = patches.begin[node];
+  contact_.each(&patches.cells[begin], patches.begin[node + 1] - begin, state.pair,
+                [&](const ContactPiece& piece, int) {
+                  fit.centre += piece.other_position / state.area;
+                  cells.insert(cells.end(), piece.under.begin(), piece.under.end());
+                });
+  sort_unique(cells);
+  if (polynomial.rings > 1) add_rings(integrals, cc, polynomial.rings - 1, workspace.box, cells);
+  double volume = 0;
+  for (int c : cells) volume += cc.volume_fraction(c);
+  if (volume < least_auxiliary_volume) return;
+  if (polynomial.degree == 1)
+    fit_polynomial<1>(*other.mesh, integrals, cells, fit);
+  else
+    fit_polynomial<2>(*other.mesh, integrals, cells, fit);
+}
+
+}  // namespace cgcontact

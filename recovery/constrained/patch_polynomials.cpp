@@ -1,0 +1,151 @@
+/// Degree of the polynomial of every node, and how many rings of cells it is fitted to (docs/recovery.md, "Degree").
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+#include "recovery/constrained/patch_assembly.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr std::size_t grain = 64;
+
+/// Cells across a body from which on patches with contact are of degree 2.
+constexpr int thick = 4;
+/// In a zone without edges patches of degree 2 extend over half of the thickness: the scatter of sigma_h in cut cells
+/// averages out over as large a patch as a polynomial follows.
+constexpr int most_rings = 4;
+int rings_of_thickness(int cells) { return (cells + 2) / 4; }
+/// Within so many cells of an edge of the contact zone, two rings; farther inside one is enough, and so it must be
+/// where the edge has a radius of less than so many cells.
+constexpr double edge_width = 3, wide_radius = 14;
+
+/// Cells of a body from the given one on along an axis of its grid, without that one; at most `limit`.
+int cells_beyond(const CutCells& cc, Index3 c, int axis, int side, int limit) {
+  int count = 0;
+  while (count < limit) {
+    c[axis] += side;
+    if (cc.find(c) < 0) break;
+    ++count;
+  }
+  return count;
+}
+
+/// In that direction of the grid that has the fewest; at most what most_rings need.
+int least_cells(const CutCells& cc, const Index3& c) {
+  int least = 4 * most_rings;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int before = cells_beyond(cc, c, axis, -1, least);
+    least = std::min(least, before + 1 + cells_beyond(cc, c, axis, 1, least));
+  }
+  return least;
+}
+
+/// Cells across a body at its contact face, and at half of the depth below it, most_rings cells at most: curved bodies
+/// are thin along their face where a grid plane touches it, not below. 0: no closed contact.
+struct CellsAcross {
+  char at_face = 0, below = 0;
+
+  void take_thinner(const CellsAcross& other) {
+    if (other.at_face == 0) return;
+    at_face = at_face > 0 ? std::min(at_face, other.at_face) : other.at_face;
+    below = below > 0 ? std::min(below, other.below) : other.below;
+  }
+};
+
+/// Seen from the fullest cell beside the given one; outward: the normal, in grid axes.
+CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward) {
+  int fullest = cell;
+  for (int n = 0; n < 27; ++n) {
+    const Index3& c = cc.cells[cell];
+    const int near = cc.find({c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1});
+    if (near >= 0 && cc.volume_fraction(near) > cc.volume_fraction(fullest)) fullest = near;
+  }
+  Index3 c = cc.cells[fullest];
+  CellsAcross across;
+  across.at_face = static_cast<char>(least_cells(cc, c));
+  int axis = 0;
+  outward.cwiseAbs().maxCoeff(&axis);
+  const int inward = outward[axis] > 0 ? -1 : 1;
+  c[axis] += inward * (cells_beyond(cc, c, axis, inward, 2 * most_rings) / 2);
+  across.below = static_cast<char>(least_cells(cc, c));
+  return across;
+}
+
+/// Of the thinner one of the bodies at the closed contact points of a cell.
+CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const RecoveryBody& body, int cell) {
+  int seen = -1;  // cell of the other body
+  CellsAcross least;
+  for (int l : body.boundary->links_of_cell[cell]) {
+    const ContactLink& link = body.boundary->links[l];
+    if (!link.active || link.other_cell == seen) continue;
+    const CutCells& own = *body.mesh->cut_cells;
+    const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
+    const Vec3 outward = -(other.grid.rotation.transpose() * (own.grid.rotation * link.normal));
+    if (seen < 0) least = cells_across(own, cell, link.normal);
+    least.take_thinner(cells_across(other, link.other_cell, outward));
+    seen = link.other_cell;
+  }
+  return least;
+}
+
+/// In a zone with edges their distance counts, in one without the thickness of the bodies.
+int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, int across) {
+  const Grid& grid = body.mesh->cut_cells->grid;
+  const Index3& at = body.mesh->nodes[node];
+  const Vec3 x = grid.to_global(Vec3(at[0], at[1], at[2]));
+  const PatchSet& patches = *body.patches;
+  int pair = -1;
+  bool has_edges = false;
+  for (int p = patches.begin[node]; p < patches.begin[node + 1]; ++p)
+    for (int l : body.boundary->links_of_cell[patches.cells[p]]) {
+      if (body.boundary->links[l].pair == pair) continue;
+      pair = body.boundary->links[l].pair;
+      if (!edges.has(pair)) continue;
+      EdgePiece piece;
+      const bool wide = edges.near(pair, x, piece) && piece.inside(x) <= edge_width * grid.cell_size &&
+                        std::abs(piece.curvature) * wide_radius * grid.cell_size < 1;
+      if (!wide) return 1;
+      has_edges = true;
+    }
+  return has_edges ? 2 : rings_of_thickness(across);
+}
+
+}  // namespace
+
+bool touches_contact(const RecoveryBody& body, int n) {
+  const PatchSet& patches = *body.patches;
+  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
+    if (!body.boundary->links_of_cell[patches.cells[p]].empty()) return true;
+  return false;
+}
+
+std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
+                                               const EdgeMap* edges, const RecoveryOptions& options) {
+  const RecoveryBody& body = bodies[index];
+  const PatchSet& patches = *body.patches;
+  std::vector<CellsAcross> across(body.mesh->cell_nodes.size());
+  parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain,
+               [&](std::size_t cell) { across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell)); });
+  std::vector<PatchPolynomial> polynomials(body.mesh->num_nodes);
+  parallel_for("cgcontact::patch_polynomials::polynomials", polynomials.size(), grain, [&](std::size_t n) {
+    const int node = static_cast<int>(n);
+    CellsAcross least;  // at the closed points of the patch
+    for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) least.take_thinner(across[patches.cells[p]]);
+    const bool contact = least.at_face > 0 || touches_contact(body, node);
+    int degree = options.degree.interior, rings = 1;
+    if (contact)
+      degree = options.degree.contact > 0 ? options.degree.contact : least.at_face >= thick ? 2 : 1;
+    else if (!patches.full[n])
+      degree = options.degree.boundary;
+    if (degree == 2 && options.quadratic_rings > 0) {
+      rings = options.quadratic_rings;
+    } else if (degree == 2 && least.at_face >= thick) {
+      rings = edges ? rings_at_contact(body, node, *edges, least.below) : rings_of_thickness(least.below);
+    }
+    polynomials[n] = {static_cast<char>(degree), static_cast<char>(rings)};
+  });
+  return polynomials;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,51 @@
+/// What the constrained recovery needs to know about one body's boundary.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/base/cell_lists.hpp"
+#include "core/cells/cut_cells.hpp"
+
+namespace cgcontact {
+
+/// Traction known on a part of the boundary. Directions that a support holds are unknown (no row there).
+struct TractionCondition {
+  bool normal_held = false;                                 ///< symmetry plane or frictionless normal support
+  std::array<bool, 3> component_held{false, false, false};  ///< prescribed displacement components, global axes
+  /// Prescribed traction in global axes, Pa, at x (m) with outward normal n (global axes); empty: zero.
+  /// May be called by several threads at the same time.
+  std::function<Vec3(const Vec3& x, const Vec3& n)> traction;
+
+  bool is_support() const { return normal_held || component_held[0] || component_held[1] || component_held[2]; }
+};
+
+/// A contact quadrature point seen from one body.
+struct ContactLink {
+  int cell = -1;  ///< active cell of this body
+  int pair = -1;
+  Vec3 position;      ///< grid coordinates of this body
+  Vec3 normal;        ///< outward, grid axes of this body
+  double weight = 0;  ///< area, m^2
+  int other_body = -1;
+  int other_cell = -1;
+  Vec3 other_position;  ///< grid coordinates of the other body
+  double distance = 0;  ///< m, from this point along the outward normal to the other body
+  bool active = false;
+  double pressure = 0;         ///< Pa, what the solution transmits here: constant over the closed points of a group
+  double spread_pressure = 0;  ///< Pa, the same force over all points of the group: so it acts on the bodies
+  bool primary = false;        ///< the points of the pair are made on this body: that of the larger cells
+};
+
+/// Boundary of one body: its default quadrature points with what is known there.
+struct BoundaryData {
+  std::vector<TractionCondition> conditions;
+  std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
+  std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
+  std::vector<ContactLink> links;
+  double stress_scale = 2e11;
+  CellLists links_of_cell;                           ///< active cell -> contact links
+  std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.
+};
+
+}  // namespace cgcontact

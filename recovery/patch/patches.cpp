@@ -1,0 +1,164 @@
+#include "recovery/patch/patches.hpp"
+
+#include <algorithm>
+
+#include "core/base/parallel.hpp"
+#include "core/geometry/solid_middle.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr std::size_t grain = 4096;
+
+MonomialMoments monomial_moments(const Moments& m) {
+  constexpr int n = moment_degree + 1;
+  const auto L = [&](int i, int j, int k) { return m[(i * n + j) * n + k] / 8; };
+  // xi^2 = (2 L_2 + 1) / 3; the cell's coordinate is xi / 2.
+  const auto square = [](double l2, double l0) { return (2 * l2 + l0) / 3; };
+  return {L(0, 0, 0),
+          L(1, 0, 0) / 2,
+          L(0, 1, 0) / 2,
+          L(0, 0, 1) / 2,
+          square(L(2, 0, 0), L(0, 0, 0)) / 4,
+          square(L(0, 2, 0), L(0, 0, 0)) / 4,
+          square(L(0, 0, 2), L(0, 0, 0)) / 4,
+          L(1, 1, 0) / 4,
+          L(0, 1, 1) / 4,
+          L(1, 0, 1) / 4,
+          L(1, 1, 1) / 8,
+          square(L(2, 1, 0), L(0, 1, 0)) / 8,
+          square(L(2, 0, 1), L(0, 0, 1)) / 8,
+          square(L(1, 2, 0), L(1, 0, 0)) / 8,
+          square(L(0, 2, 1), L(0, 0, 1)) / 8,
+          square(L(1, 0, 2), L(1, 0, 0)) / 8,
+          square(L(0, 1, 2), L(0, 1, 0)) / 8};
+}
+
+/// Active cells around a node, ascending; returns their number.
+int cells_around(const CutCells& cc, const Index3& node, int cells[8]) {
+  int count = 0;
+  for (int a = 0; a < 8; ++a) {
+    const int c = cc.find({node[0] - 1 + (a & 1), node[1] - 1 + (a >> 1 & 1), node[2] - 1 + (a >> 2)});
+    if (c >= 0) cells[count++] = c;
+  }
+  return count;
+}
+
+double volume_around(const CutCells& cc, const Index3& node) {
+  int cells[8];
+  const int count = cells_around(cc, node, cells);
+  double volume = 0;
+  for (int i = 0; i < count; ++i) volume += cc.volume_fraction(cells[i]);
+  return volume;
+}
+
+/// Joins a patch of too little volume with the patch of the fullest neighbouring node (prototype, section 5:
+/// the condition of the patch mass stays below 370 with one cell). True if anything was added.
+bool grow_patch(const BodyMesh& mesh, const Vec3& middle, int n, double least_volume, double have,
+                std::vector<int>& patch) {
+  const CutCells& cc = *mesh.cut_cells;
+  const auto place = [&](int node) { return Vec3(mesh.nodes[node][0], mesh.nodes[node][1], mesh.nodes[node][2]); };
+  bool grown = false;
+  for (int step = 0; step < 3 && have < least_volume; ++step) {
+    double best = -1;
+    int anchor = -1;
+    for (int c : patch)
+      for (int node : mesh.cell_nodes[c]) {
+        const int m = node - mesh.first_node;
+        // Of equals the nearest one; of those the one towards the middle of the body, in its mirror image as well.
+        const double away = (place(m) - middle).norm() - (place(n) - middle).norm();
+        const double score = volume_around(cc, mesh.nodes[m]) - 1e-3 * (place(m) - place(n)).norm() - 1e-5 * away;
+        if (score > best * (1 + 1e-9)) best = score, anchor = m;
+      }
+    int around[8];
+    const int count = cells_around(cc, mesh.nodes[anchor], around);
+    const std::size_t before = patch.size();
+    for (int i = 0; i < count; ++i)
+      if (std::find(patch.begin(), patch.end(), around[i]) == patch.end()) {
+        patch.push_back(around[i]);
+        have += cc.volume_fraction(around[i]);
+      }
+    if (patch.size() == before) break;
+    grown = true;
+  }
+  std::sort(patch.begin(), patch.end());
+  return grown;
+}
+
+/// The patches of a range of nodes.
+struct PatchRange {
+  std::vector<int> size, cells;
+};
+
+PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size_t begin, std::size_t end,
+                            PatchSet& set) {
+  const CutCells& cc = *mesh.cut_cells;
+  const Vec3 middle = middle_of(cc.solid);
+  PatchRange range;
+  std::vector<int> patch;
+  for (std::size_t n = begin; n < end; ++n) {
+    int around[8];
+    const int count = cells_around(cc, mesh.nodes[n], around);
+    patch.assign(around, around + count);
+    double volume = 0;
+    bool full = count == 8;
+    for (int c : patch) {
+      volume += cc.volume_fraction(c);
+      full = full && cc.cut_of_active[c] < 0;
+    }
+    set.full[n] = full;
+    if (volume < least_volume)
+      set.grown[n] = grow_patch(mesh, middle, static_cast<int>(n), least_volume, volume, patch);
+    range.size.push_back(static_cast<int>(patch.size()));
+    range.cells.insert(range.cells.end(), patch.begin(), patch.end());
+  }
+  return range;
+}
+
+}  // namespace
+
+void mark_around(const CutCells& cc, std::vector<Index3> cells, int reach, std::vector<char>& marked) {
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<Index3> grown;
+    grown.reserve(cells.size() * (2 * reach + 1));
+    for (Index3 c : cells) {
+      c[axis] -= reach;
+      for (int s = -reach; s <= reach; ++s, ++c[axis]) grown.push_back(c);
+    }
+    std::sort(grown.begin(), grown.end());
+    grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
+    cells = std::move(grown);
+  }
+  for (const Index3& c : cells) {
+    const int cell = cc.find(c);
+    if (cell >= 0) marked[cell] = 1;
+  }
+}
+
+PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
+  const CutCells& cc = *mesh.cut_cells;
+  PatchSet set;
+  set.grown.assign(mesh.num_nodes, 0);
+  set.full.assign(mesh.num_nodes, 0);
+  std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain));
+  parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    ranges[chunk] = patches_of_nodes(mesh, least_volume, begin, end, set);
+                  });
+  std::size_t total = 0;
+  for (const PatchRange& range : ranges) total += range.cells.size();
+  set.begin.reserve(mesh.num_nodes + 1);
+  set.begin.push_back(0);
+  set.cells.reserve(total);
+  for (PatchRange& range : ranges) {
+    for (int size : range.size) set.begin.push_back(set.begin.back() + size);
+    set.cells.insert(set.cells.end(), range.cells.begin(), range.cells.end());
+    range = {};
+  }
+  set.moments.resize(1 + cc.moments.size());
+  set.moments[0] = monomial_moments(full_cell_moments());
+  for (std::size_t c = 0; c < cc.moments.size(); ++c) set.moments[1 + c] = monomial_moments(cc.moments[c]);
+  return set;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,48 @@
+/// The stress that is recovered, cell by cell: Q1 displacements make it a polynomial of Polynomial<2> in each cell (its
+/// square terms are zero), so that all integrals over cut cells follow from their moments.
+#pragma once
+
+#include <functional>
+
+#include "kernels/mesh/mesh.hpp"
+#include "recovery/patch/quartic_moments.hpp"
+#include "recovery/patch/subset.hpp"
+
+namespace cgcontact {
+
+/// Component, term of Polynomial<2> about the centre of a cell, cell units; stresses in units of Scales::stress, grid
+/// axes.
+using CellPolynomial = Eigen::Matrix<double, 6, Polynomial<2>::num_terms>;
+
+/// The same with two idle components: the components of a term are one vector of the processor.
+using PaddedPolynomial = Eigen::Matrix<double, 8, Polynomial<2>::num_terms>;
+
+/// The stress over each active cell of one body. May be called by several threads at once.
+using CellStress = std::function<CellPolynomial(int cell)>;
+
+/// sigma_h; u: displacements of all bodies (host).
+CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u);
+
+/// Integrals over some cells of a body, for polynomials of degree 1 (their first four terms) and 2.
+struct StressIntegrals {
+  Subset cells{0};
+  std::vector<PaddedPolynomial> stress;  ///< the ten terms times the stress, about the centre of the cell; by row
+  std::vector<double> square;            ///< stress : stress, cell units; by row
+  std::vector<QuarticMoments> moments;   ///< of a full cell, then of the cut cells of the subset
+  std::vector<int> moments_of_row;       ///< row -> place in `moments`
+
+  /// Whether the integrals over a cell are known.
+  bool hold(int cell) const { return cells.row(cell) >= 0; }
+};
+
+StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress, Subset cells);
+
+/// Sums over a patch, shifted to its centre (grid coordinates): mass matrix and right-hand sides by component.
+struct QuadraticSums {
+  QuadraticMass mass;
+  CellPolynomial right;
+};
+QuadraticSums gather_quadratic(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
+                               const double centre[3]);
+
+}  // namespace cgcontact

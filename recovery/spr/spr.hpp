@@ -1,0 +1,107 @@
+/// Superconvergent patch recovery without constraints (paper, equation 1), and the evaluation of the recovered field.
+/// Stresses are in units of Scales::stress, components in the grid axes of the body.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "recovery/patch/patches.hpp"
+#include "recovery/patch/subset.hpp"
+#include "recovery/zone_edge/contact_edge.hpp"
+
+namespace cgcontact {
+
+/// The quadratic terms of those nodes of a body whose polynomials have degree 2.
+struct QuadraticTerms {
+  static constexpr int count = 6;                           ///< xx, yy, zz, xy, yz, zx, cell units about the node
+  using Values = std::array<std::array<double, count>, 6>;  ///< component, term
+  std::vector<int> row_of_node;                             ///< node -> row of values, or -1; empty: no node has any
+  std::vector<Values> values;
+
+  const Values* of_node(int node) const {
+    if (row_of_node.empty() || row_of_node[node] < 0) return nullptr;
+    return &values[row_of_node[node]];
+  }
+};
+
+/// Polynomials of some or all nodes of one body.
+struct RecoveredField {
+  Subset nodes;
+  CoefficientView values;                                ///< row of the subset, component, term
+  std::shared_ptr<const EdgeTerms> edge = {};            ///< beside the polynomials; may be empty
+  std::shared_ptr<const QuadraticTerms> quadratic = {};  ///< of nodes with degree 2; may be empty
+  /// The 6 x 4 coefficients of a node (number within the body).
+  const double* at(int node) const {
+    return values.data() + 6 * num_terms * static_cast<std::ptrdiff_t>(nodes.row(node));
+  }
+};
+
+/// Copy of a field of all nodes, for some of them.
+RecoveredField part_of(const RecoveredField& field, Subset nodes);
+
+/// Integrals of {1, x, y, z} sigma_h over one cell from its corner displacements (grid axes, u[corner][axis]) and its
+/// moments. `factor`: BodyMesh::stress_factor().
+void cell_stress_integrals(const UnitElasticity& law, double factor, const double u[8][3],
+                           const MonomialMoments& moments, double out[6][num_terms]);
+
+/// The same for a body's cells; one row of `out` for each. u: displacements of all bodies (3 per node).
+void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const Subset& cells, const RealView& u,
+                           const CellStressView& out);
+
+/// Cells of the patches of some nodes.
+Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Subset& nodes);
+
+/// Mass matrix of a patch about its centre (grid coordinates).
+void gather_mass(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells, const double centre[3],
+                 double m[num_terms][num_terms]);
+
+/// Sums over a patch, shifted to its centre: mass matrix m (4 x 4) and right-hand side H (6 x 4).
+struct PatchSums {
+  double m[num_terms][num_terms], H[6][num_terms];
+};
+
+/// `centre` in grid coordinates; row r of `stress` belongs to cell stressed.number(r).
+PatchSums gather_patch(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells,
+                       const double centre[3], const CellStressView& stress, const Subset& stressed);
+
+/// In-place Cholesky factor (lower) of a 4 x 4 mass matrix; false if it is not positive definite.
+bool cholesky(double m[num_terms][num_terms]);
+
+/// Solves L L^T a = b in place.
+void cholesky_solve(const double L[num_terms][num_terms], double b[num_terms]);
+
+/// Unconstrained fit (equation 1) of the nodes of field.nodes; `stress` holds the cells of their patches.
+/// Returns the number of patches whose mass matrix was singular (their polynomial is the constant mean stress).
+int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
+                const RecoveredField& field);
+
+/// The fit of all nodes from the displacements, a part of the body at a time: the integrals of all cells would take as
+/// much memory as the field. Returns the number of singular patches.
+int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
+                int nodes_per_part = 200000);
+
+/// Adds what the terms of the contact edges at a cell's nodes contribute. N: shape functions at xi.
+void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],
+                    double s[6]);
+
+/// Adds the quadratic terms of the nodes of a cell.
+void add_quadratic_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
+                         const double N[8], double s[6]);
+
+/// sigma*(x) = sum_v N_v(x) P_v(x) A_v at cell coordinates xi of a cell (conjoint polynomials).
+inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
+                               double s[6]) {
+  double N[8];
+  hex_shape(xi, N);
+  for (int k = 0; k < 6; ++k) s[k] = 0;
+  for (int a = 0; a < 8; ++a) {
+    const double* A = field.at(mesh.cell_nodes[cell][a] - mesh.first_node);
+    const double d[3] = {0.5 * (xi[0] + 1) - (a & 1), 0.5 * (xi[1] + 1) - (a >> 1 & 1), 0.5 * (xi[2] + 1) - (a >> 2)};
+    for (int k = 0; k < 6; ++k)
+      s[k] += N[a] * (A[4 * k] + A[4 * k + 1] * d[0] + A[4 * k + 2] * d[1] + A[4 * k + 3] * d[2]);
+  }
+  if (field.quadratic) add_quadratic_terms(mesh, field, cell, xi, N, s);
+  if (field.edge) add_edge_terms(mesh, field, cell, xi, N, s);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,82 @@
+#include "recovery/zone_edge/contact_zone.hpp"
+
+#include <map>
+
+#include "recovery/zone_edge/narrow_zone.hpp"
+
+namespace cgcontact {
+
+ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index)
+    : cell_size_(bodies[index].mesh->cut_cells->grid.cell_size), buckets_(edge_fit_reach * cell_size_) {
+  const Grid& grid = bodies[index].mesh->cut_cells->grid;
+  std::map<int, int> other_of_pair;
+  for (const ContactLink& link : bodies[index].boundary->links) {
+    if (!link.primary) continue;
+    other_of_pair[link.pair] = link.other_body;
+    buckets_.add(grid.to_global(link.position), static_cast<int>(forces_.size()));
+    forces_.push_back({link.pair, link.cell, 0, link.active, grid.to_global(link.position), grid.rotation * link.normal,
+                       link.weight, link.weight * link.pressure, link.weight * link.spread_pressure});
+  }
+  if (other_of_pair.empty()) return;
+  const std::vector<SymmetryPlane> planes = symmetry_planes(*bodies[index].mesh->cut_cells, *bodies[index].boundary);
+  for (const auto& [pair, other] : other_of_pair)
+    if (!planes.empty())
+      add_images(pair, common_planes(planes, symmetry_planes(*bodies[other].mesh->cut_cells, *bodies[other].boundary),
+                                     cell_size_));
+}
+
+/// Images in every plane, and of images in planes across: four quarters of a quarter.
+void ContactZone::add_images(int pair, const std::vector<SymmetryPlane>& planes) {
+  const std::size_t first_image = images_.size();
+  for (std::size_t p = 0; p < planes.size() && p < 31; ++p) {
+    const auto add = [&](TransmittedForce f) {
+      if (f.pair != pair || -planes[p].distance(f.position) > narrow_zone_reach * cell_size_) return;
+      for (std::size_t k = 0; k < p; ++k)
+        if ((f.image >> k & 1) && std::abs(planes[k].normal.dot(planes[p].normal)) > 0.5) return;  // parallel planes
+      f.position = planes[p].image(f.position);
+      f.normal = planes[p].turned(f.normal);
+      f.image |= 1 << p;
+      images_.push_back(f);
+    };
+    const std::size_t last_image = images_.size();
+    for (const TransmittedForce& f : forces_) add(f);
+    for (std::size_t i = first_image; i < last_image; ++i) add(images_[i]);
+  }
+}
+
+std::vector<const TransmittedForce*> ContactZone::forces_near(int pair, const Vec3& x, const Vec3& n,
+                                                              double cells) const {
+  std::vector<const TransmittedForce*> found;
+  const double square = std::pow(cells * cell_size_, 2);
+  buckets_.each_near(x, [&](int i) {
+    const TransmittedForce& f = forces_[i];
+    if (f.pair == pair && f.normal.dot(n) > 0.5 && (f.position - x).squaredNorm() < square) found.push_back(&f);
+  });
+  return found;
+}
+
+std::vector<TransmittedForce> ContactZone::closed_cells() const {
+  std::map<std::array<int, 3>, TransmittedForce> cells;
+  const auto add = [&](const TransmittedForce& f) {
+    if (!f.closed) return;
+    TransmittedForce& whole =
+        cells
+            .try_emplace({f.image, f.cell, f.pair},
+                         TransmittedForce{f.pair, f.cell, f.image, true, Vec3::Zero(), Vec3::Zero(), 0, 0, 0})
+            .first->second;
+    whole.area += f.area;
+    whole.position += f.area * f.position;
+    whole.normal += f.area * f.normal;
+  };
+  for (const TransmittedForce& f : forces_) add(f);
+  for (const TransmittedForce& f : images_) add(f);
+  std::vector<TransmittedForce> closed;
+  for (auto& [key, whole] : cells) {
+    whole.position /= whole.area;
+    whole.normal.normalize();
+    closed.push_back(whole);
+  }
+  return closed;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,35 @@
+/// The contact points of the pairs that one body has the coarser cells of, with the forces that they transmit and their
+/// mirror images behind symmetry planes.
+#pragma once
+
+#include "core/base/point_buckets.hpp"
+#include "recovery/zone_edge/edge_fit.hpp"
+#include "recovery/zone_edge/symmetry_planes.hpp"
+
+namespace cgcontact {
+
+class ContactZone {
+ public:
+  ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index);
+
+  double cell_size() const { return cell_size_; }  ///< m, of the coarser body
+  /// Without images.
+  const std::vector<TransmittedForce>& forces() const { return forces_; }
+  /// Of the points within some cells of a symmetry plane that both bodies of their pair have.
+  const std::vector<TransmittedForce>& images() const { return images_; }
+
+  /// The points of a pair on a face turned like n, within so many cells (at most edge_fit_reach) of x; no images.
+  std::vector<const TransmittedForce*> forces_near(int pair, const Vec3& x, const Vec3& n, double cells) const;
+
+  /// The closed points of every cell, pair and image as one point with their mean place and normal; images last.
+  std::vector<TransmittedForce> closed_cells() const;
+
+ private:
+  void add_images(int pair, const std::vector<SymmetryPlane>& planes);
+
+  double cell_size_;
+  std::vector<TransmittedForce> forces_, images_;
+  PointBuckets buckets_;
+};
+
+}  // namespace cgcontact

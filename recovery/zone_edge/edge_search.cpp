@@ -1,0 +1,346 @@
+#include "recovery/zone_edge/edge_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+#include "recovery/zone_edge/narrow_edges.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Places per chunk of the parallel loops.
+constexpr std::size_t grain = 4;
+
+/// Times that all places are looked for: from the border of the closed points the second time is within 0.01 cells.
+constexpr int rounds = 3;
+
+/// Samples count with exp(-(distance / (smoothing width))^2 / 2), and not at all beyond reach widths.
+constexpr double smoothing = 1.5, reach = 4 * smoothing;
+/// What the place of an edge may be off, cells; the scatter below is that of its places.
+constexpr double expected_error = 0.015;
+/// How far outside a zone that is fitted as a whole (recovery/zone_edge/narrow_edges.hpp) its edge is known, widths.
+constexpr double outside_narrow = 2.5;
+/// Scatter of the first guesses and of the places that the forces give, and what slope and curvature against the mean
+/// direction are expected to be; cells.
+constexpr double guess_scatter = 0.2, place_scatter = 0.02, expected_slope = 0.2;
+
+/// Cells around a place whose points say where the edge may be.
+constexpr double guess_reach = 2;
+
+/// A strip of the face (a slab of few cells, a narrow land): points within edge_fit_reach spread less than that across
+/// it, cells squared (of a strip of three and a half cells; of the end and the corner of a wide face: 1.7 and 1.2).
+constexpr double strip_variance = 1;
+/// A line across a strip parts its points if less of them than that lies on the wrong side.
+constexpr double parted = 0.2;
+
+/// Direction across the strip that the face is around x; false: it is none. One row of cells more on one side of a
+/// strip would turn the line that parts the points by 45 degrees and more.
+bool is_strip(const std::vector<const TransmittedForce*>& points, double cell_size, Vec3& across) {
+  double area = 0;
+  Vec3 mean = Vec3::Zero();
+  Mat3 square = Mat3::Zero();
+  for (const TransmittedForce* f : points) {
+    const Vec3 d = (f->position - points.front()->position) / cell_size;
+    area += f->area;
+    mean += f->area * d;
+    square += f->area * d * d.transpose();
+  }
+  if (!(area > 0)) return false;
+  const Eigen::SelfAdjointEigenSolver<Mat3> eigen(square / area - mean / area * (mean / area).transpose());
+  across = eigen.eigenvectors().col(1);  // the smallest one is along the normal
+  return eigen.eigenvalues()[1] < strip_variance;
+}
+
+/// The line that parts the closed from the open points around x best: least squares of +1 and -1 by a
+/// linear function on the face, both sorts counting alike; in a strip a line across it, if one parts them. False if
+/// there is only one sort or no line parts them.
+bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSample& sample) {
+  const double h = zone.cell_size();
+  const auto points = zone.forces_near(sample.pair, x, n, guess_reach);
+  double area[2] = {};  // open, closed
+  Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
+  for (const TransmittedForce* f : points) area[f->closed] += f->area;
+  if (area[0] == 0 || area[1] == 0) return false;
+  const auto weight = [&](const TransmittedForce& f) { return 0.5 * f.area / area[f.closed]; };
+  for (const TransmittedForce* f : points) {
+    centroid += weight(*f) * f->position;
+    normal += weight(*f) * f->normal;
+  }
+  normal.normalize();
+  const auto part = [&](const Vec3& t1, const Vec3& t2, double held) {
+    const auto tangential = [&](const TransmittedForce& f) {
+      return Vec3(1, t1.dot(f.position - centroid) / h, t2.dot(f.position - centroid) / h);
+    };
+    Mat3 A = Mat3::Zero();
+    Vec3 b = Vec3::Zero();
+    for (const TransmittedForce* f : points) {
+      const Vec3 p = tangential(*f);
+      A += weight(*f) * p * p.transpose();
+      b += weight(*f) * (f->closed ? 1 : -1) * p;
+    }
+    A.diagonal() += Vec3(0, 1e-6, held);  // points on one line
+    const Vec3 c = A.ldlt().solve(b);
+    const double steep = c.tail<2>().norm();
+    if (!(steep > 0.05)) return false;
+    double wrong = 0;
+    for (const TransmittedForce* f : points)
+      if (f->closed != (c.dot(tangential(*f)) > 0)) wrong += weight(*f);
+    sample.closed = (c[1] * t1 + c[2] * t2) / steep;
+    sample.origin = centroid - c[0] / steep * h * sample.closed;
+    sample.normal = normal;
+    return wrong < parted;
+  };
+  Vec3 across;
+  if (is_strip(zone.forces_near(sample.pair, x, n, edge_fit_reach), h, across)) {
+    across = (across - across.dot(normal) * normal).normalized();
+    if ((sample.in_strip = part(normal.cross(across), across, 1e6))) return true;
+  }
+  const auto [t1, t2] = tangents(normal);
+  return part(t1, t2, 1e-6);
+}
+
+/// First guess from around a closed point, then from around that.
+bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSample& sample) {
+  sample.pair = closed.pair;
+  return part_points(zone, closed.position, closed.normal, sample) &&
+         part_points(zone, Vec3(sample.origin), Vec3(sample.normal), sample);
+}
+
+/// Zones of fewer cells have the width that their forces spread over (a quarter of it under Hertz's contact): closed
+/// groups are whole cells, and measured from an edge that is off by some tenths the width moves the edge farther off.
+constexpr double few_cells = 9;
+
+/// Across the zone from a sample to its other side, over the points within a cell along the edge: to the opposite edge
+/// where open points follow, else to a plane of symmetry (or an edge of the body) that the zone is taken to go on
+/// behind. The mean and variance of the distances give the side without regard to how the points lie.
+double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
+  const double h = zone.cell_size();
+  struct PointInBand {
+    double across, area, force;
+    bool closed;
+  };
+  std::vector<PointInBand> band;
+  for (const TransmittedForce& f : zone.forces()) {
+    const Vec3 d = f.position - sample.origin;
+    const double across = sample.closed.dot(d);
+    if (f.pair == sample.pair && d.squaredNorm() - across * across < h * h)
+      band.push_back({across, f.area, f.spread_force, f.closed});
+  }
+  // Open points behind the zone: more open than closed area in a strip of one cell. Single points inside may be open.
+  std::vector<double> surplus;
+  for (const PointInBand& p : band) {
+    if (p.across < h) continue;
+    const auto strip = static_cast<std::size_t>(p.across / h);
+    if (strip >= surplus.size()) surplus.resize(strip + 1, 0.0);
+    surplus[strip] += p.closed ? -p.area : p.area;
+  }
+  const auto first_open = std::find_if(surplus.begin(), surplus.end(), [](double open) { return open > 0; });
+  const bool has_opposite = first_open != surplus.end();
+  const double gap = has_opposite ? h * static_cast<double>(first_open - surplus.begin()) : 1e300;
+  const auto spread = [&](auto weight) {
+    double sum = 0, mean = 0, square = 0;
+    for (const PointInBand& p : band) {
+      if (!p.closed || p.across > gap + h) continue;
+      sum += weight(p);
+      mean += weight(p) * p.across;
+      square += weight(p) * p.across * p.across;
+    }
+    mean /= sum;
+    return std::pair(mean, std::sqrt(std::max(square / sum - mean * mean, 0.0)));
+  };
+  const auto [mean, deviation] = spread([](const PointInBand& p) { return p.area; });
+  const double closed = mean + std::sqrt(3.0) * deviation, whole = 2 * std::sqrt(3.0) * deviation;
+  if (!(closed > h)) return 0;
+  if (!has_opposite) return 1 / (2 * closed);
+  if (!(whole < few_cells * h)) return 1 / closed;
+  const double by_forces = spread([](const PointInBand& p) { return p.force; }).second;
+  const double width = 4 * std::sqrt(std::max(by_forces * by_forces - h * h / 12, 0.0));
+  return 1 / std::clamp(width, std::max(whole - 1.5 * h, 0.5 * whole), whole + h);
+}
+
+/// Some samples are measured, the others take the value of the nearest of these.
+void measure_widths(const ContactZone& zone, std::vector<EdgeSample>& samples) {
+  constexpr std::size_t measured = 24;
+  const std::size_t stride = samples.size() / measured + 1;
+  parallel_for("cgcontact::edge_search::widths", (samples.size() + stride - 1) / stride, 1,
+               [&](std::size_t i) { samples[i * stride].inverse_width = inverse_width_at(zone, samples[i * stride]); });
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i % stride == 0) continue;
+    double nearest = 1e300;
+    for (std::size_t k = 0; k < samples.size(); k += stride) {
+      const double distance = (samples[k].origin - samples[i].origin).squaredNorm();
+      if (samples[k].pair != samples[i].pair || distance >= nearest) continue;
+      nearest = distance;
+      samples[i].inverse_width = samples[k].inverse_width;
+    }
+  }
+}
+
+void keep_found(std::vector<EdgeSample>& samples) {
+  samples.erase(std::remove_if(samples.begin(), samples.end(), [](const EdgeSample& s) { return s.pair < 0; }),
+                samples.end());
+}
+
+/// Moves all samples to where the forces put the edge; those without such a place are dropped.
+void place_edges(const ContactZone& zone, const Scales& scales, double scatter, std::vector<EdgeSample>& samples) {
+  const FoundEdges edges(samples, zone.cell_size(), scatter);
+  parallel_for("cgcontact::edge_search::samples", samples.size(), grain, [&](std::size_t i) {
+    EdgeSample& sample = samples[i];
+    EdgePiece piece;
+    edges.near(sample.pair, sample.origin, piece);
+    const EdgeFit fit =
+        fit_edge(piece, zone.forces_near(sample.pair, piece.origin, sample.normal, edge_fit_reach), zone.cell_size());
+    if (!fit.found) {
+      sample.pair = -1;
+      return;
+    }
+    sample.origin = piece.origin - fit.shift * zone.cell_size() * piece.closed;
+    sample.closed = piece.closed;
+    sample.factor = -fit.strength / scales.stress;
+  });
+  keep_found(samples);
+}
+
+}  // namespace
+
+FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double scatter)
+    : samples_(std::move(samples)), width_(width), scatter_(scatter), buckets_(reach * width) {
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    // All normals of a pair point the same way.
+    const std::size_t first = first_of_pair_.try_emplace(samples_[i].pair, i).first->second;
+    if (samples_[first].normal.dot(samples_[i].normal) < 0) samples_[i].normal *= -1;
+    buckets_.add(samples_[i].origin, static_cast<int>(i));
+  }
+  number_zones();
+}
+
+void FoundEdges::number_zones() {
+  zone_.assign(samples_.size(), -1);
+  std::vector<int> members;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    if (zone_[i] >= 0) continue;
+    const int number = zone_[i] = static_cast<int>(num_zones_++);
+    members.assign(1, static_cast<int>(i));
+    for (std::size_t next = 0; next < members.size(); ++next) {
+      const EdgeSample& from = samples_[members[next]];
+      buckets_.each_near(from.origin, [&](int k) {
+        if (zone_[k] >= 0 || samples_[k].pair != from.pair ||
+            (samples_[k].origin - from.origin).norm() > reach * width_)
+          return;
+        zone_[k] = number;
+        members.push_back(k);
+      });
+    }
+  }
+}
+
+FoundEdges FoundEdges::without(const std::vector<char>& zones) const {
+  std::vector<EdgeSample> kept;
+  for (std::size_t i = 0; i < samples_.size(); ++i)
+    if (!zones[zone_[i]]) kept.push_back(samples_[i]);
+  return FoundEdges(std::move(kept), width_, scatter_);
+}
+
+int FoundEdges::zone(int pair, const Vec3& x) const {
+  const EdgeSample* sample = nearest(pair, x);
+  return sample ? zone_[sample - samples_.data()] : -1;
+}
+
+const EdgeSample* FoundEdges::nearest(int pair, const Vec3& x) const {
+  const EdgeSample* found = nullptr;
+  double least = reach * width_;
+  buckets_.each_near(x, [&](int i) {
+    const EdgeSample& s = samples_[i];
+    const double distance = (s.origin - x).norm();
+    if (s.pair == pair && distance < least) found = &s, least = distance;
+  });
+  return found;
+}
+
+bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
+  if (samples_.empty()) return false;
+  const EdgeSample* const first = nearest(pair, x);
+  if (!first) return false;
+  // Farther outside there may be another zone, one without edges.
+  if (first->narrow)
+    return first->narrow->edge_near(x, first->origin, piece) && piece.inside(x) > -outside_narrow * width_;
+  Vec3 foot = first->origin;
+  const auto each_weighted = [&](const auto& use) {
+    buckets_.each_near(foot, [&](int i) {
+      const EdgeSample& s = samples_[i];
+      const double distance = (s.origin - foot).norm() / width_;
+      if (s.pair == pair && !s.narrow && distance < reach && s.closed.dot(first->closed) > 0)  // not the opposite edge
+        use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
+    });
+  };
+  // Mean directions about the nearest sample; the foot of x on the edge.
+  Vec3 closed = Vec3::Zero(), normal = Vec3::Zero();
+  each_weighted([&](const EdgeSample& s, double w) {
+    closed += w * s.closed;
+    normal += w * s.normal;
+  });
+  normal.normalize();
+  closed = (closed - closed.dot(normal) * normal).normalized();
+  const Vec3 along = normal.cross(closed);
+  foot += along.dot(x - foot) * along;
+  // A parabola across over along.
+  Mat3 A = Mat3::Zero();
+  Vec3 b = Vec3::Zero();
+  double sum = 0, height = 0, factor = 0, inverse_width = 0;
+  each_weighted([&](const EdgeSample& s, double w) {
+    const Vec3 d = (s.origin - foot) / width_;
+    const double t = along.dot(d);
+    const Vec3 p(1, t, 0.5 * t * t);
+    A += w * p * p.transpose();
+    b += w * closed.dot(d) * p;
+    sum += w;
+    height += w * normal.dot(d);
+    inverse_width += w * s.inverse_width;
+    factor += w * s.factor;
+  });
+  const double ridge = first->in_strip ? 1e6 : std::pow(scatter_ / expected_slope, 2);
+  A.diagonal() += Vec3(0, ridge, ridge);
+  const Vec3 c = A.ldlt().solve(b);
+  piece.origin = foot + width_ * (c[0] * closed + height / sum * normal);
+  piece.closed = (closed - c[1] * along).normalized();
+  piece.along = normal.cross(piece.closed);
+  piece.curvature = -c[2] / width_;
+  piece.inverse_width = inverse_width / sum;
+  piece.factor = factor / sum;
+  piece.place_error = expected_error * width_;
+  return true;
+}
+
+FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Scales& scales,
+                              const RecoveryOptions& options) {
+  std::vector<EdgeSample> all;
+  double width = 0;
+  for (std::size_t b = 0; b < bodies.size() && options.contact_edge; ++b) {
+    const ContactZone zone(bodies, b);
+    const auto closed = zone.closed_cells();
+    PointBuckets open(guess_reach * zone.cell_size());
+    for (std::size_t i = 0; i < zone.forces().size(); ++i)
+      if (!zone.forces()[i].closed) open.add(zone.forces()[i].position, static_cast<int>(i));
+    std::vector<EdgeSample> samples(closed.size());
+    parallel_for("cgcontact::edge_search::closed_points", closed.size(), grain, [&](std::size_t i) {
+      samples[i].cell = static_cast<int>(i);
+      bool inner = true;
+      open.each_near(closed[i].position, [&](int) { inner = false; });
+      if (inner || closed[i].image || !guess_edge(zone, closed[i], samples[i])) samples[i].pair = -1;
+    });
+    keep_found(samples);
+    measure_widths(zone, samples);
+    const std::vector<EdgeSample> narrow = take_narrow_edges(zone, closed, scales.stress, samples);
+    for (int round = 0; round < rounds && !samples.empty(); ++round) {
+      if (round > 0) measure_widths(zone, samples);
+      place_edges(zone, scales, round == 0 ? guess_scatter : place_scatter, samples);
+    }
+    samples.insert(samples.end(), narrow.begin(), narrow.end());
+    if (!samples.empty()) width = std::max(width, zone.cell_size());
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+  return FoundEdges(std::move(all), width, place_scatter);
+}
+
+}  // namespace cgcontact

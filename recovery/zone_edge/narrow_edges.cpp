@@ -1,0 +1,227 @@
+#include "recovery/zone_edge/narrow_edges.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Zones narrower than that (cells) may count as a whole, and so do closed cells that near to such an edge.
+constexpr double narrow_width = 14, narrow_reach = 5;
+/// They do where the edge has a radius below that, cells. Elsewhere recovery/zone_edge/edge_fit.hpp is better:
+/// two_solids.toml, n = 8 and 16 (4.2 and 8.4 cells across), six random offsets, 3.1 and 1.5 instead of 4.7 and 2.0 %.
+constexpr double round_radius = 8;
+/// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells.
+constexpr double connected = 1.8;
+/// Nothing is said about the edges of zones narrower than that, cells.
+constexpr double narrowest = 1.5;
+/// Outside an edge, that far and around that within this distance, there are open points (cells): else the contact ends
+/// at an edge of a body. So it must be for that part of a zone's edges.
+constexpr double outside = 0.6, around = 0.75, open_fraction = 0.8;
+/// One fit for all closed cells whose zones' middles are nearer to each other than that, cells.
+constexpr double same_middle = 0.5;
+
+/// Where the profile of a round zone is no more Hertz's the place of the edge is a guess, and the term worse than none.
+/// The misfit of Hertz's own grows with the cells.
+bool is_hertzian(const NarrowZone& zone, double inverse_width) {
+  return zone.misfit < 0.008 + std::pow(inverse_width * zone.cell_size, 3);
+}
+
+/// The closed cells with their neighbours: connected zones and what lies around.
+class NarrowZones {
+ public:
+  NarrowZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed)
+      : closed_(closed),
+        h_(zone.cell_size()),
+        buckets_(narrow_zone_reach * h_),
+        closed_buckets_(narrow_zone_reach * h_),
+        open_buckets_(0.5 * narrow_width * h_) {
+    for (std::size_t i = 0; i < closed.size(); ++i) {
+      index_[{closed[i].pair, closed[i].cell, closed[i].image}] = static_cast<int>(i);
+      closed_buckets_.add(closed[i].position, static_cast<int>(i));
+    }
+    for (const auto* list : {&zone.forces(), &zone.images()})
+      for (const TransmittedForce& f : *list) {
+        const int number = static_cast<int>(points_.size());
+        buckets_.add(f.position, number);
+        if (!f.closed) open_buckets_.add(f.position, number);
+        points_.push_back(&f);
+      }
+    connect();
+  }
+
+  int component(int cell) const { return component_[cell]; }
+
+  /// Closed cells, no images, near open points in zones in which no edge was guessed, or near a sample whose zone is
+  /// narrow.
+  std::vector<int> candidates(const std::vector<EdgeSample>& samples) const {
+    std::vector<char> guessed(closed_.size(), 0);
+    std::vector<const EdgeSample*> narrow;
+    PointBuckets near(narrow_reach * h_);
+    for (const EdgeSample& s : samples) {
+      guessed[component_[s.cell]] = 1;
+      if (s.inverse_width * narrow_width * h_ < 1) continue;
+      near.add(s.origin, static_cast<int>(narrow.size()));
+      narrow.push_back(&s);
+    }
+    std::vector<int> cells;
+    for (std::size_t i = 0; i < closed_.size() && !closed_[i].image; ++i) {
+      bool found = !guessed[component_[i]] && has_open_points(closed_[i].pair, closed_[i].position, 0.5 * narrow_width);
+      near.each_near(closed_[i].position, [&](int k) {
+        found = found || (narrow[k]->pair == closed_[i].pair &&
+                          (narrow[k]->origin - closed_[i].position).norm() < narrow_reach * h_);
+      });
+      if (found) cells.push_back(static_cast<int>(i));
+    }
+    return cells;
+  }
+
+  /// Middle of a cell's zone as far as forces count, and the mean normal there.
+  std::pair<Vec3, Vec3> middle(int cell) const {
+    Vec3 x = closed_[cell].position, normal = closed_[cell].normal;
+    for (int step = 0; step < 4; ++step) {
+      Vec3 position = Vec3::Zero(), normals = Vec3::Zero();
+      double area = 0;
+      closed_buckets_.each_near(x, [&](int i) {
+        if (component_[i] != component_[cell]) return;
+        const double w = narrow_zone_weight((closed_[i].position - x).norm() / h_) * closed_[i].area;
+        area += w;
+        position += w * closed_[i].position;
+        normals += w * closed_[i].normal;
+      });
+      x = position / area;
+      normal = normals.normalized();
+    }
+    return {x, normal};
+  }
+
+  /// Within so many cells, at most half of narrow_width.
+  bool has_open_points(int pair, const Vec3& x, double cells) const {
+    bool found = false;
+    open_buckets_.each_near(x, [&](int i) {
+      found = found || (points_[i]->pair == pair && (points_[i]->position - x).norm() < cells * h_);
+    });
+    return found;
+  }
+
+  /// From the forces of the cell's zone and all open points around.
+  bool fit(int cell, const Vec3& x, const Vec3& normal, double stress_unit, NarrowZone& fitted) const {
+    std::vector<const TransmittedForce*> forces;
+    buckets_.each_near(x, [&](int i) {
+      const TransmittedForce& f = *points_[i];
+      if (f.pair != closed_[cell].pair || f.normal.dot(normal) < 0.5) return;
+      const auto found = index_.find({f.pair, f.cell, f.image});
+      if (found == index_.end() || component_[found->second] == component_[cell]) forces.push_back(&f);
+    });
+    return fit_narrow_zone(forces, x, normal, h_, stress_unit, fitted);
+  }
+
+ private:
+  void connect() {
+    PointBuckets cells(connected * h_);
+    for (std::size_t i = 0; i < closed_.size(); ++i) cells.add(closed_[i].position, static_cast<int>(i));
+    component_.assign(closed_.size(), -1);
+    std::vector<int> members;
+    for (std::size_t i = 0; i < closed_.size(); ++i) {
+      if (component_[i] >= 0) continue;
+      const int number = static_cast<int>(i);
+      members.assign(1, number);
+      component_[i] = number;
+      for (std::size_t next = 0; next < members.size(); ++next) {
+        const TransmittedForce& from = closed_[members[next]];
+        cells.each_near(from.position, [&](int k) {
+          if (component_[k] >= 0 || closed_[k].pair != from.pair ||
+              (closed_[k].position - from.position).norm() > connected * h_)
+            return;
+          component_[k] = number;
+          members.push_back(k);
+        });
+      }
+    }
+  }
+
+  const std::vector<TransmittedForce>& closed_;
+  double h_;
+  std::vector<const TransmittedForce*> points_;
+  PointBuckets buckets_;                     // of points_
+  PointBuckets closed_buckets_;              // of closed_
+  PointBuckets open_buckets_;                // of the open ones of points_
+  std::map<std::array<int, 3>, int> index_;  // pair, cell, image -> closed cell
+  std::vector<int> component_;               // of closed cells: the first cell of their zone
+};
+
+/// A fit with the closed cells that share it.
+struct Part {
+  Vec3 middle, normal;
+  std::shared_ptr<NarrowZone> fitted;  // null: there is none
+  std::vector<int> cells;
+  std::vector<std::pair<int, EdgePiece>> edges;  // of cells
+  bool counts_as_whole = false;
+};
+
+std::vector<Part> make_parts(const NarrowZones& zones, const std::vector<int>& cells, double cell_size) {
+  std::vector<Part> parts;
+  for (const int c : cells) {
+    const auto [middle, normal] = zones.middle(c);
+    const auto same = std::find_if(parts.begin(), parts.end(), [&, &x = middle](const Part& part) {
+      return zones.component(part.cells.front()) == zones.component(c) &&
+             (part.middle - x).norm() < same_middle * cell_size;
+    });
+    if (same != parts.end())
+      same->cells.push_back(c);
+    else
+      parts.push_back({middle, normal, nullptr, {c}, {}});
+  }
+  return parts;
+}
+
+}  // namespace
+
+std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::vector<TransmittedForce>& closed,
+                                          double stress_unit, std::vector<EdgeSample>& samples) {
+  const NarrowZones zones(zone, closed);
+  const double h = zone.cell_size();
+  std::vector<Part> parts = make_parts(zones, zones.candidates(samples), h);
+  parallel_for("cgcontact::narrow_edges::parts", parts.size(), 1, [&](std::size_t i) {
+    Part& part = parts[i];
+    NarrowZone fitted;
+    const bool fits = zones.fit(part.cells.front(), part.middle, part.normal, stress_unit, fitted);
+    if (fitted.coefficients.isZero()) {
+      part.counts_as_whole = true;
+      return;
+    }
+    double inverse_width = 0;
+    bool round = false;
+    std::size_t open = 0;
+    for (const int c : part.cells) {
+      EdgePiece piece;
+      if (!fitted.edge_near(closed[c].position, closed[c].position, piece)) continue;
+      round = round || piece.curvature * round_radius * h < -1;
+      inverse_width = std::max(inverse_width, piece.inverse_width);
+      open += zones.has_open_points(closed[c].pair, piece.origin - outside * h * piece.closed, around);
+      part.edges.emplace_back(c, piece);
+    }
+    part.counts_as_whole = round;
+    if (!fits || inverse_width * narrowest * h > 1) return;
+    if (static_cast<double>(open) < open_fraction * static_cast<double>(part.edges.size())) return;
+    if (is_hertzian(fitted, inverse_width)) part.fitted = std::make_shared<NarrowZone>(fitted);
+  });
+  std::vector<char> taken(closed.size(), 0);
+  std::vector<EdgeSample> edges;
+  for (const Part& part : parts) {
+    if (!part.counts_as_whole) continue;
+    for (const int c : part.cells) taken[c] = 1;
+    if (!part.fitted) continue;
+    for (const auto& [cell, piece] : part.edges)
+      edges.push_back({closed[cell].pair, cell, piece.origin, piece.closed, part.normal, piece.inverse_width,
+                       piece.factor, part.fitted});
+  }
+  samples.erase(std::remove_if(samples.begin(), samples.end(), [&](const EdgeSample& s) { return taken[s.cell]; }),
+                samples.end());
+  return edges;
+}
+
+}  // namespace cgcontact
