@@ -1,24 +1,46 @@
 #!/bin/bash
-# Includes go one way: core <- kernels <- recovery <- contact <- perf, tests. Complains about each line that does not.
+# Includes go one way: core <- kernels <- recovery <- contact <- perf, tests; and in each of these from room to room (sub-folder) in the order below.
+# Files beside the rooms come last: they may include any room, no room includes them. Complains about each line that does not keep to it.
 #   scripts/check_includes.sh [ROOT]
 set -euo pipefail
 cd "${1:-$(dirname "$0")/..}"
 
 layers=(core kernels recovery contact)
+declare -A rooms=(
+  [core]="base triangles geometry scene quadrature cells results drawing program output"
+  [kernels]="simd mesh operator reference assembled multigrid solver"
+  [recovery]="patch spr zone_edge batched constrained error"
+)
+
+include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'
 bad=0
+
+# refuse FOLDER PATTERN-OF-LINES PATTERN-OF-ALLOWED-ONES WHY
+refuse() {
+  while IFS= read -r line; do
+    echo "$line   ($4)"
+    bad=1
+  done < <(grep -rnE --include='*.[ch]pp' "$2" "$1" | grep -vE "$3" || true)
+}
+
 for ((i = 0; i < ${#layers[@]}; i++)); do
-  [ -d "${layers[i]}" ] || { echo "no folder ${layers[i]} in $PWD"; exit 1; }
+  layer=${layers[i]}
+  [ -d "$layer" ] || { echo "no folder $layer in $PWD"; exit 1; }
   allowed=$(IFS='|'; echo "${layers[*]:0:i+1}")
   # In quotes only what lies in an allowed folder, written with the folder.
-  while IFS= read -r line; do
-    echo "$line   (${layers[i]} may include: ${layers[*]:0:i+1})"
-    bad=1
-  done < <(grep -rnE --include='*.[ch]pp' '^[[:space:]]*#[[:space:]]*include[[:space:]]*"' "${layers[i]}" |
-    grep -vE "include[[:space:]]*\"($allowed)/" || true)
-  while IFS= read -r line; do
-    echo "$line   (in angle brackets: our own headers are included in quotes)"
-    bad=1
-  done < <(grep -rnE --include='*.[ch]pp' '^[[:space:]]*#[[:space:]]*include[[:space:]]*<(core|kernels|recovery|contact|perf|tests)/' \
-    "${layers[i]}" || true)
+  refuse "$layer" "$include\"" "include[[:space:]]*\"($allowed)/" "$layer may include: ${layers[*]:0:i+1}"
+  refuse "$layer" "$include<(core|kernels|recovery|contact|perf|tests)/" '^$' 'in angle brackets: our own headers are included in quotes'
+  [ -n "${rooms[$layer]:-}" ] || continue
+  before=
+  for room in ${rooms[$layer]}; do
+    before=${before:+$before|}$room
+    if [ -d "$layer/$room" ]; then
+      refuse "$layer/$room" "$include\"$layer/" "include[[:space:]]*\"$layer/($before)/" "$layer/$room may include: ${before//|/ }"
+    fi
+  done
+  for folder in "$layer"/*/; do
+    room=$(basename "$folder")
+    [[ " ${rooms[$layer]} " == *" $room "* ]] || { echo "$layer/$room: not among the rooms of $layer in scripts/check_includes.sh"; bad=1; }
+  done
 done
 exit $bad

@@ -5,6 +5,7 @@
 
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/coarsen.hpp"
+#include "kernels/multigrid/find_soft_cells.hpp"
 #include "kernels/multigrid/smoother.hpp"
 #include "kernels/operator/fast_operator.hpp"
 

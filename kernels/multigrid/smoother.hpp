@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "kernels/multigrid/node_columns.hpp"
+#include "kernels/operator/node_columns.hpp"
 #include "kernels/operator/system.hpp"
 
 namespace cgcontact {

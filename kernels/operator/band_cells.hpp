@@ -12,6 +12,7 @@
 
 #include <vector>
 
+#include "kernels/operator/node_columns.hpp"
 #include "kernels/operator/soft_cells.hpp"
 #include "kernels/operator/system.hpp"
 #include "kernels/simd/lanes.hpp"

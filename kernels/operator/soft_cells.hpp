@@ -7,8 +7,6 @@
 
 #include <vector>
 
-#include "kernels/multigrid/node_columns.hpp"
-
 namespace cgcontact {
 
 struct SoftCells {
@@ -21,11 +19,5 @@ struct SoftCells {
   int halvings = 0;  ///< log2 of cell size over thickness of the thinnest such body, rounded; 0 without such cells
   signed char of(std::size_t body, std::size_t cell) const { return axis.empty() ? -1 : axis[body][cell]; }
 };
-
-/// Thin cut cells that carry no support, of bodies that are less than three quarters of a cell thick there on average,
-/// and not held nearly everywhere. finer: the next finer level and its thin cells, nullptr on the finest.
-template <class Real>
-SoftCells make_soft_cells(const ElasticSystem& system, const NodeColumns<Real>& columns, const ElasticSystem* finer,
-                          const SoftCells* of_finer);
 
 }  // namespace cgcontact

@@ -34,12 +34,6 @@ Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_
 
 }  // namespace
 
-std::pair<Vec3, Vec3> tangents(const Vec3& n) {
-  // A fixed choice with one threshold: rounding of n does not turn the frame.
-  const Vec3 t1 = n.cross(std::abs(n[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
-  return {t1, n.cross(t1)};
-}
-
 Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e) {
   const double p[num_terms] = {1, d[0], d[1], d[2]};
   Row24 row = Row24::Zero();

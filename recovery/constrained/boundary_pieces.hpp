@@ -8,13 +8,11 @@
 #include "core/cells/grid.hpp"
 #include "recovery/patch/boundary_data.hpp"
 #include "recovery/patch/patches.hpp"
+#include "recovery/patch/tangents.hpp"
 
 namespace cgcontact {
 
 using Row24 = Eigen::Matrix<double, 1, 6 * num_terms>;
-
-/// Two unit vectors that complete the unit vector n to a right-handed orthonormal frame (n, t1, t2).
-std::pair<Vec3, Vec3> tangents(const Vec3& n);
 
 /// Traction R(n) P(d): row of the component along e of sigma n, at offset d from the polynomial's centre.
 Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e);

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/base/parallel.hpp"
-#include "recovery/constrained/patch_assembly.hpp"
 
 namespace cgcontact {
 namespace {

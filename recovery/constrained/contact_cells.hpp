@@ -1,12 +1,9 @@
 /// What the contact points of each cell add up to: patches are made of cells, and each cell is in eight of them.
 #pragma once
 
-#include "recovery/patch/boundary_data.hpp"
-#include "recovery/spr/cell_stress.hpp"
+#include "recovery/spr/recovery_input.hpp"
 
 namespace cgcontact {
-
-struct RecoveryBody;
 
 /// The contact points of one pair in one cell.
 struct ContactPiece {

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "recovery/constrained/recover_stress.hpp"
-#include "recovery/zone_edge/edge_search.hpp"
+#include "recovery/zone_edge/found_edges.hpp"
 
 namespace cgcontact {
 

@@ -5,36 +5,11 @@
 #include "kernels/operator/system.hpp"
 #include "recovery/constrained/boundary_pieces.hpp"
 #include "recovery/constrained/contact_cells.hpp"
-#include "recovery/patch/boundary_data.hpp"
-#include "recovery/patch/patch_problem.hpp"
-#include "recovery/spr/cell_stress.hpp"
-#include "recovery/spr/spr.hpp"
-#include "recovery/zone_edge/contact_edge.hpp"
+#include "recovery/patch/contact_edge.hpp"
+#include "recovery/patch/edge_map.hpp"
+#include "recovery/spr/recovery_input.hpp"
 
 namespace cgcontact {
-
-struct RecoveryOptions {
-  double rank_tolerance = 0.1;
-  double auxiliary_depth = 0.5;  ///< cells of the other body
-  bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
-  RecoveryDegree degree = {};    ///< of the polynomials
-  int quadratic_rings = 0;  ///< rings of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
-  int points_per_face = 0;  ///< 1, 3 or 6 constraint points; 0: by the degree
-  bool inverse_variance = true;  ///< the bodies of a coupled patch count with the inverse variance of their misfits
-
-  /// Degree 2: a tenth, the rows of the curvature of a traction are weak ones although not redundant
-  /// (docs/recovery.md).
-  double rank_tolerance_of(int of_degree) const { return of_degree == 1 ? rank_tolerance : 0.1 * rank_tolerance; }
-};
-
-/// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.
-struct RecoveryBody {
-  const BodyMesh* mesh;
-  const PatchSet* patches;
-  const BoundaryData* boundary;
-  RecoveredField field;
-  CellStress stress = {};  ///< what is fitted beside `field`; empty: sigma_h of the displacements
-};
 
 /// Cells that the polynomial of a node is fitted to, ascending: its patch, and so many rings of cells around the node.
 void fit_cells(const RecoveryBody& body, int node, PatchPolynomial polynomial, std::vector<int>& cells);
@@ -58,31 +33,6 @@ struct PairState {
   double area = 0, closed_area = 0;  ///< m^2
   bool is_closed() const;
   bool is_mixed() const { return closed_area > 0 && closed_area < area * (1 - 1e-12); }
-};
-
-/// The edge of a contact zone near some place, found by recovery/zone_edge/edge_search.hpp; global axes.
-struct EdgePiece {
-  Vec3 origin = Vec3::Zero(), closed = Vec3::UnitX(),
-       along = Vec3::UnitY();  ///< m; across the edge into the zone, along it
-  double curvature = 0;        ///< 1/m, negative around a convex zone
-  double inverse_width = 0;    ///< of the zone across the edge, 1/m; 0: not known
-  double factor = 0;           ///< of the term, Scales::stress per square root of a metre
-  double place_error = 0;      ///< expected, across the edge, m
-  /// Distance from the edge of the zone, or from the opposite one if that is nearer; negative outside; m.
-  double inside(const Vec3& x) const {
-    const double t = along.dot(x - origin), s = closed.dot(x - origin) + 0.5 * curvature * t * t;
-    return 2 * s * inverse_width > 1 ? 1 / inverse_width - s : s;
-  }
-};
-
-/// Where the edges of all pairs run.
-class EdgeMap {
- public:
-  virtual ~EdgeMap() = default;
-  /// The edge of a pair near x (m, global axes); false if there is none in reach.
-  virtual bool near(int pair, const Vec3& x, EdgePiece& piece) const = 0;
-  /// Whether any edges of a pair were found.
-  virtual bool has(int pair) const = 0;
 };
 
 /// The polynomial of every node of a body. Automatic at the contact: degree 2 in patches with closed points where both

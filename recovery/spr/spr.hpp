@@ -5,9 +5,9 @@
 #include <array>
 #include <memory>
 
+#include "recovery/patch/contact_edge.hpp"
 #include "recovery/patch/patches.hpp"
 #include "recovery/patch/subset.hpp"
-#include "recovery/zone_edge/contact_edge.hpp"
 
 namespace cgcontact {
 

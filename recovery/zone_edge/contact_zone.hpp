@@ -3,6 +3,7 @@
 #pragma once
 
 #include "core/base/point_buckets.hpp"
+#include "recovery/spr/recovery_input.hpp"
 #include "recovery/zone_edge/edge_fit.hpp"
 #include "recovery/zone_edge/symmetry_planes.hpp"
 

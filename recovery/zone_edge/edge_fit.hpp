@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "recovery/constrained/patch_assembly.hpp"
+#include "recovery/patch/edge_map.hpp"
 
 namespace cgcontact {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "kernels/mesh/mesh.hpp"
+#include "recovery/patch/contact_edge.hpp"
 #include "recovery/patch/patch_problem.hpp"
-#include "recovery/zone_edge/contact_edge.hpp"
 
 namespace cgcontact {
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "recovery/patch/tangents.hpp"
 #include "recovery/zone_edge/narrow_edges.hpp"
 
 namespace cgcontact {
@@ -15,15 +16,8 @@ constexpr std::size_t grain = 4;
 /// Times that all places are looked for: from the border of the closed points the second time is within 0.01 cells.
 constexpr int rounds = 3;
 
-/// Samples count with exp(-(distance / (smoothing width))^2 / 2), and not at all beyond reach widths.
-constexpr double smoothing = 1.5, reach = 4 * smoothing;
-/// What the place of an edge may be off, cells; the scatter below is that of its places.
-constexpr double expected_error = 0.015;
-/// How far outside a zone that is fitted as a whole (recovery/zone_edge/narrow_edges.hpp) its edge is known, widths.
-constexpr double outside_narrow = 2.5;
-/// Scatter of the first guesses and of the places that the forces give, and what slope and curvature against the mean
-/// direction are expected to be; cells.
-constexpr double guess_scatter = 0.2, place_scatter = 0.02, expected_slope = 0.2;
+/// Scatter of the first guesses and of the places that the forces give, cells.
+constexpr double guess_scatter = 0.2, place_scatter = 0.02;
 
 /// Cells around a place whose points say where the edge may be.
 constexpr double guess_reach = 2;
@@ -203,114 +197,6 @@ void place_edges(const ContactZone& zone, const Scales& scales, double scatter, 
 }
 
 }  // namespace
-
-FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double scatter)
-    : samples_(std::move(samples)), width_(width), scatter_(scatter), buckets_(reach * width) {
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    // All normals of a pair point the same way.
-    const std::size_t first = first_of_pair_.try_emplace(samples_[i].pair, i).first->second;
-    if (samples_[first].normal.dot(samples_[i].normal) < 0) samples_[i].normal *= -1;
-    buckets_.add(samples_[i].origin, static_cast<int>(i));
-  }
-  number_zones();
-}
-
-void FoundEdges::number_zones() {
-  zone_.assign(samples_.size(), -1);
-  std::vector<int> members;
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    if (zone_[i] >= 0) continue;
-    const int number = zone_[i] = static_cast<int>(num_zones_++);
-    members.assign(1, static_cast<int>(i));
-    for (std::size_t next = 0; next < members.size(); ++next) {
-      const EdgeSample& from = samples_[members[next]];
-      buckets_.each_near(from.origin, [&](int k) {
-        if (zone_[k] >= 0 || samples_[k].pair != from.pair ||
-            (samples_[k].origin - from.origin).norm() > reach * width_)
-          return;
-        zone_[k] = number;
-        members.push_back(k);
-      });
-    }
-  }
-}
-
-FoundEdges FoundEdges::without(const std::vector<char>& zones) const {
-  std::vector<EdgeSample> kept;
-  for (std::size_t i = 0; i < samples_.size(); ++i)
-    if (!zones[zone_[i]]) kept.push_back(samples_[i]);
-  return FoundEdges(std::move(kept), width_, scatter_);
-}
-
-int FoundEdges::zone(int pair, const Vec3& x) const {
-  const EdgeSample* sample = nearest(pair, x);
-  return sample ? zone_[sample - samples_.data()] : -1;
-}
-
-const EdgeSample* FoundEdges::nearest(int pair, const Vec3& x) const {
-  const EdgeSample* found = nullptr;
-  double least = reach * width_;
-  buckets_.each_near(x, [&](int i) {
-    const EdgeSample& s = samples_[i];
-    const double distance = (s.origin - x).norm();
-    if (s.pair == pair && distance < least) found = &s, least = distance;
-  });
-  return found;
-}
-
-bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
-  if (samples_.empty()) return false;
-  const EdgeSample* const first = nearest(pair, x);
-  if (!first) return false;
-  // Farther outside there may be another zone, one without edges.
-  if (first->narrow)
-    return first->narrow->edge_near(x, first->origin, piece) && piece.inside(x) > -outside_narrow * width_;
-  Vec3 foot = first->origin;
-  const auto each_weighted = [&](const auto& use) {
-    buckets_.each_near(foot, [&](int i) {
-      const EdgeSample& s = samples_[i];
-      const double distance = (s.origin - foot).norm() / width_;
-      if (s.pair == pair && !s.narrow && distance < reach && s.closed.dot(first->closed) > 0)  // not the opposite edge
-        use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
-    });
-  };
-  // Mean directions about the nearest sample; the foot of x on the edge.
-  Vec3 closed = Vec3::Zero(), normal = Vec3::Zero();
-  each_weighted([&](const EdgeSample& s, double w) {
-    closed += w * s.closed;
-    normal += w * s.normal;
-  });
-  normal.normalize();
-  closed = (closed - closed.dot(normal) * normal).normalized();
-  const Vec3 along = normal.cross(closed);
-  foot += along.dot(x - foot) * along;
-  // A parabola across over along.
-  Mat3 A = Mat3::Zero();
-  Vec3 b = Vec3::Zero();
-  double sum = 0, height = 0, factor = 0, inverse_width = 0;
-  each_weighted([&](const EdgeSample& s, double w) {
-    const Vec3 d = (s.origin - foot) / width_;
-    const double t = along.dot(d);
-    const Vec3 p(1, t, 0.5 * t * t);
-    A += w * p * p.transpose();
-    b += w * closed.dot(d) * p;
-    sum += w;
-    height += w * normal.dot(d);
-    inverse_width += w * s.inverse_width;
-    factor += w * s.factor;
-  });
-  const double ridge = first->in_strip ? 1e6 : std::pow(scatter_ / expected_slope, 2);
-  A.diagonal() += Vec3(0, ridge, ridge);
-  const Vec3 c = A.ldlt().solve(b);
-  piece.origin = foot + width_ * (c[0] * closed + height / sum * normal);
-  piece.closed = (closed - c[1] * along).normalized();
-  piece.along = normal.cross(piece.closed);
-  piece.curvature = -c[2] / width_;
-  piece.inverse_width = inverse_width / sum;
-  piece.factor = factor / sum;
-  piece.place_error = expected_error * width_;
-  return true;
-}
 
 FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Scales& scales,
                               const RecoveryOptions& options) {

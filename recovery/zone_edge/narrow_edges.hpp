@@ -3,7 +3,7 @@
 #pragma once
 
 #include "recovery/zone_edge/contact_zone.hpp"
-#include "recovery/zone_edge/edge_search.hpp"
+#include "recovery/zone_edge/found_edges.hpp"
 
 namespace cgcontact {
 

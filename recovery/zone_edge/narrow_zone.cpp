@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recovery/patch/tangents.hpp"
 #include "recovery/zone_edge/smooth_fall.hpp"
 
 namespace cgcontact {

@@ -1,4 +1,4 @@
-#include "recovery/zone_edge/contact_edge.hpp"
+#include "recovery/patch/contact_edge.hpp"
 
 namespace cgcontact {
 

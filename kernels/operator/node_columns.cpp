@@ -1,4 +1,4 @@
-#include "kernels/multigrid/node_columns.hpp"
+#include "kernels/operator/node_columns.hpp"
 
 #include <algorithm>
 

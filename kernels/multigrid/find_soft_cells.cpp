@@ -1,4 +1,4 @@
-#include "kernels/operator/soft_cells.hpp"
+#include "kernels/multigrid/find_soft_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
