@@ -19,8 +19,8 @@ struct ContactPoint {
   bool active = true;
 };
 
-/// Points of one cell and surface of the primary body: the gap is projected on one constant per group (design section
-/// 4).
+/// Points of one cell and surface of the primary body: the gap is projected on one constant per group
+/// (docs/theory.md).
 struct ContactGroup {
   int first_point = 0, last_point = 0;
   int surface = 0;         ///< of the primary body

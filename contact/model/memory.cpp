@@ -126,7 +126,7 @@ BodySize size_of(const CutCells& cc) {
           cc.solid.triangles() ? static_cast<double>(cc.solid.triangles()->triangles().size()) : 0.0};
 }
 
-/// Fitted to runs of the scenes of this repository (docs/performance.md, "Memory"). What grows like the surface weighs
+/// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). What grows like the surface weighs
 /// most. Cells of the grid that are empty have 5 bytes each.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
   double bytes = 85e6 + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points;

@@ -19,7 +19,7 @@
 namespace cgcontact {
 namespace {
 
-/// Inner tolerance as a fraction of the last outer residual (multigrid.md, table I).
+/// Inner tolerance as a fraction of the last outer residual (docs/decisions.md).
 constexpr double inner_fraction = 0.005;
 constexpr double loosest_inner_tolerance = 1e-3;
 /// Forces below this part of the kappa terms, and stresses below this part of E u / h, are rounding.

@@ -1,7 +1,7 @@
-/// The outer iteration: lagged recovered stress and active set together (design section 4).
+/// The outer iteration: lagged recovered stress and active set together.
 ///
 /// Supports: lambda = d . sigma* n - kappa E/h (u . d - g). Contact: p = [p* - kappa E/h gap]_+, the gap projected per
-/// group, p* the average of both bodies' recovered normal tractions. sigma* is that of the previous outer iterate, so
+/// group, p* the weighted mean of both bodies' recovered pressures. sigma* is that of the previous outer iterate, so
 /// each linear system is symmetric positive definite.
 #pragma once
 

@@ -1,4 +1,4 @@
-/// Small shared types: vectors, symmetric tensors, Kokkos view aliases.
+/// Small shared types: vectors, symmetric tensors.
 #pragma once
 
 #include <Eigen/Dense>

@@ -1,5 +1,5 @@
 /// Which cells a body fills, the moments of the cut ones, and quadrature points on the body's boundary.
-/// Design section 2. Everything here is in grid coordinates (cell units, grid axes): h = 1.
+/// Everything here is in grid coordinates (cell units, grid axes): h = 1.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,7 @@
 /// Solids as boolean expressions of elementary surfaces (plane, sphere, infinite cylinder).
 /// A box is the intersection of six half-spaces, a cylinder that of one quadric and two half-spaces; surfaces that
 /// coincide (same plane, sphere or cylinder up to rounding, either orientation) are merged into one, so that
-/// faces shared by several primitives are counted once. Design section 2.
+/// faces shared by several primitives are counted once.
 /// Or a solid is bounded by a triangle surface: then its elementary surfaces are the patches of that surface.
 #pragma once
 

@@ -16,7 +16,7 @@ std::vector<std::array<int, 3>> edge_neighbours(const std::vector<Triangle>& tri
 
 class TriangleSurface {
  public:
-  /// Closed and oriented outwards (check_triangles sees to that); `patch`: of every triangle, an index into
+  /// Closed and oriented outwards (repair_and_check sees to that); `patch`: of every triangle, an index into
   /// `face_names`, the name of the face each patch belongs to.
   TriangleSurface(std::vector<Vec3> points, std::vector<Triangle> triangles, std::vector<int> patch,
                   std::vector<std::string> face_names);

@@ -60,7 +60,7 @@ RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const Tpet
   list.set("problem: symmetric", true);
   list.set("coarse: max size", 4000);
   // Chebyshev runs on SpMV, 2-3 times faster here than Gauss-Seidel sweeps; with MueLu's default of 10 power iterations
-  // the preconditioner can become indefinite (design section 5), 30 are safe.
+  // the preconditioner can become indefinite, 30 are safe.
   list.set("smoother: type", "CHEBYSHEV");
   Teuchos::ParameterList& smoother = list.sublist("smoother: params");
   smoother.set("chebyshev: degree", 3);

@@ -1,4 +1,4 @@
-/// Stiffness matrices of the cells and the ghost-penalty face matrix (design section 3).
+/// Stiffness matrices of the cells and the ghost-penalty face matrix.
 #pragma once
 
 #include "kernels/operator/system.hpp"

@@ -1,5 +1,5 @@
 /// Belos CG on the matrix-free operator, preconditioned by geometric multigrid or, for comparison, by MueLu on the
-/// assembled matrix (design section 5).
+/// assembled matrix.
 #pragma once
 
 #include <memory>

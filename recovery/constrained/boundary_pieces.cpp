@@ -11,7 +11,7 @@ namespace {
 constexpr int voigt_index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
 /// Pieces smaller than this (standard deviation, cell units) get one constraint point along that direction: a
-/// stretch of 0.1 cells, below which three points differ by less than the fit can tell (prototype, section 4).
+/// stretch of 0.1 cells, below which three points differ by less than the fit can tell.
 constexpr double min_spread = 0.1 / 3.4641016151377544;
 
 /// On a flat contact face the points are spread at least this much, so that an open face is free of traction on its

@@ -1,5 +1,5 @@
 /// From the mesh and the boundary to the constrained fit of one patch: its kind, its auxiliary patch in the other body,
-/// its constraint rows (paper, equations 4, 5, 12, 13; design section 6).
+/// its constraint rows (paper, equations 4, 5, 12, 13).
 #pragma once
 
 #include "kernels/operator/system.hpp"

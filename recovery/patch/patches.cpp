@@ -52,8 +52,8 @@ double volume_around(const CutCells& cc, const Index3& node) {
   return volume;
 }
 
-/// Joins a patch of too little volume with the patch of the fullest neighbouring node (prototype, section 5:
-/// the condition of the patch mass stays below 370 with one cell). True if anything was added.
+/// Joins a patch of too little volume with the patch of the fullest neighbouring node; with one cell of
+/// material the condition of the patch's mass matrix stays below 370 (degree 1). True if anything was added.
 bool grow_patch(const BodyMesh& mesh, const Vec3& middle, int n, double least_volume, double have,
                 std::vector<int>& patch) {
   const CutCells& cc = *mesh.cut_cells;

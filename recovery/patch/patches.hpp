@@ -1,4 +1,4 @@
-/// Patches: the cells around each node over which sigma* is fitted (paper, section 2; design section 6).
+/// Patches: the cells around each node over which sigma* is fitted (paper, section 2).
 /// The recovery is host code: its loops run on the threads of core/base/parallel.hpp.
 #pragma once
 

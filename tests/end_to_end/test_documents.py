@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # timeout: 900
-"""docs/tutorial.md is true: its commands run in order, its edits fit the scene, the figures it shows are those of the program.
-Links between the documents lead somewhere."""
+"""The documents are true: commands of the README and the tutorial run, the figures that the tutorial shows are those of the program,
+files and headings that documents and comments name exist, links lead somewhere."""
 import os
 import pathlib
 import re
@@ -87,14 +87,40 @@ class Tutorial(unittest.TestCase):
                           if "SCENES" not in line], [])
 
 
-class Truth(unittest.TestCase):
-    def sources(self, *endings):
-        return [file for folder in ("core", "kernels", "recovery", "contact") for ending in endings
-                for file in sorted((harness.SOURCE / folder).glob("*" + ending))]
+def source_files(*endings):
+    """Files of the tree, without what is built or comes out of runs."""
+    folders = [harness.SOURCE / name for name in ("core", "kernels", "recovery", "contact", "perf", "tests", "scenes", "scripts",
+                                                  "cmake", "docs")]
+    return [file for folder in folders for file in sorted(folder.rglob("*")) if file.is_file() and file.name.endswith(endings)]
 
+
+def documents():
+    return [harness.SOURCE / "README.md", harness.SOURCE / "CHANGELOG.md", *source_files(".md")]
+
+
+class Readme(unittest.TestCase):
+    def test_two_screens(self):
+        lines = (harness.SOURCE / "README.md").read_text().splitlines()
+        self.assertLessEqual(len(lines), 110)
+
+    def test_commands(self):
+        """Every command of the program that the README shows, in order."""
+        text = (harness.SOURCE / "README.md").read_text()
+        commands = re.findall(r"^    build/\w+/cgcontact (.*?)(?: +#.*)?$", text, re.M)
+        self.assertGreater(len(commands), 6)
+        os.symlink(harness.SOURCE / "scenes", "scenes")
+        subprocess.run(["python3", "scenes/data/make_button.py", "part.stl"], check=True)
+        for command in commands:
+            with self.subTest(command=command):
+                outcome = harness.cgcontact(*command.split())
+                self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertTrue(pathlib.Path("out/rings/report.html").is_file())
+
+
+class Truth(unittest.TestCase):
     def test_messages_of_the_faq(self):
         """Every message in the tables of docs/faq.md is one that the program can give."""
-        text = "".join(file.read_text() for file in self.sources(".cpp", ".hpp"))
+        text = "".join(file.read_text() for file in source_files(".cpp", ".hpp") if "tests" not in file.parts)
         text = re.sub(r'"\s*\n\s*"', "", text).replace('\\"', '"')
         text = re.sub(r"\{[^{}\"]*\}", "{}", text)
         faq = (harness.SOURCE / "docs" / "faq.md").read_text()
@@ -104,17 +130,40 @@ class Truth(unittest.TestCase):
         self.assertGreater(len(fragments), 50)
         self.assertEqual([part for part in fragments if part not in text], [])
 
-    def test_files_and_settings_that_the_documents_name(self):
-        """Source files in docs/theory.md exist; so do the settings that theory and questions name."""
-        theory = (harness.SOURCE / "docs" / "theory.md").read_text()
-        known = {file.name for file in self.sources(".cpp", ".hpp")}
-        named = re.findall(r"\b(\w+\.[ch]pp)\b", theory)
-        self.assertGreater(len(named), 30)
-        self.assertEqual(set(named) - known, set())
-        for folder, name in re.findall(r"\b(core|kernels|recovery|contact)/(\w+\.[ch]pp)", theory):
-            self.assertTrue((harness.SOURCE / folder / name).is_file(), f"{folder}/{name}")
+    def test_files_that_documents_and_comments_name(self):
+        """They are there: sources, scripts and documents, with their folder where one is given."""
+        name = re.compile(r"(?<![\w./$-])((?:[\w-]+/)*)(\w+\.(?:cpp|hpp|py|sh|md))\b")
+        not_in_the_tree = {"cgcontact.hpp", "bench_NAME.cpp", "test_SUBJECT.cpp", "test_SUBJECT.py", "perf.md"}
+        paths = {str(file.relative_to(harness.SOURCE)) for file in [*source_files(""), *documents()]}
+        names = {pathlib.Path(path).name for path in paths}
+        places = [(file, line) for file in documents() for line in file.read_text().splitlines()]
+        places += [(file, line.partition("//")[2]) for file in source_files(".cpp", ".hpp") for line in file.read_text().splitlines()]
+        found = [(file, folder, base) for file, line in places for folder, base in name.findall(line) if base not in not_in_the_tree]
+        self.assertGreater(len(found), 300)
+
+        def exists(file, folder, base):
+            """From the root, from the file's own folder, or as the end of a path."""
+            ends = folder + base
+            return base in names if not folder else (
+                ends in paths or (file.parent / ends).is_file() or any(path.endswith("/" + ends) for path in paths))
+
+        missing = [f"{file.relative_to(harness.SOURCE)}: {folder}{base}" for file, folder, base in found if not exists(file, folder, base)]
+        self.assertEqual(missing, [])
+
+    def test_headings_that_comments_name(self):
+        """A heading in quotes behind the name of a document, in comments and documents, is there."""
+        texts = [(file, re.sub(r"\n\s*(?:///?|#)?\s*", " ", file.read_text())) for file in source_files(".cpp", ".hpp", ".py", ".md")]
+        found = [(file, *place) for file, text in texts for place in re.findall(r'docs/(\w+)\.md, "([^"]+)"', text)]
+        self.assertGreater(len(found), 8)
+        for file, document, heading in found:
+            headings = re.findall(r"^#+ (.*)$", (harness.SOURCE / "docs" / f"{document}.md").read_text(), re.M)
+            with self.subTest(file=file.name, document=document):
+                self.assertIn(heading, headings)
+
+    def test_settings_that_the_documents_name(self):
+        """Settings that theory and questions name exist."""
         keys = (harness.SOURCE / "docs" / "scene.md").read_text()
-        for text in (theory, (harness.SOURCE / "docs" / "faq.md").read_text()):
+        for text in ((harness.SOURCE / "docs" / name).read_text() for name in ("theory.md", "faq.md", "glossary.md")):
             for section, key in re.findall(r"\b(solver|recovery|output)\.(?!md|cpp|hpp)(\w+)", text):
                 self.assertIn(f"| `{key}` |", keys, f"{section}.{key}")
 
@@ -126,9 +175,8 @@ class Links(unittest.TestCase):
             headings = re.findall(r"^#+ (.*)$", file.read_text(), re.M)
             return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
-        documents = [harness.SOURCE / "README.md", *sorted((harness.SOURCE / "docs").glob("*.md"))]
-        self.assertGreater(len(documents), 8)
-        for document in documents:
+        self.assertGreater(len(documents()), 30)
+        for document in documents():
             for target in re.findall(r"\]\(([^)\s]+)\)", document.read_text()):
                 if re.match(r"https?:", target):
                     continue

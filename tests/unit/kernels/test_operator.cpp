@@ -167,7 +167,7 @@ RealView prolongate(const BodyMesh& coarse, const BodyMesh& fine, const RealView
   return y;
 }
 
-/// x^T P^T K P y = x^T K_c y with K_c from the summed moments (design section 2).
+/// x^T P^T K P y = x^T K_c y with K_c from the summed moments.
 TEST(Operator, CoarseOperatorFromChildrensMomentsIsGalerkin) {
   for (const Case& c : cases()) {
     Grid grid = test::odd_grid(8, c.angle);
