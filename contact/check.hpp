@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "contact/simulation.hpp"
+#include "contact/preparation.hpp"
 
 namespace cgcontact {
 

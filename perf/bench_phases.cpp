@@ -60,9 +60,9 @@ class Recorder {
 
 /// A smooth displacement of about the size of the problem's, with strains that vary over the body.
 RealView made_up_displacement(const Simulation& sim) {
-  RealView u("bench_phases::u", sim.system.num_dofs());
+  RealView u("bench_phases::u", sim.state.system.num_dofs());
   auto host = Kokkos::create_mirror_view(u);
-  for (const BodyMesh& mesh : sim.system.meshes) {
+  for (const BodyMesh& mesh : sim.state.system.meshes) {
     const Grid& grid = mesh.cut_cells->grid;
     const double length = grid.cell_size * *std::max_element(grid.num_cells.begin(), grid.num_cells.end());
     for (int n = 0; n < mesh.num_nodes; ++n) {
@@ -78,7 +78,7 @@ RealView made_up_displacement(const Simulation& sim) {
 
 /// Half of each pair's points are closed: those at the lower end of a slanted line.
 void made_up_contact(Simulation& sim) {
-  for (ContactPair& pair : sim.pairs) {
+  for (ContactPair& pair : sim.state.pairs) {
     const auto place = [](const ContactPoint& q) { return q.x.dot(Vec3(0.1, 1, 0.2)); };
     double mean = 0;
     for (const ContactPoint& q : pair.points) mean += place(q) / static_cast<double>(pair.points.size());
@@ -93,27 +93,28 @@ void run(const Scene& scene) {
   phase("mesh, operator, patches", [&] { sim.make_system(); });
   std::vector<BoundaryStress> stress;
   phase("boundary stress, set-up", [&] {
-    const auto cells = stabilised_cells(sim.supports, sim.pairs, sim.bodies.size());
-    for (std::size_t b = 0; b < cells.size(); ++b) stress.emplace_back(sim.system.meshes[b], sim.patches[b], cells[b]);
+    const auto cells = stabilised_cells(sim.state.supports, sim.state.pairs, sim.state.bodies.size());
+    for (std::size_t b = 0; b < cells.size(); ++b)
+      stress.emplace_back(sim.state.system.meshes[b], sim.state.patches[b], cells[b]);
   });
   std::vector<double> load;
-  phase("load vector", [&] { load = make_load_vector(sim.bodies, sim.system, sim.scales); });
-  phase("(displacement)", [&] { sim.outer.u = made_up_displacement(sim); });
-  sim.outer.rigid_parts.resize(sim.bodies.size());
+  phase("load vector", [&] { load = make_load_vector(sim.state.bodies, sim.state.system, sim.state.scales); });
+  phase("(displacement)", [&] { sim.state.outer.u = made_up_displacement(sim); });
+  sim.state.outer.rigid_parts.resize(sim.state.bodies.size());
   made_up_contact(sim);
-  sim.outer.group_force.assign(sim.system.group_rows.size(), 0.0);
-  sim.outer.support_stress.assign(sim.supports.size(), 0.0);
-  sim.outer.load_of_body.assign(sim.bodies.size(), Vec3::Zero());
+  sim.state.outer.group_force.assign(sim.state.system.group_rows.size(), 0.0);
+  sim.state.outer.support_stress.assign(sim.state.supports.size(), 0.0);
+  sim.state.outer.load_of_body.assign(sim.state.bodies.size(), Vec3::Zero());
   phase("boundary stress, 8 updates", [&] {
     for (int i = 0; i < 8; ++i)
-      for (BoundaryStress& s : stress) s.update(sim.outer.u);
+      for (BoundaryStress& s : stress) s.update(sim.state.outer.u);
   });
   stress.clear();
   phase("recovery", [&] { sim.recover(); });
   phase("error estimate, results", [&] { sim.fill_results(); });
   phase("output", [&] { write_results(sim.results, scene, "bench_phases.out"); });
   std::filesystem::remove_all("bench_phases.out");
-  phase.print(sim.system.num_dofs());
+  phase.print(sim.state.system.num_dofs());
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ void patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n, double* pa
 class PatchBuilder {
  public:
   PatchBuilder(const SceneProblem& problem, int body, int degree)
-      : p_(problem.simulation),
+      : p_(problem.simulation.state),
         body_(body),
         other_(1 - body),
         degree_(degree),
@@ -254,7 +254,7 @@ class PatchBuilder {
     rows.push_back(normal);
   }
 
-  const Simulation& p_;
+  const SolvedState& p_;
   int body_, other_, degree_;
   BoundaryPieces pieces_;
   Vec3 centre_, other_centre_;
@@ -273,7 +273,7 @@ struct PatchBatch {
     Input in;
     for (int b = 0; b < bodies; ++b) {
       const auto [body, node] = patch.node[b];
-      patch_mass<degree>(problem.system.meshes[body], problem.simulation.patches[body], node, in.mass[b]);
+      patch_mass<degree>(problem.system.meshes[body], problem.simulation.state.patches[body], node, in.mass[b]);
       Eigen::Map<Eigen::VectorXd>(in.a[b][0], 6 * T).setRandom();
       Eigen::Map<Eigen::VectorXd>(in.interior[b], Polynomial<degree>::num_interior).setRandom();
       in.poisson_ratio[b] = 0.3;
@@ -497,7 +497,7 @@ struct RecoveryProblem {
 
   explicit RecoveryProblem(int cells) : problem("scenes/patch_test.toml", {"h=1/" + std::to_string(cells)}) {
     const double p = 1e8;
-    const Simulation& sim = problem.simulation;
+    const SolvedState& sim = problem.simulation.state;
     u = RealView("cgcontact::perf::u", problem.system.num_dofs());
     for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
       const BodyModel& body = sim.bodies[b];
@@ -518,7 +518,7 @@ struct RecoveryProblem {
   }
   RecoveryCounts run() {
     for (std::size_t b = 0; b < bodies.size(); ++b) Kokkos::deep_copy(bodies[b].field.values, unconstrained[b]);
-    return recover_constrained(bodies, u, problem.simulation.scales, {}).counts;
+    return recover_constrained(bodies, u, problem.simulation.state.scales, {}).counts;
   }
   double error() const {
     double largest = 0;
@@ -537,8 +537,8 @@ struct RecoveryProblem {
 Cost whole_cost(const SceneProblem& problem) {
   Cost sum;
   for (std::size_t b = 0; b < problem.system.meshes.size(); ++b) {
-    const PatchSet& set = problem.simulation.patches[b];
-    const BodyModel& model = problem.simulation.bodies[b];
+    const PatchSet& set = problem.simulation.state.patches[b];
+    const BodyModel& model = problem.simulation.state.bodies[b];
     const BoundaryPieces pieces(model.cut_cells, model.boundary);
     for (int n = 0; n < problem.system.meshes[b].num_nodes; ++n) {
       const int cells = set.begin[n + 1] - set.begin[n];

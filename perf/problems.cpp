@@ -15,11 +15,11 @@ BlockProblem::BlockProblem(int size) {
 SceneProblem::SceneProblem(const std::string& file, const std::vector<std::string>& overrides)
     : scene(read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/" + file, overrides)),
       simulation(scene),
-      system(simulation.system) {
+      system(simulation.state.system) {
   simulation.place_on_grids();
   simulation.make_system();
   set_group_stiffness(system, system.full_group_stiffness);
-  update_contact_links(simulation.pairs, simulation.bodies);
+  update_contact_links(simulation.state.pairs, simulation.state.bodies);
 }
 
 RealView random_vector(int size, unsigned seed) {

@@ -10,6 +10,7 @@ declare -A rooms=(
   [core]="base triangles geometry scene quadrature cells results drawing program output"
   [kernels]="simd mesh operator reference assembled multigrid solver"
   [recovery]="patch spr zone_edge batched constrained error"
+  [contact]="model motions solve results study"
 )
 
 include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'

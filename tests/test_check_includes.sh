@@ -5,7 +5,7 @@ set -euo pipefail
 checker=$1
 tree=$(mktemp -d)
 trap 'rm -r "$tree"' EXIT
-mkdir -p "$tree"/{core/{base,geometry},kernels/mesh,recovery/patch,contact}
+mkdir -p "$tree"/{core/{base,geometry},kernels/mesh,recovery/patch,contact/model}
 failed=0
 
 # expect PASSES FILE LINE: with this line in this file the checker passes (1) or fails and names the file (0).

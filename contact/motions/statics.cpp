@@ -49,23 +49,24 @@ Eigen::VectorXd row_of(const RigidPieces& pieces, const ContactPair& pair, const
 
 }  // namespace
 
-bool force_follows_from_loads(const Simulation& sim, int pair, const Vec3& direction) {
-  const RigidPieces pieces = whole_bodies(sim.bodies);
+bool force_follows_from_loads(const Scene& scene, const std::vector<BodyModel>& bodies,
+                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                              int pair, const Vec3& direction) {
+  const RigidPieces pieces = whole_bodies(bodies);
   LeastSquares system(6 * static_cast<Eigen::Index>(pieces.list.size()));
   // Every support and every pair counts alike, however small its area is.
-  std::vector<double> support_area(sim.scene.supports.size(), 0);
-  for (const SupportPoint& p : sim.supports)
+  std::vector<double> support_area(scene.supports.size(), 0);
+  for (const SupportPoint& p : supports)
     if (p.support >= 0) support_area[p.support] += p.weight;
-  for (const SupportPoint& p : sim.supports)
+  for (const SupportPoint& p : supports)
     if (p.support >= 0)
-      system.add(row_of(pieces, p, global_position(sim.bodies[p.body].cut_cells, p.cell, p.xi)),
+      system.add(row_of(pieces, p, global_position(bodies[p.body].cut_cells, p.cell, p.xi)),
                  p.weight / support_area[p.support], 0);
-  for (int k = 0; k < static_cast<int>(sim.pairs.size()); ++k) {
+  for (int k = 0; k < static_cast<int>(pairs.size()); ++k) {
     double area = 0;
-    for (const ContactPoint& q : sim.pairs[k].points) area += q.active ? q.weight : 0;
-    for (const ContactPoint& q : sim.pairs[k].points)
-      if (q.active)
-        system.add(row_of(pieces, sim.pairs[k], q), q.weight / area, k == pair ? q.normal.dot(direction) : 0);
+    for (const ContactPoint& q : pairs[k].points) area += q.active ? q.weight : 0;
+    for (const ContactPoint& q : pairs[k].points)
+      if (q.active) system.add(row_of(pieces, pairs[k], q), q.weight / area, k == pair ? q.normal.dot(direction) : 0);
   }
   return system.missed() < tolerance;
 }

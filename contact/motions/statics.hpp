@@ -1,7 +1,7 @@
 /// Which contact forces follow from equilibrium alone.
 #pragma once
 
-#include "contact/simulation.hpp"
+#include "contact/model/contact_pairs.hpp"
 
 namespace cgcontact {
 
@@ -9,6 +9,8 @@ namespace cgcontact {
 /// exists under which the force along `direction` (unit, global axes) does all the work of the pair, and no support
 /// and no other closed contact does any (principle of virtual work). What holds motions that no load drives carries no
 /// force and does not count. False without a closed point.
-bool force_follows_from_loads(const Simulation& simulation, int pair, const Vec3& direction);
+bool force_follows_from_loads(const Scene& scene, const std::vector<BodyModel>& bodies,
+                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                              int pair, const Vec3& direction);
 
 }  // namespace cgcontact

@@ -37,15 +37,15 @@ double facet_width(const TriangleSurface& surface, const std::vector<std::array<
 
 }  // namespace
 
-std::vector<std::string> coarse_facet_warnings(const Simulation& sim) {
+std::vector<std::string> coarse_facet_warnings(const SolvedState& state) {
   std::vector<std::string> warnings;
-  for (int b = 0; b < static_cast<int>(sim.bodies.size()); ++b) {
-    const BodyModel& body = sim.bodies[b];
+  for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
+    const BodyModel& body = state.bodies[b];
     const TriangleSurface* const surface = body.cut_cells.solid.triangles();
     if (!surface) continue;
     const auto neighbours = edge_neighbours(surface->triangles(), surface->points().size());
     double widest = 0;
-    for (const ContactPair& pair : sim.pairs) {
+    for (const ContactPair& pair : state.pairs) {
       if (pair.primary != b && pair.secondary != b) continue;
       for (const ContactPoint& q : pair.points)
         if (q.active)

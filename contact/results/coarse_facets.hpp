@@ -1,12 +1,12 @@
 /// After the solve: are the triangles of a body larger than its cells where it touches?
 #pragma once
 
-#include "contact/simulation.hpp"
+#include "contact/solve/solved_state.hpp"
 
 namespace cgcontact {
 
 /// A sentence for each body with closed contact on triangles that are wider than a cell and meet at an angle in what
 /// stands for a curved face: the pressure follows the edges between them.
-std::vector<std::string> coarse_facet_warnings(const Simulation& sim);
+std::vector<std::string> coarse_facet_warnings(const SolvedState& state);
 
 }  // namespace cgcontact

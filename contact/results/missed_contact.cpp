@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "contact/model/gap_samples.hpp"
-#include "contact/results/postprocess.hpp"
 #include "core/base/parallel.hpp"
 
 namespace cgcontact {
@@ -16,71 +15,72 @@ constexpr std::size_t grain = 512;
 constexpr double least_overlap = 1e-6;
 
 /// As far as the two bodies can be apart, m.
-double far(const Simulation& sim, int a, int b) {
-  const BodyModel &first = sim.bodies[a], &second = sim.bodies[b];
+double far(const SolvedState& state, int a, int b) {
+  const BodyModel &first = state.bodies[a], &second = state.bodies[b];
   return box_distance(first, second) + 2 * (longest_extent(first) + longest_extent(second));
 }
 
 /// A contact as the solve saw it: of an automatic pair out of reach nothing but the bodies is left.
-ContactPair pair_of(const Simulation& sim, const ContactSpec& spec) {
-  for (const ContactPair& pair : sim.pairs)
+ContactPair pair_of(const SolvedState& state, const ContactSpec& spec) {
+  for (const ContactPair& pair : state.pairs)
     if (pair.spec == &spec) return {pair.spec, pair.primary, pair.secondary, 0, pair.reach, pair.interference, {}, {}};
   return {&spec, spec.first.body, spec.second.body, 0, {}, spec.interference, {}, {}};
 }
 
 /// Largest initial distance of the points beyond the pair's reach that lie inside the other body now, m; or 0.
-double missed_distance(const Simulation& sim, const ContactPair& seen) {
-  const BodyModel &primary = sim.bodies[seen.primary], &secondary = sim.bodies[seen.secondary];
+double missed_distance(const SolvedState& state, const ContactPair& seen) {
+  const BodyModel &primary = state.bodies[seen.primary], &secondary = state.bodies[seen.secondary];
   ContactPair all = seen;
-  all.reach = {far(sim, seen.primary, seen.secondary), 0};
+  all.reach = {far(state, seen.primary, seen.secondary), 0};
   const BodyFace face(seen.face(seen.primary), primary);
   const BoundaryPoints& boundary = primary.cut_cells.boundary;
   std::vector<double> farthest(num_chunks(boundary.size(), grain), 0.0);
-  parallel_chunks(
-      "cgcontact::missed_contact::look_farther", boundary.size(), grain,
-      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-        for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
-          if (!face.contains(p)) continue;
-          const Vec3 n = primary.normal(p);
-          const auto opposite = find_opposite(sim.bodies, all, seen.primary, primary.point(p), n);
-          if (!opposite || opposite->distance <= seen.reach.ahead) continue;
-          const auto moved = [&](int body, int cell, const Vec3& position) {
-            return displacement(sim, body, cell, cell_coordinates(sim.bodies[body].cut_cells, cell, position)).dot(n);
-          };
-          const double gap = opposite->distance - seen.interference +
-                             moved(seen.secondary, opposite->cell, opposite->position) -
-                             moved(seen.primary, boundary.cell[p], boundary.position[p]);
-          if (gap < -least_overlap * secondary.cut_cells.grid.cell_size)
-            farthest[chunk] = std::max(farthest[chunk], opposite->distance);
-        }
-      });
+  parallel_chunks("cgcontact::missed_contact::look_farther", boundary.size(), grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+                      if (!face.contains(p)) continue;
+                      const Vec3 n = primary.normal(p);
+                      const auto opposite = find_opposite(state.bodies, all, seen.primary, primary.point(p), n);
+                      if (!opposite || opposite->distance <= seen.reach.ahead) continue;
+                      const auto moved = [&](int body, int cell, const Vec3& position) {
+                        return displacement(state, body, cell,
+                                            cell_coordinates(state.bodies[body].cut_cells, cell, position))
+                            .dot(n);
+                      };
+                      const double gap = opposite->distance - seen.interference +
+                                         moved(seen.secondary, opposite->cell, opposite->position) -
+                                         moved(seen.primary, boundary.cell[p], boundary.position[p]);
+                      if (gap < -least_overlap * secondary.cut_cells.grid.cell_size)
+                        farthest[chunk] = std::max(farthest[chunk], opposite->distance);
+                    }
+                  });
   return farthest.empty() ? 0.0 : *std::max_element(farthest.begin(), farthest.end());
 }
 
 /// Change of the mean gap of a group by the deformation, m.
-double gap_change(const Simulation& sim, const ContactPair& pair, const ContactGroup& group) {
+double gap_change(const SolvedState& state, const ContactPair& pair, const ContactGroup& group) {
   double change = 0;
   for (int q = group.first_point; q < group.last_point; ++q) {
     const ContactPoint& point = pair.points[q];
-    const Vec3 apart = displacement(sim, pair.secondary, point.secondary_cell, point.secondary_xi) -
-                       displacement(sim, pair.primary, point.primary_cell, point.primary_xi);
+    const Vec3 apart = displacement(state, pair.secondary, point.secondary_cell, point.secondary_xi) -
+                       displacement(state, pair.primary, point.primary_cell, point.primary_xi);
     change += point.weight / group.area * point.normal.dot(apart);
   }
   return change;
 }
 
 /// The deepest overlap of the deformed faces that no boundary point of theirs lies in: at an edge or a tip.
-std::optional<MissedOverlap> overlap_between_points(const Simulation& sim, std::size_t p) {
-  const ContactPair& pair = sim.pairs[p];
-  const double h = sim.bodies[pair.primary].cut_cells.grid.cell_size;
+std::optional<MissedOverlap> overlap_between_points(const SolvedState& state, std::size_t p) {
+  const ContactPair& pair = state.pairs[p];
+  const double h = state.bodies[pair.primary].cut_cells.grid.cell_size;
   std::vector<std::optional<MissedOverlap>> deepest(pair.groups.size());
   parallel_for("cgcontact::missed_contact::between_points", deepest.size(), 1, [&](std::size_t g) {
     const ContactGroup& group = pair.groups[g];
     double nearest = pair.points[group.first_point].distance;
     for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points[q].distance);
-    const double limit = pair.interference - gap_change(sim, pair, group);
+    const double limit = pair.interference - gap_change(state, pair, group);
     if (nearest > limit + h) return;
-    for (const GapSample& sample : sample_gap(sim.bodies, pair, group, limit))
+    for (const GapSample& sample : sample_gap(state.bodies, pair, group, limit))
       if (!deepest[g] || limit - sample.distance > deepest[g]->depth)
         deepest[g] = MissedOverlap{static_cast<int>(p), limit - sample.distance, sample.x};
   });
@@ -92,29 +92,29 @@ std::optional<MissedOverlap> overlap_between_points(const Simulation& sim, std::
 
 }  // namespace
 
-std::vector<double> missed_contact(const Simulation& sim) {
+std::vector<double> missed_contact(const SolvedState& state) {
   std::vector<double> reach;
   bool any = false;
-  for (const ContactSpec& spec : sim.scene.contacts) {
-    const ContactPair pair = pair_of(sim, spec);
-    const double missed = spec.search_distance > 0 ? 0.0 : missed_distance(sim, pair);
+  for (const ContactSpec& spec : state.scene.contacts) {
+    const ContactPair pair = pair_of(state, spec);
+    const double missed = spec.search_distance > 0 ? 0.0 : missed_distance(state, pair);
     any |= missed > 0;
     reach.push_back(std::max(1.5 * missed, pair.reach.ahead));
   }
   return any ? reach : std::vector<double>();
 }
 
-std::vector<MissedOverlap> missed_overlaps(const Simulation& sim) {
+std::vector<MissedOverlap> missed_overlaps(const SolvedState& state, const Results& results) {
   std::vector<MissedOverlap> overlaps;
-  for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
-    if (sim.results.pairs[p].active_points > 0) continue;
-    const double h = sim.bodies[sim.pairs[p].primary].cut_cells.grid.cell_size;  // the coarser body
+  for (std::size_t p = 0; p < state.pairs.size(); ++p) {
+    if (results.pairs[p].active_points > 0) continue;
+    const double h = state.bodies[state.pairs[p].primary].cut_cells.grid.cell_size;  // the coarser body
     const ContactRow* deepest = nullptr;
-    for (const ContactRow& row : sim.results.contact_rows)
+    for (const ContactRow& row : results.contact_rows)
       if (row.pair == static_cast<int>(p) && row.gap < (deepest ? deepest->gap : -least_overlap * h)) deepest = &row;
     if (deepest)
       overlaps.push_back({static_cast<int>(p), -deepest->gap, deepest->x});
-    else if (const auto between = overlap_between_points(sim, p); between && between->depth > least_overlap * h)
+    else if (const auto between = overlap_between_points(state, p); between && between->depth > least_overlap * h)
       overlaps.push_back(*between);
   }
   return overlaps;

@@ -19,7 +19,7 @@ constexpr double holds_normal = 1e-3;
 /// pressed less than another of the same pair), less than `rounding` nothing. Of the transmitted pressure: that is so.
 constexpr double end_of_zone = 0.01, rounding = 1e-9, little_by_itself = 0.5;
 
-double force_unit(const Simulation& sim) { return sim.scales.stress * sim.scales.length * sim.scales.length; }
+double force_unit(const SolvedState& state) { return state.scales.stress * state.scales.length * state.scales.length; }
 
 bool holds(const TractionCondition& condition, const Vec3& n) {
   bool held = condition.normal_held;
@@ -28,54 +28,54 @@ bool holds(const TractionCondition& condition, const Vec3& n) {
 }
 
 /// Active cells of a body within a cell of the coarser body from closed points of a pair.
-std::vector<char> cells_near_closed(const Simulation& sim, const ContactPair& pair, int body) {
-  const CutCells& cut_cells = sim.bodies[body].cut_cells;
+std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair& pair, int body) {
+  const CutCells& cut_cells = state.bodies[body].cut_cells;
   std::vector<Index3> closed;
   for (const ContactPoint& q : pair.points)
     if (q.active) closed.push_back(cut_cells.cells[body == pair.primary ? q.primary_cell : q.secondary_cell]);
-  const double ratio = sim.bodies[pair.primary].cut_cells.grid.cell_size / cut_cells.grid.cell_size;
+  const double ratio = state.bodies[pair.primary].cut_cells.grid.cell_size / cut_cells.grid.cell_size;
   std::vector<char> near(cut_cells.cells.size(), 0);
   mark_around(cut_cells, std::move(closed), static_cast<int>(std::ceil(ratio - 1e-9)), near);
   return near;
 }
 
 /// N, the magnitudes of the forces of all groups of a pair.
-std::vector<double> forces_of_pairs(const Simulation& sim) {
+std::vector<double> forces_of_pairs(const SolvedState& state) {
   std::vector<double> forces;
   std::size_t group = 0;
-  for (const ContactPair& pair : sim.pairs) {
+  for (const ContactPair& pair : state.pairs) {
     double sum = 0;
-    for (std::size_t g = 0; g < pair.groups.size(); ++g) sum += std::abs(sim.outer.group_force[group++]);
-    forces.push_back(force_unit(sim) * sum);
+    for (std::size_t g = 0; g < pair.groups.size(); ++g) sum += std::abs(state.outer.group_force[group++]);
+    forces.push_back(force_unit(state) * sum);
   }
   return forces;
 }
 
 /// N, the magnitudes of all that acts on the bodies.
-double forces_of_scene(const Simulation& sim, const std::vector<double>& of_pairs) {
+double forces_of_scene(const SolvedState& state, const std::vector<double>& of_pairs) {
   double sum = 0;
   for (const double force : of_pairs) sum += force;
-  for (const Vec3& load : sim.outer.load_of_body) sum += load.norm();
-  for (std::size_t s = 0; s < sim.supports.size(); ++s)
-    sum += std::abs(sim.supports[s].weight * sim.outer.support_stress[s]);
+  for (const Vec3& load : state.outer.load_of_body) sum += load.norm();
+  for (std::size_t s = 0; s < state.supports.size(); ++s)
+    sum += std::abs(state.supports[s].weight * state.outer.support_stress[s]);
   return sum;
 }
 
 /// Force and moment on both bodies of a pair, and where the force acts, from the nodal forces of its groups: what
 /// really acts in the discrete equilibrium. `row`: number of its first group, `magnitude`: sum of its groups' forces.
-void add_forces(const Simulation& sim, const ContactPair& pair, std::size_t row, double magnitude,
+void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t row, double magnitude,
                 PairFigures& figures) {
   Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()}, centre = Vec3::Zero();
   double total = 0;
   for (const ContactGroup& group : pair.groups) {
-    const double group_force = force_unit(sim) * sim.outer.group_force[row];
-    for (const auto& [dof, value] : sim.system.group_rows[row].entries) {
+    const double group_force = force_unit(state) * state.outer.group_force[row];
+    for (const auto& [dof, value] : state.system.group_rows[row].entries) {
       const int node = dof / 3;
-      const BodyMesh& primary = sim.system.meshes[pair.primary];
+      const BodyMesh& primary = state.system.meshes[pair.primary];
       const bool is_primary = node >= primary.first_node && node < primary.first_node + primary.num_nodes;
       const int body = is_primary ? pair.primary : pair.secondary, side = is_primary ? 0 : 1;
-      const Grid& grid = sim.bodies[body].cut_cells.grid;
-      const Index3& n = sim.system.meshes[body].nodes[node - sim.system.meshes[body].first_node];
+      const Grid& grid = state.bodies[body].cut_cells.grid;
+      const Index3& n = state.system.meshes[body].nodes[node - state.system.meshes[body].first_node];
       const Vec3 f = group_force * value * grid.rotation.col(dof % 3);
       force[side] += f;
       moment[side] += grid.to_global(Vec3(n[0], n[1], n[2])).cross(f);
@@ -104,68 +104,69 @@ bool is_pressed(const ContactRow& r, double largest) {
 /// Largest pressure, and the area of the contact zone: mean of both bodies. Closed points make up whole pieces of
 /// cells; the recovered pressure ends where the edge was found (sphere on block, ten cells over the contact radius:
 /// radius from closed points 2 to 3 % too small, from this within 0.2 %).
-void add_zone(const Simulation& sim, int k, const Results& results, PairFigures& figures) {
+void add_zone(const SolvedState& state, int k, const Results& results, PairFigures& figures) {
   for (const ContactRow& r : results.contact_rows)
     if (r.pair == k && r.touching && r.pressure_sprc > figures.max_pressure) {
       figures.max_pressure = r.pressure_sprc;
       figures.max_pressure_at = r.x;
     }
-  if (sim.scene.recovery.spr_c) {
+  if (state.scene.recovery.spr_c) {
     for (const ContactRow& r : results.contact_rows)
       if (r.pair == k && r.touching && is_pressed(r, figures.max_pressure)) figures.area += 0.5 * r.weight;
   } else {
-    for (const ContactPoint& q : sim.pairs[k].points)
+    for (const ContactPoint& q : state.pairs[k].points)
       if (q.active) figures.area += q.weight;
   }
 }
 
 }  // namespace
 
-void mark_touching_rows(const Simulation& sim, const std::vector<int>& boundary_point, std::vector<ContactRow>& rows) {
+void mark_touching_rows(const SolvedState& state, const std::vector<int>& boundary_point,
+                        std::vector<ContactRow>& rows) {
   std::vector<std::vector<char>> near;  // of the first and second body of each pair
-  for (const ContactPair& pair : sim.pairs)
-    for (const int body : {pair.primary, pair.secondary}) near.push_back(cells_near_closed(sim, pair, body));
+  for (const ContactPair& pair : state.pairs)
+    for (const int body : {pair.primary, pair.secondary}) near.push_back(cells_near_closed(state, pair, body));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     ContactRow& row = rows[i];
-    const ContactPair& pair = sim.pairs[row.pair];
-    const BoundaryData& boundary = sim.bodies[row.body].boundary;
+    const ContactPair& pair = state.pairs[row.pair];
+    const BoundaryData& boundary = state.bodies[row.body].boundary;
     const TractionCondition& condition = boundary.conditions[boundary.condition_of_point[boundary_point[i]]];
-    const double coarser = sim.bodies[pair.primary].cut_cells.grid.cell_size;
+    const double coarser = state.bodies[pair.primary].cut_cells.grid.cell_size;
     const bool beside = !condition.traction && row.gap < coarser &&
                         near[2 * static_cast<std::size_t>(row.pair) + (row.body == pair.primary ? 0 : 1)][row.cell];
     row.touching = (row.active || beside) && !holds(condition, row.normal);
   }
 }
 
-void fill_pair_figures(const Simulation& sim, Results& results) {
-  const std::vector<double> forces = forces_of_pairs(sim);
-  const double all_forces = forces_of_scene(sim, forces);
+void fill_pair_figures(const SolvedState& state, Results& results) {
+  const std::vector<double> forces = forces_of_pairs(state);
+  const double all_forces = forces_of_scene(state, forces);
   std::size_t first_group = 0;
-  for (std::size_t k = 0; k < sim.pairs.size(); ++k) {
-    const ContactPair& pair = sim.pairs[k];
+  for (std::size_t k = 0; k < state.pairs.size(); ++k) {
+    const ContactPair& pair = state.pairs[k];
     PairFigures figures;
     figures.name = pair.spec->name;
-    figures.body_first = sim.scene.bodies[pair.spec->first.body].name;
-    figures.body_second = sim.scene.bodies[pair.spec->second.body].name;
+    figures.body_first = state.scene.bodies[pair.spec->first.body].name;
+    figures.body_second = state.scene.bodies[pair.spec->second.body].name;
     figures.points = static_cast<int>(pair.points.size());
     for (const ContactPoint& q : pair.points) figures.active_points += q.active;
     if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
-      add_forces(sim, pair, first_group, forces[k], figures);
-      add_zone(sim, static_cast<int>(k), results, figures);
+      add_forces(state, pair, first_group, forces[k], figures);
+      add_zone(state, static_cast<int>(k), results, figures);
     }
     results.pairs.push_back(figures);
     first_group += pair.groups.size();
   }
 }
 
-std::vector<std::string> lost_force_warnings(const Simulation& sim, const Results& results) {
+std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results) {
   std::vector<std::string> warnings;
   std::size_t group = 0;
-  for (std::size_t k = 0; k < sim.pairs.size(); ++k) {
-    const ContactPair& pair = sim.pairs[k];
+  for (std::size_t k = 0; k < state.pairs.size(); ++k) {
+    const ContactPair& pair = state.pairs[k];
     double transmitted = 0;
     for (std::size_t g = 0; g < pair.groups.size(); ++g, ++group)
-      transmitted += sim.outer.group_force[group] * force_unit(sim);
+      transmitted += state.outer.group_force[group] * force_unit(state);
     if (!(results.pairs[k].area > 0)) continue;
     for (const int body : {pair.primary, pair.secondary}) {
       double recovered = 0;
@@ -177,7 +178,7 @@ std::vector<std::string> lost_force_warnings(const Simulation& sim, const Result
           "contact \"{}\": the pressure on \"{}\" adds up to {:.3g} N, but {:.3g} N are transmitted: the contact "
           "zone is too small for these cells, or the pressure has a peak at the rim of a face; the force is right, "
           "the pressure is not",
-          pair.spec->name, sim.scene.bodies[body].name, recovered, transmitted));
+          pair.spec->name, state.scene.bodies[body].name, recovered, transmitted));
       break;
     }
   }

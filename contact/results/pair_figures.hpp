@@ -1,7 +1,8 @@
 /// Area, force, largest pressure and centre of every contact pair, from its contact zone alone.
 #pragma once
 
-#include "contact/simulation.hpp"
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
 
 namespace cgcontact {
 
@@ -9,14 +10,15 @@ namespace cgcontact {
 /// points make up whole pieces of cells, the open ones in the cells beside them that are less than a cell of the
 /// coarser body apart; without points where a support holds the normal direction, whose pressure is a reaction, and
 /// open ones under a load. `boundary_point`: of the row's body, by row.
-void mark_touching_rows(const Simulation& sim, const std::vector<int>& boundary_point, std::vector<ContactRow>& rows);
+void mark_touching_rows(const SolvedState& state, const std::vector<int>& boundary_point,
+                        std::vector<ContactRow>& rows);
 
 /// Appends the figures of all pairs. A pair without closed points, or whose forces are rounding beside those of the
 /// scene, has no force, area, pressure and centre: all are exactly zero.
-void fill_pair_figures(const Simulation& sim, Results& results);
+void fill_pair_figures(const SolvedState& state, Results& results);
 
 /// A sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the force that the
 /// solution transmits.
-std::vector<std::string> lost_force_warnings(const Simulation& sim, const Results& results);
+std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -77,12 +77,12 @@ class LocalMean {
   PointBuckets buckets_;
 };
 
-EdgeAtRow edge_at_row(const Simulation& sim, const ContactRow& row) {
+EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
   EdgeAtRow result;
-  const RecoveredField& field = sim.sprc[row.body];
+  const RecoveredField& field = state.sprc[row.body];
   if (!field.edge) return result;
-  const BodyMesh& mesh = sim.system.meshes[row.body];
-  const CutCells& cc = sim.bodies[row.body].cut_cells;
+  const BodyMesh& mesh = state.system.meshes[row.body];
+  const CutCells& cc = state.bodies[row.body].cut_cells;
   const double h = cc.grid.cell_size;
   const Vec3 position = cc.grid.to_grid(row.x), xi = cell_coordinates(cc, row.cell, position);
   double N[8];
@@ -94,21 +94,21 @@ EdgeAtRow edge_at_row(const Simulation& sim, const ContactRow& row) {
     const double s = edge.inside(position);
     result.inside = std::min(result.inside, s / edge.scale * h);
     result.change += N[a] * std::abs(term->factor) *
-                     std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * sim.scales.stress;
+                     std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * state.scales.stress;
   }
   return result;
 }
 
 }  // namespace
 
-void estimate_contact_errors(const Simulation& sim, Results& results) {
+void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
-  for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
-    const ContactPair& pair = sim.pairs[p];
-    const double h = sim.bodies[pair.primary].cut_cells.grid.cell_size;  // the coarser body
+  for (std::size_t p = 0; p < state.pairs.size(); ++p) {
+    const ContactPair& pair = state.pairs[p];
+    const double h = state.bodies[pair.primary].cut_cells.grid.cell_size;  // the coarser body
     std::vector<EdgeAtRow> edges(rows.size());
     parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
-      if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(sim, rows[i]);
+      if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(state, rows[i]);
     });
     const LocalMean mean(rows, edges, static_cast<int>(p), mean_width * h, edge_reach * h);
     const double force_error = std::pow(results.estimated_error_relative, 2);
@@ -135,7 +135,8 @@ void estimate_contact_errors(const Simulation& sim, Results& results) {
     if (figures.active_points == 0) continue;
     const Vec3 force = figures.force_on_first;
     figures.force_given_by_loads =
-        force.norm() > 0 && force_follows_from_loads(sim, static_cast<int>(p), force.normalized());
+        force.norm() > 0 && force_follows_from_loads(state.scene, state.bodies, state.supports, state.pairs,
+                                                     static_cast<int>(p), force.normalized());
     if (figures.force_given_by_loads || force.isZero(0))
       figures.force_error_estimate = 0;
     else if (resolved)

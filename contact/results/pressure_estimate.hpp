@@ -2,7 +2,8 @@
 /// docs/recovery.md, "Error figures".
 #pragma once
 
-#include "contact/simulation.hpp"
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
 
 namespace cgcontact {
 
@@ -23,6 +24,6 @@ namespace cgcontact {
 /// solution and that of a dual problem; under prescribed displacements alone the two are the same. Twice that where the
 /// zone ends inside the faces. Needs the contact rows with pressure_opposite and pressure_transmitted, the verdict, and
 /// estimated_error_relative.
-void estimate_contact_errors(const Simulation& simulation, Results& results);
+void estimate_contact_errors(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

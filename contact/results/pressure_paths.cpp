@@ -8,7 +8,7 @@
 #include <optional>
 #include <tuple>
 
-#include "contact/results/postprocess.hpp"
+#include "contact/results/contact_rows.hpp"
 #include "contact/results/reference.hpp"
 #include "core/base/parallel.hpp"
 
@@ -28,9 +28,9 @@ constexpr double long_enough = 0.8;
 
 /// Nearest point of a body's contact faces to x: projection to the surface of the nearest contact row.
 /// pair: of that row, or -1: any.
-std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& results, int body, int pair,
+std::optional<ContactRow> project_to_face(const SolvedState& state, const Results& results, int body, int pair,
                                           const Vec3& x) {
-  const BodyModel& model = sim.bodies[body];
+  const BodyModel& model = state.bodies[body];
   const Grid& grid = model.cut_cells.grid;
   const ContactRow* nearest = nullptr;
   for (const ContactRow& r : results.contact_rows)
@@ -46,7 +46,7 @@ std::optional<ContactRow> project_to_face(const Simulation& sim, const Results& 
   if (n.dot(row_normal) < 0) n = -n;
   const int cell = model.cut_cells.locate(position - 1e-9 * n);
   if (cell < 0) return std::nullopt;
-  return contact_row(sim, body, nearest->pair, cell, position, grid.rotation * n);
+  return contact_row(state, body, nearest->pair, cell, position, grid.rotation * n);
 }
 
 /// The largest pressure of a pair: where, on which body, with which normal.
@@ -88,7 +88,7 @@ Vec3 direction_of(const Results& results, const ContactRow& top) {
 /// Walks along the face within the plane of normal and direction at `top`; visit(row, way) after every step of that
 /// length returns false to stop. Ends with the face and where the walk is back at its beginning.
 template <class Visit>
-void walk(const Simulation& sim, const Results& results, const ContactRow& top, const Vec3& along, double step,
+void walk(const SolvedState& state, const Results& results, const ContactRow& top, const Vec3& along, double step,
           int steps, const Visit& visit) {
   const Vec3 across = top.normal.cross(along);
   Vec3 x = top.x, normal = top.normal, forward = along;
@@ -96,7 +96,7 @@ void walk(const Simulation& sim, const Results& results, const ContactRow& top, 
     Vec3 tangent = normal.cross(across).normalized();
     if (tangent.dot(forward) < 0) tangent = -tangent;
     if (!tangent.allFinite()) return;
-    const std::optional<ContactRow> row = project_to_face(sim, results, top.body, top.pair, x + step * tangent);
+    const std::optional<ContactRow> row = project_to_face(state, results, top.body, top.pair, x + step * tangent);
     // The end of a face throws the projection back.
     if (!row || (row->x - x).dot(tangent) < 0.3 * step) return;
     x = row->x;
@@ -114,11 +114,11 @@ struct Extent {
 };
 
 /// A little beyond the zone, to the end of the face, or once around it.
-Extent extent_of(const Simulation& sim, const Results& results, const ContactRow& top, const Vec3& along) {
-  const double h = sim.bodies[top.body].cut_cells.grid.cell_size;
+Extent extent_of(const SolvedState& state, const Results& results, const ContactRow& top, const Vec3& along) {
+  const double h = state.bodies[top.body].cut_cells.grid.cell_size;
   double last_pressed = 0;
   Extent extent;
-  walk(sim, results, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
+  walk(state, results, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
     extent.length = way;
     extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
     if (row.pressure_sprc > no_pressure * top.pressure_sprc) last_pressed = way;
@@ -133,16 +133,16 @@ struct Place {
 };
 
 /// From one end to the other, s = 0 at the largest pressure.
-std::vector<Place> places_of(const Simulation& sim, const Results& results, const ContactRow& top) {
+std::vector<Place> places_of(const SolvedState& state, const Results& results, const ContactRow& top) {
   const Vec3 along = direction_of(results, top);
-  const Extent whole = extent_of(sim, results, top, along);
+  const Extent whole = extent_of(state, results, top, along);
   const double ahead = whole.closed ? whole.length / 2 : whole.length;
-  const double back = whole.closed ? ahead : extent_of(sim, results, top, -along).length;
+  const double back = whole.closed ? ahead : extent_of(state, results, top, -along).length;
   if (!(back + ahead > 0)) return {};
   const double step = (back + ahead) / (num_samples - 1);
   std::vector<Place> places;
   const auto add = [&](double sign, double length) {
-    walk(sim, results, top, sign * along, step, static_cast<int>(length / step),
+    walk(state, results, top, sign * along, step, static_cast<int>(length / step),
          [&](const ContactRow& row, double way) {
            places.push_back({sign * way, row.x});
            return true;
@@ -157,17 +157,17 @@ std::vector<Place> places_of(const Simulation& sim, const Results& results, cons
 
 class Sampler {
  public:
-  Sampler(const Simulation& sim, Results& results)
-      : sim_(sim), results_(results), reference_(sim.scene, sim.reference) {}
+  Sampler(const SolvedState& state, Results& results)
+      : state_(state), results_(results), reference_(state.scene, state.reference) {}
 
   /// Both bodies of a pair, or of any for pair = -1.
   void add(const std::vector<Place>& places, int pair) {
-    const bool by_coordinate = !sim_.reference.pressure_file.empty();
-    for (int b = 0; b < static_cast<int>(sim_.bodies.size()); ++b) {
-      if (pair >= 0 && sim_.pairs[pair].primary != b && sim_.pairs[pair].secondary != b) continue;
+    const bool by_coordinate = !state_.reference.pressure_file.empty();
+    for (int b = 0; b < static_cast<int>(state_.bodies.size()); ++b) {
+      if (pair >= 0 && state_.pairs[pair].primary != b && state_.pairs[pair].secondary != b) continue;
       std::vector<std::optional<ContactRow>> rows(places.size());
       parallel_for("cgcontact::pressure_paths::points", places.size(), 8,
-                   [&](std::size_t i) { rows[i] = project_to_face(sim_, results_, b, pair, places[i].x); });
+                   [&](std::size_t i) { rows[i] = project_to_face(state_, results_, b, pair, places[i].x); });
       for (std::size_t i = 0; i < places.size(); ++i) {
         if (!rows[i]) continue;
         PathSample sample;
@@ -186,18 +186,18 @@ class Sampler {
   }
 
  private:
-  const Simulation& sim_;
+  const SolvedState& state_;
   Results& results_;
   const Reference reference_;
 };
 
 }  // namespace
 
-void fill_paths(const Simulation& sim, Results& results) {
+void fill_paths(const SolvedState& state, Results& results) {
   if (results.contact_rows.empty()) return;
-  Sampler sampler(sim, results);
-  if (sim.scene.output.path) {
-    const auto& [from, to] = *sim.scene.output.path;
+  Sampler sampler(state, results);
+  if (state.scene.output.path) {
+    const auto& [from, to] = *state.scene.output.path;
     std::vector<Place> places;
     for (int i = 0; i < num_samples; ++i) {
       const double t = (i + 0.5) / num_samples;
@@ -208,7 +208,7 @@ void fill_paths(const Simulation& sim, Results& results) {
   }
   results.path_from_largest = true;
   for (int pair = 0; pair < static_cast<int>(results.pairs.size()); ++pair)
-    if (const ContactRow* const top = largest_row(results, pair)) sampler.add(places_of(sim, results, *top), pair);
+    if (const ContactRow* const top = largest_row(results, pair)) sampler.add(places_of(state, results, *top), pair);
 }
 
 }  // namespace cgcontact

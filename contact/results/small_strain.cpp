@@ -85,15 +85,15 @@ std::string at(const Vec3& x) { return fmt::format(" at ({:.4g}, {:.4g}, {:.4g})
 
 }  // namespace
 
-std::vector<std::string> small_strain_warnings(const Simulation& sim) {
+std::vector<std::string> small_strain_warnings(const SolvedState& state, const Results& results) {
   std::vector<std::string> warnings;
-  for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
-    const CutCells& cc = sim.bodies[b].cut_cells;
-    const BodySpec& spec = *sim.bodies[b].spec;
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    const CutCells& cc = state.bodies[b].cut_cells;
+    const BodySpec& spec = *state.bodies[b].spec;
     const StrainExtremes extremes =
-        find_extremes(cc, sim.system.meshes[b], sim.outer.u, sim.outer.rigid_parts[b], sim.scales.length);
+        find_extremes(cc, state.system.meshes[b], state.outer.u, state.outer.rigid_parts[b], state.scales.length);
     Largest pressure;
-    for (const ContactRow& row : sim.results.contact_rows)
+    for (const ContactRow& row : results.contact_rows)
       if (row.body == static_cast<int>(b)) pressure.add(row.pressure_sprc, row.x);
     Vec3 low, high;
     spec.solid.bounding_box(low, high);

@@ -4,12 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "contact/simulation.hpp"
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
 
 namespace cgcontact {
 
 /// One warning for each body whose strain, displacement or contact pressure is too large, with the largest value and
 /// its place. Limits: principal strain 5 %, displacement 10 % of the body, contact pressure a tenth of E.
-std::vector<std::string> small_strain_warnings(const Simulation& simulation);
+std::vector<std::string> small_strain_warnings(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -23,16 +23,17 @@ struct Judged {
   const MissedOverlap* missed = nullptr;
 };
 
-double coarser_cell(const Simulation& sim, int pair) {
-  return sim.bodies[sim.pairs[pair].primary].cut_cells.grid.cell_size;
+double coarser_cell(const SolvedState& state, int pair) {
+  return state.bodies[state.pairs[pair].primary].cut_cells.grid.cell_size;
 }
 
-std::vector<Judged> judge_pairs(const Simulation& sim, const std::vector<MissedOverlap>& missed) {
-  const std::vector<ZoneWidth> widths = zone_widths(sim);
+std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
+                                const std::vector<MissedOverlap>& missed) {
+  const std::vector<ZoneWidth> widths = zone_widths(state);
   std::vector<Judged> judged;
-  for (std::size_t p = 0; p < sim.pairs.size(); ++p) {
-    const PairFigures& figures = sim.results.pairs[p];
-    const double h = coarser_cell(sim, static_cast<int>(p));
+  for (std::size_t p = 0; p < state.pairs.size(); ++p) {
+    const PairFigures& figures = results.pairs[p];
+    const double h = coarser_cell(state, static_cast<int>(p));
     Judged j;
     j.pair.name = figures.name;
     // The resultant of a closed zone (a shrink fit) is zero.
@@ -53,13 +54,13 @@ std::vector<Judged> judge_pairs(const Simulation& sim, const std::vector<MissedO
   return judged;
 }
 
-std::string missed_text(const Simulation& sim, const Judged& j) {
+std::string missed_text(const SolvedState& state, const Judged& j) {
   const Vec3& x = j.missed->x;
   return fmt::format(
       "contact \"{}\": no force is transmitted although the faces overlap by up to {:.2g} m at ({:.4g}, {:.4g}, "
       "{:.4g}) "
       "m: the contact zone is smaller than a cell ({:.3g} m), cells of {:.2g} m or less are needed",
-      j.pair.name, j.missed->depth, x[0], x[1], x[2], coarser_cell(sim, j.missed->pair), *j.pair.cell_size_needed);
+      j.pair.name, j.missed->depth, x[0], x[1], x[2], coarser_cell(state, j.missed->pair), *j.pair.cell_size_needed);
 }
 
 std::string unresolved_text(const Judged& j) {
@@ -82,26 +83,26 @@ std::string resolved_text(const std::vector<Judged>& pairs, double least_force) 
 
 }  // namespace
 
-Verdict judge(const Simulation& sim) {
+Verdict judge(const SolvedState& state, const Results& results) {
   Verdict verdict;
-  const std::vector<MissedOverlap> missed = missed_overlaps(sim);
-  const std::vector<Judged> pairs = judge_pairs(sim, missed);
+  const std::vector<MissedOverlap> missed = missed_overlaps(state, results);
+  const std::vector<Judged> pairs = judge_pairs(state, results, missed);
   double largest = 0;
   for (const Judged& j : pairs) {
     verdict.pairs.push_back(j.pair);
     largest = std::max(largest, j.force);
   }
-  const auto find = [&](State state, double least_force) {
+  const auto find = [&](State wanted, double least_force) {
     return std::find_if(pairs.begin(), pairs.end(),
-                        [&](const Judged& j) { return j.pair.state == state && j.force >= least_force; });
+                        [&](const Judged& j) { return j.pair.state == wanted && j.force >= least_force; });
   };
   const auto end = pairs.end();
-  if (!sim.outer.converged) {
+  if (!state.outer.converged) {
     verdict.state = State::not_converged;
-    verdict.text = sim.outer.diagnosis;
+    verdict.text = state.outer.diagnosis;
   } else if (const auto lost = find(State::contact_missed, 0); lost != end) {
     verdict.state = State::contact_missed;
-    verdict.text = missed_text(sim, *lost);
+    verdict.text = missed_text(state, *lost);
   } else if (const auto coarse = find(State::not_resolved, relevant_part * largest); coarse != end) {
     verdict.state = State::not_resolved;
     verdict.text = unresolved_text(*coarse);

@@ -1,7 +1,8 @@
 /// What a run says of itself first of all: is its contact resolved, and if not, which cells would do?
 #pragma once
 
-#include "contact/simulation.hpp"
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
 
 namespace cgcontact {
 
@@ -10,6 +11,6 @@ namespace cgcontact {
 constexpr double least_cells_across = 5, wanted_cells_across = 10;
 
 /// Needs the pair figures, contact rows and contact links of the last recovery.
-Verdict judge(const Simulation& simulation);
+Verdict judge(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -160,13 +160,13 @@ class PairZones {
 
 }  // namespace
 
-std::vector<ZoneWidth> zone_widths(const Simulation& sim) {
+std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
   std::vector<RecoveryBody> bodies;
-  for (std::size_t b = 0; b < sim.bodies.size(); ++b)
-    bodies.push_back({&sim.system.meshes[b], nullptr, &sim.bodies[b].boundary, {Subset(0), CoefficientView()}});
-  std::vector<ZoneWidth> widths(sim.pairs.size());
+  for (std::size_t b = 0; b < state.bodies.size(); ++b)
+    bodies.push_back({&state.system.meshes[b], nullptr, &state.bodies[b].boundary, {Subset(0), CoefficientView()}});
+  std::vector<ZoneWidth> widths(state.pairs.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (sim.bodies[b].boundary.links.empty()) continue;
+    if (state.bodies[b].boundary.links.empty()) continue;
     const ContactZone zone(bodies, b);
     std::set<int> pairs;
     for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
@@ -176,10 +176,10 @@ std::vector<ZoneWidth> zone_widths(const Simulation& sim) {
       if (std::isfinite(cells)) widths[p].cells = std::max(cells, narrowest);
     }
   }
-  for (std::size_t p = 0; p < sim.pairs.size() && p < sim.outer.small_zone_width.size(); ++p)
-    if (const double width = sim.outer.small_zone_width[p]; width > 0)
-      widths[p].cells =
-          std::min(widths[p].cells.value_or(1e300), width / sim.bodies[sim.pairs[p].primary].cut_cells.grid.cell_size);
+  for (std::size_t p = 0; p < state.pairs.size() && p < state.outer.small_zone_width.size(); ++p)
+    if (const double width = state.outer.small_zone_width[p]; width > 0)
+      widths[p].cells = std::min(widths[p].cells.value_or(1e300),
+                                 width / state.bodies[state.pairs[p].primary].cut_cells.grid.cell_size);
   return widths;
 }
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "contact/simulation.hpp"
+#include "contact/solve/solved_state.hpp"
 
 namespace cgcontact {
 
@@ -19,6 +19,6 @@ struct ZoneWidth {
 /// plate one cell thick) do not count, made finer than whole cells by the spread of the transmitted forces along that
 /// direction. Of zones smaller than the cells it is the width that their law gives (small_zones.hpp). Needs the contact
 /// links with their pressures (Simulation::recover).
-std::vector<ZoneWidth> zone_widths(const Simulation& simulation);
+std::vector<ZoneWidth> zone_widths(const SolvedState& state);
 
 }  // namespace cgcontact

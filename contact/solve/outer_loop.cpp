@@ -9,10 +9,10 @@
 
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/free_pieces.hpp"
-#include "contact/results/small_zones.hpp"
 #include "contact/solve/active_set_history.hpp"
 #include "contact/solve/boundary_stress.hpp"
 #include "contact/solve/rigid_contact.hpp"
+#include "contact/solve/small_zones.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
 

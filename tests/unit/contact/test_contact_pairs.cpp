@@ -34,7 +34,7 @@ TEST(ContactPairs, PointsCoverTheFaceAndMeetTheOtherBody) {
 /// Rows of the gap: a relative rigid translation along the normal changes every gap by its length.
 TEST(ContactPairs, GroupRowsMeasureTheGap) {
   const auto solved = test::run_scene("tests/scenes/gap.toml");
-  const ElasticSystem& system = solved->simulation->system;
+  const ElasticSystem& system = solved->simulation->state.system;
   for (const GroupRow& row : system.group_rows) {
     double opening = 0, common = 0;
     for (const auto& [dof, value] : row.entries) {

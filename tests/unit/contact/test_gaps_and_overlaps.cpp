@@ -161,7 +161,7 @@ TEST(PinInAHole, SeesAsFarAsItHasTo) {
   ASSERT_TRUE(solved->results().converged && far->results().converged);
   const double first = std::max(2 / 20.0, 0.05);  // reach before the solve: two cells
   double farthest = 0;
-  for (const ContactPoint& q : far->simulation->pairs[0].points)
+  for (const ContactPoint& q : far->simulation->state.pairs[0].points)
     if (q.active) farthest = std::max(farthest, q.distance);
   ASSERT_GT(farthest, first) << "the case proves nothing";
   EXPECT_EQ(solved->results().active_points, far->results().active_points);
@@ -186,9 +186,9 @@ TEST(HeldByContact, BallInAGroove) {
     EXPECT_NEAR((r.pairs[0].force_on_first + r.pairs[1].force_on_first)[2] / -weight, 1, 1e-6);
     EXPECT_NEAR((r.pairs[0].force_on_first + r.pairs[1].force_on_first)[0] / weight, 0, 1e-6);
     double held = 0;
-    for (std::size_t s = 0; s < solved->simulation->supports.size(); ++s) {
-      const SupportPoint& p = solved->simulation->supports[s];
-      if (p.support < 0) held += std::abs(p.weight * solved->simulation->outer.support_stress[s]);
+    for (std::size_t s = 0; s < solved->simulation->state.supports.size(); ++s) {
+      const SupportPoint& p = solved->simulation->state.supports[s];
+      if (p.support < 0) held += std::abs(p.weight * solved->simulation->state.outer.support_stress[s]);
     }
     EXPECT_LT(held, 1e-6 * weight);
   }
@@ -203,7 +203,7 @@ TEST(HeldByContact, PinInAHoleWithClearance) {
     ASSERT_TRUE(r.converged) << r.diagnosis;
     const double force = 0.5 * std::stod(std::string(load).substr(10)) * 2e-3;
     EXPECT_NEAR(r.pairs[0].force_on_first[1] / -force, 1, 1e-6);
-    for (const ContactPoint& point : solved->simulation->pairs[0].points)
+    for (const ContactPoint& point : solved->simulation->state.pairs[0].points)
       EXPECT_TRUE(!point.active || point.x[1] < 0) << point.x.transpose();
   }
 }

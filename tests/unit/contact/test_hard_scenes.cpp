@@ -49,7 +49,7 @@ TEST_P(HardScene, IsSolvedWithoutSilence) {
   EXPECT_TRUE(std::isfinite(r.pairs[0].pressure_error_estimate));
   long long patches = 0;
   for (const BodyFields& body : r.bodies) {
-    const BodyMesh& mesh = solved->simulation->system.meshes[&body - r.bodies.data()];
+    const BodyMesh& mesh = solved->simulation->state.system.meshes[&body - r.bodies.data()];
     patches += mesh.num_nodes;
     for (int c = 0; c < static_cast<int>(body.cut_cells->cells.size()); ++c)
       for (const Vec3& xi : {Vec3(0, 0, 0), Vec3(0.9, -0.9, 0.9)})

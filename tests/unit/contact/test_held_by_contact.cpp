@@ -55,8 +55,8 @@ int body_named(const test::SolvedScene& solved, const std::string& name) {
 Vec3 force_on(const test::SolvedScene& solved, const std::string& first, const std::string& second) {
   const int a = body_named(solved, first), b = body_named(solved, second);
   Vec3 sum = Vec3::Zero();
-  for (std::size_t k = 0; k < solved.simulation->pairs.size(); ++k) {
-    const ContactPair& pair = solved.simulation->pairs[k];
+  for (std::size_t k = 0; k < solved.simulation->state.pairs.size(); ++k) {
+    const ContactPair& pair = solved.simulation->state.pairs[k];
     const Vec3& force = solved.results().pairs[k].force_on_first;
     if (pair.spec->first.body == a && pair.spec->second.body == b) sum += force;
     if (pair.spec->first.body == b && pair.spec->second.body == a) sum -= force;
@@ -67,9 +67,9 @@ Vec3 force_on(const test::SolvedScene& solved, const std::string& first, const s
 /// Sum of the magnitudes at points that are no support of the scene, N.
 double force_of_holds(const test::SolvedScene& solved) {
   double held = 0;
-  for (std::size_t s = 0; s < solved.simulation->supports.size(); ++s) {
-    const SupportPoint& p = solved.simulation->supports[s];
-    if (p.support < 0) held += std::abs(p.weight * solved.simulation->outer.support_stress[s]);
+  for (std::size_t s = 0; s < solved.simulation->state.supports.size(); ++s) {
+    const SupportPoint& p = solved.simulation->state.supports[s];
+    if (p.support < 0) held += std::abs(p.weight * solved.simulation->state.outer.support_stress[s]);
   }
   return held;
 }
@@ -111,9 +111,10 @@ TEST(HeldByContact, BlockInACavity) {
       const double weight = 1e7 * 0.02 * 0.018 * 0.016;
       EXPECT_LT((force_on(*solved, "block", "shell") - Vec3(0, 0, weight)).norm(), 1e-6 * weight);
       double carried = 0;
-      for (const ContactPoint& q : solved->simulation->pairs[0].points) EXPECT_TRUE(!q.active || q.x[2] < 1e-6) << q.x;
-      for (const double force : solved->simulation->outer.group_force) carried += std::abs(force);
-      const Scales& scales = solved->simulation->scales;
+      for (const ContactPoint& q : solved->simulation->state.pairs[0].points)
+        EXPECT_TRUE(!q.active || q.x[2] < 1e-6) << q.x;
+      for (const double force : solved->simulation->state.outer.group_force) carried += std::abs(force);
+      const Scales& scales = solved->simulation->state.scales;
       EXPECT_NEAR(carried * scales.stress * scales.length * scales.length / weight, 1, 1e-6);
     }
 }

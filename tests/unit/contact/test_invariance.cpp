@@ -16,7 +16,7 @@ const std::string scene = "tests/scenes/units.toml";
 /// eigenvalue estimates as well), so only rounding and what the solver makes of it may differ.
 TEST(Invariance, RunsAreReproducible) {
   const auto a = test::run_scene(scene), b = test::run_scene(scene);
-  const RealView &u = a->simulation->outer.u, &v = b->simulation->outer.u;
+  const RealView &u = a->simulation->state.outer.u, &v = b->simulation->state.outer.u;
   ASSERT_EQ(u.extent(0), v.extent(0));
   double largest = 0;
   for (std::size_t i = 0; i < u.extent(0); ++i) largest = std::max(largest, std::abs(u(i)));

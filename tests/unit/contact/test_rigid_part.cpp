@@ -17,19 +17,20 @@ class RigidPartsOfTurnedGrids : public testing::Test {
       : scene_(read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/patch_test.toml", {})), sim_(scene_) {
     sim_.place_on_grids();
     sim_.make_system();
-    u_ = RealView("u", sim_.system.num_dofs());
+    u_ = RealView("u", sim_.state.system.num_dofs());
   }
 
   /// Calls work(body, DoF, value in Scales::length and grid axes) for every component of a field.
   template <class Work>
   void for_each_dof(const Field& field, const Work& work) const {
-    for (std::size_t b = 0; b < sim_.system.meshes.size(); ++b) {
-      const BodyMesh& mesh = sim_.system.meshes[b];
+    for (std::size_t b = 0; b < sim_.state.system.meshes.size(); ++b) {
+      const BodyMesh& mesh = sim_.state.system.meshes[b];
       const Grid& grid = mesh.cut_cells->grid;
       for (int n = 0; n < mesh.num_nodes; ++n) {
         const Index3& g = mesh.nodes[n];
         const Vec3 value = grid.rotation.transpose() *
-                           field(static_cast<int>(b), grid.to_global(Vec3(g[0], g[1], g[2]))) / sim_.scales.length;
+                           field(static_cast<int>(b), grid.to_global(Vec3(g[0], g[1], g[2]))) /
+                           sim_.state.scales.length;
         for (int i = 0; i < 3; ++i) work(3 * (mesh.first_node + n) + i, value[i]);
       }
     }
@@ -54,25 +55,25 @@ Vec3 deformation(int body, const Vec3& x) { return 1e-3 * Vec3(x[1], x[0], (body
 constexpr double rounding = 3e-11;
 
 TEST_F(RigidPartsOfTurnedGrids, TakeRigidMotionsWhole) {
-  RigidParts parts(sim_.system.meshes, sim_.scales);
+  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
   parts.set_aside(u_);
   for (std::size_t i = 0; i < u_.extent(0); ++i) ASSERT_NEAR(u_(i), 0, rounding);
   for (int b = 0; b < 2; ++b)
     for (const Vec3& x : {Vec3(0, 0, 0), Vec3(1, -0.4, 0.7)})
       EXPECT_LT((parts.of_bodies()[b].at(x) - rigid(b, x)).norm(), rounding);
-  EXPECT_GE(parts.largest_displacement(u_) * sim_.scales.length, 300);
-  EXPECT_LT(parts.largest_displacement(u_) * sim_.scales.length, 301);
+  EXPECT_GE(parts.largest_displacement(u_) * sim_.state.scales.length, 300);
+  EXPECT_LT(parts.largest_displacement(u_) * sim_.state.scales.length, 301);
 }
 
 TEST_F(RigidPartsOfTurnedGrids, KeepTheDisplacementsAndLeaveNothingRigidInThem) {
-  RigidParts parts(sim_.system.meshes, sim_.scales);
+  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
   add(deformation);
   parts.set_aside(u_);
   const Field all = [](int body, const Vec3& x) -> Vec3 { return rigid(body, x) + deformation(body, x); };
   for_each_dof(all, [&](int dof, double value) {
-    ASSERT_NEAR(u_(dof) + parts.at_dof(dof) / sim_.scales.length, value, rounding / sim_.scales.length);
+    ASSERT_NEAR(u_(dof) + parts.at_dof(dof) / sim_.state.scales.length, value, rounding / sim_.state.scales.length);
   });
   const RigidPart before = parts.of_bodies()[1];
   parts.set_aside(u_);
@@ -82,7 +83,7 @@ TEST_F(RigidPartsOfTurnedGrids, KeepTheDisplacementsAndLeaveNothingRigidInThem) 
 /// What makes stiff bodies on soft ones exact: a small field added after the large motion is found to its own rounding,
 /// not to that of the motion.
 TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
-  RigidParts parts(sim_.system.meshes, sim_.scales);
+  RigidParts parts(sim_.state.system.meshes, sim_.state.scales);
   add(rigid);
   parts.set_aside(u_);
   Kokkos::deep_copy(u_, 0.0);
@@ -90,7 +91,7 @@ TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
   parts.set_aside(u_);
   double largest = 0;
   for (std::size_t i = 0; i < u_.extent(0); ++i) largest = std::max(largest, std::abs(u_(i)));
-  RigidParts alone(sim_.system.meshes, sim_.scales);
+  RigidParts alone(sim_.state.system.meshes, sim_.state.scales);
   RealView v("v", u_.extent(0));
   for_each_dof(deformation, [&](int dof, double value) { v(dof) = value; });
   alone.set_aside(v);

@@ -13,8 +13,8 @@ namespace {
 
 /// Does any patch that is evaluated at a contact row hold a closed contact point?
 bool sees_contact(const Simulation& sim, const PatchSet& patches, const ContactRow& row) {
-  const BodyMesh& mesh = sim.system.meshes[row.body];
-  const BoundaryData& boundary = sim.bodies[row.body].boundary;
+  const BodyMesh& mesh = sim.state.system.meshes[row.body];
+  const BoundaryData& boundary = sim.state.bodies[row.body].boundary;
   for (int node : mesh.cell_nodes[row.cell]) {
     const int n = node - mesh.first_node;
     for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
@@ -28,7 +28,7 @@ bool sees_contact(const Simulation& sim, const PatchSet& patches, const ContactR
 double open_pressure(const Simulation& sim) {
   double largest = -1;
   std::vector<PatchSet> patches;
-  for (const BodyMesh& mesh : sim.system.meshes) patches.push_back(make_patches(mesh));
+  for (const BodyMesh& mesh : sim.state.system.meshes) patches.push_back(make_patches(mesh));
   for (const ContactRow& row : sim.results.contact_rows)
     if (!sees_contact(sim, patches[row.body], row))
       largest = std::max(largest, std::abs(row.pressure_sprc) / sim.results.pairs[0].max_pressure);
@@ -197,7 +197,7 @@ TEST(Hertz, CentrePressureAndForceBalance) {
   const double a = std::cbrt(3 * force / (4 * reduced_modulus));
   const double p0 = 3 * force / (2 * M_PI * a * a);
   EXPECT_LE(a, 0.1);
-  EXPECT_NEAR((*solved->simulation->reference.pressure)(Vec3(0, 0, 0)) / p0, 1, 1e-12);
+  EXPECT_NEAR((*solved->simulation->state.reference.pressure)(Vec3(0, 0, 0)) / p0, 1, 1e-12);
   expect_centre_pressure(r, p0, 0.05);
   EXPECT_LE((r.pairs[0].force_on_first + r.pairs[0].force_on_second).norm(), 1e-10 * force);
   EXPECT_LE((r.pairs[0].moment_on_first + r.pairs[0].moment_on_second).norm(), 1e-10 * force);
@@ -217,7 +217,7 @@ TEST(Hertz, PressureAtTheComputedForce) {
   EXPECT_LE(interior.sprc, 0.01);
   EXPECT_GE(interior.spr / interior.sprc, 4);
   EXPECT_LE(test::zone(r, "outside").sprc, 1e-3);
-  expect_centre_pressure(r, (*solved->simulation->reference.pressure)(Vec3(0, 0, 0)), 0.01);
+  expect_centre_pressure(r, (*solved->simulation->state.reference.pressure)(Vec3(0, 0, 0)), 0.01);
   const double force = 4 * r.pairs[0].force_on_first.norm();
   const double a = std::cbrt(3 * force / (4 * 200e9 / (2 * (1 - 0.09))));
   EXPECT_NEAR(std::sqrt(4 * r.pairs[0].area / M_PI) / a, 1, 0.02);

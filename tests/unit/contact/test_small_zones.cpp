@@ -5,7 +5,7 @@
 
 #include "contact/model/gap_samples.hpp"
 #include "contact/model/press_direction.hpp"
-#include "contact/results/small_zones.hpp"
+#include "contact/solve/small_zones.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {
@@ -102,7 +102,7 @@ TEST(SmallZones, ForceOfABall) {
 /// Where the zone is several cells wide everything is as without them.
 TEST(SmallZones, ResolvedZonesAreLeftAlone) {
   const auto solved = test::run_scene("scenes/hertz.toml", {"n=16", "L=0.5"});
-  for (const int count : solved->simulation->outer.small_zone_groups) EXPECT_EQ(count, 0);
+  for (const int count : solved->simulation->state.outer.small_zone_groups) EXPECT_EQ(count, 0);
   EXPECT_TRUE(solved->results().warnings.empty());
 }
 

@@ -24,10 +24,10 @@ int iterations(const Scene& scene, const std::string& what) {
   Simulation sim(scene);
   sim.place_on_grids();
   sim.make_system();
-  set_group_stiffness(sim.system, sim.system.full_group_stiffness);
-  LinearSolver solver(sim.system, Preconditioner::multigrid);
+  set_group_stiffness(sim.state.system, sim.state.system.full_group_stiffness);
+  LinearSolver solver(sim.state.system, Preconditioner::multigrid);
   solver.update();
-  const int size = sim.system.num_dofs();
+  const int size = sim.state.system.num_dofs();
   const RealView b("b", size), x("x", size);
   std::mt19937 random(1);
   double sum = 0;

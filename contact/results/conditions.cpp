@@ -1,4 +1,4 @@
-#include "contact/model/conditions.hpp"
+#include "contact/results/conditions.hpp"
 
 #include <fmt/format.h>
 
@@ -31,8 +31,8 @@ std::string range_text(const Values& values, const DisplayUnit& unit) {
 
 double largest(const Values& values) { return std::max(std::abs(values.low), std::abs(values.high)); }
 
-LoadFigures load_figures(const Simulation& sim, const LoadSpec& load, double factor) {
-  const BodyModel& body = sim.bodies[load.face.body];
+LoadFigures load_figures(const SolvedState& state, const LoadSpec& load, double factor) {
+  const BodyModel& body = state.bodies[load.face.body];
   const BodyFace face(load.face.face, body);
   LoadFigures figures;
   figures.face = body.spec->name + "." + load.face.face.name;
@@ -67,23 +67,23 @@ double volume(const CutCells& cells) {
 }
 
 /// Body forces are what of the load on a body its faces do not carry.
-void add_body_forces(const Simulation& sim, Results& results) {
-  for (std::size_t b = 0; b < sim.bodies.size(); ++b) {
-    const BodySpec& body = *sim.bodies[b].spec;
+void add_body_forces(const SolvedState& state, Results& results) {
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    const BodySpec& body = *state.bodies[b].spec;
     const auto is_zero = [](const Expression& component) { return component.is_zero(); };
     if (std::all_of(body.body_force.begin(), body.body_force.end(), is_zero)) continue;
-    LoadFigures figures{body.name, "body force", sim.outer.load_of_body[b], volume(sim.bodies[b].cut_cells), true};
-    for (std::size_t l = 0; l < sim.scene.loads.size(); ++l)
-      if (sim.scene.loads[l].face.body == static_cast<int>(b)) figures.force -= results.loads[l].force;
+    LoadFigures figures{body.name, "body force", state.outer.load_of_body[b], volume(state.bodies[b].cut_cells), true};
+    for (std::size_t l = 0; l < state.scene.loads.size(); ++l)
+      if (state.scene.loads[l].face.body == static_cast<int>(b)) figures.force -= results.loads[l].force;
     results.loads.push_back(figures);
   }
 }
 
-std::string condition_of(const Simulation& sim, int support) {
-  const SupportSpec& spec = sim.scene.supports[support];
+std::string condition_of(const SolvedState& state, int support) {
+  const SupportSpec& spec = state.scene.supports[support];
   if (spec.symmetry) return "symmetry";
   Values normal, axes[3];
-  for (const SupportPoint& point : sim.supports) {
+  for (const SupportPoint& point : state.supports) {
     if (point.support != support) continue;
     int axis = -1;
     for (int k = 0; k < 3; ++k)
@@ -104,8 +104,8 @@ std::string condition_of(const Simulation& sim, int support) {
   return text;
 }
 
-double area_of(const Simulation& sim, const FaceRef& reference) {
-  const BodyModel& body = sim.bodies[reference.body];
+double area_of(const SolvedState& state, const FaceRef& reference) {
+  const BodyModel& body = state.bodies[reference.body];
   const BodyFace face(reference.face, body);
   double area = 0;
   for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
@@ -115,19 +115,19 @@ double area_of(const Simulation& sim, const FaceRef& reference) {
 
 }  // namespace
 
-void fill_conditions(const Simulation& sim, Results& results) {
-  const double factor = sim.scene.steps.empty() ? 1 : sim.scene.steps.back().loads;
-  for (const LoadSpec& load : sim.scene.loads) results.loads.push_back(load_figures(sim, load, factor));
-  add_body_forces(sim, results);
+void fill_conditions(const SolvedState& state, Results& results) {
+  const double factor = state.scene.steps.empty() ? 1 : state.scene.steps.back().loads;
+  for (const LoadSpec& load : state.scene.loads) results.loads.push_back(load_figures(state, load, factor));
+  add_body_forces(state, results);
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
-    results.supports[s].condition = condition_of(sim, static_cast<int>(s));
-    results.supports[s].area = area_of(sim, sim.scene.supports[s].face);
+    results.supports[s].condition = condition_of(state, static_cast<int>(s));
+    results.supports[s].area = area_of(state, state.scene.supports[s].face);
   }
-  for (std::size_t k = 0; k < results.pairs.size(); ++k) results.pairs[k].interference = sim.pairs[k].interference;
+  for (std::size_t k = 0; k < results.pairs.size(); ++k) results.pairs[k].interference = state.pairs[k].interference;
   for (std::size_t b = 0; b < results.bodies.size(); ++b) {
-    std::vector<int> contacts = sim.bodies[b].boundary.pair_of_point;
+    std::vector<int> contacts = state.bodies[b].boundary.pair_of_point;
     for (int& contact : contacts)
-      if (contact >= 0) contact = static_cast<int>(sim.pairs[contact].spec - sim.scene.contacts.data());
+      if (contact >= 0) contact = static_cast<int>(state.pairs[contact].spec - state.scene.contacts.data());
     results.bodies[b].contact_of_point = std::move(contacts);
   }
 }

@@ -1,4 +1,4 @@
-#include "contact/results/small_zones.hpp"
+#include "contact/solve/small_zones.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,53 @@
+#include "contact/model/contact_system.hpp"
+
+#include <algorithm>
+
+namespace cgcontact {
+namespace {
+
+void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                  const Scales& scales, ElasticSystem& system) {
+  std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
+  for (const SupportPoint& p : supports) {
+    const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
+    const double stiffness = support_stiffness(scene, bodies[p.body]) * p.weight / (scales.stress * scales.length);
+    terms[p.body].push_back({p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin()});
+  }
+  for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
+}
+
+void add_contact(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs, const Scales& scales,
+                 ElasticSystem& system) {
+  set_group_rows(system, make_group_rows(pairs, bodies, system));
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& g : pair.groups)
+      system.full_group_stiffness.push_back(pair.stiffness * g.area / (scales.stress * scales.length));
+}
+
+}  // namespace
+
+Scales make_scales(const Scene& scene) {
+  Scales scales{0, 0};
+  for (const BodySpec& body : scene.bodies) {
+    scales.length = std::max(scales.length, body.cell_size);
+    scales.stress = std::max(scales.stress, body.material.youngs_modulus);
+  }
+  return scales;
+}
+
+ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyModel>& bodies,
+                                  const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                                  const Scales& scales) {
+  std::vector<const CutCells*> cut_cells;
+  std::vector<Material> materials;
+  for (const BodyModel& body : bodies) {
+    cut_cells.push_back(&body.cut_cells);
+    materials.push_back(body.spec->material);
+  }
+  ElasticSystem system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
+  add_supports(scene, bodies, supports, scales, system);
+  add_contact(bodies, pairs, scales, system);
+  return system;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,16 @@
+/// The linear system of a scene: all bodies' stiffness, their supports and the rows of their contact groups.
+#pragma once
+
+#include "contact/model/contact_pairs.hpp"
+
+namespace cgcontact {
+
+/// Lengths by the largest cells, stresses by the largest Young's modulus.
+Scales make_scales(const Scene& scene);
+
+/// The contact groups are open at first. The bodies must outlive the system.
+ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyModel>& bodies,
+                                  const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
+                                  const Scales& scales);
+
+}  // namespace cgcontact

@@ -1,0 +1,128 @@
+#include "contact/preparation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "contact/model/condition_checks.hpp"
+#include "contact/model/memory.hpp"
+#include "contact/motions/free_motion.hpp"
+#include "contact/motions/free_pieces.hpp"
+#include "contact/results/reference.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Stiffness of what holds bodies while contact does not, of a support's on the softest body that contact joins them
+/// to: less than what contact and the bodies below it resist, so that its rest position follows within the outer
+/// iteration.
+constexpr double soft_hold = 1e-4;
+/// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9, or
+/// to less where a face ends between quadrature points.
+constexpr double no_load = 1e-7, little_load = 1e-3;
+
+/// For each body the least Young's modulus of those that contact pairs join to it, directly or over others, Pa.
+std::vector<double> softest_moduli(const Preparation& p) {
+  std::vector<double> moduli;
+  for (const BodyModel& body : p.bodies) moduli.push_back(body.spec->material.youngs_modulus);
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const ContactPair& pair : p.pairs) {
+      const double least = std::min(moduli[pair.primary], moduli[pair.secondary]);
+      changed |= moduli[pair.primary] != least || moduli[pair.secondary] != least;
+      moduli[pair.primary] = moduli[pair.secondary] = least;
+    }
+  }
+  return moduli;
+}
+
+/// Motions that are free although all contact is closed: pieces that nothing holds, flat faces that slide on each
+/// other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with nothing to
+/// drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the other side's
+/// points seem to resist, as the contact of curved surfaces does between cells.
+void check_free_motions(const Scene& scene, Preparation& p) {
+  const auto refuse_driven = [&](const FreeMotions& free, double allowed, const std::string& text) {
+    const FreeMotions driven = driven_by_loads(free, p.bodies, allowed);
+    if (!driven.empty())
+      throw InputError(fmt::format("{}: {}, and the loads drive it{}", scene.file, describe(driven, scene), text));
+  };
+  const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
+  const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
+  const FreeMotions on_both_sides = free_on_both_sides(free, p.bodies, p.pairs);
+  if (!text.empty()) {
+    refuse_driven(free, no_load, ": " + text);
+    if (free.empty() || on_both_sides.slides()) throw InputError(scene.file + ": " + text);
+  }
+  std::vector<SupportPoint> held = hold(on_both_sides, p.bodies);
+  // The exact pressure does no work on these. A rotation about the axis of another body's surface (a pin in a wider
+  // hole) ends where the loads do none.
+  const SurfaceMotions surface = find_surface_motions(p.bodies, p.supports, p.pairs);
+  refuse_driven(surface.own, little_load, "");
+  refuse_driven(surface.others.without_rotation(), little_load, "");
+  FreeMotions along_surfaces = surface.own;
+  along_surfaces.add(surface.others);
+  along_surfaces.add(free);
+  FreeMotions left = along_surfaces;
+  left.leave_out(held, p.bodies);
+  if (!left.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
+    p.warnings.push_back(describe(along_surfaces, scene) +
+                         ": no load drives this motion, soft springs that follow it hold it");
+  else if (!on_both_sides.empty())
+    p.warnings.push_back(describe(on_both_sides, scene) +
+                         ": no load drives this motion, it is held where it is, which takes no force");
+  const std::vector<double> softest = softest_moduli(p);
+  for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
+    for (SupportPoint point : hold(motions, p.bodies)) {
+      point.weight *= soft_hold * softest[point.body] / stabilising_modulus(p.bodies[point.body].spec->material);
+      point.follows = true;
+      held.push_back(point);
+    }
+  p.supports.insert(p.supports.end(), held.begin(), held.end());
+}
+
+/// The recovery takes the body force at nodes, which may lie on a singular plane or outside of the body.
+void check_body_forces(const std::vector<BodyModel>& bodies) {
+  for (const BodyModel& body : bodies) {
+    if (!body.boundary.body_force_at) continue;
+    for (const Index3& cell : body.cut_cells.cells)
+      body.boundary.body_force_at(body.cut_cells.grid.to_global(Vec3(cell[0], cell[1], cell[2])));
+  }
+}
+
+/// Its files can be read, and its pressure has a value where the faces may touch. One that depends on the contact force
+/// is left for later.
+void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) {
+  const Reference reference(scene, scene.reference);
+  if (scene.late_reference || !reference.has_pressure()) return;
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& point : pair.points) reference.pressure(point.x);
+}
+
+}  // namespace
+
+double count_contact_points(const std::vector<ContactPair>& pairs) {
+  double points = 0;
+  for (const ContactPair& pair : pairs) points += static_cast<double>(pair.points.size());
+  return points;
+}
+
+void check_memory(const Scene& scene, const Preparation& preparation) {
+  std::vector<BodySize> sizes;
+  for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
+  check_memory(scene, sizes, count_contact_points(preparation.pairs));
+}
+
+Preparation prepare(const Scene& scene, bool refuse_near_limit) {
+  check_memory_early(scene, refuse_near_limit);
+  Preparation p;
+  p.bodies = make_body_models(scene);
+  p.supports = make_support_points(scene, p.bodies);
+  p.pairs = make_contact_pairs(scene, p.bodies);
+  check_conditions(scene, p.bodies, p.pairs);
+  check_free_motions(scene, p);
+  check_body_forces(p.bodies);
+  check_reference(scene, p.pairs);
+  return p;
+}
+
+}  // namespace cgcontact

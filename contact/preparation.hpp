@@ -1,0 +1,27 @@
+/// A scene on its grids, checked: what `cgcontact check` shows, and what a run continues from.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/model/contact_pairs.hpp"
+
+namespace cgcontact {
+
+struct Preparation {
+  std::vector<BodyModel> bodies;
+  std::vector<ContactPair> pairs;
+  std::vector<SupportPoint> supports;
+  std::vector<std::string> warnings;
+};
+
+/// Throws InputError, also if the scene would clearly not fit into memory; refuse_near_limit: or by little, as far as
+/// an estimate of a second or two says.
+Preparation prepare(const Scene& scene, bool refuse_near_limit = true);
+
+double count_contact_points(const std::vector<ContactPair>& pairs);
+
+/// Throws InputError if a run of the scene would not fit into memory.
+void check_memory(const Scene& scene, const Preparation& preparation);
+
+}  // namespace cgcontact

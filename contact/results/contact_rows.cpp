@@ -1,0 +1,150 @@
+#include "contact/results/contact_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/results/pair_figures.hpp"
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Boundary points per chunk of the parallel loops.
+constexpr std::size_t grain = 128;
+/// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
+constexpr double same_face = 0.5;
+/// Of the largest pressure of a pair.
+constexpr double rounding = 1e-9;
+
+double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
+
+/// Contact pair whose faces contain a boundary point of a body (index), or -1.
+int pair_of_face(const SolvedState& state, int body, int boundary_point) {
+  const BodyModel& model = state.bodies[body];
+  const Grid& grid = model.cut_cells.grid;
+  const BoundaryPoints& points = model.cut_cells.boundary;
+  const Vec3 x = grid.to_global(points.position_of_piece(boundary_point)),
+             n = grid.rotation * points.normal_of_piece(boundary_point);
+  for (std::size_t p = 0; p < state.pairs.size(); ++p) {
+    const ContactPair& pair = state.pairs[p];
+    if ((pair.primary == body || pair.secondary == body) &&
+        pair.face(body).contains(model.surface_names(boundary_point), x, n))
+      return static_cast<int>(p);
+  }
+  return -1;
+}
+
+/// The contact point nearest to a grid position in the same cell and on the same side of the body, or nullptr. `n`:
+/// grid axes.
+const ContactLink* nearest_link(const BodyModel& body, int cell, const Vec3& position, const Vec3& n, int pair) {
+  const ContactLink* nearest = nullptr;
+  for (int l : body.boundary.links_of_cell[cell]) {
+    const ContactLink& link = body.boundary.links[l];
+    if (link.pair != pair || link.normal.dot(n) < same_face) continue;
+    if (!nearest || (link.position - position).squaredNorm() < (nearest->position - position).squaredNorm())
+      nearest = &link;
+  }
+  return nearest;
+}
+
+/// No if all patches around are open on that side (position: grid coordinates): the traction is zero there, whatever
+/// else the patches have to meet.
+bool carries_pressure(const SolvedState& state, int body, int cell, int pair, const Vec3& position, const Vec3& n) {
+  if (state.patch_states.empty()) return true;
+  const BodyModel& model = state.bodies[body];
+  const PatchStates& states = state.patch_states[body];
+  const int surface = states.open_sides.empty()
+                          ? -1
+                          : model.cut_cells.solid.surface_at(position, model.cut_cells.grid.rotation.transpose() * n);
+  return states.presses(state.system.meshes[body], cell, pair, surface);
+}
+
+/// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
+void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow& row) {
+  const ContactPair& pair = state.pairs[row.pair];
+  const int other = pair.other(row.body);
+  const auto opposite = find_opposite(state.bodies, pair, row.body, row.x, row.normal);
+  row.gap = row.distance = std::numeric_limits<double>::infinity();
+  row.pressure_opposite = std::numeric_limits<double>::quiet_NaN();
+  if (!opposite) return;
+  const Vec3 other_xi = cell_coordinates(state.bodies[other].cut_cells, opposite->cell, opposite->position);
+  const Vec3 relative = displacement(state, other, opposite->cell, other_xi) - displacement(state, row.body, cell, xi);
+  row.distance = opposite->distance;
+  row.gap = opposite->distance - pair.interference + relative.dot(row.normal);
+  row.pressure_opposite =
+      carries_pressure(state, other, opposite->cell, row.pair, opposite->position, -row.normal)
+          ? pressure(recovered_stress(state, state.sprc[other], other, opposite->cell, other_xi), row.normal)
+          : 0.0;
+}
+
+/// Open for certain: nothing lies opposite, or more than one of the larger cells away.
+bool is_far_from_contact(const SolvedState& state, const ContactRow& row) {
+  return !(row.gap < state.bodies[state.pairs[row.pair].primary].cut_cells.grid.cell_size);
+}
+
+/// What patches with closed points leave at open ones, where they carry nothing, is rounding: zero.
+void clear_rounding(const SolvedState& state, std::vector<ContactRow>& rows) {
+  if (!state.scene.recovery.spr_c) return;
+  std::vector<double> largest(state.pairs.size(), 0.0);
+  for (const ContactRow& r : rows) largest[r.pair] = std::max(largest[r.pair], std::abs(r.pressure_sprc));
+  for (ContactRow& r : rows)
+    if (!r.active && std::abs(r.pressure_sprc) < rounding * largest[r.pair]) r.pressure_sprc = 0;
+}
+
+}  // namespace
+
+ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
+  const BodyModel& model = state.bodies[body];
+  ContactRow row;
+  row.body = body;
+  row.pair = pair;
+  row.cell = cell;
+  row.x = model.cut_cells.grid.to_global(position);
+  row.normal = n;
+  const Vec3 xi = cell_coordinates(model.cut_cells, cell, position);
+  row.stress_raw = raw_stress(state, body, cell, xi);
+  row.stress_spr = recovered_stress(state, state.spr[body], body, cell, xi);
+  row.stress_sprc = recovered_stress(state, state.sprc[body], body, cell, xi);
+  row.pressure_raw = pressure(row.stress_raw, n);
+  row.pressure_spr = pressure(row.stress_spr, n);
+  row.pressure_sprc = pressure(row.stress_sprc, n);
+  look_across(state, cell, xi, row);
+  const bool far = is_far_from_contact(state, row);
+  const ContactLink* link = nearest_link(model, cell, position, model.cut_cells.grid.rotation.transpose() * n, pair);
+  row.active = link && link->active && !far;
+  row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
+  if (state.scene.recovery.spr_c && (far || !carries_pressure(state, body, cell, pair, position, n)))
+    row.pressure_sprc = 0;
+  return row;
+}
+
+void fill_contact_rows(const SolvedState& state, Results& results) {
+  std::vector<int> boundary_point;
+  for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
+    const BodyModel& body = state.bodies[b];
+    const BoundaryPoints& boundary = body.cut_cells.boundary;
+    std::vector<std::vector<int>> points(num_chunks(boundary.size(), grain));
+    std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain));
+    parallel_chunks("cgcontact::postprocess::contact_rows", boundary.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
+                        int pair = body.boundary.pair_of_point[p];
+                        if (pair < 0) pair = pair_of_face(state, b, p);
+                        if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && state.pairs[pair].spec->automatic))
+                          continue;
+                        ContactRow row =
+                            contact_row(state, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
+                        row.weight = body.area(p);
+                        chunks[chunk].push_back(row);
+                        points[chunk].push_back(p);
+                      }
+                    });
+    for (const auto& rows : chunks) results.contact_rows.insert(results.contact_rows.end(), rows.begin(), rows.end());
+    for (const auto& part : points) boundary_point.insert(boundary_point.end(), part.begin(), part.end());
+  }
+  clear_rounding(state, results.contact_rows);
+  mark_touching_rows(state, boundary_point, results.contact_rows);
+}
+
+}  // namespace cgcontact

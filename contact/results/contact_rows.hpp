@@ -1,0 +1,16 @@
+/// The contact faces point by point: pressures, gap, open or closed.
+#pragma once
+
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// A row of a pair at a grid position on the boundary of a body, with the outward normal (global axes); without weight.
+ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, const Vec3& position,
+                       const Vec3& normal);
+
+/// Appends a row for every boundary point of the contact faces.
+void fill_contact_rows(const SolvedState& state, Results& results);
+
+}  // namespace cgcontact

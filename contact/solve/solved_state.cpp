@@ -1,0 +1,47 @@
+#include "contact/solve/solved_state.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Stress in Pa and global axes of one of the three fields at cell coordinates.
+Sym3 to_global(const SolvedState& state, int body, const double s[6]) {
+  const Mat3& R = state.bodies[body].cut_cells.grid.rotation;
+  const Sym3 local = Eigen::Map<const Sym3>(s) * state.scales.stress;
+  return voigt(R * tensor(local) * R.transpose());
+}
+
+/// Without the body's rigid part.
+void corner_displacements(const SolvedState& state, int body, int cell, double out[8][3]) {
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) out[a][i] = state.outer.u(3 * state.system.meshes[body].cell_nodes[cell][a] + i);
+}
+
+}  // namespace
+
+Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi) {
+  double u[8][3], N[8];
+  corner_displacements(state, body, cell, u);
+  hex_shape(xi.data(), N);
+  const CutCells& cut_cells = state.bodies[body].cut_cells;
+  Vec3 sum = Vec3::Zero();
+  for (int a = 0; a < 8; ++a) sum += N[a] * Vec3(u[a][0], u[a][1], u[a][2]);
+  return state.scales.length * (cut_cells.grid.rotation * sum) +
+         state.outer.rigid_parts[body].at(global_position(cut_cells, cell, xi));
+}
+
+Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi) {
+  const BodyMesh& mesh = state.system.meshes[body];
+  double u[8][3], s[6];
+  corner_displacements(state, body, cell, u);
+  hex_stress(mesh.law, u, xi.data(), s);
+  for (double& v : s) v *= mesh.stress_factor();
+  return to_global(state, body, s);
+}
+
+Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi) {
+  double s[6];
+  evaluate_recovered(state.system.meshes[body], field, cell, xi.data(), s);
+  return to_global(state, body, s);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,41 @@
+/// A solved scene: the bodies on their grids, what joins them, the solution and what was recovered from it. The steps
+/// of Simulation (contact/simulation.hpp) fill it; results, error estimates and output only read it.
+#pragma once
+
+#include <vector>
+
+#include "contact/model/contact_pairs.hpp"
+#include "contact/solve/outer_loop.hpp"
+#include "recovery/constrained/recover_stress.hpp"
+
+namespace cgcontact {
+
+struct SolvedState {
+  explicit SolvedState(const Scene& s) : scene(s) {}
+  SolvedState(const SolvedState&) = delete;
+
+  const Scene& scene;
+  Scales scales;
+  std::vector<BodyModel> bodies;
+  std::vector<ContactPair> pairs;
+  std::vector<SupportPoint> supports;
+  ElasticSystem system;
+  std::vector<PatchSet> patches;     ///< by body; empty once all is recovered
+  OuterResult outer;                 ///< displacements, forces, iterations
+  std::vector<RecoveredField> spr;   ///< by body: near the contact faces, where it is shown
+  std::vector<RecoveredField> sprc;  ///< by body: everywhere (SPR where the scene does not want SPR-C)
+  RecoveryCounts recovery_counts;
+  std::vector<PatchStates> patch_states;  ///< by body; empty without SPR-C
+  ReferenceSpec reference;                ///< what the results are compared with
+};
+
+// The fields at a point of a body: active cell and cell coordinates; global axes.
+
+/// m
+Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi);
+/// That of the displacements, Pa.
+Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi);
+/// Of one of the recovered fields of the body, Pa.
+Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi);
+
+}  // namespace cgcontact
