@@ -9,9 +9,8 @@
 #include <memory>
 #include <string>
 
-#include "contact/model/contact_pairs.hpp"
+#include "contact/solve/outer_problem.hpp"
 #include "contact/solve/rigid_part.hpp"
-#include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {
 
@@ -37,17 +36,6 @@ struct OuterResult {
   std::vector<double> small_zone_width;  ///< of each pair: of such zones, m
   bool converged = false;
   std::string diagnosis;
-};
-
-/// Everything the loop works on; references stay valid outside.
-struct OuterProblem {
-  const Scene& scene;
-  std::vector<BodyModel>& bodies;
-  const std::vector<PatchSet>& patches;
-  std::vector<ContactPair>& pairs;
-  std::vector<SupportPoint>& supports;
-  ElasticSystem& system;
-  const Scales& scales;
 };
 
 /// Solves one system under changing loads, prescribed displacements and gaps (those of the bodies, supports and pairs

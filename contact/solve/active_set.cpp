@@ -1,0 +1,83 @@
+#include "contact/solve/active_set.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cgcontact {
+namespace {
+
+/// Pressures below this part of the kappa terms are rounding.
+constexpr double no_force = 1e-10;
+
+/// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
+/// one by no more than `allowance` of the smaller cell. Are all points closed?
+bool close_near_the_smallest_gap(const OuterProblem& problem, double allowance) {
+  bool all = true;
+  for (ContactPair& pair : problem.pairs) {
+    double smallest = 1e300;
+    for (const ContactGroup& g : pair.groups) smallest = std::min(smallest, g.initial_gap);
+    const double h =
+        std::min(problem.scene.bodies[pair.primary].cell_size, problem.scene.bodies[pair.secondary].cell_size);
+    const double limit = std::max(smallest + allowance * h, 1e-9 * h);
+    for (ContactPoint& q : pair.points) all &= q.active = pair.groups[q.group].initial_gap <= limit;
+  }
+  return all;
+}
+
+}  // namespace
+
+void initialise_active_set(Iterate& iterate) {
+  const OuterProblem& problem = iterate.problem;
+  if (iterate.floating.any() && close_where_rigid_bodies_meet(problem.bodies, problem.supports, problem.pairs)) return;
+  for (double allowance = 0.02; !close_near_the_smallest_gap(problem, allowance) && !driven_motions(problem).empty();
+       allowance *= 4) {
+  }
+}
+
+void update_active_set(Iterate& iterate, bool decide) {
+  const OuterProblem& problem = iterate.problem;
+  const std::vector<double> change = iterate.group_gap_change();
+  std::vector<double> force = iterate.group_force(true);
+  for (double& f : force) f *= iterate.force_unit();
+  const double moved = iterate.rigid_parts.largest_displacement(iterate.u) * problem.scales.length;
+  std::size_t first_group = 0;
+  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
+    ContactPair& pair = problem.pairs[k];
+    const auto pressure = [&](std::size_t q) {
+      const int g = pair.points[q].group;
+      return iterate.contact_stress[k][q] * problem.scales.stress -
+             pair.stiffness * (pair.groups[g].initial_gap + change[first_group + g]);
+    };
+    double largest = 0;
+    for (std::size_t q = 0; q < pair.points.size(); ++q) largest = std::max(largest, std::abs(pressure(q)));
+    if (!(largest < no_force * pair.stiffness * moved))
+      for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
+    first_group += pair.groups.size();
+  }
+  iterate.small_zones.update(change, force, decide);
+}
+
+std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& unbalanced) {
+  const std::vector<char> open = iterate.floating.pairs_that_open(unbalanced);
+  std::vector<std::string> names;
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    if (!open[k]) continue;
+    names.push_back('"' + iterate.problem.pairs[k].spec->name + '"');
+    for (ContactPoint& q : iterate.problem.pairs[k].points) q.active = false;
+  }
+  return names;
+}
+
+long long count_active(const std::vector<ContactPair>& pairs) {
+  long long active = 0;
+  for (const ContactPair& pair : pairs)
+    for (const ContactPoint& q : pair.points) active += q.active;
+  return active;
+}
+
+FreeMotions driven_motions(const OuterProblem& problem, double no_stiffness) {
+  const FreeMotions free = find_free_motions(problem.bodies, problem.supports, problem.pairs, no_stiffness);
+  return free.empty() ? free : driven_by_loads(free, problem.bodies);
+}
+
+}  // namespace cgcontact

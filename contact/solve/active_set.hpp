@@ -1,0 +1,27 @@
+/// Which contact points are closed.
+#pragma once
+
+#include <string>
+
+#include "contact/solve/iterate.hpp"
+
+namespace cgcontact {
+
+/// Closed at the start: where bodies meet that loads alone press together; else as few points as hold them against the
+/// loads.
+void initialise_active_set(Iterate& iterate);
+
+/// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
+/// the displacements (bodies that touch without force) nothing changes. decide: also which groups lie in zones smaller
+/// than the cells.
+void update_active_set(Iterate& iterate, bool decide);
+
+/// Opens the pairs that part as the loads move the bodies that contact does not balance; returns their names.
+std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& unbalanced);
+
+long long count_active(const std::vector<ContactPair>& pairs);
+
+/// Motions that supports and closed points resist by less than `no_stiffness` of the rest, and that the loads drive.
+FreeMotions driven_motions(const OuterProblem& problem, double no_stiffness = 1e-9);
+
+}  // namespace cgcontact

@@ -1,0 +1,25 @@
+/// Why the outer iteration ended without convergence, in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/solve/outer_problem.hpp"
+#include "kernels/solver/linear_solver.hpp"
+
+namespace cgcontact {
+
+/// Why nothing holds a body any more: from the present state of the contact points.
+std::string describe_loss_of_contact(const std::vector<ContactPair>& pairs);
+
+/// `opened`: names of the contacts that parted as the loads moved the bodies, of `num_pairs` in all.
+std::string describe_parting(const std::vector<std::string>& opened, std::size_t num_pairs);
+
+/// Where the iteration stood when it was cut off.
+std::string describe_residual(const SolverSpec& solver, const std::vector<double>& residuals);
+
+/// `error`: of the solver's library, where it gave up; "": it did not. force_norm: what its residual is relative to.
+std::string describe_linear_solve(const Scene& scene, const LinearSolveResult& solve, const std::string& error,
+                                  double force_norm);
+
+}  // namespace cgcontact

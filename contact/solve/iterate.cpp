@@ -1,0 +1,153 @@
+#include "contact/solve/iterate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Groups per chunk of the parallel loops.
+constexpr std::size_t grain = 512;
+
+/// Of each pair: do the supports of both bodies hold them?
+std::vector<char> led_pairs(const std::vector<ContactPair>& pairs, const FloatingBodies& floating) {
+  std::vector<char> led;
+  for (const ContactPair& pair : pairs)
+    led.push_back(!floating.floats(pair.primary) && !floating.floats(pair.secondary));
+  return led;
+}
+
+}  // namespace
+
+RealView::HostMirror host_copy(const RealView& u) {
+  auto host = Kokkos::create_mirror_view(u);
+  Kokkos::deep_copy(host, u);
+  return host;
+}
+
+Iterate::Iterate(const OuterProblem& outer_problem)
+    : problem(outer_problem),
+      u("cgcontact::iterate::u", problem.system.num_dofs()),
+      rigid_parts(problem.system.meshes, problem.scales),
+      floating(problem.bodies, problem.supports, problem.pairs),
+      small_zones(problem.bodies, problem.pairs, led_pairs(problem.pairs, floating)) {}
+
+void Iterate::forget() {
+  Kokkos::deep_copy(u, 0.0);
+  rigid_parts.forget();
+  rigid_gap_change.assign(problem.system.group_rows.size(), 0.0);
+  support_stress.assign(problem.supports.size(), 0.0);
+  small_zones.forget();
+  contact_stress.clear();
+  for (const ContactPair& pair : problem.pairs) contact_stress.emplace_back(pair.points.size(), 0.0);
+  for (SupportPoint& p : problem.supports)
+    if (p.follows) p.value = 0;
+}
+
+void Iterate::set_rigid_parts_aside() {
+  rigid_parts.set_aside(u);
+  const std::vector<GroupRow>& rows = problem.system.group_rows;
+  parallel_for("cgcontact::iterate::rigid_gap_change", rows.size(), grain, [&](std::size_t r) {
+    double sum = 0;
+    for (const auto& [dof, value] : rows[r].entries) sum += value * rigid_parts.at_dof(dof);
+    rigid_gap_change[r] = sum;
+  });
+}
+
+double Iterate::support_stiffness(const SupportPoint& p) const {
+  return cgcontact::support_stiffness(problem.scene, problem.bodies[p.body]);
+}
+
+double Iterate::rigid_displacement(const SupportPoint& p) const {
+  return p.direction.dot(
+      rigid_parts.of_bodies()[p.body].at(global_position(problem.bodies[p.body].cut_cells, p.cell, p.xi)));
+}
+
+double Iterate::displacement_of(const SupportPoint& p, const RealView::HostMirror& host_u) const {
+  const Vec3 d = problem.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
+  double N[8], displacement = rigid_displacement(p) / problem.scales.length;
+  hex_shape(p.xi.data(), N);
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i)
+      displacement += N[a] * d[i] * host_u(3 * problem.system.meshes[p.body].cell_nodes[p.cell][a] + i);
+  return displacement * problem.scales.length;
+}
+
+std::vector<double> Iterate::group_gap_change() const {
+  const auto host_u = host_copy(u);
+  std::vector<double> change;
+  for (const GroupRow& row : problem.system.group_rows) {
+    double sum = 0;
+    for (const auto& [dof, value] : row.entries) sum += value * host_u(dof);
+    change.push_back(sum * problem.scales.length + rigid_gap_change[change.size()]);
+  }
+  return change;
+}
+
+std::vector<double> Iterate::group_force(bool with_displacement) const {
+  std::vector<double> forces;
+  const double length = problem.scales.length, area_scale = length * length;
+  const std::vector<double> change = with_displacement ? group_gap_change() : rigid_gap_change;
+  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
+    const ContactPair& pair = problem.pairs[k];
+    for (const ContactGroup& g : pair.groups) {
+      if (small_zones.has(forces.size())) {
+        const double force = small_zones.force(forces.size(), g.initial_gap + change[forces.size()]);
+        forces.push_back(force / (problem.scales.stress * area_scale));
+        continue;
+      }
+      const double gap = (g.initial_gap + change[forces.size()]) / length;
+      double force = 0;
+      for (int q = g.first_point; q < g.last_point; ++q)
+        if (pair.points[q].active)
+          force += contact_stress[k][q] * pair.points[q].weight / area_scale -
+                   to_stiffness(pair.stiffness, pair.points[q].weight) * gap;
+      forces.push_back(force);
+    }
+  }
+  return forces;
+}
+
+std::vector<double> Iterate::group_stiffness() const {
+  std::vector<double> stiffness;
+  for (const ContactPair& pair : problem.pairs)
+    for (const ContactGroup& g : pair.groups) {
+      if (small_zones.has(stiffness.size())) {
+        stiffness.push_back(small_zones.stiffness(stiffness.size()) / (problem.scales.stress * problem.scales.length));
+        continue;
+      }
+      double area = 0;
+      for (int q = g.first_point; q < g.last_point; ++q)
+        if (pair.points[q].active) area += pair.points[q].weight;
+      stiffness.push_back(to_stiffness(pair.stiffness, area));
+    }
+  return stiffness;
+}
+
+double Iterate::total_force() const {
+  double sum = 0;
+  for (const double force : group_force(true)) sum += std::abs(force);
+  return sum * problem.scales.stress * problem.scales.length * problem.scales.length;
+}
+
+double Iterate::spring_force() const {
+  double sum = 0;
+  if (!floating.any()) return sum;
+  const auto host_u = host_copy(u);
+  for (const SupportPoint& p : problem.supports)
+    if (p.follows) sum += std::abs(p.weight * support_stiffness(p) * (displacement_of(p, host_u) - p.value));
+  return sum;
+}
+
+void Iterate::let_springs_follow() {
+  const bool any =
+      std::any_of(problem.supports.begin(), problem.supports.end(), [](const SupportPoint& p) { return p.follows; });
+  if (!any) return;
+  const auto host_u = host_copy(u);
+  for (SupportPoint& p : problem.supports)
+    if (p.follows) p.value = displacement_of(p, host_u);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,77 @@
+#include "contact/solve/lagged_stress.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Stresses below this part of E u / h are rounding.
+constexpr double no_stress = 1e-9;
+/// Points per chunk of the parallel loops.
+constexpr std::size_t grain = 512;
+
+/// Square of the difference and of the new values, area-weighted.
+struct Change {
+  double difference = 0, norm = 0;
+
+  void add(double weight, double before, double after) {
+    difference += weight * (after - before) * (after - before);
+    norm += weight * after * after;
+  }
+
+  template <class Points, class StressAt>
+  void replace(std::vector<double>& values, const Points& points, const StressAt& stress_at) {
+    std::vector<double> before(values.size());
+    before.swap(values);
+    parallel_for("cgcontact::lagged_stress::points", points.size(), grain,
+                 [&](std::size_t i) { values[i] = stress_at(points[i]); });
+    for (std::size_t i = 0; i < points.size(); ++i) add(points[i].weight, before[i], values[i]);
+  }
+};
+
+/// A motion without stress: what is recovered is rounding of E u / h, not a stress to converge to. The least square of
+/// a norm that is more than that.
+double square_of_rounding(const Iterate& iterate) {
+  double area = 0, stiffest = 0;
+  for (const SupportPoint& p : iterate.problem.supports) area += p.weight;
+  for (const BodyMesh& mesh : iterate.problem.system.meshes) stiffest = std::max(stiffest, mesh.stress_factor());
+  return area * std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.u), 2);
+}
+
+}  // namespace
+
+LaggedStress::LaggedStress(const OuterProblem& problem) {
+  const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
+  stress_.reserve(cells.size());
+  for (std::size_t b = 0; b < cells.size(); ++b)
+    stress_.emplace_back(problem.system.meshes[b], problem.patches[b], cells[b]);
+}
+
+double LaggedStress::update(Iterate& iterate) {
+  const OuterProblem& problem = iterate.problem;
+  for (BoundaryStress& s : stress_) s.update(iterate.u);
+  Change change;
+  change.replace(iterate.support_stress, problem.supports, [&](const SupportPoint& p) {
+    if (p.support < 0) return 0.0;  // carries no force: there is no stress to lag
+    return stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
+  });
+  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
+    const ContactPair& pair = problem.pairs[k];
+    // The softer body's counts more, as in the stiffness: the other one's changes more with the gap, and what is lagged
+    // would converge slowly.
+    const double first = stabilising_modulus(problem.scene.bodies[pair.primary].material),
+                 second = stabilising_modulus(problem.scene.bodies[pair.secondary].material);
+    const double part = second / (first + second);
+    change.replace(iterate.contact_stress[k], pair.points, [&](const ContactPoint& c) {
+      return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.normal) -
+             (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.normal);
+    });
+  }
+  const double norm = std::max(change.norm, square_of_rounding(iterate));
+  return norm > 0 ? std::sqrt(change.difference / norm) : 0.0;
+}
+
+}  // namespace cgcontact

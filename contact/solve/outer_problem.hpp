@@ -1,0 +1,20 @@
+/// What the outer iteration works on.
+#pragma once
+
+#include "contact/model/contact_pairs.hpp"
+
+namespace cgcontact {
+
+/// References stay valid outside. The iteration sets the state of the contact points, the rest position of springs that
+/// follow a motion, and the stiffness of the system's groups.
+struct OuterProblem {
+  const Scene& scene;
+  std::vector<BodyModel>& bodies;
+  const std::vector<PatchSet>& patches;
+  std::vector<ContactPair>& pairs;
+  std::vector<SupportPoint>& supports;
+  ElasticSystem& system;
+  const Scales& scales;
+};
+
+}  // namespace cgcontact
