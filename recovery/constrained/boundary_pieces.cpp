@@ -7,9 +7,6 @@
 namespace cgcontact {
 namespace {
 
-/// Voigt index of component (i, j).
-constexpr int voigt_index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-
 /// Pieces smaller than this (standard deviation, cell units) get one constraint point along that direction: a
 /// stretch of 0.1 cells, below which three points differ by less than the fit can tell.
 constexpr double min_spread = 0.1 / 3.4641016151377544;
@@ -38,22 +35,6 @@ std::pair<Vec3, Vec3> tangents(const Vec3& n) {
   // A fixed choice with one threshold: rounding of n does not turn the frame.
   const Vec3 t1 = n.cross(std::abs(n[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
   return {t1, n.cross(t1)};
-}
-
-Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e) {
-  const double p[num_terms] = {1, d[0], d[1], d[2]};
-  Row24 row = Row24::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (int t = 0; t < num_terms; ++t) row[voigt_index[i][j] * num_terms + t] += e[i] * n[j] * p[t];
-  return row;
-}
-
-Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows() {
-  Eigen::Matrix<double, 3, 6 * num_terms> rows = decltype(rows)::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) rows(i, voigt_index[i][j] * num_terms + 1 + j) = 1;
-  return rows;
 }
 
 BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary)
