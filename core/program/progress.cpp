@@ -59,14 +59,8 @@ void Progress::begin_phase(const std::string& name) {
 void Progress::outer_iteration(int iteration, long long active_points, double residual) {
   const std::lock_guard lock(mutex_);
   outer_ = print("outer %d, active %lld, residual %.1e", iteration, active_points, residual);
-  linear_.clear();
   if (mode_ == Mode::log) stream_ << phase_ << ": " << outer_ << std::endl;
   update_line();
-}
-
-void Progress::linear_iteration(int iteration, double residual) {
-  const std::lock_guard lock(mutex_);
-  linear_ = print("linear %d: %.1e", iteration, residual);
 }
 
 void Progress::message(const std::string& text) {
@@ -102,7 +96,6 @@ void Progress::end_phase() {
   if (mode_ == Mode::log) stream_ << phase_ << ": " << print("%.2f s", time) << std::endl;
   phase_.clear();
   outer_.clear();
-  linear_.clear();
 }
 
 void Progress::keep_updating() {
@@ -126,7 +119,6 @@ void Progress::update_line() {
   if (time < first_shown_s) return;
   std::string line = print("[%.0f s] ", time) + phase_;
   if (!outer_.empty()) line += ": " + outer_;
-  if (!linear_.empty()) line += (outer_.empty() ? ": " : ", ") + linear_;
   line.resize(std::min(line.size(), line_width));
   if (line == line_) return;
   const std::size_t rest = line_.size() > line.size() ? line_.size() - line.size() : 0;

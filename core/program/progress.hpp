@@ -30,7 +30,6 @@ class Progress {
   /// State of the outer (contact) iteration.
   void outer_iteration(int iteration, long long active_points, double residual);
   /// State of the linear solver inside; shown on a terminal only.
-  void linear_iteration(int iteration, double residual);
   /// A line that stays, for example a warning.
   void message(const std::string& text);
   /// Ends the last phase and clears the updating line.
@@ -54,7 +53,7 @@ class Progress {
   Mode mode_;
   std::ostream& stream_;
   Clock::time_point start_, phase_start_;
-  std::string phase_, outer_, linear_;
+  std::string phase_, outer_;
   std::string line_;  ///< the updating line as it stands
   std::vector<std::pair<std::string, double>> times_s_;
   std::mutex mutex_;

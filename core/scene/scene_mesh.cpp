@@ -136,16 +136,13 @@ BodySurface read_body_surface(const std::string& file, double scale, bool repair
                        "; with repair = true in the mesh it is repaired as far as that goes (docs/scene.md)");
   }
   surface.soup = as_read;
-  SurfaceRepair done = repair_surface(surface.soup, file);
+  const SurfaceRepair done = repair_surface(surface.soup, file);
   try {
-    const TriangleSoup repaired = surface.soup;
     surface.repairs = check_parted(surface.soup, file);
-    if (surface.soup.triangles.size() != repaired.triangles.size()) done.is_new.clear();
   } catch (const InputError& error) {
     throw InputError(std::string(error.what()) + "; that is what repair = true has left (" + done.text() + ")");
   }
   surface.repair = done.text();
-  surface.is_new = std::move(done.is_new);
   return surface;
 }
 
@@ -190,7 +187,6 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   shape.solid.bounding_box(min, max);
   shape.extent = max - min;
   shape.repaired = read.repairs.any() || !read.repair.empty();
-  if (!read.repair.empty()) shape.mended.push_back({name, soup.points, soup.triangles, read.is_new});
   shape.note = describe_surface(given, read, shape.extent);
   return shape;
 }

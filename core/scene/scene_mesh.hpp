@@ -11,29 +11,19 @@
 
 namespace cgcontact {
 
-/// A surface that was repaired on request, m.
-struct RepairedSurface {
-  std::string name;  ///< of the shape
-  std::vector<Vec3> points;
-  std::vector<Triangle> triangles;
-  std::vector<char> is_new;  ///< of every triangle: was not in the file
-};
-
 struct MeshShape {
   Solid solid;
   std::vector<std::string> faces;  ///< without the name of the shape
   std::string note;                ///< what was read and what was repaired, one line
   bool repaired = false;
-  Vec3 extent = Vec3::Zero();           ///< m
-  std::vector<RepairedSurface> mended;  ///< none or one
+  Vec3 extent = Vec3::Zero();  ///< m
 };
 
 /// A surface from a file, in metres, checked.
 struct BodySurface {
   TriangleSoup soup;
   SurfaceRepairs repairs;
-  std::string repair;        ///< what `repair = true` changed, one line; "": nothing
-  std::vector<char> is_new;  ///< if something was: of every triangle, whether it was not in the file
+  std::string repair;  ///< what `repair = true` changed, one line; "": nothing
 };
 
 /// `repair`: surfaces that bound no body are repaired first (core/triangles/triangle_repair.hpp). Throws InputError.

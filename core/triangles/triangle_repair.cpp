@@ -15,8 +15,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <fstream>
 #include <numeric>
 
 #include "core/base/errors.hpp"
@@ -389,28 +387,6 @@ std::string SurfaceRepair::text() const {
       "-> {:.6g} m2",
       result, gone_triangles, gone_triangles == 1 ? "" : "s", new_triangles, distance, volume_before, volume_after,
       area_before, area_after);
-}
-
-void write_repaired(const std::string& file, const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
-                    const std::vector<char>& is_new) {
-  std::string bytes = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment red: triangles that the repair made\nelement vertex {}\n"
-      "property double x\nproperty double y\nproperty double z\nelement face {}\n"
-      "property list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
-      "end_header\n",
-      points.size(), triangles.size());
-  const auto put = [&](const auto& value) { bytes.append(reinterpret_cast<const char*>(&value), sizeof(value)); };
-  for (const Vec3& x : points)
-    for (int k = 0; k < 3; ++k) put(x[k]);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    put(std::uint8_t{3});
-    for (const int p : triangles[t]) put(std::int32_t{p});
-    const bool red = t < is_new.size() && is_new[t];
-    for (const int value : {red ? 220 : 180, red ? 40 : 180, red ? 40 : 180}) put(static_cast<std::uint8_t>(value));
-  }
-  std::ofstream out(file, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out.flush()) throw InputError(file + ": cannot be written");
 }
 
 }  // namespace cgcontact

@@ -32,8 +32,4 @@ struct SurfaceRepair {
 /// may touch along an edge. Throws InputError with the file's name if no closed surface comes out.
 SurfaceRepair repair_surface(TriangleSoup& soup, const std::string& file);
 
-/// Binary PLY of the triangles in the units of the points; the new ones are red. Throws InputError.
-void write_repaired(const std::string& file, const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
-                    const std::vector<char>& is_new);
-
 }  // namespace cgcontact

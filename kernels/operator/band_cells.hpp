@@ -38,7 +38,6 @@ template <class Real>
 struct BandCells {
   static constexpr int L = Lanes<Real>::count;
   using NodeBatches = Kokkos::View<int* [4][L], Kokkos::LayoutRight, MemSpace>;
-  using MaskBatches = Kokkos::View<typename Lanes<Real>::Integer*, MemSpace>;
   using MomentBatches = Kokkos::View<Real* [27][L], Kokkos::LayoutRight, MemSpace>;
   using PairBatches = Kokkos::View<Real* [27][L], Kokkos::LayoutRight, MemSpace>;
 

@@ -7,9 +7,6 @@
 namespace cgcontact {
 namespace {
 
-/// Voigt index of component (i, j).
-constexpr int voigt_index[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-
 /// Pieces smaller than this (standard deviation, cell units) get one constraint point along that direction: a
 /// stretch of 0.1 cells, below which three points differ by less than the fit can tell.
 constexpr double min_spread = 0.1 / 3.4641016151377544;
@@ -33,22 +30,6 @@ constexpr double joined_cosine = 0.5;
 Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_distance(x) * surface.gradient(x); }
 
 }  // namespace
-
-Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e) {
-  const double p[num_terms] = {1, d[0], d[1], d[2]};
-  Row24 row = Row24::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      for (int t = 0; t < num_terms; ++t) row[voigt_index[i][j] * num_terms + t] += e[i] * n[j] * p[t];
-  return row;
-}
-
-Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows() {
-  Eigen::Matrix<double, 3, 6 * num_terms> rows = decltype(rows)::Zero();
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) rows(i, voigt_index[i][j] * num_terms + 1 + j) = 1;
-  return rows;
-}
 
 BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary)
     : cut_cells_(cut_cells), middle_(middle_of(cut_cells.solid)) {

@@ -12,13 +12,6 @@
 
 namespace cgcontact {
 
-using Row24 = Eigen::Matrix<double, 1, 6 * num_terms>;
-
-/// Traction R(n) P(d): row of the component along e of sigma n, at offset d from the polynomial's centre.
-Row24 traction_row(const Vec3& d, const Vec3& n, const Vec3& e);
-
-/// Divergence rows (equation 4): row i is (div sigma)_i per cell unit; constant for linear polynomials.
-Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows();
 
 /// Boundary points of one surface and one kind in a patch, condensed to a few constraint points that carry the same
 /// first and second moments as the group's area: at most three, which determine linear tractions on a plane, for degree

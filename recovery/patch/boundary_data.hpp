@@ -43,7 +43,6 @@ struct BoundaryData {
   std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
   std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
   std::vector<ContactLink> links;
-  double stress_scale = 2e11;
   CellLists links_of_cell;                           ///< active cell -> contact links
   std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.
 };

@@ -43,15 +43,6 @@ struct PatchRow {
   bool firm = false;         ///< holds to rounding, whatever the other rows ask for: no pressure on an open face
 };
 
-/// The part of a row that acts on the coefficients of one body's linear polynomials.
-inline Eigen::Matrix<double, 1, 6 * num_terms> full_row(const PatchRow& row, int body) {
-  const double p[num_terms] = {1, row.place[body][0], row.place[body][1], row.place[body][2]};
-  Eigen::Matrix<double, 1, 6 * num_terms> full;
-  for (int k = 0; k < 6; ++k)
-    for (int t = 0; t < num_terms; ++t) full[num_terms * k + t] = row.weight[body][k] * p[t];
-  return full;
-}
-
 /// A polynomial fit before constraints: mass matrix and coefficients about a centre.
 struct PatchFit {
   static constexpr int most_terms = Polynomial<2>::num_terms;

@@ -20,6 +20,28 @@ using MassMatrix = Eigen::Matrix<double, num_terms, num_terms>;
 /// Number of 4-term blocks: six components per body.
 constexpr int num_components = 6;
 
+/// Component of (i, j) of a symmetric tensor: xx, yy, zz, xy, yz, zx.
+constexpr int component_of[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+
+/// Traction R(n) P(d): row of the component along e of sigma n, at offset d from the polynomial's centre, on the
+/// coefficients of linear polynomials (component, term).
+inline Eigen::Matrix<double, 1, 6 * num_terms> traction_row(const Vec3& d, const Vec3& n, const Vec3& e) {
+  const double p[num_terms] = {1, d[0], d[1], d[2]};
+  Eigen::Matrix<double, 1, 6 * num_terms> row = decltype(row)::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int t = 0; t < num_terms; ++t) row[component_of[i][j] * num_terms + t] += e[i] * n[j] * p[t];
+  return row;
+}
+
+/// Divergence rows (equation 4): row i is (div sigma)_i per cell unit; constant for linear polynomials.
+inline Eigen::Matrix<double, 3, 6 * num_terms> divergence_rows() {
+  Eigen::Matrix<double, 3, 6 * num_terms> rows = decltype(rows)::Zero();
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) rows(i, component_of[i][j] * num_terms + 1 + j) = 1;
+  return rows;
+}
+
 /// Solves G x = b if it is certain that no eigenvalue is below the tolerance (squared) times the largest one: the
 /// Frobenius norms of G and its inverse bound both. Most patches on one smooth face pass; it saves the eigenvalues.
 inline bool solve_full_rank(const Eigen::MatrixXd& G, double rank_tolerance, const Eigen::VectorXd& b,

@@ -178,7 +178,6 @@ TEST(Progress, log_has_a_line_per_phase_and_iteration) {
   progress.begin_phase("cut cells");
   progress.begin_phase("solve");
   progress.outer_iteration(1, 120, 0.5);
-  progress.linear_iteration(10, 1e-3);
   progress.message("warning: something");
   progress.begin_phase("cut cells");
   progress.finish();

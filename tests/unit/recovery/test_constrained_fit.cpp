@@ -3,7 +3,6 @@
 
 #include <random>
 
-#include "recovery/constrained/boundary_pieces.hpp"
 #include "tests/support/constrained_fit.hpp"
 
 namespace cgcontact {
