@@ -12,7 +12,6 @@
 
 namespace cgcontact {
 
-
 /// Boundary points of one surface and one kind in a patch, condensed to a few constraint points that carry the same
 /// first and second moments as the group's area: at most three, which determine linear tractions on a plane, for degree
 /// 1; at most six, which determine quadratic ones, for degree 2.
