@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/quadrature/gauss_rules.hpp"
+#include "recovery/patch/contact_edge.hpp"
 #include "recovery/zone_edge/smooth_fall.hpp"
 
 namespace cgcontact {
