@@ -17,14 +17,14 @@ TEST(Degree, TwoIsBetterForTheSphereInAShell) {
   EXPECT_EQ(linear->results().quadratic_patches + linear->results().lowered_patches, 0);
 }
 
-/// Measured: 0.0056; degree 1 0.013.
+/// Measured: 0.0057; degree 1 0.013.
 TEST(Degree, TwoOverTwoRingsIsBetterInsideOfTwoSolids) {
   const auto solved = test::run_scene("scenes/two_solids_3d.toml", {"n=16", "recovery.rings=2"});
   EXPECT_LT(test::zone(solved->results(), "interior").sprc, 0.008);
   EXPECT_LT(test::zone(solved->results(), "outside").sprc, 1e-10);
 }
 
-/// Measured: 0.0063; over one ring 0.0139. On Hertz's narrow zone two would be worse (0.0044 and 0.0039).
+/// Measured: 0.0064; over one ring 0.0139. On Hertz's narrow zone two would be worse (0.124 instead of 0.039).
 TEST(Degree, TwoRingsBesideAStraightEdgeOneBesideARoundOne) {
   const auto straight = test::run_scene("scenes/two_solids_3d.toml", {"n=16"});
   EXPECT_LT(test::zone(straight->results(), "whole").sprc, 0.008);
@@ -46,7 +46,7 @@ TEST(Degree, StraightNarrowZonesKeepTheirEdges) {
 TEST(Degree, IsTwoAtTheContactOfThickBodiesOnly) {
   const auto thick = test::run_scene("scenes/sphere_in_shell.toml", {"n=8"});
   EXPECT_GT(thick->results().quadratic_patches, 300);
-  EXPECT_LT(test::zone(thick->results(), "whole").sprc, 0.006);  // measured: 0.0045; degree 1 0.021
+  EXPECT_LT(test::zone(thick->results(), "whole").sprc, 0.006);  // measured: 0.0044; degree 1 0.020
   const auto thin = test::run_scene("scenes/rings.toml", {"n=8"});
   EXPECT_EQ(thin->results().quadratic_patches + thin->results().lowered_patches, 0);
 }
