@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "recovery/patch/contact_edge.hpp"
 #include "recovery/zone_edge/narrow_zone.hpp"
 #include "recovery/zone_edge/symmetry_planes.hpp"
 
