@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "core/base/text.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace cgcontact {
 

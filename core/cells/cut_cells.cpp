@@ -10,7 +10,6 @@
 #include "core/base/parallel.hpp"
 #include "core/cells/cell_classification.hpp"
 #include "core/cells/cell_pieces.hpp"
-#include "core/cells/moments.hpp"
 #include "core/cells/triangle_cells.hpp"
 #include "core/cells/triangle_pieces.hpp"
 

@@ -163,8 +163,4 @@ struct Scene {
   ReferenceSpec reference_at(double contact_force) const;
 };
 
-/// Reads and validates a scene; `overrides` are "dotted.key=value" as given to --set (body.NAME.cell_size=1e-3
-/// addresses a body by name). Throws InputError.
-Scene read_scene(const std::string& file, const std::vector<std::string>& overrides = {});
-
 }  // namespace cgcontact

@@ -88,4 +88,7 @@ class TomlCursor {
   const SceneText* text_;
 };
 
+/// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit.
+std::string read_name(const TomlCursor& node);
+
 }  // namespace cgcontact

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "core/base/suggest.hpp"
-#include "core/scene/scene.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace cgcontact {
 namespace {
