@@ -8,6 +8,7 @@
 #include "core/cells/grid.hpp"
 #include "core/cells/moments.hpp"
 #include "core/geometry/csg.hpp"
+#include "core/settings/geometry_options.hpp"
 
 namespace cgcontact {
 
@@ -49,7 +50,7 @@ struct CutCells {
 /// Classifies all cells of the grid and integrates the cut ones. Throws InputError if the body has no volume or
 /// sticks out of its grid. `face_dividers`: where declared faces end, in grid coordinates: their pieces are cut there.
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
-                        const std::vector<Plane>& face_dividers = {});
+                        const std::vector<Plane>& face_dividers = {}, const GeometryOptions& options = {});
 
 /// Quadrature points of the pieces of the given surfaces in one active cell, the pieces being split at the
 /// borders of declared faces and additionally at the `dividers` (planes in grid coordinates, e.g. the grid planes of

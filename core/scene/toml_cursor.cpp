@@ -16,10 +16,6 @@ namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-std::string with_unit(const std::string& text, const std::string& unit) {
-  return unit.empty() ? text : text + " " + unit;
-}
-
 /// The value in one line, numbers with as many digits as they need.
 std::string as_toml(const toml::node& node) {
   std::string text;
@@ -46,27 +42,6 @@ double number_of(const toml::node& node) {
 }
 
 }  // namespace
-
-Range Range::any(const std::string& unit) {
-  Range range;
-  range.text = with_unit("a finite number", unit.empty() ? "" : "(" + unit + ")");
-  return range;
-}
-
-Range Range::positive(const std::string& unit) {
-  Range range;
-  range.min = 0;
-  range.min_allowed = false;
-  range.text = with_unit("> 0", unit);
-  return range;
-}
-
-Range Range::not_negative(const std::string& unit) {
-  Range range;
-  range.min = 0;
-  range.text = with_unit(">= 0", unit);
-  return range;
-}
 
 TomlCursor::TomlCursor(const toml::node& node, std::string key, const SceneText& text)
     : node_(&node), key_(std::move(key)), text_(&text) {}
@@ -176,10 +151,7 @@ double TomlCursor::number(const Range& range) const {
 }
 
 int TomlCursor::integer(int min, int max) const {
-  Range range;
-  range.min = min;
-  range.max = max;
-  range.text = "an integer from " + std::to_string(min) + " to " + std::to_string(max);
+  const Range range = Range::integers(min, max);
   const double value = number(range);
   if (value != std::floor(value)) fail("is not an integer", range.text);
   return static_cast<int>(value);
