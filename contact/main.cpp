@@ -26,7 +26,7 @@
 #include "core/program/interruption.hpp"
 #include "core/program/progress.hpp"
 #include "core/results/warning_order.hpp"
-#include "core/scene/scene_text.hpp"
+#include "core/scene/read_scene.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace {

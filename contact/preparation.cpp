@@ -100,6 +100,14 @@ void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) 
 
 }  // namespace
 
+void check_settings(const Scene& scene) {
+  scene.geometry.check();
+  scene.contact.check();
+  scene.solver.check();
+  scene.recovery.check();
+  scene.output.check();
+}
+
 double count_contact_points(const std::vector<ContactPair>& pairs) {
   double points = 0;
   for (const ContactPair& pair : pairs) points += static_cast<double>(pair.points.size());
@@ -113,6 +121,7 @@ void check_memory(const Scene& scene, const Preparation& preparation) {
 }
 
 Preparation prepare(const Scene& scene, bool refuse_near_limit) {
+  check_settings(scene);
   check_memory_early(scene, refuse_near_limit);
   Preparation p;
   p.bodies = make_body_models(scene);

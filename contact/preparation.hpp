@@ -15,6 +15,9 @@ struct Preparation {
   std::vector<std::string> warnings;
 };
 
+/// Throws InputError for a setting out of its range; the scene reader lets none pass, a program may set one.
+void check_settings(const Scene& scene);
+
 /// Throws InputError, also if the scene would clearly not fit into memory; refuse_near_limit: or by little, as far as
 /// an estimate of a second or two says.
 Preparation prepare(const Scene& scene, bool refuse_near_limit = true);

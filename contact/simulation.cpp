@@ -214,11 +214,7 @@ void Simulation::recover() {
     input.push_back({&mesh, &state.patches[b], &state.bodies[b].boundary, field});
   }
   if (state.scene.recovery.spr_c) {
-    const RecoveryOptions options{state.scene.recovery.rank_tolerance,  state.scene.recovery.auxiliary_depth,
-                                  state.scene.recovery.contact_edge,    state.scene.recovery.degree,
-                                  state.scene.recovery.rings,           state.scene.recovery.points_per_face,
-                                  state.scene.recovery.inverse_variance};
-    ConstrainedRecovery recovery = recover_constrained(input, state.outer.u, state.scales, options);
+    ConstrainedRecovery recovery = recover_constrained(input, state.outer.u, state.scales, state.scene.recovery);
     state.recovery_counts = recovery.counts;
     state.patch_states = std::move(recovery.states);
     for (std::size_t b = 0; b < state.bodies.size(); ++b) {

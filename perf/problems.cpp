@@ -2,6 +2,8 @@
 
 #include <random>
 
+#include "core/scene/read_scene.hpp"
+
 namespace cgcontact::perf {
 
 BlockProblem::BlockProblem(int size) {

@@ -13,17 +13,10 @@
 namespace cgcontact {
 namespace {
 
-/// Order of the rule on contact pieces: exact for the trilinear shape functions of either body on a plane.
-constexpr int contact_order = 2;
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
-/// How far the faces of a pair see each other beyond their closest points: cells of the coarser body, or a part of the
-/// smaller body's extent. Approaches larger than that are found after the solve (Simulation::run).
-constexpr double reach_in_cells = 2, reach_in_extents = 0.05;
 /// Relative difference of cell sizes that is rounding.
 constexpr double equal_cells = 1e-12;
-/// Largest overlap, part of the smaller body's extent: strains are of that order.
-constexpr double largest_overlap = 0.1;
 /// Cells of the coarser body, squared: automatic pairs that see each other over less than that do so by rounding.
 constexpr double least_area = 1e-9;
 /// Ends of the other body's faces in a cell at which the contact is divided; where there are more (threads, scans) it
@@ -106,7 +99,7 @@ constexpr double least_cosine = 0.1;
 /// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
 /// `borders`: of the opposite face, as seen from the surface.
 GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface,
-                       const std::vector<Plane>& borders, const Vec3& direction) {
+                       const std::vector<Plane>& borders, const Vec3& direction, int order) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
   const Index3& place = primary.cut_cells.cells[cell];
@@ -115,7 +108,7 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
   for (const Plane& border : other_face_borders(primary, place, surface, secondary)) ends.push_back(border);
   if (ends.size() <= most_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
   BoundaryPoints points;
-  boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, contact_order, points);
+  boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, order, points);
   GroupPoints group;
   group.surface = surface;
   const auto& names = primary.cut_cells.solid.surfaces()[surface].names;
@@ -204,17 +197,18 @@ double closest_distance(const std::vector<BodyModel>& bodies, ContactPair pair) 
   return closest < 1e300 ? std::max(closest, 0.0) : 0.0;
 }
 
-double overlap_limit(const std::vector<BodyModel>& bodies, int a, int b) {
-  return largest_overlap * std::min(longest_extent(bodies[a]), longest_extent(bodies[b]));
+double overlap_limit(const ContactOptions& options, const std::vector<BodyModel>& bodies, int a, int b) {
+  return options.largest_overlap * std::min(longest_extent(bodies[a]), longest_extent(bodies[b]));
 }
 
 /// The scene's, or as far as the faces need: docs/scene.md.
-Reach find_reach(const ContactPair& pair, const std::vector<BodyModel>& bodies, double wider) {
+Reach find_reach(const ContactOptions& options, const ContactPair& pair, const std::vector<BodyModel>& bodies,
+                 double wider) {
   if (pair.spec->search_distance > 0) return {pair.spec->search_distance, pair.spec->search_distance};
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
-  const double base = std::max(reach_in_cells * primary.cut_cells.grid.cell_size,
-                               reach_in_extents * std::min(longest_extent(primary), longest_extent(secondary)));
-  Reach reach{std::max(base, wider), overlap_limit(bodies, pair.primary, pair.secondary)};
+  const double base = std::max(options.reach_in_cells * primary.cut_cells.grid.cell_size,
+                               options.reach_in_extents * std::min(longest_extent(primary), longest_extent(secondary)));
+  Reach reach{std::max(base, wider), overlap_limit(options, bodies, pair.primary, pair.secondary)};
   if (!pair.spec->automatic) reach.ahead = std::max(wider, base + closest_distance(bodies, pair));
   return reach;
 }
@@ -230,7 +224,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   pair.secondary = pair.primary == a ? b : a;
   const double E1 = stabilising_modulus(scene.bodies[a].material), E2 = stabilising_modulus(scene.bodies[b].material);
   pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));
-  pair.reach = find_reach(pair, bodies, wider);
+  pair.reach = find_reach(scene.contact, pair, bodies, wider);
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
   std::vector<GroupPoints> groups(places.size());
@@ -242,7 +236,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   for (auto& [surface, planes] : borders) planes = opposite_borders(own, surface, other, opposite, dividers);
   const auto find = [&](std::size_t i, const Vec3& direction) {
     const auto [cell, surface] = places[i];
-    groups[i] = find_group(bodies, pair, cell, surface, borders.at(surface), direction);
+    groups[i] = find_group(bodies, pair, cell, surface, borders.at(surface), direction, scene.contact.quadrature_order);
   };
   parallel_for("cgcontact::contact_pairs::groups", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
   std::vector<Index3> cells;
@@ -285,7 +279,7 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
                           x[0], x[1], x[2]),
               fmt::format("contact faces that overlap by up to {:g} m, a tenth of the smaller body, and by "
                           "less than the bodies' walls",
-                          overlap_limit(bodies, a, b)));
+                          overlap_limit(scene.contact, bodies, a, b)));
       });
     }
 }

@@ -147,8 +147,8 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     const Solid solid = model.spec->solid.transformed(
         grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
     try {
-      model.cut_cells =
-          make_cut_cells(solid, grid, face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid));
+      model.cut_cells = make_cut_cells(
+          solid, grid, face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid), scene.geometry);
     } catch (const InputError& error) {
       throw InputError(model.spec->place, quoted(model.spec->name), error.what());
     }
@@ -179,7 +179,7 @@ double stabilising_modulus(const Material& material) {
 }
 
 double support_stiffness(const Scene& scene, const BodyModel& body) {
-  const double kappa = (body.is_thin() ? 3 : 1) * scene.solver.kappa;
+  const double kappa = (body.is_thin() ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
   return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.grid.cell_size;
 }
 

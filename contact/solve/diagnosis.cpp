@@ -49,7 +49,7 @@ std::string describe_parting(const std::vector<std::string>& opened, std::size_t
   return opened.size() == num_pairs ? all_open : describe_open(opened);
 }
 
-std::string describe_residual(const SolverSpec& solver, const std::vector<double>& residuals) {
+std::string describe_residual(const SolverOptions& solver, const std::vector<double>& residuals) {
   std::string text = fmt::format(
       "outer residual {:.2e} after {} iterations (solver.tolerance = {:g}, solver.max_outer_iterations = {})",
       residuals.back(), residuals.size(), solver.tolerance, solver.max_outer_iterations);

@@ -16,7 +16,7 @@ std::string describe_loss_of_contact(const std::vector<ContactPair>& pairs);
 std::string describe_parting(const std::vector<std::string>& opened, std::size_t num_pairs);
 
 /// Where the iteration stood when it was cut off.
-std::string describe_residual(const SolverSpec& solver, const std::vector<double>& residuals);
+std::string describe_residual(const SolverOptions& solver, const std::vector<double>& residuals);
 
 /// `error`: of the solver's library, where it gave up; "": it did not. force_norm: what its residual is relative to.
 std::string describe_linear_solve(const Scene& scene, const LinearSolveResult& solve, const std::string& error,

@@ -18,16 +18,9 @@
 namespace cgcontact {
 namespace {
 
-/// Inner tolerance as a fraction of the last outer residual (docs/decisions.md).
-constexpr double inner_fraction = 0.005;
-constexpr double loosest_inner_tolerance = 1e-3;
 /// Motions that are resisted by less than this part of the rest are named when the solver fails: a body on one small
 /// curved contact is as good as free.
 constexpr double hardly_any_stiffness = 1e-3;
-/// Of the contact forces: what springs that follow a motion may still take.
-constexpr double most_hold = 1e-6;
-/// Outer iterations in which groups may join or leave zones smaller than the cells.
-constexpr int last_decision = 8;
 
 }  // namespace
 
@@ -43,7 +36,7 @@ struct ContactSolver::Impl {
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
   void set_forces(OuterResult& result) const;
 
-  const SolverSpec& settings() const { return problem_.scene.solver; }
+  const SolverOptions& settings() const { return problem_.scene.solver; }
 
   OuterProblem problem_;
   LinearSolver solver_;
@@ -57,8 +50,7 @@ struct ContactSolver::Impl {
 
 ContactSolver::Impl::Impl(const OuterProblem& problem)
     : problem_(problem),
-      solver_(problem.system,
-              problem.scene.solver.preconditioner == "muelu" ? Preconditioner::muelu : Preconditioner::multigrid),
+      solver_(problem.system, problem.scene.solver.preconditioner),
       now_(problem),
       lagged_stress_(problem),
       right_hand_side_(problem.system.num_dofs()) {}
@@ -89,8 +81,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     assemble();
     const bool search = now_.floating.any() || history.cycles();
     if (search) Kokkos::deep_copy(before, now_.u);
-    const double inner =
-        std::clamp(inner_fraction * outer_residual, settings().linear_tolerance, loosest_inner_tolerance);
+    const double inner = std::clamp(settings().inner_fraction * outer_residual, settings().linear_tolerance,
+                                    settings().loosest_inner_tolerance);
     const LinearSolveResult solve = solve_linear(inner * right_hand_side_.force_norm());
     result.preconditioner_setups = solver_.report().setups;
     step.linear_iterations = solve.iterations;
@@ -105,7 +97,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       return stop(iteration, describe_parting(open_what_parts(now_, unbalanced_), problem_.pairs.size()), result);
     }
     now_.let_springs_follow();
-    update_active_set(now_, iteration <= last_decision);
+    update_active_set(now_, iteration <= settings().last_small_zone_decision);
     step.changed_points = history.record(problem_.pairs);
     step.residual = outer_residual = std::max(lagged_stress_.update(now_), now_.small_zones.relative_change());
     step.active_points = count_active(problem_.pairs);
@@ -116,7 +108,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (step.changed_points > 0 && !driven_motions(problem_).empty())
       return stop(iteration, describe_loss_of_contact(problem_.pairs), result);
     if (step.changed_points == 0 && step.residual < settings().tolerance && length == 1 &&
-        spring_force <= most_hold * now_.total_force()) {
+        spring_force <= settings().largest_spring_part * now_.total_force()) {
       polish(result);
       result.converged = warm_ = true;
       return result;

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "core/base/text.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace cgcontact {
 
@@ -107,7 +108,7 @@ void plan_row(const CommandLine& line, const Variant& variant, const std::string
   StudyRow row;
   row.variant = variant.name;
   row.size = size;
-  row.preconditioner = scene.solver.preconditioner;
+  row.preconditioner = name_of(scene.solver.preconditioner);
   for (const BodySpec& body : scene.bodies) row.cell_size = std::max(row.cell_size, body.cell_size);
   row.force_reference = scene.reference.force;
   row.directory = file_name(fmt::format("{}_{}={}", variant.name, plan.study.key, size));
@@ -138,7 +139,7 @@ StudyPlan plan_study(const CommandLine& line) {
   if (reference.pressure) study.reference = "the scene's expression";
   if (!reference.pressure_file.empty()) study.reference = "the scene's file " + reference.pressure_file;
   study.own_reference = !reference.pressure && reference.pressure_file.empty() && !as_it_is.contacts.empty();
-  for (const Variant& variant : make_variants(options, as_it_is.solver.preconditioner)) {
+  for (const Variant& variant : make_variants(options, name_of(as_it_is.solver.preconditioner))) {
     study.variants.push_back(variant.name);
     for (const std::string& size : options.sizes) plan_row(line, variant, size, as_it_is, plan);
   }

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/errors.hpp"
-#include "core/cells/cell_pieces.hpp"
+#include "core/cells/local_solid.hpp"
 
 namespace cgcontact {
 

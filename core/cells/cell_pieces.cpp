@@ -1,24 +1,19 @@
 #include "core/cells/cell_pieces.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "core/base/errors.hpp"
-#include "core/cells/face_dividers.hpp"
 #include "core/cells/leaf_regions.hpp"
-#include "core/cells/moments.hpp"
 #include "core/quadrature/point_compression.hpp"
+#include "core/quadrature/region_quadrature.hpp"
 
 namespace cgcontact {
 
 namespace {
 
-constexpr double touch_tolerance = 1e-10;  // a surface this near to a cell is taken to cross it
-constexpr double lost_piece = 1e-14;       // area of the pieces of one surface in a cell that is rounding
-constexpr double lost_group = 1e-15;       // the same for what dividers leave
+constexpr double lost_piece = 1e-14;  // area of the pieces of one surface in a cell that is rounding
+constexpr double lost_group = 1e-15;  // the same for what dividers leave
 
 /// Gauss points per direction that make all moments of a leaf accurate to about 1e-12, or 1e-10 on coarse grids.
 int moment_nodes(const Leaf& leaf) {
@@ -26,40 +21,6 @@ int moment_nodes(const Leaf& leaf) {
   for (const int surface : leaf.local.surfaces)
     turn = std::max(turn, leaf.solid->surfaces()[surface].max_curvature() * leaf.width);
   return turn < 0.1 ? 10 : turn < 0.2 ? 12 : turn < 0.35 ? 14 : turn < 0.5 ? 16 : 20;
-}
-
-double radial_distance(const Surface& surface, const Vec3& x) { return surface.signed_distance(x) + surface.radius; }
-
-int side_of_interval(double min, double max) {
-  if (max < -touch_tolerance) return 1;
-  return min > touch_tolerance ? 0 : -1;
-}
-
-std::string too_many_surfaces(const Solid& solid, const std::vector<int>& surfaces) {
-  constexpr std::size_t most_names = 8;
-  std::string names;
-  std::size_t count = 0;
-  for (const int s : surfaces)
-    for (const std::string& name : solid.surfaces()[s].names)
-      if (++count <= most_names) names += (names.empty() ? "" : ", ") + name;
-  if (count > most_names) names += fmt::format(" and {} more", count - most_names);
-  return fmt::format("{} surfaces meet in one cell, {} can: {}", surfaces.size(), max_table_bits, names);
-}
-
-/// Removes the surfaces without influence from the table.
-void drop_irrelevant(LocalSolid& local) {
-  for (int i = static_cast<int>(local.surfaces.size()) - 1; i >= 0; --i) {
-    const std::size_t bit = std::size_t{1} << i;
-    bool matters = false;
-    for (std::size_t m = 0; m < local.table.size() && !matters; ++m)
-      matters = !(m & bit) && local.table[m] != local.table[m | bit];
-    if (matters) continue;
-    std::vector<unsigned char> table;
-    for (std::size_t m = 0; m < local.table.size(); ++m)
-      if (!(m & bit)) table.push_back(local.table[m]);
-    local.table.swap(table);
-    local.surfaces.erase(local.surfaces.begin() + i);
-  }
 }
 
 void add_face_moments(const Leaf& leaf, const Vec3& cell, std::vector<RegionPoint>& points, Moments& moments) {
@@ -168,44 +129,6 @@ void drop_lost_pieces(const LocalSolid& local, std::size_t first, BoundaryPoints
 }
 
 }  // namespace
-
-int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_size) {
-  if (surface.kind == Surface::Kind::plane) {
-    const double d = surface.signed_distance(centre), reach = surface.direction.cwiseAbs().dot(half_size);
-    return side_of_interval(d - reach, d + reach);
-  }
-  if (surface.kind == Surface::Kind::sphere) {
-    const Vec3 d = (centre - surface.point).cwiseAbs();
-    const double nearest = (d - half_size).cwiseMax(0.0).norm(), farthest = (d + half_size).norm();
-    return side_of_interval(nearest - surface.radius, farthest - surface.radius);
-  }
-  const double d = radial_distance(surface, centre), reach = half_size.norm();
-  return side_of_interval(d - reach - surface.radius, d + reach - surface.radius);
-}
-
-LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& sides) {
-  LocalSolid local;
-  std::vector<signed char> trial = sides;
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    if (sides[i] < 0) local.surfaces.push_back(static_cast<int>(i));
-  const int m = static_cast<int>(local.surfaces.size());
-  if (m > max_table_bits) throw InputError(too_many_surfaces(solid, local.surfaces));
-  local.table.resize(std::size_t{1} << m);
-  for (std::size_t mask = 0; mask < local.table.size(); ++mask) {
-    for (int i = 0; i < m; ++i) trial[local.surfaces[i]] = mask >> i & 1;
-    local.table[mask] = solid.evaluate_partial(trial) == 1;
-  }
-  drop_irrelevant(local);
-  return local;
-}
-
-LocalSolid make_local_solid(const Solid& solid, const Vec3& corner, double width) {
-  const Vec3 half = Vec3::Constant(0.5 * width);
-  std::vector<signed char> sides;
-  for (const Surface& s : solid.surfaces())
-    sides.push_back(static_cast<signed char>(side_of_box(s, corner + half, half)));
-  return make_local_solid(solid, sides);
-}
 
 Moments cell_moments(const Solid& solid, const LocalSolid& local, const Index3& cell) {
   static thread_local std::vector<RegionPoint> points;

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "core/cells/cut_cells.hpp"
-#include "core/geometry/csg.hpp"
-#include "core/quadrature/region_quadrature.hpp"
+#include "core/cells/boundary_points.hpp"
+#include "core/cells/local_solid.hpp"
+#include "core/cells/moments.hpp"
 
 namespace cgcontact {
 
@@ -15,22 +15,6 @@ struct CellIntegrals {
   Moments moments;
   BoundaryPoints points;
 };
-
-/// Side of a surface on which a box lies: 1 inner, 0 outer, -1 if the surface may cross or touch it. Conservative.
-int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_size);
-
-/// The surfaces that cross a box and matter there, and the boolean over their signs (bit i: on the inner side).
-struct LocalSolid {
-  std::vector<int> surfaces;
-  std::vector<unsigned char> table;
-  bool is_constant() const { return surfaces.empty(); }
-};
-/// `sides` as for Solid::evaluate_partial.
-LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& sides);
-/// At most this many surfaces can cross a cell; make_local_solid throws InputError with the names of more.
-constexpr int max_table_bits = 16;
-/// Of the cube [corner, corner + width]^3.
-LocalSolid make_local_solid(const Solid& solid, const Vec3& corner, double width);
 
 /// Moments of the body in the cell `cell` of the grid (in grid coordinates).
 Moments cell_moments(const Solid& solid, const LocalSolid& local, const Index3& cell);

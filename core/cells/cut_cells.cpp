@@ -10,7 +10,6 @@
 #include "core/base/parallel.hpp"
 #include "core/cells/cell_classification.hpp"
 #include "core/cells/cell_pieces.hpp"
-#include "core/cells/moments.hpp"
 #include "core/cells/triangle_cells.hpp"
 #include "core/cells/triangle_pieces.hpp"
 
@@ -18,9 +17,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double prune_fraction = 1e-12;  // cells with less volume than this are rounding
-constexpr double full_tolerance = 1e-13;  // moments this near to those of a full cell are made full
-constexpr int default_order = 3;
 constexpr std::size_t grain = 16;  // cells per chunk of the parallel loop
 
 /// A cell that a surface may cross.
@@ -70,7 +66,9 @@ double distance_to_cell(const Vec3& x, const Index3& cell) {
 
 class CutCellBuilder {
  public:
-  CutCellBuilder(const Solid& solid, const Grid& grid, const std::vector<Plane>& face_dividers) {
+  CutCellBuilder(const Solid& solid, const Grid& grid, const std::vector<Plane>& face_dividers,
+                 const GeometryOptions& options)
+      : options_(options) {
     result_.solid = solid;
     result_.face_dividers = face_dividers;
     result_.grid = grid;
@@ -109,7 +107,7 @@ class CutCellBuilder {
                     [&](std::size_t chunk, std::size_t row, std::size_t) {
                       std::vector<CellIntegrals> cut;
                       std::vector<std::pair<Index3, int>> inside;
-                      cells.sweep(row, default_order, cut, inside);
+                      cells.sweep(row, options_.boundary_order, cut, inside);
                       for (CellIntegrals& cell : cut) keep(std::move(cell), found[chunk]);
                       for (const auto& [first, number] : inside)
                         for (int i = 0; i < number; ++i) set_inside({first[0] + i, first[1], first[2]});
@@ -135,7 +133,8 @@ class CutCellBuilder {
       return;
     }
     CellIntegrals integrals{cell, cell_moments(result_.solid, local, cell), {}};
-    cell_boundary_points(result_.solid, local, cell, {}, result_.face_dividers, default_order, 0, integrals.points);
+    cell_boundary_points(result_.solid, local, cell, {}, result_.face_dividers, options_.boundary_order, 0,
+                         integrals.points);
     keep(std::move(integrals), found);
   }
 
@@ -168,13 +167,13 @@ class CutCellBuilder {
 
   void keep(CellIntegrals&& integrals, std::vector<Candidate>& found) {
     Candidate candidate{std::move(integrals)};
-    candidate.pruned = candidate.moments[0] < 8 * prune_fraction;
+    candidate.pruned = candidate.moments[0] < 8 * options_.prune_fraction;
     if (!candidate.pruned) {
       if (!in_grid(candidate.cell)) throw InputError("the body sticks out of its grid");
       double difference = 0;
       for (int q = 0; q < num_moments; ++q)
         difference = std::max(difference, std::abs(candidate.moments[q] - full_cell_moments()[q]));
-      const bool full = difference < 8 * full_tolerance;
+      const bool full = difference < 8 * options_.full_tolerance;
       if (full) candidate.moments = full_cell_moments();
       if (full && candidate.points.size() == 0) return set_inside(candidate.cell);
     } else if (candidate.points.size() == 0) {
@@ -317,6 +316,7 @@ class CutCellBuilder {
       for (int q = 0; q < num_moments; ++q) result_.moments[result_.cut_of_active[heir]][q] += extra[q];
   }
 
+  const GeometryOptions options_;
   CutCells result_;
   CellClasses classes_;
   std::vector<Candidate> candidates_;
@@ -346,10 +346,10 @@ int CutCells::locate(const Vec3& x) const {
 }
 
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
-                        const std::vector<Plane>& face_dividers) {
+                        const std::vector<Plane>& face_dividers, const GeometryOptions& options) {
   for (int k = 0; k < 3; ++k)
     if (grid.num_cells[k] < 1) throw InputError("the grid has no cells");
-  return CutCellBuilder(solid_in_grid_coordinates, grid, face_dividers).run();
+  return CutCellBuilder(solid_in_grid_coordinates, grid, face_dividers, options).run();
 }
 
 void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,

@@ -5,7 +5,8 @@
 
 #include <vector>
 
-#include "core/cells/cut_cells.hpp"
+#include "core/cells/boundary_points.hpp"
+#include "core/cells/grid.hpp"
 #include "core/scene/scene.hpp"
 
 namespace cgcontact {
@@ -18,11 +19,5 @@ std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, cons
 /// Appends the planes where the normals of a sphere or a cylinder leave the cone about `axis` (unit, grid axes); of
 /// both of its sides, since a body may lie on either.
 void add_cone_dividers(const Solid& solid, int surface, const Vec3& axis, double cosine, std::vector<Plane>& dividers);
-
-/// Is one of them the border of a face? Then points know their pieces (BoundaryPoints::piece_position).
-bool divide_faces(const std::vector<Plane>& dividers);
-
-/// Those that cross the cube [corner, corner + width]^3.
-std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width);
 
 }  // namespace cgcontact

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/errors.hpp"
-#include "core/cells/face_dividers.hpp"
 #include "core/geometry/solid_middle.hpp"
 
 namespace cgcontact {

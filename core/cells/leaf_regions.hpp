@@ -5,8 +5,9 @@
 #include <functional>
 #include <vector>
 
-#include "core/cells/cell_pieces.hpp"
-#include "core/quadrature/region_quadrature.hpp"
+#include "core/cells/boundary_points.hpp"
+#include "core/cells/local_solid.hpp"
+#include "core/quadrature/region.hpp"
 
 namespace cgcontact {
 

@@ -1,9 +1,18 @@
-/// Legendre moments of cells: basis, changes of cell.
+/// Legendre moments of the body in cells: basis, changes of cell, weights of Gauss points. Cell coordinates in
+/// [-1,1]^3.
 #pragma once
 
-#include "core/cells/cut_cells.hpp"
+#include "core/base/types.hpp"
 
 namespace cgcontact {
+
+/// Highest degree per variable of the stored moments: 2 p for the stiffness of Q1, 4 for the energy of
+/// (conjoint sigma* - sigma_h), which is of degree 2 per variable.
+constexpr int moment_degree = 4;
+constexpr int num_moments = (moment_degree + 1) * (moment_degree + 1) * (moment_degree + 1);
+/// Moments of L_i(x) L_j(y) L_k(z) (Legendre polynomials, cell coordinates in [-1,1]^3, so a full cell has
+/// moment[0] = 8) over cell and body; index (i * (moment_degree+1) + j) * (moment_degree+1) + k.
+using Moments = std::array<double, num_moments>;
 
 /// Values of L_0 .. L_4 at x.
 inline void legendre_values(double x, double value[moment_degree + 1]) {
@@ -33,5 +42,15 @@ inline void add_product(Moments& moments, double weight, const double* a, const 
 /// The same integrals expressed in the coordinates of another cell: the old cell lies `offset` cells further (the old
 /// centre has the coordinates 2 offset).
 Moments shifted_moments(const Moments& moments, const Index3& offset);
+
+/// Weights on the 27 or 125 Gauss points of the cell (n = 3 or 5 per direction, x slowest: q = (a * n + b) * n + c)
+/// that integrate all products of polynomials of degree < n per variable exactly; closed form from the moments.
+/// The weights of a full cell sum to 8.
+void fitted_weights(const Moments& moments, int n, double* weights);
+
+/// Moments of the cell of twice the size from those of its children, re-centred; children[a + 2 b + 4 c] is the child
+/// at offset (a, b, c), nullptr if it is empty. A full child is given by full_cell_moments().
+Moments coarse_moments(const std::array<const Moments*, 8>& children);
+const Moments& full_cell_moments();
 
 }  // namespace cgcontact

@@ -7,7 +7,6 @@
 #include <unordered_map>
 
 #include "core/base/errors.hpp"
-#include "core/cells/face_dividers.hpp"
 #include "core/quadrature/gauss_rules.hpp"
 #include "core/quadrature/point_compression.hpp"
 

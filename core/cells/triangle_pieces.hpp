@@ -12,7 +12,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/cells/cut_cells.hpp"
+#include "core/cells/boundary_points.hpp"
 #include "core/triangles/triangle_surface.hpp"
 
 namespace cgcontact {

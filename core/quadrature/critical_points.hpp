@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/quadrature/region_quadrature.hpp"
+#include "core/quadrature/region.hpp"
 
 namespace cgcontact {
 

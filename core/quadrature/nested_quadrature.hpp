@@ -3,7 +3,7 @@
 /// and square-root behaviour at tangencies is removed by substitution.
 #pragma once
 
-#include "core/quadrature/region_quadrature.hpp"
+#include "core/quadrature/region.hpp"
 
 namespace cgcontact {
 

@@ -1,7 +1,7 @@
 /// Regions bounded by straight lines: cut into convex polygons, exact to rounding.
 #pragma once
 
-#include "core/quadrature/region_quadrature.hpp"
+#include "core/quadrature/region.hpp"
 
 namespace cgcontact {
 

@@ -11,6 +11,11 @@
 #include "core/base/types.hpp"
 #include "core/geometry/csg.hpp"
 #include "core/scene/expression.hpp"
+#include "core/settings/contact_options.hpp"
+#include "core/settings/geometry_options.hpp"
+#include "core/settings/output_options.hpp"
+#include "core/settings/recovery_options.hpp"
+#include "core/settings/solver_options.hpp"
 
 namespace cgcontact {
 
@@ -86,36 +91,6 @@ struct ContactSpec {
   SourcePlace place;
 };
 
-struct SolverSpec {
-  std::string preconditioner = "multigrid";
-  double tolerance = 1e-6;  ///< relative outer residual
-  int max_outer_iterations = 30;
-  double linear_tolerance = 1e-10;  ///< relative residual of the last linear solve
-  int max_linear_iterations = 1000;
-  double kappa = 10;            ///< stabilisation of supports and contact, times E / h
-  double ghost_penalty = 0.01;  ///< gamma
-};
-
-/// Degree (1 or 2) of the recovered polynomials by class of patch; 0 at the contact: 2 where closed and both bodies
-/// thick.
-struct RecoveryDegree {
-  int interior = 1;  ///< full cells only, no contact face
-  int boundary = 1;  ///< neither interior nor contact
-  int contact = 0;   ///< patches that hold points of a contact face, closed or open
-};
-
-struct RecoverySpec {
-  bool spr_c = true;             ///< run the constrained recovery at the end
-  double rank_tolerance = 0.1;   ///< truncated pseudo-inverse
-  double auxiliary_depth = 0.5;  ///< in cells of the other body
-  bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
-  RecoveryDegree degree;
-  int points_per_face = 0;       ///< 1, 3 or 6 constraint points; 0: by the degree
-  double patch_volume = 1;       ///< cells: smaller patches grow
-  bool inverse_variance = true;  ///< weights of the two bodies in a coupled patch
-  int rings = 0;                 ///< of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
-};
-
 /// Pressure along a line on a contact face, and what it is compared with.
 struct ReferenceSpec {
   /// CSV file (first column: coordinate along the path, m; second: pressure, Pa) or empty
@@ -129,12 +104,6 @@ struct ReferenceSpec {
   std::vector<std::array<Expression, 6>> stress_of_body;
   std::vector<std::pair<std::string, Expression>> zones;  ///< name, expression that is non-zero inside the zone
   SourcePlace place;
-};
-
-struct OutputSpec {
-  std::string directory;  ///< empty: `out/<scene name>`
-  bool vtk = true, csv = true, plots = true, report = true;
-  std::optional<std::pair<Vec3, Vec3>> path;  ///< line for pressure.svg, m
 };
 
 /// What loads the bodies in one step, as parts of what the scene says.
@@ -151,9 +120,11 @@ struct Scene {
   std::vector<LoadSpec> loads;
   std::vector<ContactSpec> contacts;
   std::vector<StepSpec> steps;  ///< the last one is the scene itself; empty: that alone
-  SolverSpec solver;
-  RecoverySpec recovery;
-  OutputSpec output;
+  GeometryOptions geometry;
+  ContactOptions contact;
+  SolverOptions solver;
+  RecoveryOptions recovery;
+  OutputOptions output;
   ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
   /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it
   std::function<ReferenceSpec(double)> late_reference;
@@ -162,9 +133,5 @@ struct Scene {
   /// The reference at the computed contact force, N; a force of zero is as good as none.
   ReferenceSpec reference_at(double contact_force) const;
 };
-
-/// Reads and validates a scene; `overrides` are "dotted.key=value" as given to --set (body.NAME.cell_size=1e-3
-/// addresses a body by name). Throws InputError.
-Scene read_scene(const std::string& file, const std::vector<std::string>& overrides = {});
 
 }  // namespace cgcontact

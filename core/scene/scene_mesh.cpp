@@ -9,7 +9,6 @@
 #include <set>
 
 #include "core/base/suggest.hpp"
-#include "core/scene/scene_shapes.hpp"
 #include "core/triangles/triangle_faces.hpp"
 #include "core/triangles/triangle_reader.hpp"
 #include "core/triangles/triangle_repair.hpp"

@@ -45,9 +45,9 @@ class SceneReader {
 
 // Sections without references to bodies' faces (scene_settings.cpp).
 std::vector<StepSpec> read_steps(const TomlCursor& node);
-SolverSpec read_solver(const TomlCursor& node);
-RecoverySpec read_recovery(const TomlCursor& node);
-OutputSpec read_output(const TomlCursor& node);
+SolverOptions read_solver(const TomlCursor& node);
+RecoveryOptions read_recovery(const TomlCursor& node);
+OutputOptions read_output(const TomlCursor& node);
 
 // [reference] (scene_reference.cpp).
 

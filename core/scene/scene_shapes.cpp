@@ -238,13 +238,4 @@ Shape read_shape(const TomlCursor& body) {
   return shape;
 }
 
-std::string read_name(const TomlCursor& node) {
-  const std::string allowed = "letters, digits, \"_\" and \"-\", not starting with a digit";
-  const std::string name = node.string(allowed);
-  const bool good =
-      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
-  if (!good || std::isdigit(static_cast<unsigned char>(name[0])) || name[0] == '-') node.fail("is not a name", allowed);
-  return name;
-}
-
 }  // namespace cgcontact

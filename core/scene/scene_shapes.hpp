@@ -34,7 +34,4 @@ double read_cell_size(const TomlCursor& body);
 /// The `shape` of a [[body]]. Throws InputError; checks that the solid is bounded.
 Shape read_shape(const TomlCursor& body);
 
-/// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit.
-std::string read_name(const TomlCursor& node);
-
 }  // namespace cgcontact

@@ -16,10 +16,6 @@ namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
 
-std::string with_unit(const std::string& text, const std::string& unit) {
-  return unit.empty() ? text : text + " " + unit;
-}
-
 /// The value in one line, numbers with as many digits as they need.
 std::string as_toml(const toml::node& node) {
   std::string text;
@@ -46,27 +42,6 @@ double number_of(const toml::node& node) {
 }
 
 }  // namespace
-
-Range Range::any(const std::string& unit) {
-  Range range;
-  range.text = with_unit("a finite number", unit.empty() ? "" : "(" + unit + ")");
-  return range;
-}
-
-Range Range::positive(const std::string& unit) {
-  Range range;
-  range.min = 0;
-  range.min_allowed = false;
-  range.text = with_unit("> 0", unit);
-  return range;
-}
-
-Range Range::not_negative(const std::string& unit) {
-  Range range;
-  range.min = 0;
-  range.text = with_unit(">= 0", unit);
-  return range;
-}
 
 TomlCursor::TomlCursor(const toml::node& node, std::string key, const SceneText& text)
     : node_(&node), key_(std::move(key)), text_(&text) {}
@@ -176,10 +151,7 @@ double TomlCursor::number(const Range& range) const {
 }
 
 int TomlCursor::integer(int min, int max) const {
-  Range range;
-  range.min = min;
-  range.max = max;
-  range.text = "an integer from " + std::to_string(min) + " to " + std::to_string(max);
+  const Range range = Range::integers(min, max);
   const double value = number(range);
   if (value != std::floor(value)) fail("is not an integer", range.text);
   return static_cast<int>(value);
@@ -211,6 +183,15 @@ Mat3 TomlCursor::rotation() const {
   const Vec3 axis = at("axis", "[x, y, z]").direction();
   const double angle = at("angle", "degrees").number(Range::any("degrees"));
   return Eigen::AngleAxisd(angle * degree, axis).toRotationMatrix();
+}
+
+std::string read_name(const TomlCursor& node) {
+  const std::string allowed = "letters, digits, \"_\" and \"-\", not starting with a digit";
+  const std::string name = node.string(allowed);
+  const bool good =
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
+  if (!good || std::isdigit(static_cast<unsigned char>(name[0])) || name[0] == '-') node.fail("is not a name", allowed);
+  return name;
 }
 
 }  // namespace cgcontact

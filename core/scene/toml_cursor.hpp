@@ -3,7 +3,6 @@
 
 #include <toml++/toml.h>
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,23 +11,9 @@
 #include "core/base/errors.hpp"
 #include "core/base/types.hpp"
 #include "core/scene/expression.hpp"
+#include "core/settings/range.hpp"
 
 namespace cgcontact {
-
-/// Allowed values of a number and the words that say so in an error message.
-struct Range {
-  double min = -std::numeric_limits<double>::infinity();
-  double max = std::numeric_limits<double>::infinity();
-  bool min_allowed = true, max_allowed = true;
-  std::string text = "a finite number";
-
-  bool contains(double value) const {
-    return (min_allowed ? value >= min : value > min) && (max_allowed ? value <= max : value < max);
-  }
-  static Range any(const std::string& unit = "");
-  static Range positive(const std::string& unit = "");
-  static Range not_negative(const std::string& unit = "");
-};
 
 /// What all cursors of one scene share.
 struct SceneText {
@@ -87,5 +72,8 @@ class TomlCursor {
   std::string key_;
   const SceneText* text_;
 };
+
+/// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit.
+std::string read_name(const TomlCursor& node);
 
 }  // namespace cgcontact

@@ -119,8 +119,13 @@ void close_with_fan(Mesh& mesh, Mesh::Halfedge_index rim) {
   mesh.point(target(spoke, mesh)) = Point(middle[0], middle[1], middle[2]);
 }
 
-/// Neighbours oriented alike (non-manifold edges and corners parted), holes filled, divided into shells.
-std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& file, SurfaceRepair& repair) {
+/// The soup with neighbours oriented alike; non-manifold edges and corners are parted.
+struct OrientedMesh {
+  Mesh mesh;
+  std::vector<char> turned;  ///< of every triangle of the soup: was oriented the other way in the file
+};
+
+OrientedMesh orient(const TriangleSoup& soup, const std::string& file) {
   std::vector<Point> points;
   std::vector<std::vector<std::size_t>> polygons;
   for (const Vec3& x : soup.points) points.emplace_back(x[0], x[1], x[2]);
@@ -137,11 +142,16 @@ std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& fil
     const std::size_t k = static_cast<std::size_t>(first - polygons[i].begin());
     return points[polygons[i][(k + 1) % 3]] != points_before[before[i][1]];
   };
-  std::vector<char> turned(polygons.size());
-  for (std::size_t i = 0; i < polygons.size(); ++i) turned[i] = is_turned(i);
+  OrientedMesh result;
+  result.turned.resize(polygons.size());
+  for (std::size_t i = 0; i < polygons.size(); ++i) result.turned[i] = is_turned(i);
   if (!pmp::is_polygon_soup_a_polygon_mesh(polygons)) fail(file, "its triangles do not make up surfaces");
-  Mesh mesh;
-  pmp::polygon_soup_to_polygon_mesh(points, polygons, mesh);
+  pmp::polygon_soup_to_polygon_mesh(points, polygons, result.mesh);
+  return result;
+}
+
+/// Returns the number of holes that were filled.
+int fill_holes(Mesh& mesh, const std::string& file) {
   pmp::stitch_borders(mesh);
   std::vector<Mesh::Halfedge_index> cycles;
   pmp::extract_boundary_cycles(mesh, std::back_inserter(cycles));
@@ -150,9 +160,12 @@ std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& fil
     pmp::triangulate_hole(mesh, cycle, std::back_inserter(patch));
     if (patch.empty()) close_with_fan(mesh, cycle);
   }
-  repair.holes = static_cast<int>(cycles.size());
   if (!CGAL::is_closed(mesh)) fail(file, "its holes cannot be filled");
+  return static_cast<int>(cycles.size());
+}
 
+/// Divides a closed mesh into shells, each oriented as most of it was in the file. `turned`: of the first triangles.
+std::vector<Shell> part_shells(Mesh& mesh, const std::vector<char>& turned, SurfaceRepair& repair) {
   auto number = mesh.add_property_map<Mesh::Face_index, std::size_t>("f:shell", 0).first;
   std::vector<Shell> shells(pmp::connected_components(mesh, number));
   std::vector<std::array<int, 2>> ways(shells.size(), {0, 0});
@@ -183,6 +196,13 @@ std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& fil
     shell.volume = signed_volume(shell.soup);
   }
   return shells;
+}
+
+/// Neighbours oriented alike, holes filled, divided into shells.
+std::vector<Shell> close_shells(const TriangleSoup& soup, const std::string& file, SurfaceRepair& repair) {
+  OrientedMesh oriented = orient(soup, file);
+  repair.holes = fill_holes(oriented.mesh, file);
+  return part_shells(oriented.mesh, oriented.turned, repair);
 }
 
 /// Shells as one list of triangles.

@@ -5,11 +5,10 @@
 #include <memory>
 #include <vector>
 
+#include "core/settings/solver_options.hpp"
 #include "kernels/operator/system.hpp"
 
 namespace cgcontact {
-
-enum class Preconditioner { multigrid, muelu };
 
 struct PreconditionerReport {
   int setups = 0;                   ///< of MueLu: on the whole system, or on the coarsest level

@@ -4,7 +4,8 @@
 /// Evidence: docs/recovery.md.
 #pragma once
 
-#include "recovery/constrained/recover_stress.hpp"
+#include "recovery/constrained/patch_states.hpp"
+#include "recovery/spr/recovery_input.hpp"
 #include "recovery/zone_edge/found_edges.hpp"
 
 namespace cgcontact {

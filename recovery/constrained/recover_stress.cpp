@@ -6,6 +6,7 @@
 #include "core/base/parallel.hpp"
 #include "recovery/batched/batched_fit.hpp"
 #include "recovery/constrained/force_balance.hpp"
+#include "recovery/constrained/patch_assembly.hpp"
 #include "recovery/zone_edge/edge_search.hpp"
 
 namespace cgcontact {

@@ -7,7 +7,7 @@
 
 #include "core/base/errors.hpp"
 #include "core/cells/cut_cells.hpp"
-#include "core/scene/scene_text.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace {
 

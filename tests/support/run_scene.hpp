@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "contact/simulation.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace cgcontact::test {
 

@@ -1,6 +1,7 @@
 /// Contact pairs: opposite points, areas, gaps; free motions; a body held only by contact across an initial gap.
 #include <gtest/gtest.h>
 
+#include "contact/preparation.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "contact/preparation.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {

@@ -5,6 +5,7 @@
 
 #include "contact/model/gap_samples.hpp"
 #include "contact/model/press_direction.hpp"
+#include "contact/preparation.hpp"
 #include "contact/solve/small_zones.hpp"
 #include "tests/support/run_scene.hpp"
 

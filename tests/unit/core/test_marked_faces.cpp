@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/drawing/marked_faces.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace cgcontact {
 namespace {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "core/base/suggest.hpp"
-#include "core/scene/scene.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace cgcontact {
 namespace {
@@ -428,8 +428,8 @@ TEST(Scene, degree_of_the_recovery_is_one_number_or_a_table) {
   EXPECT_EQ(degree({"recovery.degree=2"}), (std::array<int, 3>{2, 2, 2}));
   EXPECT_EQ(degree({"recovery.degree={boundary = 2, contact = 2}"}), (std::array<int, 3>{1, 2, 2}));
   EXPECT_EQ(degree({"recovery.degree.contact=2"}), (std::array<int, 3>{1, 1, 2}));
-  EXPECT_EQ(read_scene(scene_file("rings.toml")).recovery.rings, 0);
-  EXPECT_EQ(read_scene(scene_file("rings.toml"), {"recovery.rings=4"}).recovery.rings, 4);
+  EXPECT_EQ(read_scene(scene_file("rings.toml")).recovery.quadratic_rings, 0);
+  EXPECT_EQ(read_scene(scene_file("rings.toml"), {"recovery.rings=4"}).recovery.quadratic_rings, 4);
   expect_contains(message_of(scene_file("rings.toml"), {"recovery.degree.contact=3"}),
                   {"recovery.degree.contact", "an integer from 0 to 2"});
   expect_contains(message_of(scene_file("rings.toml"), {"recovery.rings=5"}), {"an integer from 0 to 4"});

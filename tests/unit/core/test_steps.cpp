@@ -1,7 +1,7 @@
 /// [steps] of the scene file.
 #include <gtest/gtest.h>
 
-#include "core/scene/scene.hpp"
+#include "core/scene/read_scene.hpp"
 
 namespace cgcontact {
 namespace {

@@ -1,6 +1,7 @@
 /// The fast loops of the recovery against plain ones: cell by cell with quadrature, patch by patch with dense matrices.
 #include <gtest/gtest.h>
 
+#include "recovery/constrained/boundary_pieces.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 #include "recovery/error/error_estimate.hpp"
 #include "tests/support/bodies.hpp"

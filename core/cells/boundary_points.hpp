@@ -1,0 +1,83 @@
+/// Quadrature points on the boundary of a body, and the planes that divide its pieces. Grid coordinates.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+struct Plane {
+  Vec3 normal;
+  double offset;                                                ///< normal . x = offset
+  std::shared_ptr<const std::vector<char>> surfaces = nullptr;  ///< as a divider: cuts the pieces of these only
+
+  bool divides(int surface) const { return !surfaces || (*surfaces)[surface]; }
+};
+
+/// Is one of the planes the border of a face? Then points know their pieces (BoundaryPoints::piece_position).
+bool divide_faces(const std::vector<Plane>& dividers);
+
+/// Those of the planes that cross the cube [corner, corner + width]^3.
+std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width);
+
+/// Points on the boundary, all vectors of the same length. Positions, normals in grid coordinates, weights in cell
+/// units squared (sum of weights = area / h^2).
+struct BoundaryPoints {
+  std::vector<Vec3> position;
+  std::vector<Vec3> normal;  ///< outward unit normal
+  std::vector<double> weight;
+  std::vector<int> cell;     ///< active cell that the point belongs to (index into CutCells::cells)
+  std::vector<int> surface;  ///< index into solid.surfaces()
+  /// Means over the point's piece of surface (between dividers), which say on which side of the dividers it lies: a
+  /// point of it may be as near to one as rounding. Empty in bodies without face dividers.
+  std::vector<Vec3> piece_position, piece_normal;
+  std::size_t size() const { return weight.size(); }
+  void append(const Vec3& x, const Vec3& n, double w, int owner, int on_surface) {
+    position.push_back(x);
+    normal.push_back(n);
+    weight.push_back(w);
+    cell.push_back(owner);
+    surface.push_back(on_surface);
+  }
+  void reserve(std::size_t n) {
+    position.reserve(n);
+    normal.reserve(n);
+    weight.reserve(n);
+    cell.reserve(n);
+    surface.reserve(n);
+    if (!piece_position.empty()) {
+      piece_position.reserve(n);
+      piece_normal.reserve(n);
+    }
+  }
+  /// Keeps the first n points.
+  void truncate(std::size_t n) {
+    position.resize(n);
+    normal.resize(n);
+    weight.resize(n);
+    cell.resize(n);
+    surface.resize(n);
+    if (!piece_position.empty()) {
+      piece_position.resize(n);
+      piece_normal.resize(n);
+    }
+  }
+  /// Sets the piece of the last point.
+  void set_piece(const Vec3& mean_position, const Vec3& mean_normal) {
+    piece_position.push_back(mean_position);
+    piece_normal.push_back(mean_normal);
+  }
+  const Vec3& position_of_piece(std::size_t i) const {
+    return piece_position.empty() ? position[i] : piece_position[i];
+  }
+  const Vec3& normal_of_piece(std::size_t i) const { return piece_normal.empty() ? normal[i] : piece_normal[i]; }
+  /// Appends point i of another set, owned by `owner`.
+  void append(const BoundaryPoints& from, std::size_t i, int owner) {
+    append(from.position[i], from.normal[i], from.weight[i], owner, from.surface[i]);
+    if (!from.piece_position.empty()) set_piece(from.piece_position[i], from.piece_normal[i]);
+  }
+};
+
+}  // namespace cgcontact

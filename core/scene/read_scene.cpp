@@ -1,0 +1,122 @@
+#include "core/scene/read_scene.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string_view>
+
+#include "core/scene/scene_overrides.hpp"
+#include "core/scene/scene_reader.hpp"
+#include "core/scene/toml_cursor.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+/// A scene is text that somebody writes; toml++ calls itself for every part of a key and every level of a value.
+constexpr std::uintmax_t largest_file = 16 << 20;
+constexpr int most_key_parts = 20;
+
+std::string read_file(const std::string& file) {
+  const SourcePlace place{file, 0, ""};
+  std::error_code error;
+  if (!std::filesystem::exists(file, error))
+    throw InputError(place, "",
+                     error ? "the scene file cannot be read: " + error.message() : "there is no such scene file");
+  if (!std::filesystem::is_regular_file(file, error))
+    throw InputError(place, "", "is not a file but a folder or device");
+  if (std::filesystem::file_size(file, error) > largest_file)
+    throw InputError(place, "", "is too large for a scene", "16 MB");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(largest_file + 1, '\0');
+  if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream.is_open() || stream.bad())
+    throw InputError(place, "", std::string("the scene file cannot be read: ") + std::strerror(errno));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+/// Where a comment or string that begins at `begin` ends; `begin` if there is none.
+std::size_t end_of_comment_or_string(std::string_view text, std::size_t begin) {
+  const char quote = text[begin];
+  if (quote == '#') return std::min(text.find('\n', begin), text.size());
+  if (quote != '"' && quote != '\'') return begin;
+  const std::string three(3, quote);
+  const std::string delimiter = text.substr(begin, 3) == three ? three : std::string(1, quote);
+  for (std::size_t k = begin + delimiter.size(); k < text.size(); ++k) {
+    if (quote == '"' && text[k] == '\\')
+      ++k;
+    else if (text.substr(k, delimiter.size()) == delimiter)
+      return k + delimiter.size();
+  }
+  return text.size();
+}
+
+/// Throws for what toml++ does not survive, or does not explain: keys of very many parts, texts that are not UTF-8.
+void check_text(std::string_view text, const std::string& file) {
+  const std::string_view mark = text.substr(0, 2);
+  if (mark == "\xff\xfe" || mark == "\xfe\xff")
+    throw InputError(SourcePlace{file, 1, ""}, "", "the text is UTF-16", "a file saved as UTF-8");
+  int parts = 1;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const std::size_t end = end_of_comment_or_string(text, k);
+    if (end > k) {
+      k = end - 1;
+      continue;
+    }
+    const bool in_key = std::isalnum(static_cast<unsigned char>(text[k])) || std::strchr("_- \t.", text[k]);
+    if (!in_key || text[k] == '\0') parts = 1;
+    if (text[k] != '.' || ++parts <= most_key_parts) continue;
+    const auto line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(k), '\n'));
+    throw InputError(SourcePlace{file, line + 1, ""}, "", "a key of too many parts",
+                     "at most " + std::to_string(most_key_parts) + " parts with dots between them");
+  }
+}
+
+toml::table parse_toml(const std::string& text, const std::string& file) {
+  try {
+    return toml::parse(std::string_view(text), std::string_view(file));
+  } catch (const toml::parse_error& error) {
+    const SourcePlace place{file, static_cast<int>(error.source().begin.line), ""};
+    throw InputError(place, "", "not valid TOML: " + std::string(error.description()));
+  }
+}
+
+/// If [reference] depends on the contact force, it is read again when that is known; document and text stay until then.
+void keep_reference(const TomlCursor& root, const std::shared_ptr<const toml::table>& document,
+                    const std::shared_ptr<const SceneText>& text, Scene& scene) {
+  const auto section = root.find("reference");
+  if (!section || !uses_contact_force(*section)) return;
+  std::vector<std::string> names;
+  for (const BodySpec& body : scene.bodies) names.push_back(body.name);
+  scene.late_reference = [section = *section, names, document, text](double contact_force) {
+    return read_reference(section, names, contact_force);
+  };
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& file, const std::vector<std::string>& overrides) {
+  return parse_scene(read_file(file), file, overrides);
+}
+
+Scene parse_scene(const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {
+  check_text(text, file);
+  const auto document = std::make_shared<toml::table>(parse_toml(text, file));
+  apply_overrides(*document, overrides);
+  const auto source = std::make_shared<SceneText>(SceneText{file, {}});
+  const TomlCursor root(*document, "", *source);
+  if (const auto parameters = root.find("parameters")) source->parameters = read_parameters(*parameters);
+  Scene scene = SceneReader().read(root);
+  keep_reference(root, document, source, scene);
+  const std::string stem = std::filesystem::path(file).stem().string();
+  if (scene.title.empty()) scene.title = stem;
+  if (scene.output.directory.empty()) scene.output.directory = (std::filesystem::path("out") / stem).string();
+  return scene;
+}
+
+}  // namespace cgcontact

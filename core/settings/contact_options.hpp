@@ -1,0 +1,25 @@
+/// Settings of the contact search; those of a single pair are in ContactSpec.
+#pragma once
+
+#include "core/settings/settings.hpp"
+
+namespace cgcontact {
+
+struct ContactOptions {
+  // Constants of the method; figures in docs/decisions.md, "Supports and contact" and "Contact search".
+
+  /// Rule on the pieces of the coarser body's surface that both grids divide: exact for the products of both bodies'
+  /// trilinear shape functions, which the patch test needs.
+  int quadrature_order = 2;
+  /// A pair sees its closest points and that much beyond them, of the larger cells and of the smaller body's longest
+  /// extent, whichever is more. Approaches larger than that are found after the solve (Simulation::run).
+  double reach_in_cells = 2, reach_in_extents = 0.05;
+  /// Of the smaller body's longest extent: small strain is off by as much.
+  double largest_overlap = 0.1;
+
+  std::vector<Setting> settings();
+  void check() const;
+  std::string print() const;
+};
+
+}  // namespace cgcontact

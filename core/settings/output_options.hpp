@@ -1,0 +1,21 @@
+/// Settings of what is written.
+#pragma once
+
+#include "core/settings/settings.hpp"
+
+namespace cgcontact {
+
+struct OutputOptions {
+  std::string directory;     ///< empty: out/<name of the file>
+  bool vtk = true;           ///< fields for ParaView
+  bool csv = true;           ///< contact.csv
+  bool plots = true;         ///< pictures
+  bool report = true;        ///< report.html
+  std::optional<Line> path;  ///< along which the pressure is drawn; none: through the largest pressure
+
+  std::vector<Setting> settings();
+  void check() const;
+  std::string print() const;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,41 @@
+/// Settings of the outer iteration and of the linear solver.
+#pragma once
+
+#include "core/settings/settings.hpp"
+
+namespace cgcontact {
+
+enum class Preconditioner {
+  multigrid,  ///< geometric, on the hierarchy of grids
+  muelu       ///< smoothed aggregation on the assembled matrix, for comparison
+};
+const std::vector<std::string>& preconditioner_names();
+/// Its name in scenes and reports.
+const std::string& name_of(Preconditioner preconditioner);
+
+struct SolverOptions {
+  Preconditioner preconditioner = Preconditioner::multigrid;
+  double tolerance = 1e-6;  ///< relative residual of the outer iteration
+  int max_outer_iterations = 30;
+  double linear_tolerance = 1e-10;   ///< relative residual of the last linear solve
+  int max_linear_iterations = 1000;  ///< of one linear solve
+  double kappa = 10;                 ///< stabilisation of supports and contact, times E / h
+  double ghost_penalty = 0.01;       ///< gamma, stabilisation of small cut cells
+
+  // Constants of the method; figures in docs/decisions.md, "Supports and contact".
+
+  /// kappa at supports of thin bodies is that many times as large.
+  double thin_kappa_factor = 3;
+  /// Tolerance of a linear solve, of the outer residual before it; at most `loosest_inner_tolerance`.
+  double inner_fraction = 0.005, loosest_inner_tolerance = 1e-3;
+  /// Of the contact forces: what springs that follow a motion may still take in the end.
+  double largest_spring_part = 1e-6;
+  /// Outer iterations in which groups may join or leave zones smaller than the cells: later ones would not end.
+  int last_small_zone_decision = 8;
+
+  std::vector<Setting> settings();
+  void check() const;
+  std::string print() const;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,34 @@
+/// What became of the patches of a body in the constrained recovery.
+#pragma once
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "kernels/mesh/mesh.hpp"
+#include "recovery/patch/patch_problem.hpp"
+
+namespace cgcontact {
+
+/// Kind and status of every node's patch of one body.
+struct PatchStates {
+  std::vector<PatchKind> kind;
+  std::vector<PatchStatus> status;
+  std::vector<std::pair<int, int>> pressed;     ///< nodes and the pairs that their patches carry pressure of; ascending
+  std::vector<std::pair<int, int>> open_sides;  ///< nodes of these and the surfaces that are open there all the same
+
+  bool is_pressed(int node, int pair) const {
+    return std::binary_search(pressed.begin(), pressed.end(), std::pair(node, pair));
+  }
+  /// Whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are open.
+  bool presses(const BodyMesh& mesh, int cell, int pair, int surface) const {
+    for (const int corner : mesh.cell_nodes[cell]) {
+      const int node = corner - mesh.first_node;
+      if (is_pressed(node, pair) && !std::binary_search(open_sides.begin(), open_sides.end(), std::pair(node, surface)))
+        return true;
+    }
+    return false;
+  }
+};
+
+}  // namespace cgcontact
