@@ -112,17 +112,26 @@ void check_memory(const Scene& scene, const Preparation& preparation) {
   check_memory(scene, sizes, count_contact_points(preparation.pairs));
 }
 
-Preparation prepare(const Scene& scene, bool refuse_near_limit) {
+Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
   check_memory_early(scene, refuse_near_limit);
   Preparation p;
   p.bodies = make_body_models(scene);
   p.supports = make_support_points(scene, p.bodies);
   p.pairs = make_contact_pairs(scene, p.bodies);
-  check_conditions(scene, p.bodies, p.pairs);
-  check_free_motions(scene, p);
-  check_body_forces(p.bodies);
-  check_reference(scene, p.pairs);
   return p;
+}
+
+void complete(const Scene& scene, Preparation& preparation) {
+  check_conditions(scene, preparation.bodies, preparation.pairs);
+  check_free_motions(scene, preparation);
+  check_body_forces(preparation.bodies);
+  check_reference(scene, preparation.pairs);
+}
+
+Preparation prepare(const Scene& scene, bool refuse_near_limit) {
+  Preparation preparation = lay_out(scene, refuse_near_limit);
+  complete(scene, preparation);
+  return preparation;
 }
 
 }  // namespace cgcontact
