@@ -71,19 +71,20 @@ int check(const Scene& scene, const CommandLine& options) {
   Progress progress(Progress::Mode::terminal_only);
   const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
-  const Preparation preparation = prepare(scene, false);  // a scene that nearly fits is described all the same
+  Preparation preparation = lay_out(scene, false);  // a scene that nearly fits is described all the same
   std::vector<std::string> warnings;
-  if (!options.out.empty()) {
+  if (!options.out.empty()) {  // before the checks: the picture shows what may be wrong
     progress.begin_phase("drawing");
     warnings = draw(scene, preparation, options.out);
   }
   progress.finish();
-  fmt::print("{}", describe(scene, preparation));
-  check_memory(scene, preparation);
   for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
   if (!options.out.empty())
     fmt::print("drawn in {}: {}check_faces.vtkhdf, check_cells.vtkhdf\n", options.out,
                warnings.empty() ? "check.png, " : "");
+  complete(scene, preparation);
+  fmt::print("{}", describe(scene, preparation));
+  check_memory(scene, preparation);
   return 0;
 }
 
@@ -133,7 +134,7 @@ std::string fault_of(const std::string& text, const std::string& file) try {
 
 /// The exit code, once all that was printed has been written.
 int flushed(int exit_code) {
-  if (std::fflush(stdout) != 0)
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
     throw InputError(std::string("cannot write to standard output: ") + std::strerror(errno));
   return exit_code;
 }
@@ -145,8 +146,8 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file too large for ulimit -f: an error that names the file
   int exit_code = 0;
   const auto options = parse_command_line(argc, argv, exit_code);
-  if (!options) return exit_code;
   try {
+    if (!options) return flushed(exit_code);
     if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
     if (options->command == CommandLine::study) return flushed(run_study(*options));
     if (options->command == CommandLine::run && TrilinosScope::has_openmp())
@@ -161,7 +162,8 @@ int main(int argc, char** argv) {
     exit_code = options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
     return flushed(exit_code);
   } catch (const InputError& error) {
-    fmt::print(stderr, "cgcontact: {}\n", printable(options->with_variables(error.what())));
+    const std::string text = options ? options->with_variables(error.what()) : error.what();
+    fmt::print(stderr, "cgcontact: {}\n", printable(text));
   } catch (const std::exception& error) {
     fmt::print(stderr, "cgcontact: {}\n", is_out_of_memory(error) ? out_of_memory_text() : printable(error.what()));
   }

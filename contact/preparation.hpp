@@ -19,10 +19,18 @@ struct Preparation {
 void check_settings(const Scene& scene);
 
 /// Throws InputError, also if the scene would clearly not fit into memory; refuse_near_limit: or by little, as far as
-/// an estimate of a second or two says.
+/// an estimate of a second or two says. The two steps in one:
 Preparation prepare(const Scene& scene, bool refuse_near_limit = true);
+/// What can be drawn, whether the scene can be solved or not.
+Preparation lay_out(const Scene& scene, bool refuse_near_limit = true);
+/// Can it be solved? Throws InputError; holds motions that no load drives.
+void complete(const Scene& scene, Preparation& preparation);
 
-double count_contact_points(const std::vector<ContactPair>& pairs);
+/// Rows of contact.csv: boundary points of the contact faces, in reach of the other body or not.
+double count_contact_rows(const Preparation& preparation);
+
+/// Points of the pairs and rows of the results, for the expected memory.
+double count_contact_points(const Preparation& preparation);
 
 /// Throws InputError if a run of the scene would not fit into memory.
 void check_memory(const Scene& scene, const Preparation& preparation);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "core/geometry/solid_middle.hpp"
 #include "recovery/constrained/patch_assembly.hpp"
 
 namespace cgcontact {
@@ -53,15 +54,26 @@ struct CellsAcross {
   }
 };
 
-/// Seen from the fullest cell beside the given one; outward: the normal, in grid axes.
-CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward) {
+/// The fullest of the cells beside the given one; of equals the nearest one, of those the one towards the middle of the
+/// body, in its mirror image as well.
+int fullest_beside(const CutCells& cc, int cell, const Vec3& middle) {
+  const Index3& c = cc.cells[cell];
   int fullest = cell;
+  double best = -1;
   for (int n = 0; n < 27; ++n) {
-    const Index3& c = cc.cells[cell];
+    const Vec3 step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
     const int near = cc.find({c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1});
-    if (near >= 0 && cc.volume_fraction(near) > cc.volume_fraction(fullest)) fullest = near;
+    if (near < 0) continue;
+    const double away = (Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5) + step - middle).norm();
+    const double score = cc.volume_fraction(near) - 1e-3 * step.norm() - 1e-6 * away;
+    if (score > best + 1e-12) best = score, fullest = near;
   }
-  Index3 c = cc.cells[fullest];
+  return fullest;
+}
+
+/// Seen from the fullest cell beside the given one; outward: the normal, in grid axes.
+CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward, const Vec3& middle) {
+  Index3 c = cc.cells[fullest_beside(cc, cell, middle)];
   CellsAcross across;
   across.at_face = static_cast<char>(least_cells(cc, c));
   int axis = 0;
@@ -73,7 +85,8 @@ CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward) {
 }
 
 /// Of the thinner one of the bodies at the closed contact points of a cell.
-CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const RecoveryBody& body, int cell) {
+CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const RecoveryBody& body, int cell,
+                                 const Vec3& middle, const std::vector<Vec3>& middles) {
   int seen = -1;  // cell of the other body
   CellsAcross least;
   for (int l : body.boundary->links_of_cell[cell]) {
@@ -82,8 +95,8 @@ CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const 
     const CutCells& own = *body.mesh->cut_cells;
     const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
     const Vec3 outward = -(other.grid.rotation.transpose() * (own.grid.rotation * link.normal));
-    if (seen < 0) least = cells_across(own, cell, link.normal);
-    least.take_thinner(cells_across(other, link.other_cell, outward));
+    if (seen < 0) least = cells_across(own, cell, link.normal, middle);
+    least.take_thinner(cells_across(other, link.other_cell, outward, middles[link.other_body]));
     seen = link.other_cell;
   }
   return least;
@@ -124,9 +137,12 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
                                                const EdgeMap* edges, const RecoveryOptions& options) {
   const RecoveryBody& body = bodies[index];
   const PatchSet& patches = *body.patches;
+  std::vector<Vec3> middles;  // grid coordinates
+  for (const RecoveryBody& each : bodies) middles.push_back(middle_of(each.mesh->cut_cells->solid));
   std::vector<CellsAcross> across(body.mesh->cell_nodes.size());
-  parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain,
-               [&](std::size_t cell) { across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell)); });
+  parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain, [&](std::size_t cell) {
+    across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell), middles[index], middles);
+  });
   std::vector<PatchPolynomial> polynomials(body.mesh->num_nodes);
   parallel_for("cgcontact::patch_polynomials::polynomials", polynomials.size(), grain, [&](std::size_t n) {
     const int node = static_cast<int>(n);

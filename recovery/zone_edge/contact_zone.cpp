@@ -1,7 +1,9 @@
 #include "recovery/zone_edge/contact_zone.hpp"
 
+#include <algorithm>
 #include <map>
 
+#include "core/geometry/solid_middle.hpp"
 #include "recovery/zone_edge/narrow_zone.hpp"
 
 namespace cgcontact {
@@ -9,6 +11,7 @@ namespace cgcontact {
 ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index)
     : cell_size_(bodies[index].mesh->cut_cells->grid.cell_size), buckets_(edge_fit_reach * cell_size_) {
   const Grid& grid = bodies[index].mesh->cut_cells->grid;
+  middle_ = grid.to_global(middle_of(bodies[index].mesh->cut_cells->solid));
   std::map<int, int> other_of_pair;
   for (const ContactLink& link : bodies[index].boundary->links) {
     if (!link.primary) continue;
@@ -76,6 +79,10 @@ std::vector<TransmittedForce> ContactZone::closed_cells() const {
     whole.normal.normalize();
     closed.push_back(whole);
   }
+  // Where the first ones decide, they are the same in a mirror image, whose cells have another order.
+  std::stable_sort(closed.begin(), closed.end(), [&](const TransmittedForce& a, const TransmittedForce& b) {
+    return std::pair(a.image, (a.position - middle_).norm()) < std::pair(b.image, (b.position - middle_).norm());
+  });
   return closed;
 }
 

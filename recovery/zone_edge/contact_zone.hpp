@@ -22,13 +22,15 @@ class ContactZone {
   /// The points of a pair on a face turned like n, within so many cells (at most edge_fit_reach) of x; no images.
   std::vector<const TransmittedForce*> forces_near(int pair, const Vec3& x, const Vec3& n, double cells) const;
 
-  /// The closed points of every cell, pair and image as one point with their mean place and normal; images last.
+  /// The closed points of every cell, pair and image as one point with their mean place and normal; images last, from
+  /// the middle of the body outwards.
   std::vector<TransmittedForce> closed_cells() const;
 
  private:
   void add_images(int pair, const std::vector<SymmetryPlane>& planes);
 
   double cell_size_;
+  Vec3 middle_;  ///< of the body's bounding box
   std::vector<TransmittedForce> forces_, images_;
   PointBuckets buckets_;
 };

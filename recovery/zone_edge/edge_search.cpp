@@ -19,6 +19,10 @@ constexpr int rounds = 3;
 /// Scatter of the first guesses and of the places that the forces give, cells.
 constexpr double guess_scatter = 0.2, place_scatter = 0.02;
 
+/// Samples are equally far from a place if they are so up to that part: then the first one counts, in mirror images
+/// too.
+constexpr double nearer = 1 - 1e-9;
+
 /// Cells around a place whose points say where the edge may be.
 constexpr double guess_reach = 2;
 
@@ -164,7 +168,7 @@ void measure_widths(const ContactZone& zone, std::vector<EdgeSample>& samples) {
     double nearest = 1e300;
     for (std::size_t k = 0; k < samples.size(); k += stride) {
       const double distance = (samples[k].origin - samples[i].origin).squaredNorm();
-      if (samples[k].pair != samples[i].pair || distance >= nearest) continue;
+      if (samples[k].pair != samples[i].pair || distance >= nearer * nearest) continue;
       nearest = distance;
       samples[i].inverse_width = samples[k].inverse_width;
     }

@@ -121,6 +121,22 @@ class Check(unittest.TestCase):
         for face in (b"rail.profile.foot", b"rail.profile.tread", b"wheel.rim.side", b"wheel.block.z+"):
             self.assertIn(face, names)
 
+    def test_a_scene_at_fault_is_drawn(self):
+        """A free body, supports that contradict each other: the error, and the picture that shows it."""
+        text = scene("patch_test").read_text()
+        held = '[[support]]\nface = "upper.block.x-"\nsymmetry = true\n'
+        self.assertIn(held, text)
+        for name, fault, message in (("free", "", "is free to"),
+                                     ("twice", held + held.replace("symmetry = true", "displacement = {x = 1e-3}"), "support")):
+            with self.subTest(scene=name):
+                pathlib.Path(f"{name}.toml").write_text(text.replace(held, fault))
+                outcome = cgcontact("check", f"{name}.toml", "--out", name)
+                self.assertEqual(outcome.code, 1)
+                self.assertEqual(len(outcome.errors()), 1, outcome.err)
+                self.assertIn(message, outcome.errors()[0])
+                self.assertIn(f"drawn in {name}", outcome.out)
+                self.assertEqual(sorted(os.listdir(name)), ["check.png", "check_cells.vtkhdf", "check_faces.vtkhdf"])
+
     def test_drawing_keeps_other_files(self):
         """Files of the user in the directory stay; an earlier drawing is replaced; a bad scene leaves all as it is."""
         pathlib.Path("mine").mkdir()

@@ -106,11 +106,11 @@ class ClosedDescriptors(unittest.TestCase):
 
     @unittest.skipUnless(os.path.exists("/dev/full"), "Linux only")
     def test_standard_output_that_is_full(self):
-        """What cannot be printed is an error that says so, whatever the command; the files are complete."""
+        """What cannot be printed is an error that says so, whatever the command, help too; the files are complete."""
         patch = harness.SOURCE / "scenes" / "patch_test.toml"
         for command in (["check", patch], ["run", patch, "--out", "full"], ["init", "full.toml"],
-                        ["study", patch, "--out", "full_study", "--refine", "1"]):
-            with self.subTest(command=command[0]), open("/dev/full", "w") as full:
+                        ["study", patch, "--out", "full_study", "--refine", "1"], ["--help"], ["run", "--help"], ["--version"]):
+            with self.subTest(command=command), open("/dev/full", "w") as full:
                 done = subprocess.run([harness.PROGRAM, *map(str, command)], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
                 self.assertEqual(done.returncode, 1)
                 self.assertIn("cgcontact: cannot write to standard output: No space left", done.stderr.splitlines()[-1])
