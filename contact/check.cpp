@@ -32,7 +32,7 @@ std::string describe_body(const BodyModel& body) {
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",
       body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio, volume(cc), total_area,
       cc.grid.num_cells[0], cc.grid.num_cells[1], cc.grid.num_cells[2], cc.grid.cell_size, active, cut,
-      3 * static_cast<long long>(size_of(cc).nodes));
+      dofs_per_node * static_cast<long long>(size_of(cc).nodes));
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   for (const FaceSpec& spec : body.spec->faces) {
@@ -65,7 +65,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   for (const BodyModel& body : preparation.bodies) {
     text += describe_body(body);
     sizes.push_back(size_of(body.cut_cells));
-    unknowns += 3 * static_cast<long long>(sizes.back().nodes);
+    unknowns += dofs_per_node * static_cast<long long>(sizes.back().nodes);
   }
   text += fmt::format("{} support{}, {} load{}\n", scene.supports.size(), scene.supports.size() == 1 ? "" : "s",
                       scene.loads.size(), scene.loads.size() == 1 ? "" : "s");

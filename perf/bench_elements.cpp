@@ -27,7 +27,7 @@ double energy_error(const BlockProblem& p, const CellMatrixView& matrices) {
                          s[4] * (g[1][2] + g[2][1]) + s[5] * (g[2][0] + g[0][2]);
   double u[24];
   for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i) u[3 * a + i] = g[i][0] * (a & 1) + g[i][1] * (a >> 1 & 1) + g[i][2] * (a >> 2);
+    for (int i = 0; i < 3; ++i) u[dof_of(a, i)] = g[i][0] * (a & 1) + g[i][1] * (a >> 1 & 1) + g[i][2] * (a >> 2);
   double largest = 0;
   for (std::size_t m = 0; m < matrices.extent(0); ++m) {
     double energy = 0;

@@ -70,7 +70,7 @@ RealView made_up_displacement(const Simulation& sim) {
       const Index3& i = mesh.nodes[n];
       const Vec3 x = (grid.to_global(Vec3(i[0], i[1], i[2])) - grid.origin) / length;
       const Vec3 value(0.1 * x[0] * x[1], std::sin(2 * x[1] + x[2]), 0.3 * x[2] * x[2] - std::cos(3 * x[1] + x[0]));
-      for (int k = 0; k < 3; ++k) host(3 * (mesh.first_node + n) + k) = 1e-3 * grid.rotation.col(k).dot(value);
+      for (int k = 0; k < 3; ++k) host(dof_of(mesh.first_node + n, k)) = 1e-3 * grid.rotation.col(k).dot(value);
     }
   }
   Kokkos::deep_copy(u, host);

@@ -44,7 +44,7 @@ struct SprProblem {
 void set_linear_field(const BodyMesh& mesh, const Mat3& gradient, const RealView& u) {
   for (int n = 0; n < mesh.num_nodes; ++n) {
     const Vec3 value = gradient * Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2]);
-    for (int i = 0; i < 3; ++i) u(3 * (mesh.first_node + n) + i) = value[i];
+    for (int i = 0; i < 3; ++i) u(dof_of(mesh.first_node + n, i)) = value[i];
   }
 }
 
@@ -505,7 +505,7 @@ struct RecoveryProblem {
       const Mat3& R = body.cut_cells.grid.rotation;
       const double E = body.spec->material.youngs_modulus, nu = body.spec->material.poisson_ratio;
       const Mat3 strain = Vec3(nu * p / E, nu * p / E, -p / E).asDiagonal();
-      set_linear_field(mesh, mesh.cell_size * (R.transpose() * strain * R), u);
+      set_linear_field(mesh, mesh.h_of_level(0) * (R.transpose() * strain * R), u);
       const Mat3 s = R.transpose() * Vec3(0, 0, -p / sim.scales.stress).asDiagonal() * R;
       exact.emplace_back();
       exact.back() << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0);

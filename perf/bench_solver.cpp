@@ -114,7 +114,7 @@ struct Smoothing {
     constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     for (int n = 0; n < problem.system.num_nodes; ++n)
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) Md(3 * n + i) += D(n, at[i][j]) * dd(3 * n + j);
+        for (int j = 0; j < 3; ++j) Md(dof_of(n, i)) += D(n, at[i][j]) * dd(dof_of(n, j));
     const SupportRows supports = make_support_rows(problem.system, columns);
     for (std::size_t g = 0; g < supports.rows.size(); ++g)
       for (const auto& [p, vp] : supports.rows[g].entries)
@@ -122,8 +122,8 @@ struct Smoothing {
           if (p / 3 != q / 3) Md(p) += supports.stiffness[g] * vp * vq * dd(q);
     for (int c = 0; c < columns.num_columns(); ++c) {
       const auto& column = columns.columns(c);
-      const int entries = 3 * column.size;
-      const auto dof = [&](int i) { return 3 * columns.nodes(column.first + i / 3) + i % 3; };
+      const int entries = dof_of(column.size);
+      const auto dof = [&](int i) { return dof_of(columns.nodes(column.first + node_of_dof(i)), component_of_dof(i)); };
       for (int i = 0; i < entries; ++i)
         for (int j = 0; j < entries; ++j) Md(dof(i)) += columns.matrices(column.matrix + i * entries + j) * dd(dof(j));
     }

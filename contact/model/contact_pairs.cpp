@@ -89,7 +89,7 @@ std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const Fa
 struct GroupPoints {
   int surface = 0;
   std::vector<ContactPoint> points;
-  double area = 0, distance = 0;
+  double area = 0, distance = 0, h = 1e300;
   FacingNormals normals;
 };
 
@@ -135,7 +135,8 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     point.secondary_xi = cell_coordinates(secondary.cut_cells, opposite->cell, opposite->position);
     point.weight = cosine * points.weight[q] * grid.cell_size * grid.cell_size;
     // Coincident faces: a distance of rounding is none.
-    point.distance = std::abs(opposite->distance) > 1e-12 * grid.cell_size ? opposite->distance : 0.0;
+    point.distance = std::abs(opposite->distance) > 1e-12 * primary.cut_cells.h(cell) ? opposite->distance : 0.0;
+    group.h = std::min({group.h, primary.cut_cells.h(cell), secondary.cut_cells.h(opposite->cell)});
     group.area += point.weight;
     group.distance += point.weight * point.distance;
     group.normals.add(point.weight, point.x, point.normal, opposite->normal);
@@ -152,6 +153,7 @@ void add_group(const GroupPoints& found, ContactPair& pair) {
   group.first_point = static_cast<int>(pair.points.size());
   group.surface = found.surface;
   group.area = found.area;
+  group.h = found.h;
   group.distance = found.distance;
   for (ContactPoint point : found.points) {
     point.group = static_cast<int>(pair.groups.size());
@@ -223,7 +225,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   pair.primary = (equal ? scene.bodies[b].name < scene.bodies[a].name : h(b) > h(a)) ? b : a;
   pair.secondary = pair.primary == a ? b : a;
   const double E1 = stabilising_modulus(scene.bodies[a].material), E2 = stabilising_modulus(scene.bodies[b].material);
-  pair.stiffness = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2) / std::min(h(a), h(b));
+  pair.modulus = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2);
   pair.reach = find_reach(scene.contact, pair, bodies, wider);
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
@@ -383,11 +385,9 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
       std::vector<std::pair<int, double>> entries;
       const auto add = [&](int body, int cell, const Vec3& xi, const Vec3& direction) {
         const Vec3 local = bodies[body].cut_cells.grid.rotation.transpose() * direction;
-        double N[8];
-        hex_shape(xi.data(), N);
-        for (int a = 0; a < 8; ++a)
-          for (int i = 0; i < 3; ++i)
-            if (local[i] != 0) entries.emplace_back(3 * system.meshes[body].cell_nodes[cell][a] + i, N[a] * local[i]);
+        displacement_row(system.meshes[body].cell_nodes[cell], xi, local, [&](int dof, double coefficient) {
+          if (local[component_of_dof(dof)] != 0) entries.emplace_back(dof, coefficient);
+        });
       };
       for (int q = group.first_point; q < group.last_point; ++q) {
         const ContactPoint& point = pair.points[q];

@@ -25,6 +25,7 @@ struct ContactGroup {
   int first_point = 0, last_point = 0;
   int surface = 0;         ///< of the primary body
   double area = 0;         ///< m^2
+  double h = 0;            ///< m, smallest of the cells of both bodies that its points lie in
   double distance = 0;     ///< m, mean of its points
   double initial_gap = 0;  ///< m, distance minus interference
 };
@@ -32,11 +33,12 @@ struct ContactGroup {
 struct ContactPair {
   const ContactSpec* spec = nullptr;
   int primary = 0, secondary = 0;  ///< bodies; the primary has the larger cells
-  double stiffness = 0;  ///< kappa E/h: harmonic mean of both stabilising moduli over the smaller cell size, Pa/m
+  double modulus = 0;              ///< kappa E: of the harmonic mean of both stabilising moduli, Pa
   Reach reach;
   double interference = 0;  ///< m, in the present step
   std::vector<ContactPoint> points;
   std::vector<ContactGroup> groups;
+  double stiffness(const ContactGroup& group) const { return modulus / group.h; }  ///< kappa E/h, Pa/m
   int other(int body) const { return primary == body ? secondary : primary; }
   const FaceSpec& face(int body) const { return spec->first.body == body ? spec->first.face : spec->second.face; }
 };

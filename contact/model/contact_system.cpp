@@ -10,7 +10,8 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
   std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
   for (const SupportPoint& p : supports) {
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
-    const double stiffness = support_stiffness(scene, bodies[p.body]) * p.weight / (scales.stress * scales.length);
+    const double stiffness =
+        support_stiffness(scene, bodies[p.body], p.cell) * p.weight / (scales.stress * scales.length);
     terms[p.body].push_back({p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin()});
   }
   for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
@@ -21,7 +22,7 @@ void add_contact(const std::vector<BodyModel>& bodies, const std::vector<Contact
   set_group_rows(system, make_group_rows(pairs, bodies, system));
   for (const ContactPair& pair : pairs)
     for (const ContactGroup& g : pair.groups)
-      system.full_group_stiffness.push_back(pair.stiffness * g.area / (scales.stress * scales.length));
+      system.full_group_stiffness.push_back(pair.stiffness(g) * g.area / (scales.stress * scales.length));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ class Sampler {
     (grid.rotation.transpose() * normal_).cwiseAbs().minCoeff(&across);
     along_s_ = (grid.rotation.col(across) - grid.rotation.col(across).dot(normal_) * normal_).normalized();
     along_t_ = normal_.cross(along_s_);
-    side_ = 2 * grid.cell_size;  // covers the cell in any direction
+    side_ = 2 * primary_.cut_cells.h(cell_);  // covers the cell in any direction
   }
 
   Leaf leaf(double s, double t, double size) const {
@@ -146,7 +146,7 @@ class Sampler {
 std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
                                   const ContactGroup& group, double limit) {
   const Sampler sampler(bodies, pair, group);
-  const double h = bodies[pair.primary].cut_cells.grid.cell_size;
+  const double h = bodies[pair.primary].cut_cells.h(pair.points[group.first_point].primary_cell);
   std::vector<Leaf> leaves;
   const double first = sampler.side() / first_leaves;
   for (int i = 0; i < first_leaves; ++i)

@@ -34,7 +34,7 @@ BodySize size_of_triangles(const TriangleSurface& surface, const Grid& grid) {
     volume += a.dot(b.cross(c)) / 6;
   }
   const double cut = crossed / (h * h);
-  return {0, volume / (h * h * h) + cut, cut, static_cast<double>(surface.triangles().size())};
+  return {volume / (h * h * h) + cut, cut, static_cast<double>(surface.triangles().size())};
 }
 
 /// Some point near its corners, the middles of its sides or its centre is inside, some outside: a surface does more
@@ -61,8 +61,7 @@ BodySize size_of_coarse_cells(const BodySpec& body, const Grid& grid, double mos
       body.solid.transformed(coarse.rotation.transpose(),
                              -(coarse.rotation.transpose() * coarse.origin) / coarse.cell_size, 1 / coarse.cell_size);
   const CellClasses classes = classify_cells(solid, coarse);
-  const auto inside = static_cast<double>(std::count(classes.inside.begin(), classes.inside.end(), char{1}));
-  BodySize size{0, inside * std::pow(factor, 3), 0};
+  BodySize size{static_cast<double>(classes.inside.size()) * std::pow(factor, 3), 0};
   const bool is_thin = *std::min_element(grid.num_cells.begin(), grid.num_cells.end()) <= 3;
   for (const Index3& c : classes.candidates) {
     double extent[3];
@@ -82,7 +81,6 @@ BodySize size_of_coarse_cells(const BodySpec& body, const Grid& grid, double mos
 /// The same bodies with all cells larger by a factor.
 std::vector<BodySize> coarsened(std::vector<BodySize> bodies, double factor) {
   for (BodySize& size : bodies) {
-    size.grid_cells /= std::pow(factor, 3);
     size.nodes /= std::pow(factor, 3);
     size.cut_cells /= std::pow(factor, 2);
   }
@@ -110,29 +108,21 @@ std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodie
 
 BodySize estimate_size(const BodySpec& body, bool finer) {
   const Grid grid = make_grid(body);
-  BodySize size = body.solid.triangles() ? size_of_triangles(*body.solid.triangles(), grid)
-                                         : size_of_coarse_cells(body, grid, finer ? finer_cells : coarse_cells);
-  size.grid_cells = num_cells(grid);
-  return size;
+  return body.solid.triangles() ? size_of_triangles(*body.solid.triangles(), grid)
+                                : size_of_coarse_cells(body, grid, finer ? finer_cells : coarse_cells);
 }
 
 BodySize size_of(const CutCells& cc) {
-  const Index3& n = cc.grid.num_cells;
-  std::vector<bool> seen(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1));
-  for (const Index3& c : cc.cells)
-    for (int a = 0; a < 8; ++a) seen[cc.grid.node_index({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})] = true;
-  return {num_cells(cc.grid), static_cast<double>(std::count(seen.begin(), seen.end(), true)),
-          static_cast<double>(cc.moments.size()),
+  return {static_cast<double>(cc.numbers.corners().size()), static_cast<double>(cc.moments.size()),
           cc.solid.triangles() ? static_cast<double>(cc.solid.triangles()->triangles().size()) : 0.0};
 }
 
 /// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). What grows like the surface weighs
-/// most. Cells of the grid that are empty have 5 bytes each.
+/// most. Cells of the grid that are empty cost nothing.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
   double bytes = 85e6 + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points;
   for (const BodySize& body : bodies)
-    bytes += 3 * 170.0 * body.nodes + 11.5e3 * body.cut_cells + 5 * std::max(0.0, body.grid_cells - body.nodes) +
-             1.1e3 * body.triangles;
+    bytes += dofs_per_node * 170.0 * body.nodes + 11.5e3 * body.cut_cells + 1.1e3 * body.triangles;
   return bytes;
 }
 

@@ -9,7 +9,7 @@ namespace cgcontact {
 
 /// What the memory of a run depends on, of one body.
 struct BodySize {
-  double grid_cells = 0, nodes = 0, cut_cells = 0;
+  double nodes = 0, cut_cells = 0;
   double triangles = 0;  ///< of its surface
 };
 

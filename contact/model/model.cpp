@@ -62,10 +62,10 @@ using UseForce = std::function<void(int cell, const Vec3& xi, const Vec3& x, con
 
 void each_body_force(const BodyModel& body, const UseForce& use) {
   const CutCells& cc = body.cut_cells;
-  const double factor = std::pow(cc.grid.cell_size, 3) / 8;
   double weights[125];
   for (std::size_t e = 0; e < cc.cells.size(); ++e) {
     const int cut = cc.cut_of_active[e];
+    const double factor = std::pow(cc.h(static_cast<int>(e)), 3) / 8;
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 5, weights);
     for (int q = 0; q < 125; ++q) {
       const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
@@ -178,19 +178,9 @@ double stabilising_modulus(const Material& material) {
   return material.youngs_modulus * std::max(1.0, p_wave(material.poisson_ratio) / p_wave(0.3));
 }
 
-double support_stiffness(const Scene& scene, const BodyModel& body) {
+double support_stiffness(const Scene& scene, const BodyModel& body, int cell) {
   const double kappa = (body.is_thin() ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
-  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.grid.cell_size;
-}
-
-Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& x) {
-  const Index3& c = cut_cells.cells[cell];
-  return 2 * (x - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
-}
-
-Vec3 global_position(const CutCells& cut_cells, int cell, const Vec3& xi) {
-  const Index3& c = cut_cells.cells[cell];
-  return cut_cells.grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
+  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(cell);
 }
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {
@@ -241,10 +231,7 @@ std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const
   for (std::size_t b = 0; b < bodies.size(); ++b)
     each_force(bodies[b], [&](int cell, const Vec3& xi, const Vec3&, const Vec3& force) {
       const Vec3 local = bodies[b].cut_cells.grid.rotation.transpose() * force / unit;
-      double N[8];
-      hex_shape(xi.data(), N);
-      for (int a = 0; a < 8; ++a)
-        for (int i = 0; i < 3; ++i) f[3 * system.meshes[b].cell_nodes[cell][a] + i] += N[a] * local[i];
+      displacement_row(system.meshes[b].cell_nodes[cell], xi, local, [&](int dof, double share) { f[dof] += share; });
     });
   return f;
 }
@@ -256,7 +243,7 @@ std::vector<Vec3> force_of_body(const std::vector<BodyModel>& bodies, const Elas
     const BodyMesh& mesh = system.meshes[b];
     Vec3 sum = Vec3::Zero();
     for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
-      sum += Eigen::Map<const Vec3>(&nodal_forces[3 * static_cast<std::size_t>(n)]);
+      sum += Eigen::Map<const Vec3>(&nodal_forces[dof_offset(n)]);
     forces.push_back(scales.stress * scales.length * scales.length * (bodies[b].cut_cells.grid.rotation * sum));
   }
   return forces;

@@ -65,10 +65,10 @@ class BodyFace {
 /// modulus lambda + 2 mu, which scales the normal traction that the outer iteration lags (docs/decisions.md).
 double stabilising_modulus(const Material& material);
 
-/// kappa E/h of a body's supports, Pa/m, with the stabilising modulus. The scene's kappa is the contact's. On a body
-/// about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa: three times stiffer
-/// there (docs/decisions.md).
-double support_stiffness(const Scene& scene, const BodyModel& body);
+/// kappa E/h of the supports in a cell of a body, Pa/m, with the stabilising modulus. The scene's kappa is the
+/// contact's. On a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa:
+/// three times stiffer there (docs/decisions.md).
+double support_stiffness(const Scene& scene, const BodyModel& body, int cell);
 
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
@@ -91,12 +91,6 @@ void set_loads(const Scene& scene, double factor, BodyModel& model);
 
 /// Cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
 std::vector<BodyModel> make_body_models(const Scene& scene);
-
-/// Cell coordinates in [-1,1]^3 of a point in grid coordinates (may lie slightly outside for re-homed points).
-Vec3 cell_coordinates(const CutCells& cut_cells, int cell, const Vec3& grid_position);
-
-/// Where cell coordinates are: global axes, m.
-Vec3 global_position(const CutCells& cut_cells, int cell, const Vec3& xi);
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
 

@@ -258,7 +258,6 @@ std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyMo
     const BodyModel& body = bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     const std::size_t stride = 1 + boundary.size() / per_body;
-    const double h = body.cut_cells.grid.cell_size;
     for (std::size_t p = 0; p < boundary.size(); p += stride)
       for (int k = 0; k < 3; ++k) {
         const Vec3 d = Vec3::Unit(k);
@@ -270,6 +269,7 @@ std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyMo
         point.xi = cell_coordinates(body.cut_cells, point.cell, boundary.position[p]);
         point.direction = d;
         point.normal = body.normal(static_cast<int>(p));
+        const double h = body.cut_cells.h(point.cell);
         point.weight = h * h;
         candidates.push_back(point);
       }

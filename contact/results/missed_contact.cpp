@@ -50,7 +50,7 @@ double missed_distance(const SolvedState& state, const ContactPair& seen) {
                       const double gap = opposite->distance - seen.interference +
                                          moved(seen.secondary, opposite->cell, opposite->position) -
                                          moved(seen.primary, boundary.cell[p], boundary.position[p]);
-                      if (gap < -least_overlap * secondary.cut_cells.grid.cell_size)
+                      if (gap < -least_overlap * secondary.cut_cells.h(opposite->cell))
                         farthest[chunk] = std::max(farthest[chunk], opposite->distance);
                     }
                   });

@@ -70,13 +70,13 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
   for (const ContactGroup& group : pair.groups) {
     const double group_force = force_unit(state) * state.outer.group_force[row];
     for (const auto& [dof, value] : state.system.group_rows[row].entries) {
-      const int node = dof / 3;
+      const int node = node_of_dof(dof);
       const BodyMesh& primary = state.system.meshes[pair.primary];
       const bool is_primary = node >= primary.first_node && node < primary.first_node + primary.num_nodes;
       const int body = is_primary ? pair.primary : pair.secondary, side = is_primary ? 0 : 1;
       const Grid& grid = state.bodies[body].cut_cells.grid;
       const Index3& n = state.system.meshes[body].nodes[node - state.system.meshes[body].first_node];
-      const Vec3 f = group_force * value * grid.rotation.col(dof % 3);
+      const Vec3 f = group_force * value * grid.rotation.col(component_of_dof(dof));
       force[side] += f;
       moment[side] += grid.to_global(Vec3(n[0], n[1], n[2])).cross(f);
     }

@@ -83,7 +83,7 @@ EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
   if (!field.edge) return result;
   const BodyMesh& mesh = state.system.meshes[row.body];
   const CutCells& cc = state.bodies[row.body].cut_cells;
-  const double h = cc.grid.cell_size;
+  const double h = cc.h(row.cell);
   const Vec3 position = cc.grid.to_grid(row.x), xi = cell_coordinates(cc, row.cell, position);
   double N[8];
   hex_shape(xi.data(), N);

@@ -115,7 +115,7 @@ struct Extent {
 
 /// A little beyond the zone, to the end of the face, or once around it.
 Extent extent_of(const SolvedState& state, const Results& results, const ContactRow& top, const Vec3& along) {
-  const double h = state.bodies[top.body].cut_cells.grid.cell_size;
+  const double h = state.bodies[top.body].cut_cells.h(top.cell);
   double last_pressed = 0;
   Extent extent;
   walk(state, results, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {

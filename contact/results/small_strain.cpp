@@ -52,18 +52,15 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
       [&](std::size_t chunk, std::size_t begin, std::size_t end) {
         for (std::size_t e = begin; e < end; ++e) {
           const Vec3 xi = centroid(cc, static_cast<int>(e));
-          Mat3 gradient = Mat3::Zero();  // m per m, grid axes
           const Vec3 x = global_position(cc, static_cast<int>(e), xi);
-          Vec3 displacement = cc.grid.rotation.transpose() * rigid_part.at(x);
-          double N[8], dN[8][3];
-          hex_shape(xi.data(), N);
-          hex_gradient(xi.data(), dN);
-          for (int a = 0; a < 8; ++a) {
-            Vec3 v;
-            for (int i = 0; i < 3; ++i) v[i] = length_scale * u(3 * mesh.cell_nodes[e][a] + i);
-            gradient += v * Vec3(dN[a][0], dN[a][1], dN[a][2]).transpose() / cc.grid.cell_size;
-            displacement += N[a] * v;
-          }
+          double corner[8][3], g[3][3];
+          corner_values(mesh.cell_nodes[e], u, corner);
+          for (auto& v : corner)
+            for (double& component : v) component *= length_scale;
+          const Vec3 displacement = interpolate(corner, xi, cc.grid.rotation.transpose() * rigid_part.at(x));
+          interpolate_gradient(corner, xi.data(), g);
+          const Mat3 gradient =  // m per m, grid axes
+              Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&g[0][0]) / cc.h(static_cast<int>(e));
           const Mat3 strain = 0.5 * (gradient + gradient.transpose());
           // The Frobenius norm bounds the principal strains; it is found without them.
           if (strain.norm() > found[chunk].strain.value)

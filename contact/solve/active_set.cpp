@@ -14,10 +14,11 @@ constexpr double no_force = 1e-10;
 bool close_near_the_smallest_gap(const OuterProblem& problem, double allowance) {
   bool all = true;
   for (ContactPair& pair : problem.pairs) {
-    double smallest = 1e300;
-    for (const ContactGroup& g : pair.groups) smallest = std::min(smallest, g.initial_gap);
-    const double h =
-        std::min(problem.scene.bodies[pair.primary].cell_size, problem.scene.bodies[pair.secondary].cell_size);
+    double smallest = 1e300, h = 1e300;
+    for (const ContactGroup& g : pair.groups) {
+      smallest = std::min(smallest, g.initial_gap);
+      h = std::min(h, g.h);
+    }
     const double limit = std::max(smallest + allowance * h, 1e-9 * h);
     for (ContactPoint& q : pair.points) all &= q.active = pair.groups[q.group].initial_gap <= limit;
   }
@@ -46,11 +47,12 @@ void update_active_set(Iterate& iterate, bool decide) {
     const auto pressure = [&](std::size_t q) {
       const int g = pair.points[q].group;
       return iterate.contact_stress[k][q] * problem.scales.stress -
-             pair.stiffness * (pair.groups[g].initial_gap + change[first_group + g]);
+             pair.stiffness(pair.groups[g]) * (pair.groups[g].initial_gap + change[first_group + g]);
     };
-    double largest = 0;
+    double largest = 0, stiffest = 0;
     for (std::size_t q = 0; q < pair.points.size(); ++q) largest = std::max(largest, std::abs(pressure(q)));
-    if (!(largest < no_force * pair.stiffness * moved))
+    for (const ContactGroup& g : pair.groups) stiffest = std::max(stiffest, pair.stiffness(g));
+    if (!(largest < no_force * stiffest * moved))
       for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
     first_group += pair.groups.size();
   }

@@ -57,7 +57,7 @@ void Iterate::set_rigid_parts_aside() {
 }
 
 double Iterate::support_stiffness(const SupportPoint& p) const {
-  return cgcontact::support_stiffness(problem.scene, problem.bodies[p.body]);
+  return cgcontact::support_stiffness(problem.scene, problem.bodies[p.body], p.cell);
 }
 
 double Iterate::rigid_displacement(const SupportPoint& p) const {
@@ -67,11 +67,9 @@ double Iterate::rigid_displacement(const SupportPoint& p) const {
 
 double Iterate::displacement_of(const SupportPoint& p, const RealView::HostMirror& host_u) const {
   const Vec3 d = problem.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
-  double N[8], displacement = rigid_displacement(p) / problem.scales.length;
-  hex_shape(p.xi.data(), N);
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i)
-      displacement += N[a] * d[i] * host_u(3 * problem.system.meshes[p.body].cell_nodes[p.cell][a] + i);
+  double displacement = rigid_displacement(p) / problem.scales.length;
+  displacement_row(problem.system.meshes[p.body].cell_nodes[p.cell], p.xi, d,
+                   [&](int dof, double coefficient) { displacement += coefficient * host_u(dof); });
   return displacement * problem.scales.length;
 }
 
@@ -103,7 +101,7 @@ std::vector<double> Iterate::group_force(bool with_displacement) const {
       for (int q = g.first_point; q < g.last_point; ++q)
         if (pair.points[q].active)
           force += contact_stress[k][q] * pair.points[q].weight / area_scale -
-                   to_stiffness(pair.stiffness, pair.points[q].weight) * gap;
+                   to_stiffness(pair.stiffness(g), pair.points[q].weight) * gap;
       forces.push_back(force);
     }
   }
@@ -121,7 +119,7 @@ std::vector<double> Iterate::group_stiffness() const {
       double area = 0;
       for (int q = g.first_point; q < g.last_point; ++q)
         if (pair.points[q].active) area += pair.points[q].weight;
-      stiffness.push_back(to_stiffness(pair.stiffness, area));
+      stiffness.push_back(to_stiffness(pair.stiffness(g), area));
     }
   return stiffness;
 }

@@ -48,8 +48,9 @@ double slope_of_energy(const Iterate& iterate, const std::vector<GroupOnStep>& g
     double more = 0;  // force of all points that press less that of those taken for closed
     for (int q = g.group->first_point; q < g.group->last_point; ++q) {
       const ContactPoint& point = g.pair->points[q];
-      const double force = iterate.contact_stress[g.pair_number][q] * point.weight / area_scale -
-                           iterate.to_stiffness(g.pair->stiffness, point.weight) * (g.gap + t * g.gap_change) / length;
+      const double force =
+          iterate.contact_stress[g.pair_number][q] * point.weight / area_scale -
+          iterate.to_stiffness(g.pair->stiffness(*g.group), point.weight) * (g.gap + t * g.gap_change) / length;
       more += std::max(force, 0.0) - (point.active ? force : 0.0);
     }
     sum -= more * g.gap_change / length;

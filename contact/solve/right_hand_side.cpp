@@ -25,14 +25,10 @@ void add_supports(const Iterate& iterate, std::vector<double>& stress_forces, st
     const double stress_force = iterate.support_stress[s] * p.weight / area_scale;
     const double value = p.value - iterate.rigid_displacement(p);
     const double value_force = iterate.to_stiffness(iterate.support_stiffness(p), p.weight) * value / length;
-    double N[8];
-    hex_shape(p.xi.data(), N);
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) {
-        const int dof = 3 * problem.system.meshes[p.body].cell_nodes[p.cell][a] + i;
-        stress_forces[dof] += N[a] * d[i] * stress_force;
-        values[dof] += N[a] * d[i] * value_force;
-      }
+    displacement_row(problem.system.meshes[p.body].cell_nodes[p.cell], p.xi, d, [&](int dof, double share) {
+      stress_forces[dof] += share * stress_force;
+      values[dof] += share * value_force;
+    });
   }
 }
 

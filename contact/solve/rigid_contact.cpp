@@ -185,10 +185,10 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
   };
   double stiffest = 0;
   for (const ContactPair& pair : pairs) {
-    stiffest = std::max(stiffest, pair.stiffness);
     for (const ContactGroup& group : pair.groups) {
+      stiffest = std::max(stiffest, pair.stiffness(group));
       Spring spring = spring_of(pair, group, pieces);
-      spring.stiffness = softer * pair.stiffness;
+      spring.stiffness = softer * pair.stiffness(group);
       spring.distance = group.initial_gap;
       add(spring, group.area);
     }
@@ -282,7 +282,7 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
         spring.row_first += share * free_[pair.primary] * pieces_[pair.primary].row(point.x, n);
         spring.row_second -= share * free_[pair.secondary] * pieces_[pair.secondary].row(point.x, n);
       }
-      spring.stiffness = pair.stiffness;
+      spring.stiffness = pair.stiffness(group);
       spring.distance = group.initial_gap;
       spring.first_point = static_cast<int>(rigid.points.size());
       rigid.points.push_back({group.area, 0});
@@ -309,7 +309,7 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap,
       Spring spring = spring_of(pair, group, pieces_);
       spring.row_first = free_[pair.primary] * spring.row_first.eval();
       spring.row_second = free_[pair.secondary] * spring.row_second.eval();
-      spring.stiffness = pair.stiffness;
+      spring.stiffness = pair.stiffness(group);
       spring.distance = gap[rigid.springs.size()];
       spring.first_point = first_point + group.first_point;
       spring.last_point = first_point + group.last_point;

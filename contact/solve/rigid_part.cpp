@@ -18,7 +18,7 @@ Vec3 grid_position(const BodyMesh& mesh, std::size_t node) {
 }
 
 Vec3 displacement(const BodyMesh& mesh, const RealView& u, std::size_t node) {
-  const std::size_t first = 3 * (mesh.first_node + node);
+  const std::size_t first = dof_offset(mesh.first_node + node);
   return Vec3(u(first), u(first + 1), u(first + 2));
 }
 
@@ -80,7 +80,7 @@ void RigidParts::set_aside(const RealView& u) {
     const Vec3 rotation = inertia_[b].llt().solve(found.moment);
     parallel_for("cgcontact::rigid_part::subtract", mesh.nodes.size(), grain, [&](std::size_t n) {
       const Vec3 moved = translation + rotation.cross(grid_position(mesh, n) - centre_[b]);
-      for (int i = 0; i < 3; ++i) u(3 * (mesh.first_node + n) + i) -= moved[i];
+      for (int i = 0; i < 3; ++i) u(dof_offset(mesh.first_node + n, i)) -= moved[i];
     });
     parts_[b].translation += length_ * (grid.rotation * translation);
     parts_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
@@ -95,10 +95,10 @@ void RigidParts::move(std::size_t body, const Vec3& translation, const Vec3& rot
 
 double RigidParts::at_dof(int dof) const {
   std::size_t b = 0;
-  while (dof / 3 >= meshes_[b].first_node + meshes_[b].num_nodes) ++b;
+  while (node_of_dof(dof) >= meshes_[b].first_node + meshes_[b].num_nodes) ++b;
   const Grid& grid = meshes_[b].cut_cells->grid;
-  return grid.rotation.col(dof % 3).dot(
-      parts_[b].at(grid.to_global(grid_position(meshes_[b], dof / 3 - meshes_[b].first_node))));
+  return grid.rotation.col(component_of_dof(dof))
+      .dot(parts_[b].at(grid.to_global(grid_position(meshes_[b], node_of_dof(dof) - meshes_[b].first_node))));
 }
 
 double RigidParts::largest_displacement(const RealView& u) const {
@@ -106,7 +106,7 @@ double RigidParts::largest_displacement(const RealView& u) const {
   for (std::size_t b = 0; b < meshes_.size(); ++b) {
     const BodyMesh& mesh = meshes_[b];
     double deformation = 0;
-    for (int i = 3 * mesh.first_node; i < 3 * (mesh.first_node + mesh.num_nodes); ++i)
+    for (int i = dof_of(mesh.first_node); i < dof_of(mesh.first_node + mesh.num_nodes); ++i)
       deformation = std::max(deformation, std::abs(u(i)));
     const Index3& cells = mesh.cut_cells->grid.num_cells;
     const double size = mesh.cut_cells->grid.cell_size * *std::max_element(cells.begin(), cells.end());

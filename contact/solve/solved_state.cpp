@@ -12,20 +12,16 @@ Sym3 to_global(const SolvedState& state, int body, const double s[6]) {
 
 /// Without the body's rigid part.
 void corner_displacements(const SolvedState& state, int body, int cell, double out[8][3]) {
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i) out[a][i] = state.outer.u(3 * state.system.meshes[body].cell_nodes[cell][a] + i);
+  corner_values(state.system.meshes[body].cell_nodes[cell], state.outer.u, out);
 }
 
 }  // namespace
 
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi) {
-  double u[8][3], N[8];
+  double u[8][3];
   corner_displacements(state, body, cell, u);
-  hex_shape(xi.data(), N);
   const CutCells& cut_cells = state.bodies[body].cut_cells;
-  Vec3 sum = Vec3::Zero();
-  for (int a = 0; a < 8; ++a) sum += N[a] * Vec3(u[a][0], u[a][1], u[a][2]);
-  return state.scales.length * (cut_cells.grid.rotation * sum) +
+  return state.scales.length * (cut_cells.grid.rotation * interpolate(u, xi)) +
          state.outer.rigid_parts[body].at(global_position(cut_cells, cell, xi));
 }
 
@@ -34,7 +30,7 @@ Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi) {
   double u[8][3], s[6];
   corner_displacements(state, body, cell, u);
   hex_stress(mesh.law, u, xi.data(), s);
-  for (double& v : s) v *= mesh.stress_factor();
+  for (double& v : s) v *= mesh.stress_factor(cell);
   return to_global(state, body, s);
 }
 

@@ -13,7 +13,7 @@ namespace {
 class Classifier {
  public:
   Classifier(const Solid& solid, const Grid& grid) : solid_(solid), grid_(grid) {
-    classes_.inside.assign(grid.num_cells_total(), 0);
+    classes_.inside = GridNumbers(grid.num_cells);
   }
 
   CellClasses run() {
@@ -28,6 +28,7 @@ class Classifier {
     visit(begin, end, std::vector<signed char>(solid_.surfaces().size(), -1));
     std::sort(classes_.candidates.begin(), classes_.candidates.end(),
               [](const Index3& a, const Index3& b) { return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]); });
+    classes_.inside.number();
     return std::move(classes_);
   }
 
@@ -59,10 +60,7 @@ class Classifier {
     for (int k = 0; k < 3; ++k)
       if (begin[k] < 0 || end[k] > grid_.num_cells[k]) throw InputError("the body sticks out of its grid");
     for (int k = begin[2]; k < end[2]; ++k)
-      for (int j = begin[1]; j < end[1]; ++j) {
-        const long long row = grid_.cell_index({begin[0], j, k});
-        std::fill_n(classes_.inside.begin() + row, end[0] - begin[0], char{1});
-      }
+      for (int j = begin[1]; j < end[1]; ++j) classes_.inside.insert_row({begin[0], j, k}, end[0] - begin[0]);
   }
 
   const Solid& solid_;

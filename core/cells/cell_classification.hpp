@@ -4,12 +4,13 @@
 #include <vector>
 
 #include "core/cells/grid.hpp"
+#include "core/cells/grid_numbers.hpp"
 #include "core/geometry/csg.hpp"
 
 namespace cgcontact {
 
 struct CellClasses {
-  std::vector<char> inside;        ///< Grid::cell_index -> wholly inside, touched by no surface
+  GridNumbers inside;              ///< wholly inside, touched by no surface
   std::vector<Index3> candidates;  ///< cells that a surface may cross, also just outside of the grid; by k, j, i
 };
 

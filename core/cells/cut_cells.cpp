@@ -87,49 +87,55 @@ class CutCellBuilder {
   }
 
  private:
+  /// What one chunk of a parallel loop finds.
+  struct Found {
+    std::vector<Candidate> cut;
+    std::vector<std::pair<Index3, int>> inside;  ///< first cell, number of cells along x
+  };
+
   void integrate_surfaces() {
-    classes_ = classify_cells(result_.solid, result_.grid);
-    const std::vector<Index3>& cells = classes_.candidates;
-    std::vector<std::vector<Candidate>> found(num_chunks(cells.size(), grain));
+    CellClasses classes = classify_cells(result_.solid, result_.grid);
+    result_.numbers = std::move(classes.inside);
+    const std::vector<Index3>& cells = classes.candidates;
+    std::vector<Found> found(num_chunks(cells.size(), grain));
     parallel_chunks("cgcontact::cut_cells::surfaces", cells.size(), grain,
                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                       for (std::size_t i = begin; i < end; ++i) integrate(cells[i], found[chunk]);
                     });
-    collect_candidates(found);
-    classes_.candidates = {};
+    collect_found(found);
   }
 
   void integrate_triangles(const TriangleSurface& surface) {
-    classes_.inside.assign(result_.grid.num_cells_total(), 0);
+    result_.numbers = GridNumbers(result_.grid.num_cells);
     const TriangleCells cells(surface, result_.face_dividers);
-    std::vector<std::vector<Candidate>> found(num_chunks(cells.num_rows(), 1));
+    std::vector<Found> found(num_chunks(cells.num_rows(), 1));
     parallel_chunks("cgcontact::cut_cells::triangles", cells.num_rows(), 1,
                     [&](std::size_t chunk, std::size_t row, std::size_t) {
                       std::vector<CellIntegrals> cut;
                       std::vector<std::pair<Index3, int>> inside;
                       cells.sweep(row, options_.boundary_order, cut, inside);
                       for (CellIntegrals& cell : cut) keep(std::move(cell), found[chunk]);
-                      for (const auto& [first, number] : inside)
-                        for (int i = 0; i < number; ++i) set_inside({first[0] + i, first[1], first[2]});
+                      for (const auto& [first, number] : inside) set_inside(first, number, found[chunk]);
                     });
-    collect_candidates(found);
+    collect_found(found);
   }
 
-  void collect_candidates(std::vector<std::vector<Candidate>>& found) {
+  void collect_found(std::vector<Found>& found) {
     std::size_t total = 0;
-    for (const auto& chunk : found) total += chunk.size();
+    for (const Found& chunk : found) total += chunk.cut.size();
     candidates_.reserve(total);
-    for (auto& chunk : found) {
-      std::move(chunk.begin(), chunk.end(), std::back_inserter(candidates_));
+    for (Found& chunk : found) {
+      for (const auto& [first, number] : chunk.inside) result_.numbers.insert_row(first, number);
+      std::move(chunk.cut.begin(), chunk.cut.end(), std::back_inserter(candidates_));
       chunk = {};
     }
   }
 
-  /// Appends the cell to `found` unless it turns out to be empty or full.
-  void integrate(const Index3& cell, std::vector<Candidate>& found) {
+  /// Adds the cell to what is cut or inside unless it turns out to be empty.
+  void integrate(const Index3& cell, Found& found) {
     const LocalSolid local = local_solid(cell);
     if (local.is_constant()) {
-      if (local.table[0]) set_inside(cell);
+      if (local.table[0]) set_inside(cell, 1, found);
       return;
     }
     CellIntegrals integrals{cell, cell_moments(result_.solid, local, cell), {}};
@@ -165,7 +171,7 @@ class CutCellBuilder {
     return "fewer shapes that meet in one point; smaller cells do not help";
   }
 
-  void keep(CellIntegrals&& integrals, std::vector<Candidate>& found) {
+  void keep(CellIntegrals&& integrals, Found& found) {
     Candidate candidate{std::move(integrals)};
     candidate.pruned = candidate.moments[0] < 8 * options_.prune_fraction;
     if (!candidate.pruned) {
@@ -175,11 +181,11 @@ class CutCellBuilder {
         difference = std::max(difference, std::abs(candidate.moments[q] - full_cell_moments()[q]));
       const bool full = difference < 8 * options_.full_tolerance;
       if (full) candidate.moments = full_cell_moments();
-      if (full && candidate.points.size() == 0) return set_inside(candidate.cell);
+      if (full && candidate.points.size() == 0) return set_inside(candidate.cell, 1, found);
     } else if (candidate.points.size() == 0) {
       return;
     }
-    found.push_back(std::move(candidate));
+    found.cut.push_back(std::move(candidate));
   }
 
   bool in_grid(const Index3& c) const {
@@ -188,34 +194,21 @@ class CutCellBuilder {
     return true;
   }
 
-  void set_inside(const Index3& cell) {
-    if (!in_grid(cell)) throw InputError("the body sticks out of its grid");
-    classes_.inside[result_.grid.cell_index(cell)] = 1;
+  void set_inside(const Index3& first, int number, Found& found) const {
+    if (!in_grid(first) || first[0] + number > result_.grid.num_cells[0])
+      throw InputError("the body sticks out of its grid");
+    found.inside.emplace_back(first, number);
   }
 
   void number_cells() {
-    const Grid& grid = result_.grid;
-    result_.active_of_cell.assign(grid.num_cells_total(), -1);
-    const std::size_t expected =
-        candidates_.size() + std::count(classes_.inside.begin(), classes_.inside.end(), char{1});
-    result_.cells.reserve(expected);
-    candidate_of_active_.reserve(expected);
-    std::size_t next = 0;
-    for (int k = 0; k < grid.num_cells[2]; ++k)
-      for (int j = 0; j < grid.num_cells[1]; ++j)
-        for (int i = 0; i < grid.num_cells[0]; ++i) {
-          const Index3 cell{i, j, k};
-          while (next < candidates_.size() && before(candidates_[next].cell, cell)) ++next;
-          const bool cut = next < candidates_.size() && candidates_[next].cell == cell && !candidates_[next].pruned;
-          if (!cut && !classes_.inside[grid.cell_index(cell)]) continue;
-          result_.active_of_cell[grid.cell_index(cell)] = static_cast<int>(result_.cells.size());
-          result_.cells.push_back(cell);
-          candidate_of_active_.push_back(cut ? static_cast<int>(next) : -1);
-        }
-  }
-
-  static bool before(const Index3& a, const Index3& b) {
-    return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]);
+    for (const Candidate& candidate : candidates_)
+      if (!candidate.pruned) result_.numbers.insert(candidate.cell);
+    result_.numbers.number();
+    result_.cells.reserve(result_.numbers.size());
+    result_.numbers.each([&](const Index3& cell) { result_.cells.push_back(cell); });
+    candidate_of_active_.assign(result_.cells.size(), -1);
+    for (std::size_t c = 0; c < candidates_.size(); ++c)
+      if (!candidates_[c].pruned) candidate_of_active_[result_.find(candidates_[c].cell)] = static_cast<int>(c);
   }
 
   double fraction(int active) const {
@@ -318,7 +311,6 @@ class CutCellBuilder {
 
   const GeometryOptions options_;
   CutCells result_;
-  CellClasses classes_;
   std::vector<Candidate> candidates_;
   std::vector<int> candidate_of_active_;
   std::vector<int> donors_;  ///< candidate of every adoption
@@ -343,6 +335,20 @@ int CutCells::locate(const Vec3& x) const {
     best_distance = distance;
   }
   return best;
+}
+
+Vec3 cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& x) {
+  const Index3& c = cut_cells.cells[active_cell];
+  return 2 * (x - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+}
+
+Vec3 grid_position(const CutCells& cut_cells, int active_cell, const Vec3& xi) {
+  const Index3& c = cut_cells.cells[active_cell];
+  return Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones());
+}
+
+Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi) {
+  return cut_cells.grid.to_global(grid_position(cut_cells, active_cell, xi));
 }
 
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,

@@ -6,6 +6,7 @@
 
 #include "core/cells/boundary_points.hpp"
 #include "core/cells/grid.hpp"
+#include "core/cells/grid_numbers.hpp"
 #include "core/cells/moments.hpp"
 #include "core/geometry/csg.hpp"
 #include "core/settings/geometry_options.hpp"
@@ -23,8 +24,9 @@ struct Adoption {
 struct CutCells {
   Solid solid;  ///< in grid coordinates
   Grid grid;
-  std::vector<Index3> cells;         ///< active cells (positive volume), in order of Grid::cell_index
-  std::vector<int> active_of_cell;   ///< Grid::cell_index -> index into cells, or -1
+  std::vector<Index3> cells;         ///< active cells (positive volume), by k, j, i
+  GridNumbers numbers;               ///< of the active cells: indices into cells
+  std::vector<signed char> levels;   ///< level of each active cell; empty: 0
   std::vector<int> cut_of_active;    ///< index into moments, or -1 for an interior (full) cell
   std::vector<int> active_of_cut;    ///< cut cell -> active cell
   std::vector<Moments> moments;      ///< one per cut cell
@@ -33,19 +35,25 @@ struct CutCells {
   std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/cells/face_dividers.hpp)
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
+  int level(int active) const { return levels.empty() ? 0 : levels[active]; }
+  /// Size of an active cell, m.
+  double h(int active) const { return grid.cell_size_of(level(active)); }
   double volume_fraction(int active) const {
     const int cut = cut_of_active[active];
     return cut < 0 ? 1.0 : moments[cut][0] / 8.0;
   }
   /// Active cell at the given cell index triple, or -1.
-  int find(const Index3& c) const {
-    for (int k = 0; k < 3; ++k)
-      if (c[k] < 0 || c[k] >= grid.num_cells[k]) return -1;
-    return active_of_cell[grid.cell_index(c)];
-  }
+  int find(const Index3& c) const { return numbers.find(c); }
   /// Active cell that contains the point (grid coordinates), or the nearest active cell within one cell, or -1.
   int locate(const Vec3& x) const;
 };
+
+/// Cell coordinates in [-1,1]^3 of a point in grid coordinates (may lie slightly outside for re-homed points).
+Vec3 cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& grid_position);
+
+/// Where cell coordinates are: grid coordinates; global axes, m.
+Vec3 grid_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
+Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
 
 /// Classifies all cells of the grid and integrates the cut ones. Throws InputError if the body has no volume or
 /// sticks out of its grid. `face_dividers`: where declared faces end, in grid coordinates: their pieces are cut there.

@@ -1,26 +1,25 @@
-/// The Cartesian grid of one body: uniform cubic cells, any origin and rotation, unrelated to the body's faces.
+/// The Cartesian grid of one body: cubic cells, any origin and rotation, unrelated to the body's faces. A list of
+/// levels: those of level 0 are the largest, each next level halves them. How large a cell is comes from its level
+/// (CutCells::h).
 #pragma once
+
+#include <cmath>
 
 #include "core/base/types.hpp"
 
 namespace cgcontact {
 
-/// Grid coordinates are cell units: cell (i,j,k) is [i,i+1] x [j,j+1] x [k,k+1].
+/// Grid coordinates are in cells of level 0: cell (i,j,k) of level 0 is [i,i+1] x [j,j+1] x [k,k+1].
 struct Grid {
   Vec3 origin = Vec3::Zero();        ///< position of grid node (0,0,0), m
   Mat3 rotation = Mat3::Identity();  ///< columns: grid axes in global axes
-  double cell_size = 1;              ///< m
-  Index3 num_cells{0, 0, 0};
+  double cell_size = 1;              ///< of level 0: the unit of the grid coordinates, m
+  Index3 num_cells{0, 0, 0};         ///< of level 0
+  int num_levels = 1;
 
+  double cell_size_of(int level) const { return std::ldexp(cell_size, -level); }
   Vec3 to_grid(const Vec3& x) const { return rotation.transpose() * (x - origin) / cell_size; }
   Vec3 to_global(const Vec3& g) const { return origin + cell_size * (rotation * g); }
-  long long num_cells_total() const { return static_cast<long long>(num_cells[0]) * num_cells[1] * num_cells[2]; }
-  long long cell_index(const Index3& c) const {
-    return (static_cast<long long>(c[2]) * num_cells[1] + c[1]) * num_cells[0] + c[0];
-  }
-  long long node_index(const Index3& n) const {
-    return (static_cast<long long>(n[2]) * (num_cells[1] + 1) + n[1]) * (num_cells[0] + 1) + n[0];
-  }
 };
 
 }  // namespace cgcontact

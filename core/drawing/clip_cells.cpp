@@ -110,7 +110,8 @@ class Clipper {
   /// surface and side.
   std::vector<int> fixed_begin_{0};
   std::vector<std::pair<int, int>> fixed_sides_;
-  std::vector<int> nodes_;  ///< by Grid::node_index, -1 where there is no point yet
+  GridNumbers node_numbers_;
+  std::vector<int> nodes_;  ///< points at the grid's nodes, by their numbers; -1 where there is none yet
   std::unordered_map<std::uint64_t, int> fine_nodes_;
   mutable std::unordered_map<std::uint64_t, double> patch_distances_;
   mutable std::unordered_map<int, TriangleSurface> patches_alone_;
@@ -128,8 +129,8 @@ Clipper::Clipper(const CutCells& cut_cells)
       triangles_of_patch_[triangles_->patch(t)].push_back(t);
   }
   inner_side_.assign(surfaces_.size() + 1, 0);
-  const Index3& n = cut_cells.grid.num_cells;
-  nodes_.assign(static_cast<std::size_t>(n[0] + 1) * (n[1] + 1) * (n[2] + 1), -1);
+  node_numbers_ = cut_cells.numbers.corners();
+  nodes_.assign(node_numbers_.size(), -1);
   mesh_.hexahedra.reserve(cut_cells.cells.size());
   mesh_.cell_of_hexahedron.reserve(cut_cells.cells.size());
   double curvature = 0;
@@ -359,7 +360,7 @@ int Clipper::node(const Index3& fine) {
   int* number = nullptr;
   if ((fine[0] | fine[1] | fine[2]) % max_subdivision == 0) {
     const Index3 coarse{fine[0] / max_subdivision, fine[1] / max_subdivision, fine[2] / max_subdivision};
-    number = &nodes_[cut_cells_.grid.node_index(coarse)];
+    number = &nodes_[node_numbers_.find(coarse)];
   } else {
     const auto key = (static_cast<std::uint64_t>(fine[2]) << 42) | (static_cast<std::uint64_t>(fine[1]) << 21) |
                      static_cast<std::uint64_t>(fine[0]);
@@ -550,9 +551,7 @@ ClippedMesh clip_cells(const CutCells& cut_cells) { return Clipper(cut_cells).ru
 ClippedMesh clip_boundary(const CutCells& cut_cells) { return Clipper(cut_cells).run_boundary(); }
 
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point) {
-  const Index3& c = cut_cells.cells[active_cell];
-  const Vec3 xi = 2 * (point - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
-  return xi.cwiseMax(-1.0).cwiseMin(1.0);
+  return cell_coordinates(cut_cells, active_cell, point).cwiseMax(-1.0).cwiseMin(1.0);
 }
 
 double ClippedMesh::volume() const {

@@ -14,7 +14,7 @@ namespace cgcontact {
 namespace {
 
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double most_cells = 2e9;      // cell indices are 32-bit integers
+constexpr double most_cells = 2e9;      // of the box around a body: beyond, the unit is wrong
 constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
 constexpr std::size_t most_parameters = 1000;
 

@@ -24,7 +24,7 @@ struct BlockMatrix {
 std::vector<int> nodes_of_group(const GroupRow& row) {
   std::vector<int> nodes;
   for (const auto& entry : row.entries)
-    if (nodes.empty() || nodes.back() != entry.first / 3) nodes.push_back(entry.first / 3);
+    if (nodes.empty() || nodes.back() != node_of_dof(entry.first)) nodes.push_back(node_of_dof(entry.first));
   return nodes;
 }
 
@@ -92,7 +92,7 @@ void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_
         for (int c = 0; c < 8; ++c) {
           double* block = A.block(mesh.cell_nodes[e][r], mesh.cell_nodes[e][c]);
           for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) block[3 * i + j] += K(m, 3 * r + i, 3 * c + j);
+            for (int j = 0; j < 3; ++j) block[3 * i + j] += K(m, dof_of(r, i), dof_of(c, j));
         }
     }
     const auto& faces = ghost_faces[b].nodes;
@@ -112,7 +112,8 @@ void add_groups(const ElasticSystem& system, BlockMatrix& A) {
     if (stiffness(g) == 0) continue;
     for (const auto& [r, vr] : system.group_rows[g].entries)
       for (const auto& [c, vc] : system.group_rows[g].entries)
-        A.block(r / 3, c / 3)[3 * (r % 3) + c % 3] += stiffness(g) * vr * vc;
+        A.block(node_of_dof(r), node_of_dof(c))[3 * component_of_dof(r) + component_of_dof(c)] +=
+            stiffness(g) * vr * vc;
   }
 }
 
@@ -139,10 +140,10 @@ Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Te
   std::size_t position = 0;
   for (int node = 0; node < system.num_nodes; ++node)
     for (int i = 0; i < 3; ++i) {
-      begin_host(3 * node + i) = position;
+      begin_host(dof_of(node, i)) = position;
       for (std::size_t e = A.begin[node]; e < A.begin[node + 1]; ++e)
         for (int j = 0; j < 3; ++j, ++position) {
-          column_host(position) = 3 * A.column[e] + j;
+          column_host(position) = dof_of(A.column[e], j);
           value_host(position) = A.value[9 * e + 3 * i + j];
         }
     }

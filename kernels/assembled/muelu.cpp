@@ -10,14 +10,12 @@ using Teuchos::rcp;
 
 /// Node positions in global axes, units of Scales::length.
 RCP<TpetraVector> node_positions(const ElasticSystem& system, const RCP<const TpetraMap>& map) {
-  auto node_map = rcp(new TpetraMap(static_cast<Tpetra::global_size_t>(system.num_nodes), 0, map->getComm()));
-  auto x = rcp(new TpetraVector(node_map, 3));
+  auto x = rcp(new TpetraVector(system.dofs.owned_node_map(map->getComm()), 3));
   auto view = x->getLocalViewHost(Tpetra::Access::OverwriteAll);
   for (const BodyMesh& mesh : system.meshes) {
     const Grid& grid = mesh.cut_cells->grid;
     for (int n = 0; n < mesh.num_nodes; ++n) {
-      const Vec3 position = grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])) *
-                            (mesh.cell_size / grid.cell_size);
+      const Vec3 position = grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])) / mesh.length;
       for (int i = 0; i < 3; ++i) view(mesh.first_node + n, i) = position[i];
     }
   }
@@ -40,8 +38,8 @@ RCP<TpetraVector> rigid_body_modes(const ElasticSystem& system, const RCP<const 
         const Vec3 e = Vec3::Unit(m);
         const Vec3 translation = to_local * e, rotation = to_local * e.cross(position(n) - centre);
         for (int i = 0; i < 3; ++i) {
-          view(3 * n + i, m) = translation[i];
-          view(3 * n + i, 3 + m) = rotation[i];
+          view(dof_of(n, i), m) = translation[i];
+          view(dof_of(n, i), 3 + m) = rotation[i];
         }
       }
   }
@@ -55,7 +53,7 @@ RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const Tpet
   const RCP<TpetraOperator> matrix = assembled;
   Teuchos::ParameterList list;
   list.set("verbosity", "none");
-  list.set("number of equations", 3);
+  list.set("number of equations", dofs_per_node);
   list.set("use kokkos refactor", false);
   list.set("problem: symmetric", true);
   list.set("coarse: max size", 4000);

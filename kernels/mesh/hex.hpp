@@ -1,43 +1,134 @@
-/// Trilinear shape functions of the unit cell and its Gauss points.
-/// Cell coordinates xi in [-1,1]^3; corner a = i + 2 j + 4 k; gradients are per cell unit (h = 1).
+/// Lagrange elements of the unit cell (degree 1: trilinear, degree 2: triquadratic) and Gauss points.
+/// Cell coordinates xi in [-1,1]^3; the nodes of an element lie on a lattice of degree + 1 per direction, node
+/// a = i + n j + n^2 k with n = degree + 1 (degree 1: corner a = i + 2 j + 4 k); gradients are per cell unit (h = 1).
 #pragma once
 
 #include <Kokkos_Core.hpp>
+#include <type_traits>
+
+#include "kernels/mesh/dofs.hpp"
 
 namespace cgcontact {
 
 /// Three-point Gauss-Legendre rule on [-1,1].
 struct Gauss3 {
+  static constexpr int count = 3;
   static constexpr double point[3] = {-0.7745966692414833770, 0.0, 0.7745966692414833770};
   static constexpr double weight[3] = {0.5555555555555555556, 0.8888888888888888889, 0.5555555555555555556};
 };
 
 /// Five-point Gauss-Legendre rule on [-1,1].
 struct Gauss5 {
+  static constexpr int count = 5;
   static constexpr double point[5] = {-0.9061798459386639928, -0.5384693101056830910, 0.0, 0.5384693101056830910,
                                       0.9061798459386639928};
   static constexpr double weight[5] = {0.2369268850561890875, 0.4786286704993664680, 0.5688888888888888889,
                                        0.4786286704993664680, 0.2369268850561890875};
 };
 
-/// N[8] at xi.
-KOKKOS_INLINE_FUNCTION void hex_shape(const double xi[3], double N[8]) {
-  for (int a = 0; a < 8; ++a) {
-    const double sx = (a & 1) ? 1 : -1, sy = (a & 2) ? 1 : -1, sz = (a & 4) ? 1 : -1;
-    N[a] = 0.125 * (1 + sx * xi[0]) * (1 + sy * xi[1]) * (1 + sz * xi[2]);
-  }
-}
+/// One dimension of an element: nodes at -1, ..., 1.
+template <int degree>
+struct LineElement {
+  static_assert(degree == 1 || degree == 2);
+  static constexpr int num_nodes = degree + 1;
 
-/// dN[8][3] at xi, derivatives with respect to grid coordinates (cell units).
-KOKKOS_INLINE_FUNCTION void hex_gradient(const double xi[3], double dN[8][3]) {
-  for (int a = 0; a < 8; ++a) {
-    const double sx = (a & 1) ? 1 : -1, sy = (a & 2) ? 1 : -1, sz = (a & 4) ? 1 : -1;
-    const double fx = 1 + sx * xi[0], fy = 1 + sy * xi[1], fz = 1 + sz * xi[2];
-    dN[a][0] = 0.25 * sx * fy * fz;
-    dN[a][1] = 0.25 * sy * fx * fz;
-    dN[a][2] = 0.25 * sz * fx * fy;
+  KOKKOS_INLINE_FUNCTION static void shape(double x, double l[num_nodes]) {
+    if constexpr (degree == 1) {
+      l[0] = 0.5 * (1 - x);
+      l[1] = 0.5 * (1 + x);
+    } else {
+      l[0] = 0.5 * x * (x - 1);
+      l[1] = (1 - x) * (1 + x);
+      l[2] = 0.5 * x * (x + 1);
+    }
   }
-}
+
+  /// Derivatives per cell unit: twice those with respect to x.
+  KOKKOS_INLINE_FUNCTION static void derivative(double x, double d[num_nodes]) {
+    if constexpr (degree == 1) {
+      d[0] = -1;
+      d[1] = 1;
+    } else {
+      d[0] = 2 * x - 1;
+      d[1] = -4 * x;
+      d[2] = 2 * x + 1;
+    }
+  }
+
+  /// Integrals over a cell (length 1) of products of two shape functions.
+  static constexpr double mass(int a, int b) {
+    if constexpr (degree == 1) {
+      return a == b ? 1. / 3 : 1. / 6;
+    } else {
+      constexpr double thirtieths[3][3] = {{4, 2, -1}, {2, 16, 2}, {-1, 2, 4}};
+      return thirtieths[a][b] / 30;
+    }
+  }
+};
+
+template <int degree>
+struct HexElement {
+  static constexpr int nodes_per_line = degree + 1;
+  static constexpr int nodes_per_face = nodes_per_line * nodes_per_line;
+  static constexpr int num_nodes = nodes_per_line * nodes_per_face;
+  static constexpr int num_dofs = dofs_per_node * num_nodes;
+  /// Gauss rule per direction whose points, with weights fitted to the moments of a cut cell, integrate the stiffness
+  /// exactly: products of two gradients are of degree 2 * degree per variable.
+  using Gauss = std::conditional_t<degree == 1, Gauss3, Gauss5>;
+
+  /// Place of a node along direction d, 0 .. degree.
+  KOKKOS_INLINE_FUNCTION static constexpr int place(int node, int d) {
+    return (d == 0 ? node : d == 1 ? node / nodes_per_line : node / nodes_per_face) % nodes_per_line;
+  }
+  KOKKOS_INLINE_FUNCTION static constexpr int node(int i, int j, int k) {
+    return i + nodes_per_line * j + nodes_per_face * k;
+  }
+
+  /// N[num_nodes] at xi.
+  KOKKOS_INLINE_FUNCTION static void shape(const double xi[3], double N[num_nodes]) {
+    double l[3][nodes_per_line];
+    for (int d = 0; d < 3; ++d) LineElement<degree>::shape(xi[d], l[d]);
+    for (int a = 0; a < num_nodes; ++a) N[a] = l[0][place(a, 0)] * l[1][place(a, 1)] * l[2][place(a, 2)];
+  }
+
+  /// dN[num_nodes][3] at xi, derivatives with respect to grid coordinates (cell units).
+  KOKKOS_INLINE_FUNCTION static void gradient(const double xi[3], double dN[num_nodes][3]) {
+    double l[3][nodes_per_line], g[3][nodes_per_line];
+    for (int d = 0; d < 3; ++d) {
+      LineElement<degree>::shape(xi[d], l[d]);
+      LineElement<degree>::derivative(xi[d], g[d]);
+    }
+    for (int a = 0; a < num_nodes; ++a) {
+      const int i = place(a, 0), j = place(a, 1), k = place(a, 2);
+      dN[a][0] = g[0][i] * l[1][j] * l[2][k];
+      dN[a][1] = g[1][j] * l[0][i] * l[2][k];
+      dN[a][2] = g[2][k] * l[0][i] * l[1][j];
+    }
+  }
+};
+
+/// The nodes of two cells that share a face: layers along its normal, each a face's lattice; node = layer *
+/// nodes_per_face + tangential node. Layer `degree` lies on the face.
+template <int degree>
+struct GhostFace {
+  static constexpr int num_layers = 2 * degree + 1;
+  static constexpr int num_nodes = num_layers * HexElement<degree>::nodes_per_face;
+
+  /// Jump of the derivative of order 1 .. degree along the normal, per cell unit, from the values of the layers.
+  static constexpr double jump(int order, int layer) {
+    if constexpr (degree == 1) {
+      constexpr double first[3] = {1, -2, 1};
+      return first[layer];
+    } else {
+      constexpr double jumps[2][5] = {{1, -4, 6, -4, 1}, {4, -8, 0, 8, -4}};
+      return jumps[order - 1][layer];
+    }
+  }
+};
+
+/// The trilinear element, which everything but the plain operator uses: N[8] and dN[8][3] at xi.
+KOKKOS_INLINE_FUNCTION void hex_shape(const double xi[3], double N[8]) { HexElement<1>::shape(xi, N); }
+KOKKOS_INLINE_FUNCTION void hex_gradient(const double xi[3], double dN[8][3]) { HexElement<1>::gradient(xi, dN); }
 
 /// Isotropic elasticity with unit Young's modulus: lambda, mu (Lame).
 struct UnitElasticity {
@@ -56,16 +147,5 @@ struct UnitElasticity {
     s[5] = mu * (g[2][0] + g[0][2]);
   }
 };
-
-/// Stress at xi from the 24 corner displacements u[8][3] (per cell unit).
-KOKKOS_INLINE_FUNCTION void hex_stress(const UnitElasticity& law, const double u[8][3], const double xi[3],
-                                       double s[6]) {
-  double dN[8][3], g[3][3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
-  hex_gradient(xi, dN);
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) g[i][j] += u[a][i] * dN[a][j];
-  law.stress(g, s);
-}
 
 }  // namespace cgcontact

@@ -6,6 +6,7 @@
 #include "core/cells/cut_cells.hpp"
 #include "core/scene/scene.hpp"
 #include "kernels/mesh/hex.hpp"
+#include "kernels/mesh/interpolate.hpp"
 #include "kernels/mesh/views.hpp"
 
 namespace cgcontact {
@@ -22,15 +23,24 @@ struct Scales {
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;
-  double modulus = 1;    ///< E / Scales::stress
-  double cell_size = 1;  ///< h / Scales::length
+  double modulus = 1;  ///< E / Scales::stress
+  double length = 1;   ///< Scales::length, m
   int first_node = 0, num_nodes = 0;
-  std::vector<Index3> nodes;                   ///< grid index of each active node
+  std::vector<Index3> nodes;                   ///< place in the grid of each active node, by k, j, i
+  GridNumbers node_numbers;                    ///< of this body's nodes: indices into nodes
   std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
   std::vector<double> full_volume;             ///< of each active cell where the body is thinner than a cell; empty: 1
 
+  /// Size of an active cell, and of the cells of a level, in units of Scales::length.
+  double h(int cell) const { return cut_cells->h(cell) / length; }
+  double h_of_level(int level) const { return cut_cells->grid.cell_size_of(level) / length; }
   /// Factor from gradients per cell unit to stresses in units of Scales::stress.
-  double stress_factor() const { return modulus / cell_size; }
+  double stress_factor(int cell) const { return modulus / h(cell); }
+  /// Number among the nodes of all bodies of the one at a place of the grid, or -1.
+  int find_node(const Index3& place) const {
+    const int node = node_numbers.find(place);
+    return node < 0 ? -1 : first_node + node;
+  }
   double poisson_ratio() const { return law.lambda / (2 * (law.lambda + law.mu)); }
 };
 

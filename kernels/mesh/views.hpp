@@ -3,6 +3,8 @@
 
 #include <Kokkos_Core.hpp>
 
+#include "kernels/mesh/hex.hpp"
+
 namespace cgcontact {
 
 using ExecSpace = Kokkos::DefaultExecutionSpace;
@@ -10,8 +12,16 @@ using MemSpace = ExecSpace::memory_space;
 
 using IntView = Kokkos::View<int*, MemSpace>;
 using RealView = Kokkos::View<double*, MemSpace>;
-using CellNodesView = Kokkos::View<int* [8], Kokkos::LayoutRight, MemSpace>;           // (cell, corner)
-using FaceNodesView = Kokkos::View<int* [12], Kokkos::LayoutRight, MemSpace>;          // (face, node)
-using CellMatrixView = Kokkos::View<double* [24][24], Kokkos::LayoutRight, MemSpace>;  // (matrix, row, column)
+/// Of elements of a degree: (cell, node); (ghost face, node); (matrix, row, column).
+template <int degree>
+using CellNodesViewOf = Kokkos::View<int * [HexElement<degree>::num_nodes], Kokkos::LayoutRight, MemSpace>;
+template <int degree>
+using FaceNodesViewOf = Kokkos::View<int * [GhostFace<degree>::num_nodes], Kokkos::LayoutRight, MemSpace>;
+template <int degree>
+using CellMatrixViewOf =
+    Kokkos::View<double * [HexElement<degree>::num_dofs][HexElement<degree>::num_dofs], Kokkos::LayoutRight, MemSpace>;
+using CellNodesView = CellNodesViewOf<1>;
+using FaceNodesView = FaceNodesViewOf<1>;
+using CellMatrixView = CellMatrixViewOf<1>;
 
 }  // namespace cgcontact

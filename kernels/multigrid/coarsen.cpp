@@ -4,8 +4,6 @@
 #include <map>
 #include <tuple>
 
-#include "kernels/mesh/grid_numbers.hpp"
-
 namespace cgcontact {
 namespace {
 
@@ -53,16 +51,11 @@ CutCells coarse_cut_cells(const CutCells& fine) {
   coarse.grid = fine.grid;
   coarse.grid.cell_size *= 2;
   for (int& n : coarse.grid.num_cells) n = (n + 1) / 2;
-  coarse.active_of_cell.assign(coarse.grid.num_cells_total(), -1);
-  for (const Index3& c : fine.cells) coarse.active_of_cell[coarse.grid.cell_index(parent(c))] = 0;
-  for (int k = 0, next = 0; k < coarse.grid.num_cells[2]; ++k)
-    for (int j = 0; j < coarse.grid.num_cells[1]; ++j)
-      for (int i = 0; i < coarse.grid.num_cells[0]; ++i) {
-        int& active = coarse.active_of_cell[coarse.grid.cell_index({i, j, k})];
-        if (active < 0) continue;
-        active = next++;
-        coarse.cells.push_back({i, j, k});
-      }
+  coarse.numbers = GridNumbers(coarse.grid.num_cells);
+  for (const Index3& c : fine.cells) coarse.numbers.insert(parent(c));
+  coarse.numbers.number();
+  coarse.cells.reserve(coarse.numbers.size());
+  coarse.numbers.each([&](const Index3& c) { coarse.cells.push_back(c); });
   coarse.cut_of_active.assign(coarse.cells.size(), -1);
   for (std::size_t e = 0; e < coarse.cells.size(); ++e) {
     bool full = true;
@@ -102,7 +95,7 @@ CutCells next_cut_cells(const CutCells& fine) {
   CutCells same;
   same.grid = fine.grid;
   same.cells = fine.cells;
-  same.active_of_cell = fine.active_of_cell;
+  same.numbers = fine.numbers;
   same.cut_of_active = fine.cut_of_active;
   same.active_of_cut = fine.active_of_cut;
   same.moments = fine.moments;
@@ -161,8 +154,6 @@ Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
   auto children = Kokkos::create_mirror_view(transfer.children);
   for (std::size_t b = 0; b < fine.meshes.size(); ++b) {
     const BodyMesh &f = fine.meshes[b], &c = coarse.meshes[b];
-    const std::vector<int> coarse_number = numbers_on_grid(c), fine_number = numbers_on_grid(f);
-    const Grid &fine_grid = f.cut_cells->grid, &coarse_grid = c.cut_cells->grid;
     if (!is_coarsened(*f.cut_cells, *c.cut_cells)) {
       for (int n = 0; n < f.num_nodes; ++n) {
         for (int a = 0; a < 8; ++a) parents(f.first_node + n, a) = c.first_node + n;
@@ -173,22 +164,24 @@ Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
     Kokkos::parallel_for("cgcontact::coarsen::parents",
                          Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, f.num_nodes), [&](const int n) {
                            const Index3& x = f.nodes[n];
-                           for (int a = 0; a < 8; ++a) {
-                             Index3 p;
-                             for (int d = 0; d < 3; ++d) p[d] = (x[d] + (a >> d & 1)) / 2;
-                             parents(f.first_node + n, a) = coarse_number[coarse_grid.node_index(p)];
+                           const int along = x[0] % 2;  // parents along x follow each other, or are one
+                           for (int a = 0; a < 8; a += 2) {
+                             const Index3 p{x[0] / 2, (x[1] + (a >> 1 & 1)) / 2, (x[2] + (a >> 2)) / 2};
+                             parents(f.first_node + n, a) = c.find_node(p);
+                             parents(f.first_node + n, a + 1) = parents(f.first_node + n, a) + along;
                            }
                          });
-    Kokkos::parallel_for("cgcontact::coarsen::children",
-                         Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, c.num_nodes), [&](const int n) {
-                           const Index3& x = c.nodes[n];
-                           for (int a = 0; a < 27; ++a) {
-                             const Index3 y{2 * x[0] + a / 9 - 1, 2 * x[1] + a / 3 % 3 - 1, 2 * x[2] + a % 3 - 1};
-                             bool inside = true;
-                             for (int d = 0; d < 3; ++d) inside &= y[d] >= 0 && y[d] <= fine_grid.num_cells[d];
-                             children(c.first_node + n, a) = inside ? fine_number[fine_grid.node_index(y)] : -1;
-                           }
-                         });
+    Kokkos::parallel_for(
+        "cgcontact::coarsen::children", Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, c.num_nodes),
+        [&](const int n) {
+          const Index3& x = c.nodes[n];
+          for (int row = 0; row < 9; ++row) {
+            int numbers[3];
+            f.node_numbers.find_row({2 * x[0] - 1, 2 * x[1] + row / 3 - 1, 2 * x[2] + row % 3 - 1}, 3, numbers);
+            for (int i = 0; i < 3; ++i)
+              children(c.first_node + n, 9 * i + row) = numbers[i] < 0 ? -1 : f.first_node + numbers[i];
+          }
+        });
   }
   Kokkos::deep_copy(transfer.parents, parents);
   Kokkos::deep_copy(transfer.children, children);
@@ -231,7 +224,8 @@ CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, c
       const double weight = (closed ? stiffness[r] : full_stiffness[r]) / sum;
       if (weight == 0) continue;
       for (const auto& [dof, value] : rows[r].entries)
-        for (int a = 0; a < 8; ++a) entries.emplace_back(3 * parents(dof / 3, a) + dof % 3, 0.125 * weight * value);
+        for (int a = 0; a < 8; ++a)
+          entries.emplace_back(dof_of(parents(node_of_dof(dof), a), component_of_dof(dof)), 0.125 * weight * value);
     }
     std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [dof, value] : entries) {

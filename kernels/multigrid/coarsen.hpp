@@ -57,9 +57,9 @@ void prolongate_add(const Exec& exec, const Transfer& transfer, const X& coarse,
         Real sum[3] = {0, 0, 0};
         for (int a = 0; a < 8; ++a) {
           const int p = parents(n, a);
-          for (int i = 0; i < 3; ++i) sum[i] += coarse(3 * p + i);
+          for (int i = 0; i < 3; ++i) sum[i] += coarse(dof_of(p, i));
         }
-        for (int i = 0; i < 3; ++i) fine(3 * n + i) += Real(0.125) * sum[i];
+        for (int i = 0; i < 3; ++i) fine(dof_of(n, i)) += Real(0.125) * sum[i];
       });
 }
 
@@ -77,9 +77,9 @@ void restrict_to(const Exec& exec, const Transfer& transfer, const X& fine, cons
           const int child = children(n, c);
           if (child < 0) continue;
           const Real w = weight[c / 9] * weight[c / 3 % 3] * weight[c % 3];
-          for (int i = 0; i < 3; ++i) sum[i] += w * fine(3 * child + i);
+          for (int i = 0; i < 3; ++i) sum[i] += w * fine(dof_of(child, i));
         }
-        for (int i = 0; i < 3; ++i) coarse(3 * n + i) = sum[i];
+        for (int i = 0; i < 3; ++i) coarse(dof_of(n, i)) = sum[i];
       });
 }
 

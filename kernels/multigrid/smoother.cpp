@@ -47,7 +47,7 @@ SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Rea
         double N[8];
         hex_shape(terms[t].xi.data(), N);
         for (int a = 0; a < 8; ++a)
-          for (int i = 0; i < 3; ++i) sum[r][3 * a + i] += terms[t].stiffness * N[a] * terms[t].direction[i];
+          for (int i = 0; i < 3; ++i) sum[r][dof_of(a, i)] += terms[t].stiffness * N[a] * terms[t].direction[i];
         stiffness[r] += terms[t].stiffness;
       }
       for (std::size_t r = 0; r < direction.size(); ++r) {
@@ -56,8 +56,8 @@ SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Rea
         row.cell = terms[first].cell;
         for (int a = 0; a < 8; ++a)
           for (int i = 0; i < 3; ++i)
-            if (sum[r][3 * a + i] != 0)
-              row.entries.emplace_back(3 * mesh.cell_nodes[row.cell][a] + i, sum[r][3 * a + i] / stiffness[r]);
+            if (sum[r][dof_of(a, i)] != 0)
+              row.entries.emplace_back(dof_of(mesh.cell_nodes[row.cell][a], i), sum[r][dof_of(a, i)] / stiffness[r]);
         std::sort(row.entries.begin(), row.entries.end());
         result.rows.push_back(std::move(row));
         result.stiffness.push_back(stiffness[r]);
@@ -83,9 +83,9 @@ void SurfaceSmoother<Real>::invert_columns(const BlocksView& blocks) {
       "cgcontact::smoother::invert_columns", Kokkos::RangePolicy<ExecSpace>(0, columns.num_columns()),
       KOKKOS_LAMBDA(const int c) {
         using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor,
-                                     3 * NodeColumns<Real>::longest, 3 * NodeColumns<Real>::longest>;
+                                     dof_of(NodeColumns<Real>::longest), dof_of(NodeColumns<Real>::longest)>;
         const auto& column = columns.columns(c);
-        const int n = 3 * column.size;
+        const int n = dof_of(column.size);
         Real* entries = &columns.matrices(column.matrix);
         Matrix m(n, n), nodes = Matrix::Zero(n, n);
         for (int row = 0; row < n; ++row)
@@ -93,7 +93,8 @@ void SurfaceSmoother<Real>::invert_columns(const BlocksView& blocks) {
         for (int p = 0; p < column.size; ++p)
           for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
-              m(3 * p + i, 3 * p + j) = nodes(3 * p + i, 3 * p + j) = blocks(columns.nodes(column.first + p), at[i][j]);
+              m(dof_of(p, i), dof_of(p, j)) = nodes(dof_of(p, i), dof_of(p, j)) =
+                  blocks(columns.nodes(column.first + p), at[i][j]);
         Eigen::LLT<Matrix> llt(m);
         if (llt.info() != Eigen::Success) llt.compute(nodes);  // single precision has lost the blocks between nodes
         const Matrix inverse = llt.solve(Matrix::Identity(n, n));
@@ -109,8 +110,9 @@ SurfaceSmoother<Real>::SurfaceSmoother(const ElasticSystem& system, const Blocks
   for (std::size_t r = 0; r < supports_.rows.size(); ++r)
     for (const auto& [p, vp] : supports_.rows[r].entries)
       for (const auto& [q, vq] : supports_.rows[r].entries)
-        if (p / 3 == q / 3 && p <= q)
-          blocks(p / 3, at[p % 3][q % 3]) -= static_cast<Real>(supports_.stiffness[r] * vp * vq);
+        if (node_of_dof(p) == node_of_dof(q) && p <= q)
+          blocks(node_of_dof(p), at[component_of_dof(p)][component_of_dof(q)]) -=
+              static_cast<Real>(supports_.stiffness[r] * vp * vq);
   // The blocks of the stencil are multiples of the identity: most nodes need no matrix.
   std::vector<std::array<int, 3>> runs;
   std::vector<Real> run_inverse;
@@ -180,11 +182,12 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
     entries.clear();
     row_columns.clear();
     for (const auto& [dof, value] : row.entries) {
-      if (entries.empty() || entries.back().first != dof / 3) {
-        entries.emplace_back(dof / 3, Vec3::Zero());
-        if (columns_.column_of_node(dof / 3) >= 0) row_columns.push_back(columns_.column_of_node(dof / 3));
+      const int node = node_of_dof(dof);
+      if (entries.empty() || entries.back().first != node) {
+        entries.emplace_back(node, Vec3::Zero());
+        if (columns_.column_of_node(node) >= 0) row_columns.push_back(columns_.column_of_node(node));
       }
-      entries.back().second[dof % 3] = root * value;
+      entries.back().second[component_of_dof(dof)] = root * value;
     }
     std::sort(row_columns.begin(), row_columns.end());
     row_columns.erase(std::unique(row_columns.begin(), row_columns.end()), row_columns.end());
@@ -211,13 +214,12 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
     };
     for (int c : row_columns) {
       const auto& column = columns_.columns(c);
-      const int n = 3 * column.size;
       for (int p = 0; p < column.size; ++p)
         for (int q = 0; q < column.size; ++q) {
           const Vec3& b = row_b[position_of(columns_.nodes(column.first + q))];
           Vec3& w = row_w[position_of(columns_.nodes(column.first + p))];
           for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) w[i] += columns_.matrices(column.matrix + (3 * p + i) * n + 3 * q + j) * b[j];
+            for (int j = 0; j < 3; ++j) w[i] += columns_.matrices(column.entry(dof_of(p, i), dof_of(q, j))) * b[j];
         }
     }
     row_begin.push_back(static_cast<int>(row_node.size()));
@@ -297,20 +299,20 @@ void SurfaceSmoother<Real>::step_columns(const ExecSpace& exec, const Vector& r,
   const NodeColumns<Real> columns = columns_;
   Kokkos::parallel_for(
       "cgcontact::smoother::columns", Kokkos::RangePolicy<ExecSpace>(exec, first, last), KOKKOS_LAMBDA(const int c) {
-        constexpr int n = 3 * size;
+        constexpr int n = dof_of(size);
         const auto& column = columns.columns(c);
         const Real* __restrict m = &columns.matrices(column.matrix);
         const int* nodes = &columns.nodes(column.first);
         Real z[n] = {};
         for (int q = 0; q < size; ++q)
           for (int j = 0; j < 3; ++j) {  // symmetric: row c is column c
-            const Real value = alpha * r(3 * static_cast<std::size_t>(nodes[q]) + j);
-            for (int i = 0; i < n; ++i) z[i] += m[(3 * q + j) * n + i] * value;
+            const Real value = alpha * r(dof_offset(nodes[q], j));
+            for (int i = 0; i < n; ++i) z[i] += m[dof_of(q, j) * n + i] * value;
           }
         for (int p = 0; p < size; ++p)
           for (int i = 0; i < 3; ++i) {
-            const std::size_t dof = 3 * static_cast<std::size_t>(nodes[p]) + i;
-            Real change = z[3 * p + i];
+            const std::size_t dof = dof_offset(nodes[p], i);
+            Real change = z[dof_of(p, i)];
             if (beta != 0) change += beta * d(dof);
             d(dof) = change;
             x(dof) = overwrite ? change : x(dof) + change;
@@ -330,7 +332,7 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
         "cgcontact::smoother::rows", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows), KOKKOS_LAMBDA(const int k) {
           Real sum = 0;
           for (int e = row_begin(k); e < row_begin(k + 1); ++e)
-            for (int i = 0; i < 3; ++i) sum += w(e, i) * r(3 * row_node(e) + i);
+            for (int i = 0; i < 3; ++i) sum += w(e, i) * r(dof_of(row_node(e), i));
           surface(k) = sum;
         });
     exec.fence();
@@ -346,7 +348,7 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
       Kokkos::RangePolicy<ExecSpace, Kokkos::Schedule<Kokkos::Dynamic>>(exec, 0, num_runs,
                                                                         Kokkos::ChunkSize(runs_at_once)),
       KOKKOS_LAMBDA(const int k) {
-        const std::size_t first = 3 * static_cast<std::size_t>(run(k, 0));
+        const std::size_t first = dof_offset(run(k, 0));
         const int nodes = run(k, 1);
         const Real* __restrict rk = r.data() + first;
         Real* __restrict dk = d.data() + first, * __restrict xk = x.data() + first;
@@ -359,15 +361,15 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
         if (run(k, 2) == -2) return;
         if (run(k, 2) < 0) {
           const Real scalar = run_inverse(k);
-          for (int i = 0; i < 3 * nodes; ++i) add(i, scalar * rk[i]);
+          for (int i = 0; i < dof_of(nodes); ++i) add(i, scalar * rk[i]);
           return;
         }
         for (int n = 0; n < nodes; ++n) {
           const Real* m = &inverse(run(k, 2) + n, 0);
-          const Real r0 = rk[3 * n], r1 = rk[3 * n + 1], r2 = rk[3 * n + 2];
-          add(3 * n, m[0] * r0 + m[3] * r1 + m[5] * r2);
-          add(3 * n + 1, m[3] * r0 + m[1] * r1 + m[4] * r2);
-          add(3 * n + 2, m[5] * r0 + m[4] * r1 + m[2] * r2);
+          const Real r0 = rk[dof_of(n, 0)], r1 = rk[dof_of(n, 1)], r2 = rk[dof_of(n, 2)];
+          add(dof_of(n, 0), m[0] * r0 + m[3] * r1 + m[5] * r2);
+          add(dof_of(n, 1), m[3] * r0 + m[1] * r1 + m[4] * r2);
+          add(dof_of(n, 2), m[5] * r0 + m[4] * r1 + m[2] * r2);
         }
       });
   step_columns<2>(exec, r, alpha, beta, d, x, overwrite);
@@ -384,8 +386,8 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
         for (int i = 0; i < 3; ++i) {
           Real z = 0;
           for (int e = node_begin(t); e < node_begin(t + 1); ++e) z += w(e, i) * surface(node_row(e));
-          d(3 * touched(t) + i) -= alpha * z;
-          x(3 * touched(t) + i) -= alpha * z;
+          d(dof_of(touched(t), i)) -= alpha * z;
+          x(dof_of(touched(t), i)) -= alpha * z;
         }
       });
 }

@@ -29,7 +29,7 @@ void monomial_moments(const Moments& legendre, double out[27]) {
 
 /// Gradients per cell unit are twice those in cell coordinates, the volume is an eighth, the coefficients are eight
 /// times those of the modes, on both sides.
-double moment_scale(const BodyMesh& mesh) { return mesh.modulus * mesh.cell_size * mesh.law.mu * 4 / (8 * 64); }
+double moment_scale(const BodyMesh& mesh, double h) { return mesh.modulus * h * mesh.law.mu * 4 / (8 * 64); }
 
 /// Boundary moments of the support terms of one cell, per pair of components (xx, yy, zz, xy, yz, zx).
 struct SupportMoments {
@@ -135,7 +135,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
   constexpr int L = Lanes<Real>::count;
   constexpr std::size_t cache = 16 << 20;
   BandCells<Real> result;
-  result.far = 3 * sizeof(Real) * system.num_nodes > cache;
+  result.far = sizeof(Real) * system.num_dofs() > cache;
   std::vector<BandCell> list;
   std::vector<std::map<int, SupportMoments>> supports(system.meshes.size());
   std::vector<typename BandCells<Real>::Law> laws;
@@ -145,7 +145,8 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     typename BandCells<Real>::Law law;
     law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
     law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
-    for (int p = 0; p < 3; ++p) law.full[p] = static_cast<Real>(moment_scale(mesh) * 8 / std::pow(3, p));
+    for (int p = 0; p < 3; ++p)
+      law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.h_of_level(0)) * 8 / std::pow(3, p));
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };
     std::vector<Kind> kind(cc.cells.size());
@@ -238,7 +239,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
                            if (batch.moments < 0) continue;
                            double m[27];
                            monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
-                           const double scale = moment_scale(mesh);
+                           const double scale = moment_scale(mesh, mesh.h(cell.cell));
                            for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
                            int slot = batch.pairs;
                            for (int bit = 0; bit < 6; ++bit) {

@@ -267,9 +267,9 @@ inline void gather(const BandCells<Real>& cells, int b, const Real* x, V u[3][8]
     const int* nodes = &cells.nodes(b, pair, 0);
     V r[8];
     for (int l = 0; l < 8; ++l) {
-      r[l] = load_first(x + 3 * static_cast<std::size_t>(nodes[l]), 6);
+      r[l] = load_first(x + dof_offset(nodes[l]), 6);
       if constexpr (L == 16) {
-        const V second = load_first(x + 3 * static_cast<std::size_t>(nodes[l + 8]), 6);
+        const V second = load_first(x + dof_offset(nodes[l + 8]), 6);
         r[l] = join_halves(r[l], second);
       }
     }
@@ -292,8 +292,7 @@ inline void scatter(const BandCells<Real>& cells, int b, const V u[3][8], Real* 
               u[1][2 * pair + 1], u[2][2 * pair + 1], u[0][2 * pair + 1], u[0][2 * pair + 1]};
     transpose8<Real>(r);
     const Real* rows = reinterpret_cast<const Real*>(r);
-    for (int l = 0; l < count; ++l)
-      add_six<subtract>(y + 3 * static_cast<std::size_t>(nodes[l]), rows + (l % 8) * L + l / 8 * 8);
+    for (int l = 0; l < count; ++l) add_six<subtract>(y + dof_offset(nodes[l]), rows + (l % 8) * L + l / 8 * 8);
   }
 }
 
@@ -301,7 +300,7 @@ inline void scatter(const BandCells<Real>& cells, int b, const V u[3][8], Real* 
 template <class Real>
 inline void prefetch(const BandCells<Real>& cells, int b, const Real* x) {
   const int* nodes = &cells.nodes(b, 0, 0);
-  for (int i = 0; i < 4 * BandCells<Real>::L; ++i) __builtin_prefetch(x + 3 * static_cast<std::size_t>(nodes[i]));
+  for (int i = 0; i < 4 * BandCells<Real>::L; ++i) __builtin_prefetch(x + dof_offset(nodes[i]));
 }
 
 template <bool subtract, class Real>
@@ -338,10 +337,10 @@ inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const B
           if (c < 0) continue;
           const auto& column = columns.columns(c);
           const int across = a ^ 1 << column.axis, other = cells.nodes(b, across / 2, l) + across % 2;
-          Real* m = &columns.matrices(column.matrix);
           const int place = columns.place(column, node), row = place + (a >> column.axis & 1 ? -1 : 1);
           if (row < 0 || row >= column.size || columns.nodes(column.first + row) != other) continue;
-          for (int i = 0; i < 3; ++i) m[(3 * row + i) * 3 * column.size + 3 * place + j] += u[i][across][l];
+          for (int i = 0; i < 3; ++i)
+            columns.matrices(column.entry(dof_of(row, i), dof_of(place, j))) += u[i][across][l];
         }
       }
 }

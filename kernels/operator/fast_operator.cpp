@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/base/parallel.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {
@@ -12,18 +13,26 @@ namespace {
 /// cut cell takes back is then never much larger than what remains.
 std::vector<char> classify(const ElasticSystem& system) {
   std::vector<char> by_stencil(system.num_nodes, 0);
-  for (const BodyMesh& mesh : system.meshes)
-    Kokkos::parallel_for("cgcontact::fast_operator::classify",
-                         Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, mesh.num_nodes), [&](const int n) {
-                           const Index3& x = mesh.nodes[n];
-                           bool some_full = false;
-                           for (int a = 0; a < 8; ++a) {
-                             const int e = mesh.cut_cells->find({x[0] - (a & 1), x[1] - (a >> 1 & 1), x[2] - (a >> 2)});
-                             if (e < 0) return;
-                             some_full |= counts_as_full(*mesh.cut_cells, e);
-                           }
-                           by_stencil[mesh.first_node + n] = some_full;
-                         });
+  for (const BodyMesh& mesh : system.meshes) {
+    const CutCells& cc = *mesh.cut_cells;
+    std::vector<char> is_full(cc.cells.size());
+    parallel_for("cgcontact::fast_operator::full_cells", cc.cells.size(), 4096,
+                 [&](std::size_t e) { is_full[e] = counts_as_full(cc, static_cast<int>(e)); });
+    GridNumbers full(cc.grid.num_cells);
+    for (std::size_t e = 0; e < cc.cells.size(); ++e)
+      if (is_full[e]) full.insert(cc.cells[e]);
+    // 64 nodes along x at a time: bit i of `all` is that of the cells around node i.
+    mesh.node_numbers.each_word([&](const Index3& first, std::uint64_t nodes, int number) {
+      std::uint64_t all = ~std::uint64_t{0}, some = 0;
+      for (int a = 0; a < 8; ++a) {
+        const Index3 cell{first[0] - (a & 1), first[1] - (a >> 1 & 1), first[2] - (a >> 2)};
+        all &= cc.numbers.bits(cell);
+        some |= full.bits(cell);
+      }
+      for (; nodes != 0; nodes &= nodes - 1, ++number)
+        by_stencil[mesh.first_node + number] = (all & some) >> __builtin_ctzll(nodes) & 1;
+    });
+  }
   return by_stencil;
 }
 
@@ -62,6 +71,8 @@ Kokkos::RangePolicy<ExecSpace, Dynamic> one_by_one(const ExecSpace& exec, int n)
 
 template <class Real>
 FastOperator<Real>::FastOperator(const ElasticSystem& system, const SoftCells& soft) : num_nodes_(system.num_nodes) {
+  for (const BodyMesh& mesh : system.meshes)
+    if (mesh.cut_cells->grid.num_levels != 1) throw std::logic_error("fast operator: a grid has more than one level");
   const std::vector<char> by_stencil = classify(system);
   const SlabPartition slabs = make_slabs(system.meshes);
   tiles_ = make_stencil_tiles<Real>(system.meshes, by_stencil);
@@ -149,7 +160,7 @@ void FastOperator<Real>::stencil(const ExecSpace& exec, const Real* x, const Rea
         const int first = (t - num_tiles) * ranges_at_once;
         const int last = first + ranges_at_once < num_ranges ? first + ranges_at_once : num_ranges;
         for (int r = first; r < last; ++r) {
-          const std::size_t begin = 3 * static_cast<std::size_t>(ranges(r, 0)), end = begin + 3 * ranges(r, 1);
+          const std::size_t begin = dof_offset(ranges(r, 0)), end = begin + dof_of(ranges(r, 1));
           for (std::size_t i = begin; i < end; ++i) y[i] = subtract ? base[i] : Real(0);
         }
       });
@@ -260,8 +271,7 @@ void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView&
           if (!by_stencil(columns.nodes(column.first + row))) continue;
           for (int place = row - 1; place <= row + 1; place += 2)
             for (int i = 0; i < 3 && place >= 0 && place < column.size; ++i)
-              columns.matrices(column.matrix + (3 * row + i) * 3 * column.size + 3 * place + i) +=
-                  next(column.body, column.axis, i);
+              columns.matrices(column.entry(dof_of(row, i), dof_of(place, i))) += next(column.body, column.axis, i);
         }
       });
   for (int colour = 0; colour < 2; ++colour) {

@@ -33,7 +33,7 @@ class FastOperator {
   /// Reads meshes, supports, ghost penalty and groups; keeps nothing of the system. soft: on coarse levels.
   explicit FastOperator(const ElasticSystem& system, const SoftCells& soft = {});
 
-  int num_dofs() const { return 3 * num_nodes_; }
+  int num_dofs() const { return dof_of(num_nodes_); }
   const Sizes& sizes() const { return sizes_; }
 
   /// Takes over rows and stiffnesses.

@@ -156,15 +156,14 @@ inline void apply_chunk(const GhostChains<Real>& ghosts, int chunk, const Real* 
     const int* row = &ghosts.row(chain.rows);
     if (chain.direction == 0 && chain.faces == 1) {
       std::size_t rows[4];
-      for (int t = 0; t < 4; ++t) rows[t] = 3 * static_cast<std::size_t>(row[t]);
+      for (int t = 0; t < 4; ++t) rows[t] = dof_offset(row[t]);
       apply_face_along_x(factor, x, y, rows);
     } else if (chain.direction == 0)
-      apply_chain<TwoRows>(chain.faces, factor, x, y, [row](int layer, int t, int side) {
-        return 3 * (static_cast<std::size_t>(row[2 * t + side]) + layer);
-      });
+      apply_chain<TwoRows>(chain.faces, factor, x, y,
+                           [row](int layer, int t, int side) { return dof_offset(row[2 * t + side] + layer); });
     else
       apply_chain<NodePair>(chain.faces, factor, x, y,
-                            [row](int layer, int t, int) { return 3 * static_cast<std::size_t>(row[2 * layer + t]); });
+                            [row](int layer, int t, int) { return dof_offset(row[2 * layer + t]); });
   }
 }
 
@@ -189,7 +188,6 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
         const int c = columns.column_of_node(node);
         if (c < 0) continue;
         const auto& column = columns.columns(c);
-        Real* m = &columns.matrices(column.matrix);
         const int place = columns.place(column, node);
         for (int k = 0; k < 12; ++k) {
           const int other = nodes[k / 4][k % 4];
@@ -200,7 +198,7 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
                               : across == 3 ? Real(0.25)
                                             : Real(0.5));
           const int at = columns.place(column, other);
-          for (int i = 0; i < 3; ++i) m[(3 * place + i) * 3 * column.size + 3 * at + i] += value;
+          for (int i = 0; i < 3; ++i) columns.matrices(column.entry(dof_of(place, i), dof_of(at, i))) += value;
         }
       }
     }

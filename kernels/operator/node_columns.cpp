@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "kernels/mesh/grid_numbers.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {
@@ -19,26 +18,27 @@ NodeColumns<Real> make_node_columns(const ElasticSystem& system) {
   using Column = typename Columns::Column;
   constexpr int longest = Columns::longest;
   struct Line {
-    int body, axis, size;
-    long long start, stride;  // in the grid
+    int body, axis;
+    std::array<int, longest> nodes;
   };
   std::vector<Line> lines[longest + 1];
-  std::vector<std::vector<int>> number;
   for (std::size_t b = 0; b < system.meshes.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    const Grid& grid = mesh.cut_cells->grid;
-    number.push_back(numbers_on_grid(mesh));
-    const std::vector<int>& at = number.back();
-    for (int d = 2; d >= 0; --d) {
-      const long long stride = grid.node_index({d == 0, d == 1, d == 2});
-      for (const Index3& n : mesh.nodes) {
-        const long long start = grid.node_index(n);
-        if (n[d] > 0 && at[start - stride] >= 0) continue;
-        int size = 1;
-        while (size <= longest && n[d] + size <= grid.num_cells[d] && at[start + size * stride] >= 0) ++size;
-        if (size <= longest) lines[size].push_back({static_cast<int>(b), d, size, start, stride});
+    for (int d = 2; d >= 0; --d)
+      for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
+        Index3 place = mesh.nodes[n];
+        --place[d];
+        if (mesh.find_node(place) >= 0) continue;
+        ++place[d];
+        Line line{static_cast<int>(b), d, {}};
+        int size = 0;
+        for (int node = mesh.first_node + static_cast<int>(n); node >= 0 && size <= longest; ++size) {
+          if (size < longest) line.nodes[size] = node;
+          ++place[d];
+          node = mesh.find_node(place);
+        }
+        if (size <= longest) lines[size].push_back(line);
       }
-    }
   }
   std::vector<int> column_of_node(system.num_nodes, -1), nodes;
   std::vector<Column> columns;
@@ -47,16 +47,15 @@ NodeColumns<Real> make_node_columns(const ElasticSystem& system) {
   for (int size = 2; size <= longest; ++size) {
     result.size_begin[size] = static_cast<int>(columns.size());
     for (const Line& line : lines[size]) {
-      const auto node = [&](int p) { return number[line.body][line.start + p * line.stride]; };
       bool free = true;
-      for (int p = 0; p < size; ++p) free &= column_of_node[node(p)] < 0;
+      for (int p = 0; p < size; ++p) free &= column_of_node[line.nodes[p]] < 0;
       if (!free) continue;
       for (int p = 0; p < size; ++p) {
-        column_of_node[node(p)] = static_cast<int>(columns.size());
-        nodes.push_back(node(p));
+        column_of_node[line.nodes[p]] = static_cast<int>(columns.size());
+        nodes.push_back(line.nodes[p]);
       }
       columns.push_back({line.body, line.axis, size, static_cast<int>(nodes.size()) - size, entries});
-      entries += 9 * static_cast<std::size_t>(size) * size;
+      entries += dof_offset(size) * dof_offset(size);
     }
   }
   result.size_begin[longest + 1] = static_cast<int>(columns.size());

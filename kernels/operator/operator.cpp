@@ -4,7 +4,7 @@ namespace cgcontact {
 
 Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system,
                                            const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
-  return Teuchos::rcp(new TpetraMap(static_cast<Tpetra::global_size_t>(system.num_dofs()), 0, comm));
+  return system.dofs.owned_map(comm);
 }
 
 void ElasticityOperator::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp, double alpha,

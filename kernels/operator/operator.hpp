@@ -13,7 +13,7 @@ using TpetraMap = Tpetra::Map<>;
 using TpetraVector = Tpetra::MultiVector<double>;
 using TpetraOperator = Tpetra::Operator<double>;
 
-/// Map of all DoFs; one rank owns everything for now.
+/// DofMap::owned_map of the system.
 Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system,
                                            const Teuchos::RCP<const Teuchos::Comm<int>>& comm);
 

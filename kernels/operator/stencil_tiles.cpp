@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "kernels/mesh/grid_numbers.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {
@@ -29,30 +28,53 @@ template <class Real>
 class TileMaker {
  public:
   TileMaker(const BodyMesh& mesh, const std::vector<char>& by_stencil, Records& out)
-      : grid_(mesh.cut_cells->grid), number_(numbers_on_grid(mesh)), by_stencil_(by_stencil), out_(out) {}
+      : mesh_(mesh), grid_(mesh.cut_cells->grid), by_stencil_(by_stencil), out_(out) {}
 
   void run(int body) {
     // Long tiles read fewer planes twice; short ones keep several threads busy on a small body.
     const int columns = static_cast<int>(pieces(1, grid_.num_cells[1], StencilRing<Real>::rows).size() *
                                          pieces(1, grid_.num_cells[0], StencilRing<Real>::block).size());
     const int planes = std::min(32, std::max(8, grid_.num_cells[2] * columns / 48));
-    for (const auto& z : pieces(1, grid_.num_cells[2], planes))
-      for (const auto& y : pieces(1, grid_.num_cells[1], StencilRing<Real>::rows))
-        for (const auto& x : pieces(1, grid_.num_cells[0], StencilRing<Real>::block)) add(body, x, y, z);
+    const auto x = pieces(1, grid_.num_cells[0], StencilRing<Real>::block),
+               y = pieces(1, grid_.num_cells[1], StencilRing<Real>::rows), z = pieces(1, grid_.num_cells[2], planes);
+    for (const auto& [k, j, i] : tiles_with_nodes(x, y, z)) add(body, x[i], y[j], z[k]);
   }
 
  private:
-  bool stencil(int i, int j, int k) const {
-    const int n = number_[grid_.node_index({i, j, k})];
-    return n >= 0 && by_stencil_[n];
+  using Pieces = std::vector<std::array<int, 2>>;
+
+  /// Piece that a place lies in, -1: none.
+  static int piece_of(const Pieces& pieces, int place) {
+    if (pieces.empty() || place < pieces.front()[0] || place >= pieces.back()[1]) return -1;
+    const auto after = std::upper_bound(pieces.begin(), pieces.end(), place,
+                                        [](int p, const std::array<int, 2>& piece) { return p < piece[0]; });
+    return static_cast<int>(after - pieces.begin()) - 1;
+  }
+
+  /// (z, y, x) of the pieces with nodes in them, ascending: most of a grid may be empty.
+  std::vector<Index3> tiles_with_nodes(const Pieces& x, const Pieces& y, const Pieces& z) const {
+    std::vector<Index3> tiles;
+    mesh_.node_numbers.each_word([&](const Index3& first, std::uint64_t bits, int) {
+      const int j = piece_of(y, first[1]), k = piece_of(z, first[2]);
+      if (j < 0 || k < 0) return;
+      for (int i = 0; i < static_cast<int>(x.size()); ++i) {
+        const int begin = std::max(x[i][0] - first[0], 0), end = std::min(x[i][1] - first[0], 64);
+        if (begin < end && bits >> begin << begin << (64 - end) != 0 &&
+            (tiles.empty() || tiles.back() != Index3{k, j, i}))
+          tiles.push_back({k, j, i});
+      }
+    });
+    std::sort(tiles.begin(), tiles.end());
+    tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+    return tiles;
   }
 
   void add(int body, const std::array<int, 2>& x, const std::array<int, 2>& y, const std::array<int, 2>& z) {
     using Ring = StencilRing<Real>;
     const int nx = x[1] - x[0], ny = y[1] - y[0];
     const std::size_t num_runs = out_.runs.size();
-    // need[plane % 3][row slot][position]: read by a run of one of the three planes around it.
-    std::vector<char> need((z[1] - z[0] + 2) * static_cast<std::size_t>(ny + 2) * (nx + 2), 0);
+    // need[plane][row slot][position]: read by a run of one of the three planes around it; made with the first run.
+    std::vector<char> need;
     auto mark = [&](int plane, int row) {
       return &need[(static_cast<std::size_t>(plane) * (ny + 2) + row) * (nx + 2)];
     };
@@ -60,18 +82,22 @@ class TileMaker {
     for (int k = z[0] - 1; k <= z[1]; ++k) {
       run_begin.push_back(static_cast<int>(out_.runs.size()));
       if (k < z[0] || k == z[1]) continue;
-      for (int j = y[0]; j < y[1]; ++j)
-        for (int i = x[0]; i < x[1]; ++i) {
-          if (!stencil(i, j, k)) continue;
-          const int start = i;
-          while (i < x[1] && stencil(i, j, k)) ++i;
-          out_.runs.push_back({number_[grid_.node_index({start, j, k})], j - y[0] + 1, start - x[0] + 1, i - start});
+      for (int j = y[0]; j < y[1]; ++j) {
+        mesh_.node_numbers.find_row({x[0], j, k}, nx, numbers_.data());
+        const auto stencil = [&](int p) { return numbers_[p] >= 0 && by_stencil_[mesh_.first_node + numbers_[p]]; };
+        for (int p = 0; p < nx; ++p) {
+          if (!stencil(p)) continue;
+          const int start = p;
+          while (p < nx && stencil(p)) ++p;
+          out_.runs.push_back({mesh_.first_node + numbers_[start], j - y[0] + 1, start + 1, p - start});
+          if (need.empty()) need.assign((z[1] - z[0] + 2) * static_cast<std::size_t>(ny + 2) * (nx + 2), 0);
           for (int dz = 0; dz < 3; ++dz)
             for (int dy = 0; dy < 3; ++dy) {
               char* row = mark(k - z[0] + dz, j - y[0] + dy);
-              std::fill(row + (start - x[0]), row + (i - x[0] + 2), 1);
+              std::fill(row + start, row + p + 2, 1);
             }
         }
+      }
     }
     if (out_.runs.size() == num_runs) return;
     for (int k = z[0] - 1; k <= z[1]; ++k) {
@@ -82,8 +108,8 @@ class TileMaker {
           if (!row[p]) continue;
           const int start = p;
           while (p < nx + 2 && row[p]) ++p;
-          out_.copies.push_back({number_[grid_.node_index({x[0] - 1 + start, j, k})],
-                                 (j - y[0] + 1) * Ring::row_stride + start, p - start});
+          out_.copies.push_back(
+              {mesh_.find_node({x[0] - 1 + start, j, k}), (j - y[0] + 1) * Ring::row_stride + start, p - start});
         }
       }
     }
@@ -94,9 +120,10 @@ class TileMaker {
     out_.tile_body.push_back(body);
   }
 
+  const BodyMesh& mesh_;
   const Grid& grid_;
-  std::vector<int> number_;
   const std::vector<char>& by_stencil_;
+  std::array<int, StencilRing<Real>::block> numbers_;  ///< of the row in work
   Records& out_;
 };
 
@@ -104,7 +131,7 @@ class TileMaker {
 
 template <class Real>
 StencilCoefficients<Real>::StencilCoefficients(const BodyMesh& mesh, double sign) {
-  const double scale = sign * mesh.modulus * mesh.cell_size;
+  const double scale = sign * mesh.modulus * mesh.h_of_level(0);
   const double mu = mesh.law.mu, across = mesh.law.lambda + 2 * mu, mixed = mesh.law.lambda + mu;
   for (int c = 0; c < 3; ++c) {
     const double a = c == 0 ? across : mu;                            // of Sx My Mz

@@ -11,6 +11,7 @@
 
 #include <vector>
 
+#include "kernels/mesh/dofs.hpp"
 #include "kernels/mesh/mesh.hpp"
 #include "kernels/simd/lanes.hpp"
 
@@ -70,7 +71,7 @@ inline void split_row(const Real* __restrict x, Real* __restrict to, int length)
   using V = Vector<Real>;
   constexpr int L = Lanes<Real>::count, W = StencilRing<Real>::width;
   auto split = [&](int i) {
-    const V v[3] = {load(x + 3 * i), load(x + 3 * i + L), load(x + 3 * i + 2 * L)};
+    const V v[3] = {load(x + dof_of(i)), load(x + dof_of(i) + L), load(x + dof_of(i) + 2 * L)};
     V u[3];
     split_components<Real>(v, u);
     for (int c = 0; c < 3; ++c) store(to + c * W + i, u[c]);
@@ -82,7 +83,7 @@ inline void split_row(const Real* __restrict x, Real* __restrict to, int length)
     split(length - L);
   else
     for (; i < length; ++i)
-      for (int c = 0; c < 3; ++c) to[c * W + i] = x[3 * i + c];
+      for (int c = 0; c < 3; ++c) to[c * W + i] = x[dof_of(i, c)];
 }
 
 /// y = (base +) stencil on `length` nodes at position p of the ring's rows below, at and above (z), middle row given.
@@ -127,8 +128,8 @@ inline void apply_run(const StencilCoefficients<Real>& k, const Real* below, con
     V v[3];
     join_components<Real>(u, v);
     for (int c = 0; c < 3; ++c) {
-      if (with_base) v[c] += load(base + 3 * i + c * L);
-      store(y + 3 * i + c * L, v[c]);
+      if (with_base) v[c] += load(base + dof_of(i) + c * L);
+      store(y + dof_of(i) + c * L, v[c]);
     }
   };
   int i = 0;
@@ -138,7 +139,7 @@ inline void apply_run(const StencilCoefficients<Real>& k, const Real* below, con
   V v[3];
   join_components<Real>(u, v);
   for (int c = 0; c < 3; ++c) {
-    const int begin = 3 * i + c * L, left = 3 * length - begin, n = left < 0 ? 0 : left > L ? L : left;
+    const int begin = dof_of(i) + c * L, left = dof_of(length) - begin, n = left < 0 ? 0 : left > L ? L : left;
     if (with_base) v[c] += load_first(base + begin, n);
     store_first(y + begin, v[c], n);
   }
@@ -154,7 +155,7 @@ inline void apply_tile(const StencilTiles<Real>& t, int tile, const Real* x, con
   for (int plane = 0; plane < planes; ++plane) {
     Real* to = ring + plane % 3 * Ring::plane_stride;
     for (int e = t.copy_begin(first + plane); e < t.copy_begin(first + plane + 1); ++e)
-      split_row(x + 3 * static_cast<std::size_t>(t.copies(e, 0)), to + t.copies(e, 1), t.copies(e, 2));
+      split_row(x + dof_offset(t.copies(e, 0)), to + t.copies(e, 1), t.copies(e, 2));
     if (plane < 2) continue;
     const Real* below = ring + (plane - 2) % 3 * Ring::plane_stride;
     const Real* middle = ring + (plane - 1) % 3 * Ring::plane_stride;
@@ -162,12 +163,12 @@ inline void apply_tile(const StencilTiles<Real>& t, int tile, const Real* x, con
     const int next_end = plane + 1 < planes ? t.copy_begin(first + plane + 2) : next;
     for (int e = t.run_begin(first + plane - 1); e < t.run_begin(first + plane); ++e) {
       if (next < next_end) {  // fetch the next plane while this one is computed
-        const Real* row_begin = x + 3 * static_cast<std::size_t>(t.copies(next, 0));
-        const Real* row_end = row_begin + 3 * t.copies(next, 2);
+        const Real* row_begin = x + dof_offset(t.copies(next, 0));
+        const Real* row_end = row_begin + dof_of(t.copies(next, 2));
         for (const Real* p = row_begin; p < row_end; p += 64 / sizeof(Real)) __builtin_prefetch(p, 0, 2);
         ++next;
       }
-      const std::size_t dof = 3 * static_cast<std::size_t>(t.runs(e, 0));
+      const std::size_t dof = dof_offset(t.runs(e, 0));
       const int row = t.runs(e, 1) * Ring::row_stride;
       apply_run<with_base>(k, below + row, middle + row, to + row, sums, t.runs(e, 2), t.runs(e, 3),
                            with_base ? base + dof : nullptr, y + dof);

@@ -17,7 +17,8 @@ ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, co
   system.supports.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     system.meshes.push_back(make_body_mesh(*bodies[b], materials[b], scales, system.num_nodes));
-    system.num_nodes += system.meshes.back().num_nodes;
+    system.dofs = DofMap(static_cast<long long>(system.num_nodes) + system.meshes.back().num_nodes);
+    system.num_nodes = system.dofs.num_nodes();
   }
   return system;
 }

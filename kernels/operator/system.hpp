@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "kernels/mesh/dof_map.hpp"
 #include "kernels/mesh/mesh.hpp"
 
 namespace cgcontact {
@@ -43,9 +44,10 @@ struct ElasticSystem {
   GroupRows groups;
   std::vector<GroupRow> group_rows;          ///< host copy of the rows of `groups`
   std::vector<double> full_group_stiffness;  ///< of each group when closed
-  int num_nodes = 0;
+  int num_nodes = 0;                         ///< DofMap::num_nodes
+  DofMap dofs;
 
-  int num_dofs() const { return 3 * num_nodes; }
+  int num_dofs() const { return dofs.num_dofs(); }
 };
 
 /// Meshes of all bodies.

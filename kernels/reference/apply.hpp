@@ -1,5 +1,5 @@
 /// The three parts of the matrix-free operator, as plain kernels: cells, ghost faces, contact groups.
-/// x and y are vectors of 3 * (number of nodes) entries; every kernel adds to y. Colours keep the writes apart, so
+/// x and y are vectors of DofMap::num_dofs entries; every kernel adds to y. Colours keep the writes apart, so
 /// the result does not depend on the number of threads.
 #pragma once
 
@@ -9,9 +9,11 @@
 
 namespace cgcontact {
 
-/// y += sum_cells K_cell x_cell. 1152 flop per cell; 24 + 24 (+ 4.6 kB matrix of a cut cell) bytes x 8.
-template <class Exec, class X, class Y>
-void apply_cells(const Exec& exec, const ColouredMesh& mesh, const CellMatrixView& matrices, const X& x, const Y& y) {
+/// y += sum_cells K_cell x_cell. Degree 1: 1152 flop per cell; 24 + 24 (+ 4.6 kB matrix of a cut cell) bytes x 8.
+template <int degree = 1, class Exec, class X, class Y>
+void apply_cells(const Exec& exec, const ColouredMeshOf<degree>& mesh, const CellMatrixViewOf<degree>& matrices,
+                 const X& x, const Y& y) {
+  constexpr int num_nodes = HexElement<degree>::num_nodes, num_dofs = HexElement<degree>::num_dofs;
   const auto nodes = mesh.nodes_of_cell;
   const auto matrix_of_cell = mesh.matrix_of_cell;
   for (std::size_t colour = 0; colour + 1 < mesh.colour_begin.size(); ++colour) {
@@ -19,24 +21,26 @@ void apply_cells(const Exec& exec, const ColouredMesh& mesh, const CellMatrixVie
         "cgcontact::apply::cells",
         Kokkos::RangePolicy<Exec>(exec, mesh.colour_begin[colour], mesh.colour_begin[colour + 1]),
         KOKKOS_LAMBDA(const int cell) {
-          double u[24], v[24];
-          for (int a = 0; a < 8; ++a)
+          double u[num_dofs], v[num_dofs];
+          for (int a = 0; a < num_nodes; ++a)
             for (int i = 0; i < 3; ++i) {
-              u[3 * a + i] = x(3 * nodes(cell, a) + i);
-              v[3 * a + i] = 0;
+              u[dof_of(a, i)] = x(dof_of(nodes(cell, a), i));
+              v[dof_of(a, i)] = 0;
             }
           const int m = matrix_of_cell(cell);
-          for (int c = 0; c < 24; ++c)
-            for (int r = 0; r < 24; ++r) v[r] += matrices(m, c, r) * u[c];  // symmetric: row c is column c
-          for (int a = 0; a < 8; ++a)
-            for (int i = 0; i < 3; ++i) y(3 * nodes(cell, a) + i) += v[3 * a + i];
+          for (int c = 0; c < num_dofs; ++c)
+            for (int r = 0; r < num_dofs; ++r) v[r] += matrices(m, c, r) * u[c];  // symmetric: row c is column c
+          for (int a = 0; a < num_nodes; ++a)
+            for (int i = 0; i < 3; ++i) y(dof_of(nodes(cell, a), i)) += v[dof_of(a, i)];
         });
   }
 }
 
-/// y += sum_faces (G x I_3) x_face. 864 flop per face.
-template <class Exec, class X, class Y>
-void apply_ghost_faces(const Exec& exec, const ColouredMesh& mesh, const GhostMatrix& ghost, const X& x, const Y& y) {
+/// y += sum_faces (G x I_3) x_face. Degree 1: 864 flop per face.
+template <int degree = 1, class Exec, class X, class Y>
+void apply_ghost_faces(const Exec& exec, const ColouredMeshOf<degree>& mesh, const GhostMatrixOf<degree>& ghost,
+                       const X& x, const Y& y) {
+  constexpr int num_nodes = GhostFace<degree>::num_nodes;
   const auto nodes = mesh.nodes_of_face;
   const auto scale = mesh.scale_of_face;
   for (std::size_t colour = 0; colour + 1 < mesh.face_colour_begin.size(); ++colour) {
@@ -44,14 +48,14 @@ void apply_ghost_faces(const Exec& exec, const ColouredMesh& mesh, const GhostMa
         "cgcontact::apply::ghost_faces",
         Kokkos::RangePolicy<Exec>(exec, mesh.face_colour_begin[colour], mesh.face_colour_begin[colour + 1]),
         KOKKOS_LAMBDA(const int face) {
-          double v[12][3] = {};
-          for (int b = 0; b < 12; ++b)
+          double v[num_nodes][3] = {};
+          for (int b = 0; b < num_nodes; ++b)
             for (int i = 0; i < 3; ++i) {
-              const double u = scale(face) * x(3 * nodes(face, b) + i);
-              for (int a = 0; a < 12; ++a) v[a][i] += ghost[a][b] * u;
+              const double u = scale(face) * x(dof_of(nodes(face, b), i));
+              for (int a = 0; a < num_nodes; ++a) v[a][i] += ghost[a][b] * u;
             }
-          for (int a = 0; a < 12; ++a)
-            for (int i = 0; i < 3; ++i) y(3 * nodes(face, a) + i) += v[a][i];
+          for (int a = 0; a < num_nodes; ++a)
+            for (int i = 0; i < 3; ++i) y(dof_of(nodes(face, a), i)) += v[a][i];
         });
   }
 }

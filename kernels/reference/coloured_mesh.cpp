@@ -7,11 +7,15 @@
 namespace cgcontact {
 namespace {
 
+template <int degree>
+using CellNodes = std::vector<std::array<int, HexElement<degree>::num_nodes>>;
+
 /// Cells of one colour share no node: parity of the cell index in each direction.
-void colour_cells(const BodyMesh& mesh, ColouredMesh& coloured) {
+template <int degree>
+void colour_cells(const BodyMesh& mesh, const CellNodes<degree>& cell_nodes, ColouredMeshOf<degree>& coloured) {
   const CutCells& cc = *mesh.cut_cells;
   const int n = static_cast<int>(cc.cells.size());
-  coloured.nodes_of_cell = CellNodesView("cgcontact::coloured_mesh::nodes_of_cell", n);
+  coloured.nodes_of_cell = CellNodesViewOf<degree>("cgcontact::coloured_mesh::nodes_of_cell", n);
   coloured.matrix_of_cell = IntView("cgcontact::coloured_mesh::matrix_of_cell", n);
   auto nodes_host = Kokkos::create_mirror_view(coloured.nodes_of_cell);
   auto matrix_host = Kokkos::create_mirror_view(coloured.matrix_of_cell);
@@ -21,7 +25,7 @@ void colour_cells(const BodyMesh& mesh, ColouredMesh& coloured) {
     for (int e = 0; e < n; ++e) {
       const Index3& c = cc.cells[e];
       if ((c[0] & 1) + 2 * (c[1] & 1) + 4 * (c[2] & 1) != colour) continue;
-      for (int a = 0; a < 8; ++a) nodes_host(position, a) = mesh.cell_nodes[e][a];
+      for (int a = 0; a < HexElement<degree>::num_nodes; ++a) nodes_host(position, a) = cell_nodes[e][a];
       matrix_host(position) = 1 + cc.cut_of_active[e];
       ++position;
     }
@@ -31,15 +35,18 @@ void colour_cells(const BodyMesh& mesh, ColouredMesh& coloured) {
   Kokkos::deep_copy(coloured.matrix_of_cell, matrix_host);
 }
 
-struct GhostFace {
+template <int degree>
+struct ColouredFace {
   int colour;
   double scale;
-  std::array<int, 12> nodes;
+  std::array<int, GhostFace<degree>::num_nodes> nodes;
 };
 
-std::vector<GhostFace> ghost_faces(const BodyMesh& mesh) {
+template <int degree>
+std::vector<ColouredFace<degree>> ghost_faces(const BodyMesh& mesh, const CellNodes<degree>& cell_nodes) {
+  using Element = HexElement<degree>;
   const CutCells& cc = *mesh.cut_cells;
-  std::vector<GhostFace> faces;
+  std::vector<ColouredFace<degree>> faces;
   for (std::size_t e = 0; e < cc.cells.size(); ++e)
     for (int d = 0; d < 3; ++d) {
       Index3 c = cc.cells[e];
@@ -48,32 +55,36 @@ std::vector<GhostFace> ghost_faces(const BodyMesh& mesh) {
       const double scale = f < 0 ? 0 : ghost_scale(mesh, e, f);
       if (scale == 0) continue;
       const int t1 = (d + 1) % 3, t2 = (d + 2) % 3;
-      GhostFace face;
+      ColouredFace<degree> face;
       face.scale = scale;
       face.colour = ((d * 3 + c[d] % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);
-      for (int layer = 0; layer < 3; ++layer)
-        for (int t = 0; t < 4; ++t) {
-          const int along = layer == 2 ? 1 : layer;
-          const int corner = ((layer == 2 ? 1 : along) << d) | ((t & 1) << t1) | ((t >> 1) << t2);
-          face.nodes[layer * 4 + t] = mesh.cell_nodes[layer == 2 ? f : e][corner];
+      for (int layer = 0; layer < GhostFace<degree>::num_layers; ++layer)
+        for (int t = 0; t < Element::nodes_per_face; ++t) {
+          const bool upper = layer > degree;
+          Index3 place;
+          place[d] = upper ? layer - degree : layer;
+          place[t1] = t % Element::nodes_per_line;
+          place[t2] = t / Element::nodes_per_line;
+          face.nodes[layer * Element::nodes_per_face + t] =
+              cell_nodes[upper ? f : e][Element::node(place[0], place[1], place[2])];
         }
       faces.push_back(face);
     }
   return faces;
 }
 
-void colour_faces(const BodyMesh& mesh, ColouredMesh& coloured) {
-  std::vector<GhostFace> faces = ghost_faces(mesh);
-  std::stable_sort(faces.begin(), faces.end(),
-                   [](const GhostFace& a, const GhostFace& b) { return a.colour < b.colour; });
-  coloured.nodes_of_face = FaceNodesView("cgcontact::coloured_mesh::nodes_of_face", faces.size());
+template <int degree>
+void colour_faces(const BodyMesh& mesh, const CellNodes<degree>& cell_nodes, ColouredMeshOf<degree>& coloured) {
+  std::vector<ColouredFace<degree>> faces = ghost_faces<degree>(mesh, cell_nodes);
+  std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.colour < b.colour; });
+  coloured.nodes_of_face = FaceNodesViewOf<degree>("cgcontact::coloured_mesh::nodes_of_face", faces.size());
   coloured.scale_of_face = RealView("cgcontact::coloured_mesh::scale_of_face", faces.size());
   auto host = Kokkos::create_mirror_view(coloured.nodes_of_face);
   auto scale = Kokkos::create_mirror_view(coloured.scale_of_face);
   coloured.face_colour_begin.clear();
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (f == 0 || faces[f].colour != faces[f - 1].colour) coloured.face_colour_begin.push_back(static_cast<int>(f));
-    for (int a = 0; a < 12; ++a) host(f, a) = faces[f].nodes[a];
+    for (int a = 0; a < GhostFace<degree>::num_nodes; ++a) host(f, a) = faces[f].nodes[a];
     scale(f) = faces[f].scale;
   }
   coloured.face_colour_begin.push_back(static_cast<int>(faces.size()));
@@ -83,11 +94,15 @@ void colour_faces(const BodyMesh& mesh, ColouredMesh& coloured) {
 
 }  // namespace
 
-ColouredMesh colour_mesh(const BodyMesh& mesh) {
-  ColouredMesh coloured;
-  colour_cells(mesh, coloured);
-  colour_faces(mesh, coloured);
+template <int degree>
+ColouredMeshOf<degree> colour_mesh(const BodyMesh& mesh, const CellNodes<degree>& cell_nodes) {
+  ColouredMeshOf<degree> coloured;
+  colour_cells<degree>(mesh, cell_nodes, coloured);
+  colour_faces<degree>(mesh, cell_nodes, coloured);
   return coloured;
 }
+
+template ColouredMeshOf<1> colour_mesh(const BodyMesh&, const CellNodes<1>&);
+template ColouredMeshOf<2> colour_mesh(const BodyMesh&, const CellNodes<2>&);
 
 }  // namespace cgcontact

@@ -1,37 +1,53 @@
-/// The reference twin of the fast operator: element matrices and plain kernels.
+/// The reference twin of the fast operator: element matrices and plain kernels, for elements of degree 1 or 2. Degree 1
+/// works on the system's own nodes; degree 2 has nodes of its own (nodes(body)), and no contact groups yet, whose rows
+/// are those of trilinear nodes.
 #pragma once
+
+#include <stdexcept>
 
 #include "kernels/reference/apply.hpp"
 
 namespace cgcontact {
 
+template <int degree = 1>
 class PlainOperator {
  public:
   /// The system must outlive the operator.
   explicit PlainOperator(const ElasticSystem& system) : system_(system) {
+    if (degree != 1 && !system.group_rows.empty())
+      throw std::logic_error("plain operator: contact groups are rows of trilinear elements");
+    int num_nodes = 0;
     for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-      meshes_.push_back(colour_mesh(system.meshes[b]));
-      matrices_.push_back(make_cell_matrices(system.meshes[b], system.supports[b]));
-      ghosts_.push_back(make_ghost_matrix(system.meshes[b], system.ghost_penalty));
+      nodes_.push_back(number_element_nodes<degree>(*system.meshes[b].cut_cells, num_nodes));
+      num_nodes += static_cast<int>(nodes_.back().places.size());
+      meshes_.push_back(colour_mesh<degree>(system.meshes[b], nodes_.back().of_cell));
+      matrices_.push_back(make_cell_matrices<degree>(system.meshes[b], system.supports[b]));
+      ghosts_.push_back(make_ghost_matrix<degree>(system.meshes[b], system.ghost_penalty));
     }
+    dofs_ = DofMap(num_nodes);
   }
+
+  const DofMap& dofs() const { return dofs_; }
+  const ElementNodes<degree>& nodes(std::size_t body) const { return nodes_[body]; }
 
   /// y = A x, with the present stiffness of the contact groups.
   template <class Exec, class X, class Y>
   void apply(const Exec& exec, const X& x, const Y& y) const {
     Kokkos::deep_copy(exec, y, 0.0);
     for (std::size_t b = 0; b < system_.meshes.size(); ++b) {
-      apply_cells(exec, meshes_[b], matrices_[b], x, y);
-      apply_ghost_faces(exec, meshes_[b], ghosts_[b], x, y);
+      apply_cells<degree>(exec, meshes_[b], matrices_[b], x, y);
+      apply_ghost_faces<degree>(exec, meshes_[b], ghosts_[b], x, y);
     }
     apply_groups(exec, system_.groups, x, y);
   }
 
  private:
   const ElasticSystem& system_;
-  std::vector<ColouredMesh> meshes_;
-  std::vector<CellMatrixView> matrices_;
-  std::vector<GhostMatrix> ghosts_;
+  DofMap dofs_;
+  std::vector<ElementNodes<degree>> nodes_;
+  std::vector<ColouredMeshOf<degree>> meshes_;
+  std::vector<CellMatrixViewOf<degree>> matrices_;
+  std::vector<GhostMatrixOf<degree>> ghosts_;
 };
 
 }  // namespace cgcontact

@@ -85,12 +85,6 @@ double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant
   return std::min(along, own) > same_face ? own / along : 1.0;
 }
 
-/// Cell coordinates of a place (grid coordinates).
-Vec3 coordinates_in_cell(const CutCells& cc, int cell, const Vec3& x) {
-  const Index3& at = cc.cells[cell];
-  return 2 * (x - Vec3(at[0], at[1], at[2])) - Vec3::Ones();
-}
-
 /// The pieces of the face of one pair by cell: products of the shape functions of the cell's nodes.
 class PairFace {
  public:
@@ -104,7 +98,7 @@ class PairFace {
 
   /// Numbers and shape functions of the nodes of a cell at a place (grid coordinates).
   void shapes(int cell, const Vec3& x, int number[8], double N[8]) {
-    const Vec3 xi = coordinates_in_cell(*mesh_.cut_cells, cell, x);
+    const Vec3 xi = cell_coordinates(*mesh_.cut_cells, cell, x);
     hex_shape(xi.data(), N);
     if (cell != latest_cell_) {
       latest_cell_ = cell;
@@ -380,7 +374,7 @@ std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredF
   parallel_for("cgcontact::force_balance::pressures", pressures.size(), grain, [&](std::size_t p) {
     if (body.boundary->pair_of_point[p] < 0) return;
     const int cell = cc.boundary.cell[p];
-    const Vec3 xi = coordinates_in_cell(cc, cell, cc.boundary.position[p]);
+    const Vec3 xi = cell_coordinates(cc, cell, cc.boundary.position[p]);
     double s[6];
     evaluate_recovered(*body.mesh, field, cell, xi.data(), s);
     pressures[p] = -normal_weights(cc.boundary.normal[p]).dot(Eigen::Map<const Vec6>(s));

@@ -49,20 +49,20 @@ struct CellStresses {
 
   CellStresses(const Tables& tables, const BodyMesh& mesh, int cell, const double u[8][3],
                const RecoveredField& field) {
-    set_raw(tables, mesh, u);
+    set_raw(tables, mesh, cell, u);
     set_recovered(tables, mesh, cell, field);
     if (field.quadratic) add_quadratic(tables, mesh, cell, *field.quadratic);
     if (field.edge) add_edge(tables, mesh, cell, field);
   }
 
  private:
-  void set_raw(const Tables& tables, const BodyMesh& mesh, const double u[8][3]) {
+  void set_raw(const Tables& tables, const BodyMesh& mesh, int cell, const double u[8][3]) {
     double g[3][3][Tables::num_points] = {};
     for (int a = 0; a < 8; ++a)
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
           for (int q = 0; q < Tables::num_points; ++q) g[i][j][q] += u[a][i] * tables.gradient[a][j][q];
-    const double factor = mesh.stress_factor();
+    const double factor = mesh.stress_factor(cell);
     const double lambda = factor * mesh.law.lambda, mu = factor * mesh.law.mu;
     for (int q = 0; q < Tables::num_points; ++q) {
       const double trace = lambda * (g[0][0][q] + g[1][1][q] + g[2][2][q]);
@@ -153,13 +153,12 @@ class Estimator {
     static const GaussTables<n> tables;
     const CutCells& cc = *mesh_.cut_cells;
     const double nu = mesh_.poisson_ratio();
-    const double volume_factor = std::pow(mesh_.cell_size, 3) / 8 / mesh_.modulus;
+    const double volume_factor = std::pow(mesh_.h(cell), 3) / 8 / mesh_.modulus;
     const int cut = cc.cut_of_active[cell];
     double weights[n * n * n], u[8][3];
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weights);
     for (double& w : weights) w *= volume_factor;
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) u[a][i] = u_(3 * mesh_.cell_nodes[cell][a] + i);
+    corner_values(mesh_.cell_nodes[cell], u_, u);
     const CellStresses<n> stress(tables, mesh_, cell, u, recovered_);
     const double error = complementary_energy(stress.recovered, stress.raw, weights, nu);
     sums.error += error;
@@ -177,10 +176,9 @@ class Estimator {
   void set_exact(const GaussTables<n>& tables, int cell, double (*exact)[n * n * n]) const {
     const Grid& grid = mesh_.cut_cells->grid;
     const Mat3& R = grid.rotation;
-    const Index3& c = mesh_.cut_cells->cells[cell];
     for (int q = 0; q < n * n * n; ++q) {
       const auto& xi = tables.xi[q];
-      const Vec3 x(c[0] + 0.5 * (xi[0] + 1), c[1] + 0.5 * (xi[1] + 1), c[2] + 0.5 * (xi[2] + 1));
+      const Vec3 x = grid_position(*mesh_.cut_cells, cell, Vec3(xi[0], xi[1], xi[2]));
       const Sym3 s = voigt(R.transpose() * tensor(exact_(grid.to_global(x))) * R) / scales_.stress;
       for (int k = 0; k < 6; ++k) exact[k][q] = s[k];
     }

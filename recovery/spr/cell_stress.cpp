@@ -14,8 +14,7 @@ constexpr std::size_t grain = 256;
 CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u) {
   return [&mesh, u](int cell) {
     double h[8][3];
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) h[a][i] = u(3 * mesh.cell_nodes[cell][a] + i);
+    corner_values(mesh.cell_nodes[cell], u, h);
     corner_differences(h);
     constexpr int term[3][4] = {{0, 2, 3, 8}, {0, 1, 3, 9}, {0, 1, 2, 7}};
     double g[Polynomial<2>::num_terms][3][3] = {};
@@ -23,7 +22,7 @@ CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u) {
       for (int t = 0; t < 4; ++t)
         for (int i = 0; i < 3; ++i) g[term[j][t]][i][j] = corner_scale[t] * h[corner_difference[j][t]][i];
     CellPolynomial polynomial = CellPolynomial::Zero();
-    const double factor = mesh.stress_factor();
+    const double factor = mesh.stress_factor(cell);
     for (int t : {0, 1, 2, 3, 7, 8, 9}) {
       double s[6];
       mesh.law.stress(g[t], s);

@@ -56,8 +56,7 @@ RecoveredField part_of(const RecoveredField& field, Subset nodes) {
 
 void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],
                     double s[6]) {
-  const Index3& c = mesh.cut_cells->cells[cell];
-  const Vec3 x(c[0] + 0.5 * (xi[0] + 1), c[1] + 0.5 * (xi[1] + 1), c[2] + 0.5 * (xi[2] + 1));
+  const Vec3 x = grid_position(*mesh.cut_cells, cell, Vec3(xi[0], xi[1], xi[2]));
   for (int a = 0; a < 8; ++a) {
     const EdgeTerms::Term* term = field.edge->of_node(mesh.cell_nodes[cell][a] - mesh.first_node);
     if (!term) continue;
@@ -134,13 +133,12 @@ void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const 
   parallel_for("cgcontact::spr::cell_integrals", cells.size(), grain, [&](std::size_t row) {
     const int cell = cells.number(static_cast<int>(row));
     double corner[8][3];
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) corner[a][i] = host(3 * mesh.cell_nodes[cell][a] + i);
+    corner_values(mesh.cell_nodes[cell], host, corner);
     double integrals[6][num_terms];
     if (mesh.cut_cells->cut_of_active[cell] < 0)
-      full_cell_stress_integrals(mesh.law, mesh.stress_factor(), corner, integrals);
+      full_cell_stress_integrals(mesh.law, mesh.stress_factor(cell), corner, integrals);
     else
-      cell_stress_integrals(mesh.law, mesh.stress_factor(), corner, patches.moments_of(*mesh.cut_cells, cell),
+      cell_stress_integrals(mesh.law, mesh.stress_factor(cell), corner, patches.moments_of(*mesh.cut_cells, cell),
                             integrals);
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t) out(row, k, t) = integrals[k][t];

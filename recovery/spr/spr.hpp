@@ -40,7 +40,7 @@ struct RecoveredField {
 RecoveredField part_of(const RecoveredField& field, Subset nodes);
 
 /// Integrals of {1, x, y, z} sigma_h over one cell from its corner displacements (grid axes, u[corner][axis]) and its
-/// moments. `factor`: BodyMesh::stress_factor().
+/// moments. `factor`: BodyMesh::stress_factor.
 void cell_stress_integrals(const UnitElasticity& law, double factor, const double u[8][3],
                            const MonomialMoments& moments, double out[6][num_terms]);
 

@@ -38,7 +38,7 @@ RealView nodal_field(const ElasticSystem& system, const Field& field) {
       const Grid& grid = mesh.cut_cells->grid;
       const Vec3 value =
           grid.rotation.transpose() * field(grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])));
-      for (int i = 0; i < 3; ++i) u(3 * (mesh.first_node + n) + i) = value[i];
+      for (int i = 0; i < 3; ++i) u(dof_of(mesh.first_node + n, i)) = value[i];
     }
   return u;
 }

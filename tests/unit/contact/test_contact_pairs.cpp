@@ -39,9 +39,9 @@ TEST(ContactPairs, GroupRowsMeasureTheGap) {
   for (const GroupRow& row : system.group_rows) {
     double opening = 0, common = 0;
     for (const auto& [dof, value] : row.entries) {
-      const bool upper = dof / 3 >= system.meshes[1].first_node;
+      const bool upper = node_of_dof(dof) >= system.meshes[1].first_node;
       // The upper grid is turned about z only: its third axis is the global one.
-      if (dof % 3 == 2) (upper ? opening : common) += value;
+      if (component_of_dof(dof) == 2) (upper ? opening : common) += value;
     }
     EXPECT_NEAR(opening, 1, 1e-12);
     EXPECT_NEAR(common, -1, 1e-12);

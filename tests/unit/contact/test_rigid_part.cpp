@@ -31,7 +31,7 @@ class RigidPartsOfTurnedGrids : public testing::Test {
         const Vec3 value = grid.rotation.transpose() *
                            field(static_cast<int>(b), grid.to_global(Vec3(g[0], g[1], g[2]))) /
                            sim_.state.scales.length;
-        for (int i = 0; i < 3; ++i) work(3 * (mesh.first_node + n) + i, value[i]);
+        for (int i = 0; i < 3; ++i) work(dof_of(mesh.first_node + n, i), value[i]);
       }
     }
   }

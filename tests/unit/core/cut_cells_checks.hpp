@@ -73,7 +73,8 @@ inline void check_structure(const CutCells& cells) {
     EXPECT_GT(cells.volume_fraction(a), 0.99e-12);
     EXPECT_LT(cells.volume_fraction(a), 1 + 1e-11) << "pruned neighbours may add a few 1e-12";
     if (a > 0) {
-      EXPECT_LT(cells.grid.cell_index(cells.cells[a - 1]), cells.grid.cell_index(cells.cells[a]));
+      const Index3 &before = cells.cells[a - 1], &here = cells.cells[a];
+      EXPECT_LT(std::tie(before[2], before[1], before[0]), std::tie(here[2], here[1], here[0]));
     }
   }
   for (std::size_t c = 0; c < cells.moments.size(); ++c)

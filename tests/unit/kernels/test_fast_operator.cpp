@@ -79,14 +79,14 @@ void compare(const ElasticSystem& system, const std::string& what) {
       auto own = [&](const Index3& c) { return c[0] % 3 + 3 * (c[1] % 3) + 9 * (c[2] % 3) == colour; };
       for (const BodyMesh& mesh : system.meshes)
         for (int a = 0; a < mesh.num_nodes; ++a)
-          if (own(mesh.nodes[a])) e(3 * (mesh.first_node + a) + j) = 1;
+          if (own(mesh.nodes[a])) e(dof_of(mesh.first_node + a, j)) = 1;
       plain.apply(exec, e, Ae);
       for (const BodyMesh& mesh : system.meshes)
         for (int a = 0; a < mesh.num_nodes; ++a)
           if (own(mesh.nodes[a])) {
             const int node = mesh.first_node + a;
-            expected(6 * node + j) = Ae(3 * node + j);
-            expected(6 * node + 3 + j) = Ae(3 * node + (j + 1) % 3);
+            expected(6 * node + j) = Ae(dof_of(node, j));
+            expected(6 * node + 3 + j) = Ae(dof_of(node, (j + 1) % 3));
           }
     }
   for (int a = 0; a < system.num_nodes; ++a)
@@ -107,13 +107,13 @@ int compare_columns(const ElasticSystem& system, const std::string& what) {
   double scale = 0, difference = 0;
   for (int c = 0; c < columns.num_columns(); c += step) {
     const auto& column = columns.columns(c);
-    const int n = 3 * column.size;
+    const int n = dof_of(column.size);
     for (int j = 0; j < n; ++j) {
       RealView e("e", system.num_dofs()), Ae("Ae", system.num_dofs());
-      e(3 * columns.nodes(column.first + j / 3) + j % 3) = 1;
+      e(dof_of(columns.nodes(column.first + node_of_dof(j)), component_of_dof(j))) = 1;
       plain.apply(exec, e, Ae);
       for (int i = 0; i < n; ++i) {
-        const double expected = Ae(3 * columns.nodes(column.first + i / 3) + i % 3);
+        const double expected = Ae(dof_of(columns.nodes(column.first + node_of_dof(i)), component_of_dof(i)));
         scale = std::max(scale, std::abs(expected));
         if (i / 3 == j / 3) continue;
         difference = std::max(difference, std::abs(columns.matrices(column.matrix + i * n + j) - expected));
@@ -171,11 +171,7 @@ CutCells random_cells(const Index3& size, double active, double cut, unsigned se
   for (int k = 0; k < size[2]; ++k)
     for (int j = 0; j < size[1]; ++j)
       for (int i = 0; i < size[0]; ++i) {
-        if (uniform(generator) > active) {
-          cc.active_of_cell.push_back(-1);
-          continue;
-        }
-        cc.active_of_cell.push_back(static_cast<int>(cc.cells.size()));
+        if (uniform(generator) > active) continue;
         if (uniform(generator) < cut) {
           Moments m = full_cell_moments();
           for (double& v : m) v = 0.7 * v + 0.2 * uniform(generator);
@@ -187,6 +183,7 @@ CutCells random_cells(const Index3& size, double active, double cut, unsigned se
         }
         cc.cells.push_back({i, j, k});
       }
+  cc.numbers = GridNumbers(size, cc.cells);
   return cc;
 }
 
@@ -276,7 +273,7 @@ TEST(FastOperator, SupportsAndGroupsOfTwoBodies) {
       add_support_terms(system, b, terms);
     }
     if (with_groups) {
-      const int other = 3 * system.meshes[1].first_node;
+      const int other = dof_of(system.meshes[1].first_node);
       set_group_rows(system, {{{{0, 0.5}, {1, -0.25}, {other + 2, 1.5}}}, {{{4, 0.5}, {5, 0.75}}}, {{{4, 1}}}});
       set_group_stiffness(system, {3.0, 0.0, 0.5});
     }

@@ -100,7 +100,7 @@ TEST(Operator, AssembledMatrixEqualsMatrixFree) {
         make_elastic_system({&first, &second}, {Material{2.0, 0.3}, Material{0.1, 0.45}}, Scales{0.5, 4.0}, 0.01);
     add_support_terms(system, 0, {{first.boundary.cell[3], Vec3(0.1, -0.3, 0.6), Vec3(1, 2, 2) / 3, 0.7}});
     set_group_rows(system,
-                   {{{{0, 0.5}, {1, -0.25}, {3 * system.meshes[1].first_node + 2, 1.5}}}, {{{4, 0.5}, {5, 0.75}}}});
+                   {{{{0, 0.5}, {1, -0.25}, {dof_of(system.meshes[1].first_node, 2), 1.5}}}, {{{4, 0.5}, {5, 0.75}}}});
     set_group_stiffness(system, {3.0, 0.0});
     const auto map = make_dof_map(system, Tpetra::getDefaultComm());
     const auto matrix = assemble_matrix(system, map);
@@ -118,6 +118,27 @@ TEST(Operator, AssembledMatrixEqualsMatrixFree) {
   }
 }
 
+/// Every second cell is declared to be of the next level: half the size, half the stiffness, twice the stress.
+TEST(Operator, SizeBelongsToTheCell) {
+  const CutCells large = test::cut(cases()[2].solid, test::odd_grid(7, 0.7));
+  CutCells mixed = large;
+  mixed.grid.num_levels = 2;
+  for (std::size_t e = 0; e < mixed.cells.size(); ++e) mixed.levels.push_back(e % 2);
+  const ElasticSystem one = make_system(large, 0.0), two = make_system(mixed, 0.0);
+  const CellMatrixView K = make_cell_matrices(one.meshes[0], {}), H = make_cell_matrices(two.meshes[0], {});
+  for (int e = 0; e < static_cast<int>(large.cells.size()); ++e) {
+    const double factor = e % 2 ? 0.5 : 1.0;
+    EXPECT_EQ(mixed.h(e), factor * large.h(e));
+    EXPECT_EQ(two.meshes[0].h(e), factor * one.meshes[0].h(e));
+    EXPECT_EQ(two.meshes[0].stress_factor(e), one.meshes[0].stress_factor(e) / factor);
+    const int m = 1 + large.cut_of_active[e];
+    if (m == 0) continue;
+    for (int r = 0; r < 24; ++r)
+      for (int c = 0; c < 24; ++c) ASSERT_EQ(H(m, r, c), factor * K(m, r, c));
+  }
+  EXPECT_THROW(FastOperator<double>{two}, std::logic_error);
+}
+
 /// Cut cells of the grid with cells of twice the size, moments summed from the children.
 CutCells coarsen(const CutCells& fine) {
   CutCells coarse;
@@ -125,7 +146,6 @@ CutCells coarsen(const CutCells& fine) {
   coarse.grid = fine.grid;
   coarse.grid.cell_size *= 2;
   for (int& n : coarse.grid.num_cells) n /= 2;
-  coarse.active_of_cell.assign(coarse.grid.num_cells_total(), -1);
   for (int k = 0; k < coarse.grid.num_cells[2]; ++k)
     for (int j = 0; j < coarse.grid.num_cells[1]; ++j)
       for (int i = 0; i < coarse.grid.num_cells[0]; ++i) {
@@ -138,12 +158,12 @@ CutCells coarsen(const CutCells& fine) {
           active = true;
         }
         if (!active) continue;
-        coarse.active_of_cell[coarse.grid.cell_index({i, j, k})] = static_cast<int>(coarse.cells.size());
         coarse.cut_of_active.push_back(static_cast<int>(coarse.moments.size()));
         coarse.active_of_cut.push_back(static_cast<int>(coarse.cells.size()));
         coarse.cells.push_back({i, j, k});
         coarse.moments.push_back(coarse_moments(children));
       }
+  coarse.numbers = GridNumbers(coarse.grid.num_cells, coarse.cells);
   return coarse;
 }
 
@@ -151,7 +171,7 @@ CutCells coarsen(const CutCells& fine) {
 RealView prolongate(const BodyMesh& coarse, const BodyMesh& fine, const RealView& x) {
   std::map<Index3, int> number;
   for (int n = 0; n < coarse.num_nodes; ++n) number[coarse.nodes[n]] = n;
-  RealView y("y", 3 * fine.num_nodes);
+  RealView y("y", dof_of(fine.num_nodes));
   for (int n = 0; n < fine.num_nodes; ++n)
     for (int a = 0; a < 8; ++a) {
       Index3 parent;
@@ -162,7 +182,7 @@ RealView prolongate(const BodyMesh& coarse, const BodyMesh& fine, const RealView
         weight *= g % 2 ? 0.5 : (upper ? 0.0 : 1.0);
       }
       if (weight == 0) continue;
-      for (int i = 0; i < 3; ++i) y(3 * n + i) += weight * x(3 * number.at(parent) + i);
+      for (int i = 0; i < 3; ++i) y(dof_of(n, i)) += weight * x(dof_of(number.at(parent), i));
     }
   return y;
 }

@@ -227,8 +227,7 @@ TEST(CellStress, IntegralsOfDisplacements) {
   for (int e = 0; e < cells.size(); ++e) {
     double weights[125], corner[8][3];
     fitted_weights(cc.cut_of_active[e] < 0 ? full_cell_moments() : cc.moments[cc.cut_of_active[e]], 5, weights);
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) corner[a][i] = u(3 * mesh.cell_nodes[e][a] + i);
+    corner_values(mesh.cell_nodes[e], u, corner);
     CellPolynomial sum = CellPolynomial::Zero();
     double largest = 0, square = 0;
     for (int q = 0; q < 125; ++q) {
@@ -238,9 +237,9 @@ TEST(CellStress, IntegralsOfDisplacements) {
       hex_stress(mesh.law, corner, xi, s);
       Polynomial<2>::terms(d, p);
       for (int k = 0; k < 6; ++k) {
-        largest = std::max(largest, std::abs(mesh.stress_factor() * s[k]));
-        square += weights[q] / 8 * std::pow(mesh.stress_factor() * s[k], 2);
-        for (int t = 0; t < 10; ++t) sum(k, t) += mesh.stress_factor() * weights[q] / 8 * s[k] * p[t];
+        largest = std::max(largest, std::abs(mesh.stress_factor(e) * s[k]));
+        square += weights[q] / 8 * std::pow(mesh.stress_factor(e) * s[k], 2);
+        for (int t = 0; t < 10; ++t) sum(k, t) += mesh.stress_factor(e) * weights[q] / 8 * s[k] * p[t];
       }
     }
     EXPECT_LT((sum - integrals.stress[e].topRows<6>()).cwiseAbs().maxCoeff(), 1e-13 * largest);

@@ -29,10 +29,7 @@ struct Case {
     fit_patches(mesh, patches, stress, cells, field);
   }
 
-  void corner_displacements(int cell, double corner[8][3]) const {
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) corner[a][i] = u(3 * mesh.cell_nodes[cell][a] + i);
-  }
+  void corner_displacements(int cell, double corner[8][3]) const { corner_values(mesh.cell_nodes[cell], u, corner); }
   const Moments& moments(int cell) const {
     const int cut = cc.cut_of_active[cell];
     return cut < 0 ? full_cell_moments() : cc.moments[cut];
@@ -50,8 +47,8 @@ TEST(PlainTwins, CellStressIntegrals) {
       double s[6];
       hex_stress(c.mesh.law, corner, xi, s);
       for (int k = 0; k < 6; ++k) {
-        const double value = c.mesh.stress_factor() * weights[q] / 8 * s[k];
-        largest = std::max(largest, std::abs(c.mesh.stress_factor() * s[k]));
+        const double value = c.mesh.stress_factor(e) * weights[q] / 8 * s[k];
+        largest = std::max(largest, std::abs(c.mesh.stress_factor(e) * s[k]));
         sum[k][0] += value;
         for (int d = 0; d < 3; ++d) sum[k][1 + d] += 0.5 * xi[d] * value;
       }
@@ -116,7 +113,7 @@ TEST(PlainTwins, PatchFits) {
 
 TEST(PlainTwins, ErrorEstimate) {
   const Case c;
-  const double nu = 0.3, factor = std::pow(c.mesh.cell_size, 3) / 8 / c.mesh.modulus;
+  const double nu = 0.3, factor = std::pow(c.mesh.h(0), 3) / 8 / c.mesh.modulus;
   const auto energy = [&](const double s[6]) {
     return s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - 2 * nu * (s[0] * s[1] + s[1] * s[2] + s[2] * s[0]) +
            2 * (1 + nu) * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]);
@@ -141,7 +138,7 @@ TEST(PlainTwins, ErrorEstimate) {
       hex_stress(c.mesh.law, corner, xi, s);
       evaluate_recovered(c.mesh, c.field, e, xi, r);
       for (int k = 0; k < 6; ++k) {
-        s[k] *= c.mesh.stress_factor();
+        s[k] *= c.mesh.stress_factor(e);
         d[k] = r[k] - s[k];
         ds[k] = t[k] - s[k];
         dr[k] = t[k] - r[k];
