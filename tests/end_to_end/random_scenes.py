@@ -18,14 +18,12 @@ import sys
 import tempfile
 
 # Rounding of the geometry (1e-16 of the coordinates over a cell) is amplified by the stiffness of the penalty terms; the
-# outer iteration and the linear solver stop at 1e-12 and 1e-13.
+# outer iteration and the linear solver stop at 1e-12 and 1e-13. One of 158 scenes has forces off by 1.9e-9.
 TOLERANCE = 1e-9
-# What is recovered (pressure, where it ends, the estimated error) hangs on decisions of rank and of the end of the zone that
-# rounding may tip on cells this coarse: area up to 2 %, the others up to 1e-4 in 30 scenes.
-RECOVERY = 0.05
-# A mirror turns over the constraint points of SPR-C (three or five on a circle) and chooses other quadrature points on curved
-# pieces, which integrate polynomials alike, but not the gap: forces up to 1e-4 in 16 scenes.
-MIRRORED, MIRRORED_RECOVERY = 1e-3, 0.15
+# What is recovered (pressure, where it ends, the estimated error): of 158 scenes, each in five other frames, 79 % keep it to
+# 1e-9, 96 % to 1e-7. In a cell in a thousand two rules of the same points that integrate polynomials alike tie; the energy of
+# the error changes by up to 2e-4 in three scenes and the area of two zones of half a cell by up to 2e-3, where ranks of rows tie.
+RECOVERY = 1e-6
 # Forces, m^2 of E, and pressures, of E, below which everything is rounding (motions of 1e-3 without any stress).
 NOTHING = 1e-6
 SETTINGS = ("solver.tolerance=1e-12", "solver.linear_tolerance=1e-13", "solver.max_outer_iterations=60",
@@ -261,15 +259,14 @@ def figures_of(report, frame, young):
         for part in ("loads", "supports", "contact"):
             forces[f"{part} of {body['body']}"] = size(body[part])
     scale = max(NOTHING * young, *forces.values())
-    exact, recovered = (MIRRORED, MIRRORED_RECOVERY) if frame.mirror else (TOLERANCE, RECOVERY)
-    figures = {name: (value, scale, exact) for name, value in forces.items()}
+    figures = {name: (value, scale, TOLERANCE) for name, value in forces.items()}
     for pair in report["contact"]:
         name = "-".join(sorted(pair["bodies"]))
         area, pressure = pair["area"] / frame.length ** 2, pair["max_pressure"] / frame.stress
-        figures["area " + name] = (area, area, recovered)
-        figures["largest pressure " + name] = (pressure, max(NOTHING * young, pressure), recovered)
+        figures["area " + name] = (area, area, RECOVERY)
+        figures["largest pressure " + name] = (pressure, max(NOTHING * young, pressure), RECOVERY)
     energy = report["estimated_error"]["absolute"] ** 2 / (frame.stress * frame.length ** 3)
-    figures["energy of the error"] = (energy, max(NOTHING ** 2 * young, energy), recovered)
+    figures["energy of the error"] = (energy, max(NOTHING ** 2 * young, energy), RECOVERY)
     return figures
 
 

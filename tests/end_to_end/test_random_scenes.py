@@ -9,10 +9,11 @@ import random_scenes
 
 class RandomScenes(unittest.TestCase):
     def test_nothing_physical_changes(self):
-        """Units, a turn with the grid and the order of the bodies change forces by rounding only (a mirror, and what is
-        recovered, within the tolerances given there); loads on declared faces are those of their exact areas; forces are in equilibrium."""
+        """Units, a turn with the grid, a mirror and the order of the bodies change forces and what is recovered by rounding only
+        (equal cells and many samples of an edge included); loads on declared faces are those of their exact areas; forces are
+        in equilibrium."""
         solved = 0
-        for seed in (0, 1, 12):
+        for seed in (0, 1, 12, 53):
             with self.subTest(seed=seed):
                 faults, codes = random_scenes.faults_of(harness.PROGRAM, seed, tempfile.mkdtemp(dir="."))
                 self.assertEqual(faults, [])
