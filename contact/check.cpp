@@ -83,8 +83,9 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   }
   if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
   for (const std::string& warning : preparation.warnings) text += fmt::format("warning: {}\n", warning);
-  text += fmt::format("{} unknowns in all, about {:.0f} MB of memory\n", unknowns,
-                      expected_memory(sizes, {count_contact_points(preparation.pairs), scene.output.plots}) / 1e6);
+  text += fmt::format("contact.csv: {:.0f} rows\n{} unknowns in all, about {:.0f} MB of memory\n",
+                      count_contact_rows(preparation), unknowns,
+                      expected_memory(sizes, {count_contact_points(preparation), scene.output.plots}) / 1e6);
   return text;
 }
 

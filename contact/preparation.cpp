@@ -100,16 +100,31 @@ void check_reference(const Scene& scene, const std::vector<ContactPair>& pairs) 
 
 }  // namespace
 
-double count_contact_points(const std::vector<ContactPair>& pairs) {
-  double points = 0;
-  for (const ContactPair& pair : pairs) points += static_cast<double>(pair.points.size());
+double count_contact_rows(const Preparation& preparation) {
+  double rows = 0;
+  for (std::size_t b = 0; b < preparation.bodies.size(); ++b) {
+    const BodyModel& body = preparation.bodies[b];
+    std::vector<BodyFace> faces;  // of automatic pairs only what is in reach counts
+    for (const ContactPair& pair : preparation.pairs)
+      if (!pair.spec->automatic && (pair.primary == static_cast<int>(b) || pair.secondary == static_cast<int>(b)))
+        faces.emplace_back(pair.face(static_cast<int>(b)), body);
+    for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
+      rows += body.boundary.pair_of_point[p] >= 0 ||
+              std::any_of(faces.begin(), faces.end(), [&](const BodyFace& face) { return face.contains(p); });
+  }
+  return rows;
+}
+
+double count_contact_points(const Preparation& preparation) {
+  double points = count_contact_rows(preparation);
+  for (const ContactPair& pair : preparation.pairs) points += static_cast<double>(pair.points.size());
   return points;
 }
 
 void check_memory(const Scene& scene, const Preparation& preparation) {
   std::vector<BodySize> sizes;
   for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
-  check_memory(scene, sizes, count_contact_points(preparation.pairs));
+  check_memory(scene, sizes, count_contact_points(preparation));
 }
 
 Preparation lay_out(const Scene& scene, bool refuse_near_limit) {

@@ -23,7 +23,11 @@ Preparation lay_out(const Scene& scene, bool refuse_near_limit = true);
 /// Can it be solved? Throws InputError; holds motions that no load drives.
 void complete(const Scene& scene, Preparation& preparation);
 
-double count_contact_points(const std::vector<ContactPair>& pairs);
+/// Rows of contact.csv: boundary points of the contact faces, in reach of the other body or not.
+double count_contact_rows(const Preparation& preparation);
+
+/// Points of the pairs and rows of the results, for the expected memory.
+double count_contact_points(const Preparation& preparation);
 
 /// Throws InputError if a run of the scene would not fit into memory.
 void check_memory(const Scene& scene, const Preparation& preparation);

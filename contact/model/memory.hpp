@@ -19,7 +19,8 @@ BodySize size_of(const CutCells& cut_cells);
 
 /// What it depends on beside the bodies.
 struct MemoryExtras {
-  double contact_points = 0;  ///< of all pairs; before they are known: 0
+  /// Of all pairs, and the boundary points of their faces, which the results have; before they are known: 0.
+  double contact_points = 0;
   bool pictures = true;
 };
 
