@@ -1,6 +1,7 @@
 /// Where the opposite face of a contact pair ends, on the body whose surface is integrated.
 #pragma once
 
+#include "core/cells/cut_cells.hpp"
 #include "core/cells/face_dividers.hpp"
 
 namespace cgcontact {

@@ -9,7 +9,7 @@ namespace cgcontact {
 
 namespace {
 
-Line read_path(const TomlCursor& node) {
+PathEnds read_path(const TomlCursor& node) {
   node.expect_keys({"from", "to"});
   const Vec3 from = node.at("from", "[x, y, z], m").vector("m"), to = node.at("to", "[x, y, z], m").vector("m");
   if (!((to - from).stableNorm() > 0)) node.fail("has no length", "from different from to");
@@ -29,7 +29,7 @@ void read_setting(const TomlCursor& node, const Setting& setting) {
     }
     void operator()(bool* value) const { *value = node.boolean(); }
     void operator()(std::string* value) const { *value = node.string("a " + setting.key); }
-    void operator()(std::optional<Line>* value) const { *value = read_path(node); }
+    void operator()(std::optional<PathEnds>* value) const { *value = read_path(node); }
     void operator()(const Choice& choice) const {
       const std::string name = node.one_of(choice.names);
       const auto place = std::find(choice.names.begin(), choice.names.end(), name);

@@ -6,12 +6,12 @@
 namespace cgcontact {
 
 struct OutputOptions {
-  std::string directory;     ///< empty: out/<name of the file>
-  bool vtk = true;           ///< fields for ParaView
-  bool csv = true;           ///< contact.csv
-  bool plots = true;         ///< pictures
-  bool report = true;        ///< report.html
-  std::optional<Line> path;  ///< along which the pressure is drawn; none: through the largest pressure
+  std::string directory;         ///< empty: out/<name of the file>
+  bool vtk = true;               ///< fields for ParaView
+  bool csv = true;               ///< contact.csv
+  bool plots = true;             ///< pictures
+  bool report = true;            ///< report.html
+  std::optional<PathEnds> path;  ///< along which the pressure is drawn; none: through the largest pressure
 
   std::vector<Setting> settings();
   void check() const;

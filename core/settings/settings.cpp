@@ -20,7 +20,7 @@ std::string value_text(const Setting& setting) {
     std::string operator()(const std::string* value) const {
       return value->empty() ? setting.if_empty : '"' + *value + '"';
     }
-    std::string operator()(const std::optional<Line>* value) const {
+    std::string operator()(const std::optional<PathEnds>* value) const {
       if (!*value) return setting.if_empty;
       const auto& [a, b] = **value;
       return fmt::format("{{from = [{}, {}, {}], to = [{}, {}, {}]}}", a[0], a[1], a[2], b[0], b[1], b[2]);

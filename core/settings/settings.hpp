@@ -27,11 +27,11 @@ Choice choice_of(Enum& value, const std::vector<std::string>& names) {
 }
 
 /// From one place to another, m.
-using Line = std::pair<Vec3, Vec3>;
+using PathEnds = std::pair<Vec3, Vec3>;
 
 struct Setting {
   std::string key;  ///< under the section of the stage; with a dot in it: of a table there
-  std::variant<double*, int*, bool*, std::string*, std::optional<Line>*, Choice> value;
+  std::variant<double*, int*, bool*, std::string*, std::optional<PathEnds>*, Choice> value;
   Range range = {};            ///< of numbers
   std::vector<int> only = {};  ///< of integers: just these; empty: all in the range
   std::string if_empty = {};   ///< what an empty text, or no line, means
