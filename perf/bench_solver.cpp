@@ -1,6 +1,6 @@
 /// The linear solver on the paper's scene in 3D, all contact closed: one step of the smoother, one V-cycle, the set-up
 /// of multigrid; and the whole way to the solution (set-up and CG to 1e-8 of the right-hand side, which is random),
-/// with multigrid and, in the same run, as others would do it: matrix assembled, MueLu, Belos' CG on the assembled
+/// with multigrid and, in the same run, as others would do it: matrix assembled, MueLu, the same CG on the assembled
 /// matrix (`times_muelu`: its time over ours). Sizes are n of the scene: 26 makes 105,000 unknowns, 56 about a million.
 ///
 /// Memory (B/DoF, muelu_B/DoF) is the largest resident set during set-up and solve beyond that before them, when there

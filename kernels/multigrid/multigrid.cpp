@@ -5,7 +5,6 @@
 
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/coarsen.hpp"
-#include "kernels/multigrid/find_soft_cells.hpp"
 #include "kernels/multigrid/smoother.hpp"
 #include "kernels/operator/fast_operator.hpp"
 
@@ -46,14 +45,12 @@ struct Level {
   std::vector<CutCells> cells;  // owned, coarse levels only
   ElasticSystem own_system;
   const ElasticSystem* system = nullptr;
-  SoftCells soft;
-  int smoother_degree = 0;
-  double smoother_ratio = 0;
   std::unique_ptr<FastOperator<Real>> op;
   std::unique_ptr<SurfaceSmoother<Real>> smoother;
   Transfer transfer;  // to the next coarser level
   double largest_eigenvalue = 0;
   LevelVector b, x, r, d;
+  std::vector<LevelVector> p, q;  // directions of CG on the level, and the operator applied to them
 };
 
 }  // namespace
@@ -99,7 +96,7 @@ struct Multigrid::Impl {
         cells.push_back(&to->cells[b]);
         materials.push_back(fine.materials[b]);
       }
-      to->own_system = make_elastic_system(cells, materials, fine.scales, fine.ghost_penalty);
+      to->own_system = make_elastic_system(cells, materials, fine.scales, settings.coarse_ghost * fine.ghost_penalty);
       to->system = &to->own_system;
       for (std::size_t b = 0; b < cells.size(); ++b)
         add_support_terms(to->own_system, static_cast<int>(b),
@@ -107,28 +104,20 @@ struct Multigrid::Impl {
       from.transfer = make_transfer(*from.system, *to->system);
       levels.push_back(std::move(to));
     }
-    const ElasticSystem* finer = nullptr;
-    SoftCells of_finer;
     for (auto& level : levels) {
       report.unknowns.push_back(level->system->num_dofs());
       const int n = level->system->num_dofs();
       level->b = LevelVector("cgcontact::multigrid::b", n);
       level->x = LevelVector("cgcontact::multigrid::x", n);
       const NodeColumns<Real> columns = make_node_columns<Real>(*level->system);
-      if (settings.soft_cells) {
-        SoftCells soft = make_soft_cells(*level->system, columns, finer, &of_finer);
-        for (std::size_t b = 0; b < level->own_system.meshes.size(); ++b)
-          level->own_system.meshes[b].full_volume = soft.full_volume[b];
-        if (finer) level->soft = soft;
-        finer = level->system;
-        of_finer = std::move(soft);
-      }
-      level->smoother_degree = settings.smoother_degree << level->soft.halvings;
-      level->smoother_ratio = settings.smoother_ratio * std::pow(4.0, level->soft.halvings);
       if (level == levels.back()) break;
-      level->op = std::make_unique<FastOperator<Real>>(*level->system, level->soft);
+      level->op = std::make_unique<FastOperator<Real>>(*level->system);
       level->r = LevelVector("cgcontact::multigrid::r", n);
       level->d = LevelVector("cgcontact::multigrid::d", n);
+      for (int k = 0; k < settings.coarse_steps && level != levels.front(); ++k) {
+        level->p.emplace_back("cgcontact::multigrid::p", n);
+        level->q.emplace_back("cgcontact::multigrid::q", n);
+      }
       FastOperator<Real>::BlockView blocks("cgcontact::multigrid::blocks", level->system->num_nodes);
       level->op->diagonal_blocks(exec, blocks, columns);
       level->smoother = std::make_unique<SurfaceSmoother<Real>>(*level->system, blocks, columns);
@@ -155,7 +144,7 @@ struct Multigrid::Impl {
       full = std::move(rows.full_stiffness);
     }
     if (coarsest.is_null() || changed_much(coarsest_groups, stiffness)) {
-      coarsest = make_muelu(*levels.back()->system, coarsest_map, levels.back()->soft);
+      coarsest = make_muelu(*levels.back()->system, coarsest_map);
       coarsest_groups = stiffness;
       ++report.coarsest_setups;
     }
@@ -201,10 +190,10 @@ struct Multigrid::Impl {
 
   /// Chebyshev iteration on the level; from zero if `start`.
   void smooth(const Level& level, bool start) const {
-    const double upper = level.largest_eigenvalue, lower = upper / level.smoother_ratio;
+    const double upper = level.largest_eigenvalue, lower = upper / settings.smoother_ratio;
     const double centre = 0.5 * (upper + lower), half = 0.5 * (upper - lower), sigma = centre / half;
     double rho = 1 / sigma;
-    for (int k = 0; k < level.smoother_degree; ++k) {
+    for (int k = 0; k < settings.smoother_degree; ++k) {
       const bool from_b = start && k == 0;
       if (!from_b) level.op->residual(exec, level.b, level.x, level.r);
       double alpha = 1 / centre, beta = 0;
@@ -228,6 +217,37 @@ struct Multigrid::Impl {
     Kokkos::deep_copy(exec, level.x, x);
   }
 
+  /// y += a x.
+  void add(double a, const LevelVector& x, const LevelVector& y) const {
+    const Real factor = static_cast<Real>(a);
+    Kokkos::parallel_for(
+        "cgcontact::multigrid::add", Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(x.extent(0))),
+        KOKKOS_LAMBDA(const int i) { y(i) += factor * x(i); });
+  }
+
+  /// Approximate solution x for b on a coarse level: flexible CG, preconditioned by the cycle from there on. b becomes
+  /// the residual.
+  void solve_coarse(std::size_t l) const {
+    const Level& level = *levels[l];
+    if (l + 1 == levels.size() || settings.coarse_steps == 0) return cycle(l);
+    const double enough = std::pow(settings.coarse_residual, 2) * dot(exec, level.b, level.b);
+    std::vector<double> step, energy;
+    for (int k = 0; k < settings.coarse_steps; ++k) {
+      cycle(l);
+      for (int j = 0; j < k; ++j) add(-dot(exec, level.x, level.q[j]) / energy[j], level.p[j], level.x);
+      Kokkos::deep_copy(exec, level.p[k], level.x);
+      level.op->apply(exec, level.p[k], level.q[k]);
+      energy.push_back(dot(exec, level.p[k], level.q[k]));
+      if (!(energy[k] > 0)) break;  // b is zero to rounding
+      step.push_back(dot(exec, level.p[k], level.b) / energy[k]);
+      if (k + 1 == settings.coarse_steps) break;
+      add(-step[k], level.q[k], level.b);
+      if (dot(exec, level.b, level.b) <= enough) break;
+    }
+    Kokkos::deep_copy(exec, level.x, Real(0));
+    for (std::size_t k = 0; k < step.size(); ++k) add(step[k], level.p[k], level.x);
+  }
+
   void cycle(std::size_t l) const {
     const Level& level = *levels[l];
     if (l + 1 == levels.size()) return solve_coarsest(level);
@@ -235,7 +255,7 @@ struct Multigrid::Impl {
     smooth(level, true);
     level.op->residual(exec, level.b, level.x, level.r);
     restrict_to(exec, level.transfer, level.r, next.b);
-    cycle(l + 1);
+    solve_coarse(l + 1);
     prolongate_add(exec, level.transfer, next.x, level.x);
     smooth(level, false);
   }

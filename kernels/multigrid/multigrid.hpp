@@ -1,6 +1,13 @@
-/// Geometric multigrid on the hierarchy of grids: one V-cycle as the preconditioner of CG. Matrix-free, in single
-/// precision; the bodies are coarsened separately and stay coupled through their contact rows; MueLu on the assembled
-/// matrix of the coarsest level.
+/// Geometric multigrid on the hierarchy of grids: one cycle as the preconditioner of flexible CG. Matrix-free, in
+/// single precision; the bodies are coarsened separately and stay coupled through their contact rows; MueLu on the
+/// assembled matrix of the coarsest level.
+///
+/// The cycle is a K-cycle (Y. Notay, P. S. Vassilevski, "Recursive Krylov-based multigrid cycles", Numer. Linear
+/// Algebra Appl. 15, 2008): the correction of a level between the finest and the coarsest is made of up to three steps
+/// of flexible CG with the cycle of the coarser levels as preconditioner, until the residual has fallen to a quarter.
+/// For solid bodies one step mostly does, which is a V-cycle with a step length. Where cells are wider than a body is
+/// thick, two levels alone converge as well as elsewhere, but a bending motion costs each of them more than the next
+/// finer one (shear locking, a factor of four), and in a V-cycle these losses multiply.
 #pragma once
 
 #include <memory>
@@ -11,10 +18,12 @@
 namespace cgcontact {
 
 struct MultigridSettings {
-  int smoother_degree = 3;
-  double smoother_ratio = 10;    ///< the smoother works on the eigenvalues in [largest / ratio, largest]
-  bool soft_cells = true;        ///< softer shear and stronger smoothing where cells are wider than a body is thick
-  int coarsest_unknowns = 1000;  ///< coarsening stops below
+  int smoother_degree = 5;
+  double smoother_ratio = 16;     ///< the smoother works on the eigenvalues in [largest / ratio, largest]
+  int coarse_steps = 3;           ///< steps of flexible CG on a coarse level at most; 0: V-cycle
+  double coarse_residual = 0.25;  ///< their residual, relative: no further step below
+  double coarse_ghost = 0.1;      ///< ghost penalty of coarse levels, in terms of that of the finest
+  int coarsest_unknowns = 1000;   ///< coarsening stops below
 };
 
 struct MultigridReport {
@@ -36,7 +45,7 @@ class Multigrid : public TpetraOperator {
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override;
   Teuchos::RCP<const TpetraMap> getRangeMap() const override;
-  /// Y = V-cycle of X; alpha = 1, beta = 0, one column.
+  /// Y = cycle of X; alpha = 1, beta = 0, one column. Not linear in X unless coarse_steps is 0.
   void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override;
 
  private:

@@ -1,4 +1,7 @@
-/// Belos' preconditioned CG, as the linear solver and its comparison with an assembled matrix use it.
+/// Preconditioned CG on Belos' linear problem, as the linear solver and its comparison with an assembled matrix use it.
+/// Flexible (Y. Notay, "Flexible conjugate gradients", SIAM J. Sci. Comput. 22, 2000, truncated to one direction): the
+/// new direction is made A-orthogonal to the last one itself, which holds too where the preconditioner is not the same
+/// linear map every time, as a K-cycle is not; Belos' own CG takes that for granted. Otherwise both are the same.
 #pragma once
 
 #include "kernels/operator/operator.hpp"

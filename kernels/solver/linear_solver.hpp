@@ -1,4 +1,4 @@
-/// Belos CG on the matrix-free operator, preconditioned by geometric multigrid or, for comparison, by MueLu on the
+/// Flexible CG on the matrix-free operator, preconditioned by geometric multigrid or, for comparison, by MueLu on the
 /// assembled matrix.
 #pragma once
 

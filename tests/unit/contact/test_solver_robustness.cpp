@@ -13,14 +13,15 @@
 namespace cgcontact {
 namespace {
 
-constexpr int most_iterations = 15;
+constexpr int most_iterations = 9;  // solid bodies, and those held across their thickness
+constexpr int most_when_thin = 15;  // what bends
 
 Scene scene_of(const std::string& name, int n) {
   return read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/" + name + ".toml", {"n=" + std::to_string(n)});
 }
 
 /// Solves; `what` names the line of the table. 1000: not converged.
-int iterations(const Scene& scene, const std::string& what) {
+int iterations(const Scene& scene, const std::string& what, double tolerance = 1e-8) {
   Simulation sim(scene);
   sim.place_on_grids();
   sim.make_system();
@@ -35,7 +36,7 @@ int iterations(const Scene& scene, const std::string& what) {
     b(i) = std::uniform_real_distribution<double>(-1, 1)(random);
     sum += b(i) * b(i);
   }
-  const LinearSolveResult result = solver.solve(b, x, 1e-8 * std::sqrt(sum), 200);
+  const LinearSolveResult result = solver.solve(b, x, tolerance * std::sqrt(sum), 200);
   std::printf("%-44s %8d unknowns %4d iterations\n", what.c_str(), size, result.iterations);
   return result.converged ? result.iterations : 1000;
 }
@@ -89,7 +90,7 @@ TEST(SolverRobustness, StiffnessRatios) {
 /// Plane strain: one cell thick.
 TEST(SolverRobustness, RefinementsOfPlaneStrain) {
   for (int n : {16, 32, 64, 128})
-    EXPECT_LE(iterations(scene_of("two_solids", n), "plane strain, n = " + std::to_string(n)), 14) << n;
+    EXPECT_LE(iterations(scene_of("two_solids", n), "plane strain, n = " + std::to_string(n)), most_iterations) << n;
 }
 
 TEST(SolverRobustness, PlaneStrainOfSeveralCells) {
@@ -128,18 +129,64 @@ Scene cantilever(const Index3& cells, const Vec3& offset, const std::string& axi
 
 /// Plates that bend, with free edges that do not fit the grid: one, two and three cells thick.
 TEST(SolverRobustness, FreePlates) {
-  for (const Index3& cells :
-       {Index3{20, 10, 1}, Index3{40, 20, 1}, Index3{40, 20, 2}, Index3{80, 40, 2}, Index3{80, 40, 3}})
+  for (const Index3& cells : {Index3{20, 10, 1}, Index3{40, 20, 1}, Index3{40, 20, 2}, Index3{80, 40, 1},
+                              Index3{80, 40, 2}, Index3{80, 40, 3}, Index3{160, 80, 1}, Index3{200, 4, 1}})
     EXPECT_LE(iterations(cantilever(cells, {0.3, 0.21, 0.15}),
                          fmt::format("plate of {} x {} x {} cells", cells[0], cells[1], cells[2])),
-              most_iterations);
-  EXPECT_LE(iterations(cantilever({80, 40, 1}, {0.3, 0.21, 0.15}), "plate of 80 x 40 x 1 cells"), 19);
-  EXPECT_LE(iterations(cantilever({200, 4, 1}, {0.3, 0.21, 0.15}), "plate of 200 x 4 x 1 cells"), 21);
-  EXPECT_LE(iterations(cantilever({40, 20, 1}, {0.3, 0.21, 0.15}, "[0, 0, 1]", 20), "the same, 40 x 20, turned"), 19);
+              most_when_thin);
+  EXPECT_LE(iterations(cantilever({80, 40, 1}, {0.3, 0.21, 0.15}, "[0, 0, 1]", 20), "80 x 40, turned in its plane"),
+            most_when_thin);
   for (int digits : {1, 4, 8}) {
     const double width = std::pow(10.0, -digits);
     for (const Vec3& offset : {Vec3(Vec3::Constant(width)), Vec3(Vec3::Constant(1 - width))})
-      EXPECT_LE(iterations(cantilever({40, 20, 1}, offset), "plate with slivers of 1e-" + std::to_string(digits)), 22);
+      EXPECT_LE(iterations(cantilever({40, 20, 1}, offset), "plate with slivers of 1e-" + std::to_string(digits)),
+                most_when_thin);
+  }
+}
+
+/// The same across the grid.
+TEST(SolverRobustness, PlatesAcrossTheGrid) {
+  const std::pair<const char*, double> turns[] = {{"[0, 1, 0]", 20}, {"[0, 1, 0]", 45}, {"[1, 2, 3]", 20}};
+  for (const auto& [axis, angle] : turns)
+    for (int thickness = 1; thickness <= 3; ++thickness)
+      EXPECT_LE(iterations(cantilever({80, 40, thickness}, {0.3, 0.21, 0.15}, axis, angle),
+                           fmt::format("80 x 40 x {}, by {} degrees about {}", thickness, angle, axis)),
+                most_when_thin);
+  EXPECT_LE(iterations(cantilever({160, 80, 1}, {0.3, 0.21, 0.15}, "[0, 1, 0]", 20), "160 x 80 x 1, by 20 degrees"),
+            17);
+}
+
+/// A quarter of a cylinder's wall, cells of size 1, held at one straight edge.
+TEST(SolverRobustness, BentSheets) {
+  for (const auto& [radius, thickness] : {std::pair{40, 1}, std::pair{40, 2}, std::pair{40, 3}, std::pair{80, 1}}) {
+    const Scene scene = parse_scene(
+        fmt::format("[[body]]\nname = \"sheet\"\nmaterial = {{E = 1, nu = 0.3}}\ncell_size = 1\n"
+                    "grid = {{offset = [0.3, 0.21, 0.15]}}\n"
+                    "shape = {{difference = [{{intersection = [\n"
+                    "  {{name = \"quarter\", box = {{min = [0, 0, 0], max = [{1}, {1}, {0}]}}}},\n"
+                    "  {{name = \"rim\", cylinder = {{base = [0, 0, -1], top = [0, 0, {1}], radius = {2}}}}}]}},\n"
+                    "  {{name = \"bore\", cylinder = {{base = [0, 0, -1], top = [0, 0, {1}], radius = {0}}}}}]}}\n"
+                    "[[support]]\nface = \"sheet.quarter.x-\"\ndisplacement = {{x = 0, y = 0, z = 0}}\n",
+                    radius, radius + 2 * thickness, radius + thickness),
+        "sheet.toml");
+    EXPECT_LE(iterations(scene, fmt::format("sheet of radius {}, {} cells thick", radius, thickness)), most_when_thin);
+  }
+}
+
+/// A strip in plane strain that bends. The condition number of a cantilever is (length / thickness)^4, 1e12 for 1000
+/// cells: rounding of x in A x leaves a residual of some 1e-8 there, whatever solves.
+TEST(SolverRobustness, LongStrips) {
+  for (const auto& [cells, tolerance] : {std::pair{200, 1e-8}, std::pair{400, 1e-8}, std::pair{1000, 1e-7}}) {
+    const Scene scene =
+        parse_scene(fmt::format("[[body]]\nname = \"strip\"\nmaterial = {{E = 1, nu = 0.3}}\ncell_size = 1\n"
+                                "shape = {{name = \"block\", box = {{min = [0, 0, 0], max = [{}, 1, 1]}}}}\n"
+                                "grid = {{offset = [0.3, 0.21, 0.15]}}\n"
+                                "[[support]]\nface = \"strip.block.x-\"\ndisplacement = {{x = 0, y = 0, z = 0}}\n"
+                                "[[support]]\nface = \"strip.block.y-\"\nsymmetry = true\n"
+                                "[[support]]\nface = \"strip.block.y+\"\nsymmetry = true\n",
+                                cells),
+                    "strip.toml");
+    EXPECT_LE(iterations(scene, fmt::format("strip of {} cells", cells), tolerance), most_when_thin);
   }
 }
 

@@ -188,6 +188,7 @@ TEST(Multigrid, VCycleIsSymmetricAndPositive) {
   const auto map = make_dof_map(body.system, Tpetra::getDefaultComm());
   MultigridSettings settings;
   settings.coarsest_unknowns = 300;
+  settings.coarse_steps = 0;  // with steps of CG the cycle is not linear
   const Multigrid multigrid(body.system, map, settings);
   ASSERT_GE(multigrid.report().unknowns.size(), 3u);
   TpetraVector x(map, 1), y(map, 1), Bx(map, 1), By(map, 1);
@@ -211,7 +212,7 @@ TEST(Multigrid, IterationsStayFlat) {
     const RealView x("x", body.system.num_dofs());
     const LinearSolveResult result = solver.solve(b, x, 1e-8 * norm(b), 100);
     EXPECT_TRUE(result.converged);
-    EXPECT_LE(result.iterations, 15) << n;
+    EXPECT_LE(result.iterations, 9) << n;
     iterations.push_back(result.iterations);
   }
   EXPECT_LE(iterations[2], iterations[1] + 2);
