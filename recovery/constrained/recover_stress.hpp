@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include "recovery/constrained/patch_assembly.hpp"
+#include "recovery/patch/contact_edge.hpp"
+#include "recovery/patch/patch_problem.hpp"
+#include "recovery/spr/recovery_input.hpp"
 
 namespace cgcontact {
 
