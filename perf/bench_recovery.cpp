@@ -8,13 +8,13 @@
 #include <cmath>
 #include <memory>
 
-#include "core/base/parallel.hpp"
 #include "kernels/mesh/hex.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
 #include "recovery/batched/batched_fit.hpp"
 #include "recovery/constrained/boundary_pieces.hpp"
 #include "recovery/constrained/recover_stress.hpp"
+#include "recovery/patch/patch_arrays.hpp"
 
 namespace {
 
@@ -150,7 +150,7 @@ void patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n, double* pa
   const int num_cells = patches.begin[n + 1] - patches.begin[n];
   double m[T][T] = {};
   if constexpr (degree == 1) {
-    gather_mass(mesh, patches, cells, num_cells, centre, m);
+    gather_mass(host_arrays(mesh, patches), cells, num_cells, centre, m);
   } else {
     for (int q = 0; q < 27 * num_cells; ++q) {
       const int point[3] = {q % 3, q / 3 % 3, q / 9 % 3};
@@ -292,16 +292,15 @@ struct PatchBatch {
     inputs.push_back(in);
   }
 
-  /// Chunks as the recovery hands them out, to all threads.
+  /// Parts as the recovery hands them out, to all threads.
   void fit(std::vector<Input>& fitted, std::vector<FitStatus>& status) const {
-    constexpr int chunk = 128;
+    constexpr std::size_t part = 2048;
     fitted = inputs;
     status.resize(inputs.size());
-    parallel_chunks("cgcontact::bench_recovery::fit", inputs.size(), chunk,
-                    [&](std::size_t, std::size_t begin, std::size_t end) {
-                      fit_patches(&fitted[begin], static_cast<int>(end - begin),
-                                  RecoveryOptions{}.rank_tolerance_of(degree), &status[begin]);
-                    });
+    for (std::size_t begin = 0; begin < inputs.size(); begin += part)
+      fit_batch(Kokkos::DefaultHostExecutionSpace(), &fitted[begin],
+                static_cast<int>(std::min(part, inputs.size() - begin)), RecoveryOptions{}.rank_tolerance_of(degree),
+                &status[begin]);
   }
 };
 
@@ -389,7 +388,7 @@ PatchBatch<degree, bodies> collect_patches(int n, bool truncated) {
       batch.add(problem, patch);
       FitInput<degree, bodies> trial = batch.inputs.back();
       FitStatus status;
-      fit_patches(&trial, 1, RecoveryOptions{}.rank_tolerance_of(degree), &status);
+      fit_batch(Kokkos::DefaultHostExecutionSpace(), &trial, 1, RecoveryOptions{}.rank_tolerance_of(degree), &status);
       if (status.finite && (status.truncated > 0) == truncated) continue;
       batch.inputs.pop_back();
       batch.rows.pop_back();
@@ -494,8 +493,11 @@ struct RecoveryProblem {
   std::vector<Sym3> exact;  ///< per body, grid axes, Scales::stress
   std::vector<CoefficientView> unconstrained;
   RealView u;
+  RecoveryOptions options;
 
-  explicit RecoveryProblem(int cells) : problem("scenes/patch_test.toml", {"h=1/" + std::to_string(cells)}) {
+  RecoveryProblem(int cells, const RecoveryDegree& degree)
+      : problem("scenes/patch_test.toml", {"h=1/" + std::to_string(cells)}) {
+    options.degree = degree;
     const double p = 1e8;
     const SolvedState& sim = problem.simulation.state;
     u = RealView("cgcontact::perf::u", problem.system.num_dofs());
@@ -518,7 +520,7 @@ struct RecoveryProblem {
   }
   RecoveryCounts run() {
     for (std::size_t b = 0; b < bodies.size(); ++b) Kokkos::deep_copy(bodies[b].field.values, unconstrained[b]);
-    return recover_constrained(bodies, u, problem.simulation.state.scales, {}).counts;
+    return recover_constrained(bodies, u, problem.simulation.state.scales, options).counts;
   }
   double error() const {
     double largest = 0;
@@ -558,8 +560,8 @@ Cost whole_cost(const SceneProblem& problem) {
   return sum;
 }
 
-Kernel whole(int cells) {
-  auto p = std::make_shared<RecoveryProblem>(cells);
+Kernel whole(int cells, const RecoveryDegree& degree) {
+  auto p = std::make_shared<RecoveryProblem>(cells, degree);
   const RecoveryCounts counts = p->run();
   Kernel k;
   k.unit = "patches";
@@ -569,6 +571,8 @@ Kernel whole(int cells) {
   k.run = [p] { p->run(); };
   for (int kind = 0; kind < num_patch_kinds; ++kind)
     if (counts.kinds[kind] > 0) k.figures.emplace_back(patch_kind_names[kind], static_cast<double>(counts.kinds[kind]));
+  k.figures.emplace_back("quadratic", static_cast<double>(counts.quadratic));
+  k.figures.emplace_back("truncated", static_cast<double>(counts.statuses[static_cast<int>(PatchStatus::truncated)]));
   return k;
 }
 
@@ -582,6 +586,7 @@ int main(int argc, char** argv) {
     add_constrained_fits<1, 2>();
     add_constrained_fits<2, 1>();
     add_constrained_fits<2, 2>();
-    add("spr_c/whole", whole, {{5}, {16}});
+    add("spr_c/whole", [](int cells) { return whole(cells, {}); }, {{5}, {16}});
+    add("spr_c/whole_p1", [](int cells) { return whole(cells, {1, 1, 1}); }, {{5}, {16}});
   });
 }

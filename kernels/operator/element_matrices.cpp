@@ -2,8 +2,13 @@
 
 #include <algorithm>
 
+#include "core/base/parallel.hpp"
+
 namespace cgcontact {
 namespace {
+
+/// Cells per chunk of the parallel loops.
+constexpr std::size_t grain = 16;
 
 /// K += factor sum_q w_q B_q^T D B_q over the Gauss points.
 template <int degree, class Matrix>
@@ -54,13 +59,13 @@ CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vec
   const std::size_t num_cut = cc.moments.size();
   CellMatrixViewOf<degree> matrices("cgcontact::element_matrices::cells", 1 + num_cut);
   auto host = Kokkos::create_mirror_view(matrices);
-  for (std::size_t m = 0; m <= num_cut; ++m) {
+  parallel_for("cgcontact::element_matrices::cells", 1 + num_cut, grain, [&](std::size_t m) {
     double weights[n * n * n];
     fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], n, weights);
     const double factor = mesh.modulus * (m == 0 ? mesh.h_of_level(0) : mesh.h(cc.active_of_cut[m - 1]));
     const int soft = m == 0 || soft_axis.empty() ? -1 : soft_axis[cc.active_of_cut[m - 1]];
     integrate_stiffness<degree>(mesh.law, weights, factor, soft, Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));
-  }
+  });
   for (const SupportTerm& t : supports) {
     const int cut = cc.cut_of_active[t.cell];
     double N[Element::num_nodes], row[Element::num_dofs];

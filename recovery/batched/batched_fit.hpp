@@ -5,15 +5,14 @@
 ///
 /// How to use it, with one or two bodies and polynomials of degree 1 or 2:
 ///
-///   std::vector<FitInput<1, 2>> patches(n);    // plain data; kept from chunk to chunk, nothing allocates per patch
+///   std::vector<FitInput<1, 2>> patches(n);
 ///   std::vector<FitRow<2>> rows;               // of all patches; patches[i].rows points into it, so fill it first
 ///   std::vector<FitStatus> status(n);
-///   fit_patches(patches.data(), n, tolerance, status.data());             // on the calling thread
-///   fit_batch(exec, patches.data(), n, tolerance, status.data());         // on the threads of a Kokkos host space
+///   fit_batch(exec, patches.data(), n, tolerance, status.data());
 ///
-/// fit_patches may be called by any number of threads at the same time (core/base/parallel.hpp: each for its chunk; a
-/// chunk of 64 patches or more fills the lanes well). A patch's result does not depend, to the last bit, on which
-/// others it comes with, on their order or on the number of threads.
+/// Some thousand patches at a time fill the lanes well: those that Cholesky's factorisation does not solve go into
+/// batches of their own. A patch's result does not depend, to the last bit, on which others it comes with, on their
+/// order or on the number of threads. The kernels are in recovery/batched/fit_dispatch.hpp, for any execution space.
 #pragma once
 
 #include "recovery/patch/polynomials.hpp"
@@ -60,11 +59,8 @@ struct FitStatus {
   double residual;
 };
 
-/// rank_tolerance: singular values of the normalised rows up to this times the largest one are dropped.
-template <int degree, int bodies>
-void fit_patches(FitInput<degree, bodies>* patches, int n, double rank_tolerance, FitStatus* status);
-
-/// The same with the threads of a Kokkos execution space of the host.
+/// On the threads of an execution space of the host. rank_tolerance: singular values of the normalised rows up to this
+/// times the largest one are dropped.
 template <class Exec, int degree, int bodies>
 void fit_batch(const Exec& exec, FitInput<degree, bodies>* patches, int n, double rank_tolerance, FitStatus* status);
 

@@ -12,6 +12,19 @@ constexpr std::size_t grain = 64;
 /// Parts of the depth at which the cells below a point are asked for.
 constexpr double depths[] = {0.05, 0.35, 0.65, 0.95};
 
+/// The lists of some cells.
+struct PieceLists {
+  std::vector<int> pieces_of_cell;
+  std::vector<ContactPiece> pieces;
+  std::vector<PatchContactPoint> points;
+  std::vector<int> under;
+};
+
+template <class T>
+void append(const std::vector<T>& from, std::vector<T>& to) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
 }  // namespace
 
 ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
@@ -26,41 +39,66 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
       row_of_cell_[cell] = static_cast<int>(cells.size());
       cells.push_back(cell);
     }
-  pieces_.resize(cells.size());
-  parallel_for("cgcontact::contact_cells::sums", cells.size(), grain, [&](std::size_t row) {
-    std::vector<ContactPiece>& pieces = pieces_[row];
-    for (int l : boundary.links_of_cell[cells[row]]) {
-      const ContactLink& link = boundary.links[l];
-      auto piece = std::find_if(pieces.begin(), pieces.end(), [&](const auto& p) { return p.pair == link.pair; });
-      if (piece == pieces.end()) {
-        piece = pieces.insert(piece, ContactPiece());
-        piece->pair = link.pair;
-        piece->other_body = link.other_body;
-        piece->low = piece->high = link.position;
-      }
-      piece->area += link.weight;
-      if (link.active) piece->closed_area += link.weight;
-      piece->position += link.weight * link.position;
-      piece->other_position += link.weight * link.other_position;
-      piece->normal += link.weight * link.normal;
-      piece->low = piece->low.cwiseMin(link.position);
-      piece->high = piece->high.cwiseMax(link.position);
-      const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
-      const Vec3 inward = depth * (other.grid.rotation.transpose() * (rotation * link.normal));
-      for (const double part : depths) {
-        const Vec3 x = link.other_position + part * inward;
-        const int c = other.find({static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
-                                  static_cast<int>(std::floor(x[2]))});
-        if (c < 0 || (!piece->under.empty() && piece->under.back() == c) || !integrals[link.other_body].hold(c))
-          continue;
-        piece->under.push_back(c);
-      }
+
+  const auto add_point = [&](const ContactLink& link, ContactPiece& piece, PieceLists& lists) {
+    if (piece.num_points++ == 0) piece.low = piece.high = link.position;
+    piece.area += link.weight;
+    if (link.active) piece.closed_area += link.weight;
+    piece.position += link.weight * link.position;
+    piece.other_position += link.weight * link.other_position;
+    piece.normal += link.weight * link.normal;
+    piece.low = piece.low.cwiseMin(link.position);
+    piece.high = piece.high.cwiseMax(link.position);
+    lists.points.push_back({link.position, link.normal, link.distance, link.active});
+    const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
+    const Vec3 inward = depth * (other.grid.rotation.transpose() * (rotation * link.normal));
+    for (const double part : depths) {
+      const Vec3 x = link.other_position + part * inward;
+      const int c = other.find(
+          {static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])), static_cast<int>(std::floor(x[2]))});
+      const bool repeated = static_cast<int>(lists.under.size()) > piece.first_under && lists.under.back() == c;
+      if (c >= 0 && !repeated && integrals[link.other_body].hold(c)) lists.under.push_back(c);
     }
-    for (ContactPiece& piece : pieces) {
-      std::sort(piece.under.begin(), piece.under.end());
-      piece.under.erase(std::unique(piece.under.begin(), piece.under.end()), piece.under.end());
+  };
+  const auto add_pieces = [&](int cell, PieceLists& lists) {
+    const std::size_t first = lists.pieces.size();
+    for (int l : boundary.links_of_cell[cell]) {  // the pairs, in the order of the links
+      const int pair = boundary.links[l].pair;
+      if (std::any_of(lists.pieces.begin() + static_cast<std::ptrdiff_t>(first), lists.pieces.end(),
+                      [&](const ContactPiece& p) { return p.pair == pair; }))
+        continue;
+      ContactPiece piece;
+      piece.pair = pair;
+      piece.other_body = boundary.links[l].other_body;
+      piece.first_point = static_cast<int>(lists.points.size());
+      piece.first_under = static_cast<int>(lists.under.size());
+      for (int k : boundary.links_of_cell[cell])
+        if (boundary.links[k].pair == pair) add_point(boundary.links[k], piece, lists);
+      const auto under = lists.under.begin() + piece.first_under;
+      std::sort(under, lists.under.end());
+      lists.under.erase(std::unique(under, lists.under.end()), lists.under.end());
+      piece.num_under = static_cast<int>(lists.under.size()) - piece.first_under;
+      lists.pieces.push_back(piece);
     }
-  });
+    lists.pieces_of_cell.push_back(static_cast<int>(lists.pieces.size() - first));
+  };
+
+  std::vector<PieceLists> chunks(num_chunks(cells.size(), grain));
+  parallel_chunks("cgcontact::contact_cells::sums", cells.size(), grain,
+                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                    for (std::size_t row = begin; row < end; ++row) add_pieces(cells[row], chunks[chunk]);
+                  });
+  piece_begin_.assign(1, 0);
+  for (PieceLists& lists : chunks) {
+    for (ContactPiece& piece : lists.pieces) {
+      piece.first_point += static_cast<int>(points_.size());
+      piece.first_under += static_cast<int>(under_.size());
+    }
+    for (const int count : lists.pieces_of_cell) piece_begin_.push_back(piece_begin_.back() + count);
+    append(lists.pieces, pieces_);
+    append(lists.points, points_);
+    append(lists.under, under_);
+  }
 }
 
 }  // namespace cgcontact

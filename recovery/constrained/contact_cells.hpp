@@ -5,16 +5,33 @@
 
 namespace cgcontact {
 
+/// What the rows of patches ask of a contact point.
+struct PatchContactPoint {
+  Vec3 position, normal;  ///< grid coordinates and axes of the body
+  double distance;        ///< m, to the other body
+  bool active;
+};
+
 /// The contact points of one pair in one cell.
 struct ContactPiece {
   int pair = -1, other_body = -1;
   double area = 0, closed_area = 0;  ///< m^2
   /// Sums over the points by their area: places (grid coordinates of each body), outward normals.
   Vec3 position = Vec3::Zero(), other_position = Vec3::Zero(), normal = Vec3::Zero();
-  Vec3 low, high;          ///< box around the points
-  std::vector<int> under;  ///< cells of the other body below the points, ascending
+  Vec3 low, high;                       ///< box around the points
+  int first_point = 0, num_points = 0;  ///< in the list of all points
+  int first_under = 0, num_under = 0;   ///< cells of the other body below the points, ascending; in their list
 };
 
+/// A part of a list.
+template <class T>
+struct ListPart {
+  const T *first, *last;
+  const T* begin() const { return first; }
+  const T* end() const { return last; }
+};
+
+/// Lists of pieces, points and cells below them, one after the other in the order of the cells.
 class ContactCells {
  public:
   /// `integrals`: by body; cells below the points count down to `depth` (cells of the other body) if they are there.
@@ -27,14 +44,26 @@ class ContactCells {
     for (int c = 0; c < num_cells; ++c) {
       const int row = row_of_cell_[cells[c]];
       if (row < 0) continue;
-      for (const ContactPiece& piece : pieces_[row])
-        if (pair < 0 || piece.pair == pair) use(piece, cells[c]);
+      for (int p = piece_begin_[row]; p < piece_begin_[row + 1]; ++p)
+        if (pair < 0 || pieces_[p].pair == pair) use(pieces_[p]);
     }
   }
 
+  /// In the order of the body's contact links.
+  ListPart<PatchContactPoint> points(const ContactPiece& piece) const {
+    const PatchContactPoint* first = points_.data() + piece.first_point;
+    return {first, first + piece.num_points};
+  }
+  ListPart<int> under(const ContactPiece& piece) const {
+    const int* first = under_.data() + piece.first_under;
+    return {first, first + piece.num_under};
+  }
+
  private:
-  std::vector<int> row_of_cell_;
-  std::vector<std::vector<ContactPiece>> pieces_;
+  std::vector<int> row_of_cell_, piece_begin_;
+  std::vector<ContactPiece> pieces_;
+  std::vector<PatchContactPoint> points_;
+  std::vector<int> under_;
 };
 
 }  // namespace cgcontact

@@ -92,13 +92,12 @@ PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std:
       body_(bodies[index]),
       polynomials_(polynomials[index]),
       index_(index),
+      arrays_(host_arrays(*body_.mesh, *body_.patches)),
       grid_(body_.mesh->cut_cells->grid),
       scales_(scales),
       options_(options),
       pieces_(*body_.mesh->cut_cells, *body_.boundary),
       contact_(bodies, integrals, index, options.auxiliary_depth) {}
-
-bool PatchAssembly::is_interior(int n) const { return body_.patches->full[n] && !touches_contact(body_, n); }
 
 Vec3 PatchAssembly::divergence(const RecoveryBody& body, const Vec3& centre) const {
   if (!body.boundary->body_force_at) return Vec3::Zero();
@@ -128,7 +127,7 @@ void PatchAssembly::pair_states(int node, std::vector<PairState>& states) const 
   states.clear();
   const PatchSet& patches = *body_.patches;
   const int begin = patches.begin[node];
-  contact_.each(&patches.cells[begin], patches.begin[node + 1] - begin, -1, [&](const ContactPiece& piece, int) {
+  contact_.each(&patches.cells[begin], patches.begin[node + 1] - begin, -1, [&](const ContactPiece& piece) {
     auto state = std::lower_bound(states.begin(), states.end(), piece.pair,
                                   [](const PairState& s, int pair) { return s.pair < pair; });
     if (state == states.end() || state->pair != piece.pair)
@@ -178,18 +177,17 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
       rows.back().firm = true;
     }
     if (!auxiliary) continue;
-    const ContactLink* nearest = nullptr;
+    const PatchContactPoint* nearest = nullptr;
     double least = 0;
     const int begin = patches.begin[node], num_cells = patches.begin[node + 1] - begin;
-    contact_.each(&patches.cells[begin], num_cells, state->pair, [&](const ContactPiece& piece, int cell) {
+    contact_.each(&patches.cells[begin], num_cells, state->pair, [&](const ContactPiece& piece) {
       if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + same_distance) return;
-      for (int l : body_.boundary->links_of_cell[cell]) {
-        const ContactLink& link = body_.boundary->links[l];
-        if (link.pair != state->pair || link.normal.dot(n) < same_face) continue;
-        const double distance = (link.position - x).squaredNorm();
+      for (const PatchContactPoint& point : contact_.points(piece)) {
+        const double distance = (point.position - x).squaredNorm();
         if (nearest && distance > least + same_distance) continue;
-        if (nearest && distance > least - same_distance && link.distance >= nearest->distance) continue;
-        nearest = &link, least = distance;
+        if (point.normal.dot(n) < same_face) continue;
+        if (nearest && distance > least - same_distance && point.distance >= nearest->distance) continue;
+        nearest = &point, least = distance;
       }
     });
     if (!nearest) continue;
@@ -210,14 +208,14 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
 }
 
 bool PatchAssembly::has_closed_points(const ConstraintGroup& group, const int* cells, int num_cells) const {
-  for (int c = 0; c < num_cells; ++c)
-    for (int l : body_.boundary->links_of_cell[cells[c]]) {
-      const ContactLink& link = body_.boundary->links[l];
-      if (link.pair != group.pair || !link.active) continue;
-      for (int p = 0; p < group.num_points; ++p)
-        if (link.normal.dot(group.normal[p]) >= same_face) return true;
-    }
-  return false;
+  bool found = false;
+  contact_.each(cells, num_cells, group.pair, [&](const ContactPiece& piece) {
+    if (found || piece.closed_area == 0) return;
+    for (const PatchContactPoint& point : contact_.points(piece))
+      for (int p = 0; p < group.num_points && point.active && !found; ++p)
+        found = point.normal.dot(group.normal[p]) >= same_face;
+  });
+  return found;
 }
 
 ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal,
@@ -248,7 +246,7 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
                                                 : ContactMode::open;
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero(), opposite = Vec3::Zero();
   const Grid& other_grid = bodies_[state.other_body].mesh->cut_cells->grid;
-  contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part, int) {
+  contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
     centroid += part.position / state.area;
     normal += part.normal;
     opposite += part.other_position / state.area;
@@ -257,15 +255,14 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
   const Vec3 x = grid_.to_global(centroid), n = grid_.rotation * normal.normalized();
   if (!edges.near(state.pair, x, piece)) return plain;
   double least = 1e300, most = -1e300, most_closed = -1e300;
-  for (int c = 0; c < num_cells; ++c)
-    for (int l : body_.boundary->links_of_cell[cells[c]]) {
-      const ContactLink& link = body_.boundary->links[l];
-      if (link.pair != state.pair) continue;
-      const double inside = piece.inside(grid_.to_global(link.position)) / grid_.cell_size;
+  contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
+    for (const PatchContactPoint& point : contact_.points(part)) {
+      const double inside = piece.inside(grid_.to_global(point.position)) / grid_.cell_size;
       least = std::min(least, inside);
       most = std::max(most, inside);
-      if (link.active) most_closed = std::max(most_closed, inside);
+      if (point.active) most_closed = std::max(most_closed, inside);
     }
+  });
   // The edge of another zone, or none.
   const double far = contradiction * std::max(1.0, other_grid.cell_size / grid_.cell_size);
   if (state.closed_area > 0 ? most_closed < -far : least > far) return plain;
@@ -337,11 +334,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     else
       problem.status = PatchStatus::uncoupled;
   }
-  if (problem.coupled && options_.inverse_variance) {
-    own.variance = fit_variance(*body_.mesh, integrals_[index_], workspace.own, own);
-    problem.fit[1].variance = fit_variance(*bodies_[problem.other_body].mesh, integrals_[problem.other_body],
-                                           workspace.auxiliary, problem.fit[1]);
-  }
+  if (problem.coupled && degree == 1) own.variance = fit_variance(*body_.mesh, integrals_[index_], workspace.own, own);
   if (problem.has_edge) {
     const std::vector<int>*list = &workspace.own, *other = &workspace.auxiliary;
     subtract_edge_term(*body_.mesh, list->data(), static_cast<int>(list->size()), problem.edge[0], problem.factor, own);

@@ -7,6 +7,7 @@
 #include "recovery/constrained/contact_cells.hpp"
 #include "recovery/patch/contact_edge.hpp"
 #include "recovery/patch/edge_map.hpp"
+#include "recovery/patch/patch_arrays.hpp"
 #include "recovery/spr/recovery_input.hpp"
 
 namespace cgcontact {
@@ -81,8 +82,6 @@ class PatchAssembly {
                 const std::vector<std::vector<PatchPolynomial>>& polynomials, int index, const Scales& scales,
                 const RecoveryOptions& options);
 
-  /// Eight full cells without contact: only equilibrium is known there.
-  bool is_interior(int node) const;
   /// What div sigma must be at a place (grid coordinates of a body), per cell unit.
   Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
 
@@ -122,6 +121,7 @@ class PatchAssembly {
   const RecoveryBody& body_;
   const std::vector<PatchPolynomial>& polynomials_;  ///< by node
   int index_;
+  const PatchArrays<Kokkos::HostSpace> arrays_;
   const Grid& grid_;
   const Scales& scales_;
   const RecoveryOptions& options_;

@@ -21,16 +21,16 @@ void sort_unique(std::vector<int>& cells) {
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
-/// Solves for the coefficients about fit.centre; fit.regular says whether the patch carries them.
+/// Part of the square of a stress that rounding may leave of a good fit.
+constexpr double least_misfit = 1e-8;
+
+/// Solves for the coefficients about fit.centre; fit.regular says whether the cells carry them.
 template <int degree>
-void fit_polynomial(const BodyMesh& mesh, const StressIntegrals& integrals, const std::vector<int>& cells,
-                    PatchFit& fit) {
+void fit_polynomial(const CellSums& sums, PatchFit& fit) {
   constexpr int terms = Polynomial<degree>::num_terms;
   constexpr double least = degree == 1 ? least_linear_pivot : least_pivot;
   using Mass = Eigen::Matrix<double, terms, terms>;
-  const QuadraticSums sums =
-      gather_quadratic(mesh, integrals, cells.data(), static_cast<int>(cells.size()), fit.centre.data());
-  const Mass mass = sums.mass.topLeftCorner<terms, terms>();
+  const Mass mass = quadratic_mass(sums.moments).topLeftCorner<terms, terms>();
   fit.degree = degree;
   fit.mass = mass;
   const Eigen::LLT<Mass> cholesky(mass);
@@ -39,9 +39,12 @@ void fit_polynomial(const BodyMesh& mesh, const StressIntegrals& integrals, cons
   const Mass& factor = cholesky.matrixLLT();
   for (int t = 0; t < terms; ++t)
     if (!(factor(t, t) * factor(t, t) > least * mass(t, t))) fit.regular = false;
+  const Eigen::Map<const Eigen::Matrix<double, CellSums::num_components, CellSums::num_stress>> stress(sums.stress[0]);
+  const Eigen::Matrix<double, terms, 6> right = stress.topLeftCorner<6, terms>().transpose();
   fit.a.resize(6 * terms);
-  for (int k = 0; k < 6; ++k)
-    fit.a.segment<terms>(terms * k) = cholesky.solve(sums.right.row(k).head<terms>().transpose());
+  Eigen::Map<Eigen::Matrix<double, terms, 6>> a(fit.a.data());
+  a = cholesky.solve(right);
+  fit.variance = std::max(sums.square - a.cwiseProduct(right).sum(), least_misfit * sums.square) / sums.moments[0];
 }
 
 /// Adds the cells at most `reach` cells away from any of the given ones along every axis, those with integrals.
@@ -66,30 +69,35 @@ void add_rings(const StressIntegrals& integrals, const CutCells& cc, int reach, 
       }
   }
   cells.clear();
-  for (std::size_t n = 0; n < box.size(); ++n) {
-    if (!box[n]) continue;
-    const int i = static_cast<int>(n) % size[0], j = static_cast<int>(n) / size[0] % size[1],
-              k = static_cast<int>(n) / size[0] / size[1];
-    const int c = cc.find({low[0] + i, low[1] + j, low[2] + k});
-    if (c >= 0 && integrals.hold(c)) cells.push_back(c);
-  }
+  std::size_t n = 0;
+  for (int k = 0; k < size[2]; ++k)
+    for (int j = 0; j < size[1]; ++j)
+      for (int i = 0; i < size[0]; ++i, ++n) {
+        if (!box[n]) continue;
+        const int c = cc.find({low[0] + i, low[1] + j, low[2] + k});
+        if (c >= 0 && integrals.hold(c)) cells.push_back(c);
+      }
 }
 
 }  // namespace
 
 void fit_cells(const RecoveryBody& body, int n, PatchPolynomial polynomial, std::vector<int>& cells) {
   const PatchSet& patches = *body.patches;
-  cells.assign(patches.cells.begin() + patches.begin[n], patches.cells.begin() + patches.begin[n + 1]);
+  const auto first = patches.cells.begin() + patches.begin[n], last = patches.cells.begin() + patches.begin[n + 1];
   const int rings = polynomial.rings;
-  if (rings == 1) return;
-  const CutCells& cc = *body.mesh->cut_cells;
-  const Index3& node = body.mesh->nodes[n];
-  for (int k = -rings; k < rings; ++k)
-    for (int j = -rings; j < rings; ++j)
-      for (int i = -rings; i < rings; ++i) {
-        const int c = cc.find({node[0] + i, node[1] + j, node[2] + k});
-        if (c >= 0) cells.push_back(c);
-      }
+  cells.clear();
+  if (rings > 1) {
+    const CutCells& cc = *body.mesh->cut_cells;
+    const Index3& node = body.mesh->nodes[n];
+    for (int k = -rings; k < rings; ++k)
+      for (int j = -rings; j < rings; ++j)
+        for (int i = -rings; i < rings; ++i) {
+          const int c = cc.find({node[0] + i, node[1] + j, node[2] + k});
+          if (c >= 0) cells.push_back(c);
+        }
+  }
+  if (rings > 1 && !patches.grown[n]) return;  // the patch is inside
+  cells.insert(cells.end(), first, last);
   sort_unique(cells);
 }
 
@@ -114,7 +122,6 @@ StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<Pat
 
 double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, const std::vector<int>& cells,
                     const PatchFit& fit) {
-  constexpr double least = 1e-8;
   double square = 0, volume = 0, fitted = 0;
   for (int cell : cells) {
     if (!integrals.hold(cell)) return 0;
@@ -125,18 +132,20 @@ double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, cons
     const auto a = fit.a.segment(fit.terms() * k, fit.terms());
     fitted += a.dot(fit.mass * a);
   }
-  return std::max(square - fitted, least * square) / volume;
+  return std::max(square - fitted, least_misfit * square) / volume;
 }
 
 void PatchAssembly::own_fit(int n, int degree, const std::vector<int>& cells, PatchFit& fit) const {
   const Index3& node = body_.mesh->nodes[n];
   fit.centre = Vec3(node[0], node[1], node[2]);
   if (degree == 2) {
-    fit_polynomial<2>(*body_.mesh, integrals_[index_], cells, fit);
+    fit_polynomial<2>(
+        sum_cells(*body_.mesh, integrals_[index_], cells.data(), static_cast<int>(cells.size()), fit.centre.data()),
+        fit);
     return;
   }
   double m[num_terms][num_terms];
-  gather_mass(*body_.mesh, *body_.patches, cells.data(), static_cast<int>(cells.size()), fit.centre.data(), m);
+  gather_mass(arrays_, cells.data(), static_cast<int>(cells.size()), fit.centre.data(), m);
   fit.mass = Eigen::Map<const Eigen::Matrix<double, num_terms, num_terms>>(m[0]);
   fit.a = Eigen::Map<const Eigen::Matrix<double, 6 * num_terms, 1>>(body_.field.at(n));
   fit.regular = cholesky(m);
@@ -154,20 +163,22 @@ void PatchAssembly::auxiliary_fit(int node, const PairState& state, PatchPolynom
   fit.centre = Vec3::Zero();
   cells.clear();
   const int begin = patches.begin[node];
-  contact_.each(&patches.cells[begin], patches.begin[node + 1] - begin, state.pair,
-                [&](const ContactPiece& piece, int) {
-                  fit.centre += piece.other_position / state.area;
-                  cells.insert(cells.end(), piece.under.begin(), piece.under.end());
-                });
+  contact_.each(&patches.cells[begin], patches.begin[node + 1] - begin, state.pair, [&](const ContactPiece& piece) {
+    fit.centre += piece.other_position / state.area;
+    const ListPart<int> under = contact_.under(piece);
+    cells.insert(cells.end(), under.begin(), under.end());
+  });
   sort_unique(cells);
   if (polynomial.rings > 1) add_rings(integrals, cc, polynomial.rings - 1, workspace.box, cells);
   double volume = 0;
   for (int c : cells) volume += cc.volume_fraction(c);
   if (volume < least_auxiliary_volume) return;
+  const CellSums sums =
+      sum_cells(*other.mesh, integrals, cells.data(), static_cast<int>(cells.size()), fit.centre.data());
   if (polynomial.degree == 1)
-    fit_polynomial<1>(*other.mesh, integrals, cells, fit);
+    fit_polynomial<1>(sums, fit);
   else
-    fit_polynomial<2>(*other.mesh, integrals, cells, fit);
+    fit_polynomial<2>(sums, fit);
 }
 
 }  // namespace cgcontact

@@ -6,6 +6,7 @@
 #include "core/base/parallel.hpp"
 #include "recovery/batched/batched_fit.hpp"
 #include "recovery/constrained/force_balance.hpp"
+#include "recovery/constrained/interior_patches.hpp"
 #include "recovery/constrained/patch_assembly.hpp"
 #include "recovery/zone_edge/edge_search.hpp"
 
@@ -13,21 +14,43 @@ namespace cgcontact {
 namespace {
 
 /// Patches per chunk of the parallel loops.
-constexpr std::size_t grain = 128, interior_grain = 4096;
+constexpr std::size_t grain = 32, interior_grain = 4096;
 
-/// The mass matrix of a full patch is diagonal and the same for all slopes: each row of the equilibrium is corrected on
-/// its own, its three terms alike.
-void recover_interior(const PatchAssembly& assembly, int n) {
-  constexpr int term[3][3] = {{1, 14, 23}, {13, 6, 19}, {21, 18, 11}};  // slope along j of component (i, j)
+/// Patches that are assembled and solved at a time: enough to fill the lanes of the batched fits whatever kinds they
+/// come in, and some 15 MB where all are coupled and of degree 2.
+constexpr std::size_t patches_per_part = 1024;
+
+using Host = Kokkos::DefaultHostExecutionSpace;
+
+/// Corrects the interior patches of a body; returns the nodes of the others.
+std::vector<int> recover_interior(const PatchAssembly& assembly, const RecoveryOptions& options) {
   const RecoveryBody& body = assembly.body();
-  const Index3& node = body.mesh->nodes[n];
-  const Vec3 value = assembly.divergence(body, Vec3(node[0], node[1], node[2]));
-  double* a = &body.field.values(n, 0, 0);
-  for (int i = 0; i < 3; ++i) {
-    const int* t = term[i];
-    const double correction = (value[i] - (a[t[0]] + a[t[1]] + a[t[2]])) / 3;
-    for (int j = 0; j < 3; ++j) a[t[j]] += correction;
+  const std::size_t num_nodes = body.mesh->num_nodes;
+  std::vector<char> interior(num_nodes, 0);
+  if (options.degree.interior == 1) {
+    std::vector<char> in_contact(body.mesh->cell_nodes.size());
+    for (std::size_t c = 0; c < in_contact.size(); ++c)
+      in_contact[c] = !body.boundary->links_of_cell[static_cast<int>(c)].empty();
+    Kokkos::View<double* [3], Kokkos::LayoutRight, Kokkos::HostSpace> divergence;
+    if (body.boundary->body_force_at) {
+      divergence = decltype(divergence)("cgcontact::recover_stress::divergence", num_nodes);
+      parallel_for("cgcontact::recover_stress::divergence", num_nodes, interior_grain, [&](std::size_t n) {
+        if (!body.patches->full[n]) return;
+        const Index3& node = body.mesh->nodes[n];
+        const Vec3 value = assembly.divergence(body, Vec3(node[0], node[1], node[2]));
+        for (int i = 0; i < 3; ++i) divergence(n, i) = value[i];
+      });
+    }
+    const Host exec;
+    using Marks = Kokkos::View<char*, Kokkos::HostSpace>;
+    correct_interior(exec, host_arrays(*body.mesh, *body.patches), Marks(in_contact.data(), in_contact.size()),
+                     divergence, body.field.values, Marks(interior.data(), num_nodes));
+    exec.fence();
   }
+  std::vector<int> others;
+  for (std::size_t n = 0; n < num_nodes; ++n)
+    if (!interior[n]) others.push_back(static_cast<int>(n));
+  return others;
 }
 
 /// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
@@ -56,20 +79,27 @@ double auxiliary_weight(const PatchFit& own, const PatchFit& other) {
   return std::clamp(own.variance / other.variance, 1 / most_weight, most_weight);
 }
 
-/// Rows of most patches of degree 2 with contact, for the memory of a batch.
-constexpr std::size_t usual_rows = 36;
-
-/// Patches of one chunk: assembled one by one, solved in batches by degree and number of bodies.
+/// Some patches of a body: assembled side by side, then solved in batches by degree and number of bodies.
 class PatchBatch {
  public:
-  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options, std::size_t patches)
-      : assembly_(assembly), edges_(edges), options_(options) {
-    problems_.reserve(patches);
-    rows_.reserve(patches * usual_rows);
-  }
+  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options)
+      : assembly_(assembly), edges_(edges), options_(options) {}
 
-  void add(int node) { assembly_.assemble(node, edges_, workspace_, rows_, problems_.emplace_back()); }
+  void assemble(const int* nodes, std::size_t count) {
+    problems_.resize(count);
+    rows_.resize(num_chunks(count, grain));
+    parallel_chunks("cgcontact::recover_stress::assemble", count, grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      static thread_local PatchWorkspace workspace;
+                      rows_[chunk].clear();
+                      for (std::size_t i = begin; i < end; ++i) {
+                        problems_[i] = PatchProblem();
+                        assembly_.assemble(nodes[i], edges_, workspace, rows_[chunk], problems_[i]);
+                      }
+                    });
+  }
   void solve() {
+    truncated_rows_ = 0;
     solve_all<1, 1>();
     solve_all<1, 2>();
     solve_all<2, 1>();
@@ -81,13 +111,19 @@ class PatchBatch {
   long long truncated_rows() const { return truncated_rows_; }
 
  private:
+  template <class T>
+  using HostView = Kokkos::View<T*, Kokkos::HostSpace>;
+
+  const PatchRow* rows_of(std::size_t i) const { return rows_[i / grain].data() + problems_[i].first_row; }
+
   template <int degree, int bodies>
   void fill(const PatchProblem& problem, FitInput<degree, bodies>& input) const {
     using P = Polynomial<degree>;
     const int body[2] = {assembly_.index(), problem.other_body};
     for (int b = 0; b < bodies; ++b) {
       const PatchFit& fit = problem.fit[b];
-      const double weight = b == 1 ? auxiliary_weight(problem.fit[0], problem.fit[1]) : 1.0;
+      const double weight =
+          b == 1 && options_.inverse_variance ? auxiliary_weight(problem.fit[0], problem.fit[1]) : 1.0;
       for (int i = 0, entry = 0; i < P::num_terms; ++i)
         for (int j = 0; j <= i; ++j) input.mass[b][entry++] = weight * fit.mass(i, j);
       std::copy_n(fit.a.data(), 6 * P::num_terms, input.a[b][0]);
@@ -105,31 +141,42 @@ class PatchBatch {
     to.value = from.value;
   }
 
-  /// Solves the patches numbered in `list` with those of their rows that `use` selects.
+  /// A view of at least that size, kept from list to list.
+  template <class T>
+  static void reserve(HostView<T>& view, const char* label, std::size_t size) {
+    if (view.extent(0) < size)
+      view = HostView<T>(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), size + size / 4);
+  }
+
+  /// Solves the patches numbered in list_ with those of their rows that `use` selects.
   template <int degree, int bodies, class Use>
-  void solve_list(const std::vector<int>& list, const Use& use, double rank_tolerance, std::vector<FitStatus>& status) {
-    std::vector<FitInput<degree, bodies>>& inputs = std::get<std::vector<FitInput<degree, bodies>>>(inputs_);
-    std::vector<FitRow<bodies>>& rows = std::get<std::vector<FitRow<bodies>>>(fit_rows_);
-    rows.clear();
-    inputs.resize(list.size());
-    status.resize(list.size());
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const PatchProblem& problem = problems_[list[i]];
-      fill(problem, inputs[i]);
-      inputs[i].num_rows = 0;
-      for (int r = 0; r < problem.num_rows; ++r) {
-        const PatchRow& row = rows_[problem.first_row + r];
-        if (!use(row)) continue;
-        rows.emplace_back();
-        copy_row(row, rows.back());
-        ++inputs[i].num_rows;
-      }
+  void solve_list(const Use& use, double rank_tolerance) {
+    if (list_.empty()) return;
+    const std::size_t size = list_.size();
+    HostView<FitInput<degree, bodies>>& inputs = std::get<HostView<FitInput<degree, bodies>>>(inputs_);
+    HostView<FitRow<bodies>>& rows = std::get<HostView<FitRow<bodies>>>(fit_rows_);
+    reserve(inputs, "cgcontact::recover_stress::inputs", size);
+    reserve(status_, "cgcontact::recover_stress::status", size);
+    row_begin_.assign(size + 1, 0);
+    for (std::size_t i = 0; i < size; ++i) {
+      const PatchRow* const from = rows_of(list_[i]);
+      row_begin_[i + 1] = row_begin_[i] + std::count_if(from, from + problems_[list_[i]].num_rows, use);
     }
-    const FitRow<bodies>* next = rows.data();
-    for (auto& input : inputs) input.rows = next, next += input.num_rows;
-    fit_patches(inputs.data(), static_cast<int>(inputs.size()), rank_tolerance, status.data());
-    for (std::size_t i = 0; i < list.size(); ++i)
-      std::copy_n(inputs[i].a[0][0], 6 * Polynomial<degree>::num_terms, problems_[list[i]].fit[0].a.data());
+    reserve(rows, "cgcontact::recover_stress::rows", row_begin_[size]);
+    parallel_for("cgcontact::recover_stress::fill", size, grain, [&](std::size_t i) {
+      const PatchProblem& problem = problems_[list_[i]];
+      fill(problem, inputs(i));
+      FitRow<bodies>* to = rows.data() + row_begin_[i];
+      inputs(i).rows = to;
+      inputs(i).num_rows = static_cast<int>(row_begin_[i + 1] - row_begin_[i]);
+      const PatchRow* const from = rows_of(list_[i]);
+      for (int r = 0; r < problem.num_rows; ++r)
+        if (use(from[r])) copy_row(from[r], *to++);
+    });
+    fit_batch(Host(), inputs.data(), static_cast<int>(size), rank_tolerance, status_.data());
+    parallel_for("cgcontact::recover_stress::take", size, grain, [&](std::size_t i) {
+      std::copy_n(inputs(i).a[0][0], 6 * Polynomial<degree>::num_terms, problems_[list_[i]].fit[0].a.data());
+    });
   }
 
   template <int degree, int bodies>
@@ -139,16 +186,16 @@ class PatchBatch {
       if (problems_[i].status != PatchStatus::singular && problems_[i].coupled == (bodies == 2) &&
           problems_[i].degree() == degree)
         list_.push_back(static_cast<int>(i));
-    solve_list<degree, bodies>(
-        list_, [](const PatchRow&) { return true; }, options_.rank_tolerance_of(degree), status_);
+    solve_list<degree, bodies>([](const PatchRow&) { return true; }, options_.rank_tolerance_of(degree));
     for (std::size_t i = 0; i < list_.size(); ++i) {
       PatchProblem& problem = problems_[list_[i]];
-      const auto at_least = [&](PatchStatus status) { problem.status = std::max(problem.status, status); };
-      if (status_[i].truncated > 0) at_least(PatchStatus::truncated);
-      if (status_[i].residual > conflict) at_least(PatchStatus::conflicting);
-      if (!status_[i].finite) at_least(PatchStatus::singular);
-      problem.loose = status_[i].residual > met;
-      truncated_rows_ += status_[i].truncated;
+      const FitStatus& status = status_(i);
+      const auto at_least = [&](PatchStatus least) { problem.status = std::max(problem.status, least); };
+      if (status.truncated > 0) at_least(PatchStatus::truncated);
+      if (status.residual > conflict) at_least(PatchStatus::conflicting);
+      if (!status.finite) at_least(PatchStatus::singular);
+      problem.loose = status.residual > met;
+      truncated_rows_ += status.truncated;
     }
   }
 
@@ -156,18 +203,17 @@ class PatchBatch {
   /// meets the contact face at an edge) must not leak into it through the least-squares solution.
   template <int degree>
   void hold_firm_rows() {
+    const auto is_firm = [](const PatchRow& row) { return row.firm; };
     list_.clear();
     for (std::size_t i = 0; i < problems_.size(); ++i) {
       const PatchProblem& problem = problems_[i];
-      if (!problem.loose || problem.degree() != degree) continue;
-      const auto first = rows_.begin() + static_cast<std::ptrdiff_t>(problem.first_row);
-      if (std::any_of(first, first + problem.num_rows, [](const PatchRow& row) { return row.firm; }))
+      if (problem.loose && problem.degree() == degree &&
+          std::any_of(rows_of(i), rows_of(i) + problem.num_rows, is_firm))
         list_.push_back(static_cast<int>(i));
     }
-    solve_list<degree, 1>(
-        list_, [](const PatchRow& row) { return row.firm; }, firm_tolerance, status_);
+    solve_list<degree, 1>(is_firm, firm_tolerance);
     for (std::size_t i = 0; i < list_.size(); ++i)
-      if (status_[i].residual > held) {
+      if (status_(i).residual > held) {
         PatchStatus& status = problems_[list_[i]].status;
         status = std::max(status, PatchStatus::conflicting);
       }
@@ -176,71 +222,50 @@ class PatchBatch {
   const PatchAssembly& assembly_;
   const EdgeMap* edges_;
   const RecoveryOptions& options_;
-  PatchWorkspace workspace_;
   std::vector<PatchProblem> problems_;
-  std::vector<PatchRow> rows_;
-  std::tuple<std::vector<FitInput<1, 1>>, std::vector<FitInput<1, 2>>, std::vector<FitInput<2, 1>>,
-             std::vector<FitInput<2, 2>>>
+  std::vector<std::vector<PatchRow>> rows_;  ///< of each chunk of patches
+  std::tuple<HostView<FitInput<1, 1>>, HostView<FitInput<1, 2>>, HostView<FitInput<2, 1>>, HostView<FitInput<2, 2>>>
       inputs_;
-  std::tuple<std::vector<FitRow<1>>, std::vector<FitRow<2>>> fit_rows_;
-  std::vector<FitStatus> status_;
+  std::tuple<HostView<FitRow<1>>, HostView<FitRow<2>>> fit_rows_;
+  HostView<FitStatus> status_;
+  std::vector<std::size_t> row_begin_;
   std::vector<int> list_;
   long long truncated_rows_ = 0;
 };
 
-/// What one chunk of patches leaves behind.
-struct ChunkResult {
-  RecoveryCounts counts;
-  std::vector<std::pair<int, EdgeTerms::Term>> terms;             ///< node, term
-  std::vector<std::pair<int, QuadraticTerms::Values>> quadratic;  ///< node, coefficients
-  std::vector<std::pair<int, int>> pressed;                       ///< node, pair
-  std::vector<std::pair<int, int>> open_sides;                    ///< node, surface
-};
-
-void store(const PatchProblem& problem, const CoefficientView& values, ChunkResult& result) {
-  const PatchFit& fit = problem.fit[0];
-  const int n = problem.node, terms = fit.terms();
-  for (int k = 0; k < 6; ++k)
-    for (int t = 0; t < num_terms; ++t) values(n, k, t) = fit.a[terms * k + t];
-  if (fit.degree == 1) return;
-  QuadraticTerms::Values quadratic;
-  for (int k = 0; k < 6; ++k)
-    for (int t = 0; t < QuadraticTerms::count; ++t) quadratic[k][t] = fit.a[terms * k + num_terms + t];
-  result.quadratic.emplace_back(n, quadratic);
-  ++result.counts.quadratic;
-}
-
-void recover_chunk(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options,
-                   const int* nodes, std::size_t count, PatchStates& states, ChunkResult& result) {
-  const RecoveryBody& body = assembly.body();
-  PatchBatch batch(assembly, edges, options, count);
-  for (std::size_t i = 0; i < count; ++i) batch.add(nodes[i]);
-  batch.solve();
-  result.counts.truncated_rows += batch.truncated_rows();
-  for (const PatchProblem& problem : batch.problems()) {
-    const int n = problem.node;
-    if (problem.status != PatchStatus::singular) store(problem, body.field.values, result);
-    for (const int pair : problem.pressed) result.pressed.emplace_back(n, pair);
-    std::vector<int> open_sides = problem.open_sides;
-    std::sort(open_sides.begin(), open_sides.end());
-    for (const int surface : open_sides) result.open_sides.emplace_back(n, surface);
-    if (problem.has_edge) result.terms.push_back({n, {problem.edge[0], problem.factor}});
-    result.counts.grown += body.patches->grown[n];
-    result.counts.lowered += problem.lowered;
-    states.kind[n] = problem.kind;
-    states.status[n] = problem.status;
+/// Takes over what a solved patch has become.
+void store(const PatchProblem& problem, const RecoveryBody& body, PatchStates& states, ConstrainedRecovery& recovery,
+           EdgeTerms& terms, QuadraticTerms& quadratic) {
+  const int n = problem.node;
+  for (const int pair : problem.pressed) states.pressed.emplace_back(n, pair);
+  std::vector<int> open_sides = problem.open_sides;
+  std::sort(open_sides.begin(), open_sides.end());
+  for (const int surface : open_sides) states.open_sides.emplace_back(n, surface);
+  if (problem.has_edge) {
+    if (terms.row_of_node.empty()) terms.row_of_node.assign(states.kind.size(), -1);
+    terms.row_of_node[n] = static_cast<int>(terms.terms.size());
+    terms.terms.push_back({problem.edge[0], problem.factor});
   }
-}
-
-void add(const RecoveryCounts& from, RecoveryCounts& to) {
-  to.grown += from.grown;
-  to.truncated_rows += from.truncated_rows;
-  to.quadratic += from.quadratic;
-  to.lowered += from.lowered;
+  recovery.counts.grown += body.patches->grown[n];
+  recovery.counts.lowered += problem.lowered;
+  states.kind[n] = problem.kind;
+  states.status[n] = problem.status;
+  if (problem.status == PatchStatus::singular) return;
+  const PatchFit& fit = problem.fit[0];
+  const int num = fit.terms();
+  for (int k = 0; k < 6; ++k)
+    for (int t = 0; t < num_terms; ++t) body.field.values(n, k, t) = fit.a[num * k + t];
+  if (fit.degree == 1) return;
+  if (quadratic.row_of_node.empty()) quadratic.row_of_node.assign(states.kind.size(), -1);
+  quadratic.row_of_node[n] = static_cast<int>(quadratic.values.size());
+  QuadraticTerms::Values& values = quadratic.values.emplace_back();
+  for (int k = 0; k < 6; ++k)
+    for (int t = 0; t < QuadraticTerms::count; ++t) values[k][t] = fit.a[num * k + num_terms + t];
+  ++recovery.counts.quadratic;
 }
 
 /// The patches of all bodies one by one, before the forces are balanced.
-ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, const RealView& u, const Scales& scales,
+ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, const HostVector& u, const Scales& scales,
                                     const RecoveryOptions& options, const EdgeMap* edges) {
   ConstrainedRecovery recovery;
   std::vector<StressIntegrals> integrals;
@@ -259,35 +284,16 @@ ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, con
     const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
     PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}, {}};
-    std::vector<char> interior(num_nodes);
-    parallel_for("cgcontact::recover_stress::interior_patches", num_nodes, interior_grain, [&](std::size_t n) {
-      interior[n] = options.degree.interior == 1 && assembly.is_interior(static_cast<int>(n));
-      if (interior[n]) recover_interior(assembly, static_cast<int>(n));
-    });
-    std::vector<int> others;
-    for (std::size_t n = 0; n < num_nodes; ++n)
-      if (!interior[n]) others.push_back(static_cast<int>(n));
-    std::vector<ChunkResult> chunks(num_chunks(others.size(), grain));
-    parallel_chunks("cgcontact::recover_stress::boundary_patches", others.size(), grain,
-                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                      recover_chunk(assembly, edges, options, &others[begin], end - begin, states, chunks[chunk]);
-                    });
+    const std::vector<int> others = recover_interior(assembly, options);
     EdgeTerms terms;
     QuadraticTerms quadratic_terms;
-    for (const ChunkResult& chunk : chunks) {
-      add(chunk.counts, recovery.counts);
-      for (const auto& [node, term] : chunk.terms) {
-        if (terms.row_of_node.empty()) terms.row_of_node.assign(num_nodes, -1);
-        terms.row_of_node[node] = static_cast<int>(terms.terms.size());
-        terms.terms.push_back(term);
-      }
-      for (const auto& [node, values] : chunk.quadratic) {
-        if (quadratic_terms.row_of_node.empty()) quadratic_terms.row_of_node.assign(num_nodes, -1);
-        quadratic_terms.row_of_node[node] = static_cast<int>(quadratic_terms.values.size());
-        quadratic_terms.values.push_back(values);
-      }
-      states.pressed.insert(states.pressed.end(), chunk.pressed.begin(), chunk.pressed.end());
-      states.open_sides.insert(states.open_sides.end(), chunk.open_sides.begin(), chunk.open_sides.end());
+    PatchBatch batch(assembly, edges, options);
+    for (std::size_t begin = 0; begin < others.size(); begin += patches_per_part) {
+      batch.assemble(&others[begin], std::min(patches_per_part, others.size() - begin));
+      batch.solve();
+      recovery.counts.truncated_rows += batch.truncated_rows();
+      for (const PatchProblem& problem : batch.problems())
+        store(problem, bodies[b], states, recovery, terms, quadratic_terms);
     }
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));
@@ -325,13 +331,15 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   std::vector<std::vector<double>> plain;  // before the polynomials are replaced
   for (const RecoveryBody& body : bodies) plain.push_back(contact_pressures(body, body.field));
   FoundEdges edges = find_contact_edges(bodies, scales, options);
-  ConstrainedRecovery recovery = recover_patches(bodies, u, scales, options, options.contact_edge ? &edges : nullptr);
+  const HostVector host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
+  ConstrainedRecovery recovery =
+      recover_patches(bodies, host, scales, options, options.contact_edge ? &edges : nullptr);
   // A patch has one edge: without that of one pair it may take that of another.
   for (;;) {
     const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges);
     if (std::find(wrong.begin(), wrong.end(), 1) == wrong.end()) break;
     edges = edges.without(wrong);
-    recovery = recover_patches(bodies, u, scales, options, &edges);
+    recovery = recover_patches(bodies, host, scales, options, &edges);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     PatchStates& states = recovery.states[b];

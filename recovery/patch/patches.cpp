@@ -1,9 +1,11 @@
 #include "recovery/patch/patches.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/solid_middle.hpp"
+#include "recovery/patch/patch_arrays.hpp"
 
 namespace cgcontact {
 namespace {
@@ -85,6 +87,27 @@ bool grow_patch(const BodyMesh& mesh, const Vec3& middle, int n, double least_vo
   return grown;
 }
 
+void factor_masses(const BodyMesh& mesh, PatchSet& set) {
+  set.factor_of_patch.assign(mesh.num_nodes, -1);
+  int count = 0;
+  for (int n = 0; n < mesh.num_nodes; ++n)
+    if (!set.full[n]) set.factor_of_patch[n] = count++;
+  set.factors.resize(count);
+  const auto arrays = host_arrays(mesh, set);
+  parallel_for("cgcontact::patches::factors", mesh.num_nodes, grain, [&](std::size_t n) {
+    if (set.full[n]) return;
+    const double centre[3] = {double(mesh.nodes[n][0]), double(mesh.nodes[n][1]), double(mesh.nodes[n][2])};
+    double m[num_terms][num_terms];
+    gather_mass(arrays, &set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n], centre, m);
+    const double volume = m[0][0];
+    const bool regular = cholesky(m);
+    auto& factor = set.factors[set.factor_of_patch[n]];
+    for (int i = 0, entry = 0; i < num_terms; ++i)
+      for (int j = 0; j <= i; ++j) factor[entry++] = m[i][j];
+    if (!regular) factor[0] = -volume;
+  });
+}
+
 /// The patches of a range of nodes.
 struct PatchRange {
   std::vector<int> size, cells;
@@ -118,16 +141,22 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size
 }  // namespace
 
 void mark_around(const CutCells& cc, std::vector<Index3> cells, int reach, std::vector<char>& marked) {
+  std::vector<Index3> grown;
   for (int axis = 0; axis < 3; ++axis) {
-    std::vector<Index3> grown;
-    grown.reserve(cells.size() * (2 * reach + 1));
-    for (Index3 c : cells) {
-      c[axis] -= reach;
-      for (int s = -reach; s <= reach; ++s, ++c[axis]) grown.push_back(c);
+    // Line by line along the axis, so that each cell of the result comes once.
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    std::sort(cells.begin(), cells.end(), [&](const Index3& x, const Index3& y) {
+      return std::tie(x[c], x[b], x[axis]) < std::tie(y[c], y[b], y[axis]);
+    });
+    grown.clear();
+    for (Index3 cell : cells) {
+      const int last = cell[axis] + reach;
+      cell[axis] -= reach;
+      if (!grown.empty() && grown.back()[b] == cell[b] && grown.back()[c] == cell[c])
+        cell[axis] = std::max(cell[axis], grown.back()[axis] + 1);
+      for (; cell[axis] <= last; ++cell[axis]) grown.push_back(cell);
     }
-    std::sort(grown.begin(), grown.end());
-    grown.erase(std::unique(grown.begin(), grown.end()), grown.end());
-    cells = std::move(grown);
+    cells.swap(grown);
   }
   for (const Index3& c : cells) {
     const int cell = cc.find(c);
@@ -158,6 +187,7 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
   set.moments.resize(1 + cc.moments.size());
   set.moments[0] = monomial_moments(full_cell_moments());
   for (std::size_t c = 0; c < cc.moments.size(); ++c) set.moments[1 + c] = monomial_moments(cc.moments[c]);
+  factor_masses(mesh, set);
   return set;
 }
 

@@ -1,5 +1,6 @@
 /// Patches: the cells around each node over which sigma* is fitted (paper, section 2).
-/// The recovery is host code: its loops run on the threads of core/base/parallel.hpp.
+/// What reads these, geometry and edges, is host code; kernels for any execution space take views of them
+/// (recovery/spr/spr_kernels.hpp).
 #pragma once
 
 #include <vector>
@@ -8,6 +9,8 @@
 
 namespace cgcontact {
 
+/// A vector over the degrees of freedom that host code reads.
+using HostVector = Kokkos::View<const double*, Kokkos::HostSpace>;
 /// Terms of the complete linear polynomial {1, x, y, z} in cell units about the patch's node.
 constexpr int num_terms = 4;
 /// Six stress components (xx, yy, zz, xy, yz, zx) times num_terms coefficients of each node's polynomial: (node, 6, 4).
@@ -24,6 +27,10 @@ struct PatchSet {
   std::vector<char> grown;               ///< joined with a neighbour's patch: it held too little volume
   std::vector<char> full;                ///< eight cells, all of them interior
   std::vector<MonomialMoments> moments;  ///< 0: interior cells, 1 + c: cut cell c
+  std::vector<int> factor_of_patch;      ///< row of `factors`, -1: full
+  /// Cholesky factors of the mass matrices of the patches that are not full, about their nodes: the lower triangle by
+  /// rows. Of a singular one the first entry is its volume, negative.
+  std::vector<std::array<double, 10>> factors;
 
   const MonomialMoments& moments_of(const CutCells& cut_cells, int cell) const {
     return moments[1 + cut_cells.cut_of_active[cell]];

@@ -46,7 +46,7 @@ QuarticMoments quartic_moments(const Moments& m) {
   return out;
 }
 
-QuadraticMass quadratic_mass(const QuarticMoments& moments) {
+QuadraticMass quadratic_mass(const double* moments) {
   QuadraticMass mass;
   for (int s = 0; s < 10; ++s)
     for (int t = 0; t < 10; ++t) mass(s, t) = moments[products.place[s][t]];

@@ -32,6 +32,9 @@ class Subset {
   /// -1 if it is not in the subset.
   int row(int number) const { return row_.empty() ? number : row_[number]; }
 
+  const std::vector<int>& numbers() const { return number_; }  ///< by row; empty: all
+  const std::vector<int>& rows() const { return row_; }        ///< by number; empty: all
+
  private:
   int size_ = 0;
   std::vector<int> number_, row_;  ///< empty: all

@@ -1,7 +1,6 @@
 #include "recovery/spr/cell_stress.hpp"
 
 #include "core/base/parallel.hpp"
-#include "kernels/simd/lane_math.hpp"
 #include "recovery/spr/corner_differences.hpp"
 
 namespace cgcontact {
@@ -11,7 +10,7 @@ constexpr std::size_t grain = 256;
 
 }  // namespace
 
-CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u) {
+CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u) {
   return [&mesh, u](int cell) {
     double h[8][3];
     corner_values(mesh.cell_nodes[cell], u, h);
@@ -20,7 +19,7 @@ CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u) {
     double g[Polynomial<2>::num_terms][3][3] = {};
     for (int j = 0; j < 3; ++j)
       for (int t = 0; t < 4; ++t)
-        for (int i = 0; i < 3; ++i) g[term[j][t]][i][j] = corner_scale[t] * h[corner_difference[j][t]][i];
+        for (int i = 0; i < 3; ++i) g[term[j][t]][i][j] = corner_scale(t) * h[corner_difference(j, t)][i];
     CellPolynomial polynomial = CellPolynomial::Zero();
     const double factor = mesh.stress_factor(cell);
     for (int t : {0, 1, 2, 3, 7, 8, 9}) {
@@ -42,7 +41,7 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
     out.moments_of_row[row] = cc.cut_of_active[out.cells.number(static_cast<int>(row))] < 0 ? 0 : count++;
   out.moments.resize(count);
   out.moments[0] = quartic_moments(full_cell_moments());
-  const QuadraticMass full = quadratic_mass(out.moments[0]);
+  const QuadraticMass full = quadratic_mass(out.moments[0].data());
   out.stress.resize(size);
   out.square.resize(size);
   parallel_for("cgcontact::cell_stress::integrals", size, grain, [&](std::size_t row) {
@@ -53,7 +52,7 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
       integrals = polynomial * full;
     } else {
       out.moments[place] = quartic_moments(cc.moments[cc.cut_of_active[cell]]);
-      integrals = polynomial * quadratic_mass(out.moments[place]);
+      integrals = polynomial * quadratic_mass(out.moments[place].data());
     }
     out.stress[row] << integrals, Eigen::Matrix<double, 2, Polynomial<2>::num_terms>::Zero();
     out.square[row] = integrals.cwiseProduct(polynomial).sum();
@@ -61,36 +60,28 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
   return out;
 }
 
-QuadraticSums gather_quadratic(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
-                               const double centre[3]) {
+CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
+                   const double centre[3]) {
   const CutCells& cc = *mesh.cut_cells;
-  using Real = Vector<double>;  // a cell per lane
-  constexpr int lanes = Lanes<double>::count;
-  constexpr QuarticMoments nothing{};
-  Real sum[num_quartics] = {}, moments[num_quartics], shift[3] = {};
-  const double* from[lanes];
-  PaddedPolynomial right = PaddedPolynomial::Zero();
-  for (int begin = 0; begin < num_cells; begin += lanes) {
-    for (int l = 0; l < lanes; ++l) {
-      from[l] = nothing.data();
-      if (begin + l >= num_cells) continue;
-      const Index3& cell = cc.cells[cells[begin + l]];
-      const int row = integrals.cells.row(cells[begin + l]);
-      const double d[3] = {cell[0] + 0.5 - centre[0], cell[1] + 0.5 - centre[1], cell[2] + 0.5 - centre[2]};
-      for (int k = 0; k < 3; ++k) set_lane(shift[k], l, d[k]);
-      from[l] = integrals.moments[integrals.moments_of_row[row]].data();
-      const PaddedPolynomial& stress = integrals.stress[row];
-      shift_terms(
-          d, [&](int t) { return stress.col(t); }, [&](int t, const auto& value) { right.col(t) += value; });
+  CellSums total{};
+  for (int i = 0; i < num_cells;) {
+    const int z = cc.cells[cells[i]][2];
+    CellSums layer{};
+    while (i < num_cells && cc.cells[cells[i]][2] == z) {
+      const int y = cc.cells[cells[i]][1];
+      CellSums line{};
+      for (; i < num_cells; ++i) {
+        const Index3& cell = cc.cells[cells[i]];
+        if (cell[1] != y || cell[2] != z) break;
+        const int row = integrals.cells.row(cells[i]);
+        line.add<0>(integrals.stress[row].data(), integrals.moments[integrals.moments_of_row[row]].data(),
+                    integrals.square[row], cell[0] + 0.5 - centre[0]);
+      }
+      layer.add<1>(line, y + 0.5 - centre[1]);
     }
-    gather(from, num_quartics, moments);
-    shift_moments(shift, moments);
-    for (int m = 0; m < num_quartics; ++m) sum[m] += moments[m];
+    total.add<2>(layer, z + 0.5 - centre[2]);
   }
-  QuarticMoments whole{};
-  for (int m = 0; m < num_quartics; ++m)
-    for (int l = 0; l < lanes; ++l) whole[m] += lane(sum[m], l);
-  return {quadratic_mass(whole), right.topRows<6>()};
+  return total;
 }
 
 }  // namespace cgcontact

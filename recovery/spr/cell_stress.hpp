@@ -5,8 +5,9 @@
 #include <functional>
 
 #include "kernels/mesh/mesh.hpp"
-#include "recovery/patch/quartic_moments.hpp"
+#include "recovery/patch/patches.hpp"
 #include "recovery/patch/subset.hpp"
+#include "recovery/spr/cell_sums.hpp"
 
 namespace cgcontact {
 
@@ -20,8 +21,8 @@ using PaddedPolynomial = Eigen::Matrix<double, 8, Polynomial<2>::num_terms>;
 /// The stress over each active cell of one body. May be called by several threads at once.
 using CellStress = std::function<CellPolynomial(int cell)>;
 
-/// sigma_h; u: displacements of all bodies (host).
-CellStress stress_of_displacements(const BodyMesh& mesh, const RealView& u);
+/// sigma_h; u: displacements of all bodies.
+CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u);
 
 /// Integrals over some cells of a body, for polynomials of degree 1 (their first four terms) and 2.
 struct StressIntegrals {
@@ -37,12 +38,8 @@ struct StressIntegrals {
 
 StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress, Subset cells);
 
-/// Sums over a patch, shifted to its centre (grid coordinates): mass matrix and right-hand sides by component.
-struct QuadraticSums {
-  QuadraticMass mass;
-  CellPolynomial right;
-};
-QuadraticSums gather_quadratic(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
-                               const double centre[3]);
+/// Sums over cells, which ascend, about a centre (grid coordinates). The integrals over all of them are known.
+CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
+                   const double centre[3]);
 
 }  // namespace cgcontact

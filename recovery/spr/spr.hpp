@@ -39,36 +39,13 @@ struct RecoveredField {
 /// Copy of a field of all nodes, for some of them.
 RecoveredField part_of(const RecoveredField& field, Subset nodes);
 
-/// Integrals of {1, x, y, z} sigma_h over one cell from its corner displacements (grid axes, u[corner][axis]) and its
-/// moments. `factor`: BodyMesh::stress_factor.
-void cell_stress_integrals(const UnitElasticity& law, double factor, const double u[8][3],
-                           const MonomialMoments& moments, double out[6][num_terms]);
-
-/// The same for a body's cells; one row of `out` for each. u: displacements of all bodies (3 per node).
+/// Integrals of {1, x, y, z} sigma_h over a body's cells; one row of `out` for each. u: displacements of all bodies (3
+/// per node).
 void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const Subset& cells, const RealView& u,
                            const CellStressView& out);
 
 /// Cells of the patches of some nodes.
 Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Subset& nodes);
-
-/// Mass matrix of a patch about its centre (grid coordinates).
-void gather_mass(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells, const double centre[3],
-                 double m[num_terms][num_terms]);
-
-/// Sums over a patch, shifted to its centre: mass matrix m (4 x 4) and right-hand side H (6 x 4).
-struct PatchSums {
-  double m[num_terms][num_terms], H[6][num_terms];
-};
-
-/// `centre` in grid coordinates; row r of `stress` belongs to cell stressed.number(r).
-PatchSums gather_patch(const BodyMesh& mesh, const PatchSet& patches, const int* cells, int num_cells,
-                       const double centre[3], const CellStressView& stress, const Subset& stressed);
-
-/// In-place Cholesky factor (lower) of a 4 x 4 mass matrix; false if it is not positive definite.
-bool cholesky(double m[num_terms][num_terms]);
-
-/// Solves L L^T a = b in place.
-void cholesky_solve(const double L[num_terms][num_terms], double b[num_terms]);
 
 /// Unconstrained fit (equation 1) of the nodes of field.nodes; `stress` holds the cells of their patches.
 /// Returns the number of patches whose mass matrix was singular (their polynomial is the constant mean stress).

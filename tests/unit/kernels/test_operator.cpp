@@ -5,6 +5,7 @@
 #include <map>
 
 #include "kernels/assembled/assembly.hpp"
+#include "kernels/reference/plain_matrix.hpp"
 #include "kernels/reference/plain_operator.hpp"
 #include "tests/support/bodies.hpp"
 
@@ -137,6 +138,39 @@ TEST(Operator, SizeBelongsToTheCell) {
       for (int c = 0; c < 24; ++c) ASSERT_EQ(H(m, r, c), factor * K(m, r, c));
   }
   EXPECT_THROW(FastOperator<double>{two}, std::logic_error);
+}
+
+/// Bit for bit: every entry is the sum of the same numbers in the same order.
+TEST(Operator, AssembledMatrixEqualsItsPlainTwin) {
+  const Case c = cases()[1];
+  const CutCells first = test::cut(c.solid, test::odd_grid(7, c.angle));
+  const CutCells second = test::cut(cases()[2].solid, test::odd_grid(5, 0.2));
+  ElasticSystem system =
+      make_elastic_system({&first, &second}, {Material{2.0, 0.3}, Material{0.1, 0.45}}, Scales{0.5, 4.0}, 0.01);
+  add_support_terms(system, 0, {{first.boundary.cell[3], Vec3(0.1, -0.3, 0.6), Vec3(1, 2, 2) / 3, 0.7}});
+  const int last = system.num_dofs() - 1, other = 3 * system.meshes[1].first_node;
+  set_group_rows(system, {{{{0, 0.5}, {1, -0.25}, {other + 2, 1.5}}},
+                          {{{4, 0.5}, {5, 0.75}, {last, 0.1}}},
+                          {{{1, 0.3}, {other + 2, -0.7}, {last, 0.2}}}});
+  set_group_stiffness(system, {3.0, 0.0, 0.7});
+  SoftCells soft;
+  for (const CutCells* cc : {&first, &second}) soft.axis.emplace_back(cc->cells.size(), -1);
+  soft.axis[0][first.active_of_cut[2]] = 1;
+  BlockMatrix plain = plain_matrix(system, soft);
+  const auto matrix = assemble_matrix(system, make_dof_map(system, Tpetra::getDefaultComm()), soft);
+  const auto local = matrix->getLocalMatrixHost();
+  ASSERT_EQ(local.numRows(), system.num_dofs());
+  ASSERT_EQ(local.nnz(), plain.value.size());
+  for (int row = 0; row < local.numRows(); ++row) {
+    const auto begin = local.graph.row_map(row), end = local.graph.row_map(row + 1);
+    for (auto k = begin; k < end; ++k) {
+      const int column = local.graph.entries(k);
+      if (k > begin) {
+        EXPECT_LT(local.graph.entries(k - 1), column);
+      }
+      EXPECT_EQ(local.values(k), plain.block(row / 3, column / 3)[3 * (row % 3) + column % 3]) << row << ' ' << column;
+    }
+  }
 }
 
 /// Cut cells of the grid with cells of twice the size, moments summed from the children.

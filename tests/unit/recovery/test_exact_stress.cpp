@@ -247,23 +247,44 @@ TEST(CellStress, IntegralsOfDisplacements) {
   }
 }
 
-/// Moments about another centre against the mass matrix of the shifted terms.
-TEST(QuarticMoments, Shifted) {
+/// Sums about another centre: the polynomials of the shifted coordinates.
+TEST(CellSums, Shifted) {
   const CutCells cc = test::cut(Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.41, "sphere"), test::odd_grid(5, 0.3));
   const double d[3] = {0.4, -0.7, 1.2};
-  Eigen::Matrix<double, 10, 10> shift;
+  const auto shifted = [&d](const double* stress, const double* moments) {
+    CellSums x{}, y{}, z{};
+    x.add<0>(stress, moments, 2.0, d[0]);
+    y.add<1>(x, d[1]);
+    z.add<2>(y, d[2]);
+    return z;
+  };
+  const QuarticMoments nothing{};
+  Eigen::Matrix<double, 10, 10> shift;  // of the terms
   for (int t = 0; t < 10; ++t) {
-    double unit[10] = {}, column[10];
-    unit[t] = 1;
-    shift_terms(
-        d, [&](int s) { return unit[s]; }, [&](int s, double value) { column[s] = value; });
-    for (int s = 0; s < 10; ++s) shift(s, t) = column[s];
+    PaddedPolynomial unit = PaddedPolynomial::Zero();
+    unit.col(t).setOnes();
+    const CellSums sums = shifted(unit.data(), nothing.data());
+    EXPECT_EQ(sums.square, 2.0);
+    for (int s = 0; s < 10; ++s) {
+      shift(s, t) = sums.stress[s][0];
+      for (int k = 1; k < 8; ++k) EXPECT_EQ(sums.stress[s][k], sums.stress[s][0]);
+    }
   }
+  for (int q = 0; q < 10; ++q) {
+    Eigen::Matrix<double, 10, 1> here, there;
+    const Vec3 x = Vec3::Random(), y = x + Vec3(d);
+    Polynomial<2>::terms(x.data(), here.data());
+    Polynomial<2>::terms(y.data(), there.data());
+    EXPECT_LT((there - shift * here).norm(), 1e-14 * there.norm());
+  }
+  const PaddedPolynomial stress = PaddedPolynomial::Random();
   for (const Moments& cell : cc.moments) {
-    QuarticMoments moments = quartic_moments(cell);
-    const QuadraticMass expected = shift * quadratic_mass(moments) * shift.transpose();
-    shift_moments(d, moments.data());
-    EXPECT_LT((quadratic_mass(moments) - expected).norm(), 1e-14 * expected.norm());
+    const QuarticMoments moments = quartic_moments(cell);
+    const QuadraticMass expected = shift * quadratic_mass(moments.data()) * shift.transpose();
+    const CellSums sums = shifted(stress.data(), moments.data());
+    EXPECT_LT((quadratic_mass(sums.moments) - expected).norm(), 1e-14 * expected.norm());
+    const Eigen::Map<const PaddedPolynomial> moved(sums.stress[0]);
+    EXPECT_LT((moved - stress * shift.transpose()).norm(), 1e-14 * moved.norm());
   }
 }
 

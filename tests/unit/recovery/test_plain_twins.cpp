@@ -4,6 +4,7 @@
 #include "recovery/constrained/boundary_pieces.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 #include "recovery/error/error_estimate.hpp"
+#include "recovery/spr/spr_kernels.hpp"
 #include "tests/support/bodies.hpp"
 #include "tests/support/constrained_fit.hpp"
 #include "tests/support/triangle_shapes.hpp"
@@ -98,12 +99,16 @@ TEST(PlainTwins, PatchFits) {
     EXPECT_TRUE(std::equal(all.at(n), all.at(n) + 6 * num_terms, c.field.at(n)));
     const Index3& node = c.mesh.nodes[n];
     const double centre[3] = {double(node[0]), double(node[1]), double(node[2])};
-    PatchSums sums = gather_patch(c.mesh, c.patches, c.patches.cells.data() + c.patches.begin[n],
-                                  c.patches.begin[n + 1] - c.patches.begin[n], centre, c.stress, c.cells);
-    ASSERT_TRUE(cholesky(sums.m));
+    const int* cells = c.patches.cells.data() + c.patches.begin[n];
+    const int num_cells = c.patches.begin[n + 1] - c.patches.begin[n];
+    const auto arrays = host_arrays(c.mesh, c.patches);
+    double m[num_terms][num_terms], H[6][num_terms];
+    gather_mass(arrays, cells, num_cells, centre, m);
+    gather_stress(arrays, cells, num_cells, centre, c.stress, host_arrays(c.cells), H);
+    ASSERT_TRUE(cholesky(m));
     for (int k = 0; k < 6; ++k) {
-      cholesky_solve(sums.m, sums.H[k]);
-      for (int t = 0; t < num_terms; ++t) EXPECT_NEAR(c.field.at(n)[num_terms * k + t], sums.H[k][t], 1e-13);
+      cholesky_solve(m, H[k]);
+      for (int t = 0; t < num_terms; ++t) EXPECT_NEAR(c.field.at(n)[num_terms * k + t], H[k][t], 1e-13);
     }
     full += c.patches.full[n];
     EXPECT_TRUE(!marked[n] || std::equal(some.at(n), some.at(n) + 6 * num_terms, c.field.at(n)));

@@ -1,0 +1,111 @@
+/// Patches as kernels for any Kokkos execution space see them, and their mass matrices.
+#pragma once
+
+#include "kernels/mesh/mesh.hpp"
+#include "recovery/patch/patches.hpp"
+#include "recovery/patch/subset.hpp"
+
+namespace cgcontact {
+
+/// Some of a body's cells or nodes (Subset), in some memory.
+template <class Memory>
+struct SubsetArrays {
+  Kokkos::View<const int*, Memory> numbers, rows;  ///< empty: all
+  int size = 0;
+
+  KOKKOS_FORCEINLINE_FUNCTION int number(int row) const { return numbers.extent(0) == 0 ? row : numbers(row); }
+  KOKKOS_FORCEINLINE_FUNCTION int row(int number) const { return rows.extent(0) == 0 ? number : rows(number); }
+};
+
+/// What these kernels read of one body, in some memory.
+template <class Memory>
+struct PatchArrays {
+  template <class T>
+  using Array = Kokkos::View<T, Kokkos::LayoutRight, Memory>;
+  Array<const int* [8]> cell_nodes;   ///< node numbers of all bodies
+  Array<const int*[3]> cells, nodes;  ///< places in the grid
+  Array<const int*> cut_of_cell;
+  Array<const double* [17]> moments;  ///< PatchSet::moments
+  Array<const int*> begin, patch_cells;
+  Array<const char*> full;
+  Array<const int*> factor_of_patch;
+  Array<const double* [10]> factors;  ///< PatchSet::factors
+  Array<const signed char*> levels;   ///< of the cells; empty: 0
+  UnitElasticity law;
+  double coarse_stress_factor = 1;  ///< on level 0
+
+  /// BodyMesh::stress_factor.
+  KOKKOS_FORCEINLINE_FUNCTION double stress_factor(int cell) const {
+    return levels.extent(0) == 0 ? coarse_stress_factor : coarse_stress_factor * (1 << levels(cell));
+  }
+};
+
+/// Those on the host: the arrays of the mesh and the patches themselves.
+SubsetArrays<Kokkos::HostSpace> host_arrays(const Subset& subset);
+PatchArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const PatchSet& patches);
+
+/// Copies in another memory, unless that is the host's.
+template <class Memory>
+PatchArrays<Memory> arrays_in(const PatchArrays<Kokkos::HostSpace>& host) {
+  const auto copy = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Memory(), view); };
+  return {copy(host.cell_nodes),      copy(host.cells),   copy(host.nodes),       copy(host.cut_of_cell),
+          copy(host.moments),         copy(host.begin),   copy(host.patch_cells), copy(host.full),
+          copy(host.factor_of_patch), copy(host.factors), copy(host.levels),      host.law,
+          host.coarse_stress_factor};
+}
+template <class Memory>
+SubsetArrays<Memory> arrays_in(const SubsetArrays<Kokkos::HostSpace>& host) {
+  return {Kokkos::create_mirror_view_and_copy(Memory(), host.numbers),
+          Kokkos::create_mirror_view_and_copy(Memory(), host.rows), host.size};
+}
+
+/// Mass matrix m of some cells about a centre (grid coordinates).
+template <class Memory>
+KOKKOS_INLINE_FUNCTION void gather_mass(const PatchArrays<Memory>& body, const int* cells, int num_cells,
+                                        const double centre[3], double m[num_terms][num_terms]) {
+  for (int i = 0; i < num_terms; ++i)
+    for (int j = 0; j < num_terms; ++j) m[i][j] = 0;
+  for (int c = 0; c < num_cells; ++c) {
+    const double* mass = &body.moments(1 + body.cut_of_cell(cells[c]), 0);
+    double d[3];  // centre of the cell relative to the patch's
+    for (int i = 0; i < 3; ++i) d[i] = body.cells(cells[c], i) + 0.5 - centre[i];
+    const double v = mass[0], first[3] = {mass[1], mass[2], mass[3]};
+    const double second[3][3] = {{mass[4], mass[7], mass[9]}, {mass[7], mass[5], mass[8]}, {mass[9], mass[8], mass[6]}};
+    m[0][0] += v;
+    for (int i = 0; i < 3; ++i) {
+      m[0][1 + i] += first[i] + v * d[i];
+      for (int j = 0; j < 3; ++j) m[1 + i][1 + j] += second[i][j] + d[i] * first[j] + d[j] * first[i] + v * d[i] * d[j];
+    }
+  }
+  for (int i = 0; i < 3; ++i) m[1 + i][0] = m[0][1 + i];
+}
+
+/// In-place Cholesky factor (lower) of a 4 x 4 mass matrix; false if it is not positive definite.
+KOKKOS_INLINE_FUNCTION bool cholesky(double m[num_terms][num_terms]) {
+  for (int j = 0; j < num_terms; ++j) {
+    double diagonal = m[j][j];
+    for (int k = 0; k < j; ++k) diagonal -= m[j][k] * m[j][k];
+    if (!(diagonal > 1e-14 * m[j][j])) return false;
+    m[j][j] = sqrt(diagonal);
+    for (int i = j + 1; i < num_terms; ++i) {
+      double sum = m[i][j];
+      for (int k = 0; k < j; ++k) sum -= m[i][k] * m[j][k];
+      m[i][j] = sum / m[j][j];
+    }
+  }
+  return true;
+}
+
+/// Solves L L^T a = b in place.
+KOKKOS_INLINE_FUNCTION void cholesky_solve(const double L[num_terms][num_terms], double b[num_terms]) {
+  for (int i = 0; i < num_terms; ++i) {
+    for (int k = 0; k < i; ++k) b[i] -= L[i][k] * b[k];
+    b[i] /= L[i][i];
+  }
+  for (int i = num_terms - 1; i >= 0; --i) {
+    for (int k = i + 1; k < num_terms; ++k) b[i] -= L[k][i] * b[k];
+    b[i] /= L[i][i];
+  }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,142 @@
+/// The kernels of plain SPR for any Kokkos execution space: integrals over cells, fits of patches (paper, equation 1).
+#pragma once
+
+#include "recovery/patch/patch_arrays.hpp"
+#include "recovery/spr/corner_differences.hpp"
+
+namespace cgcontact {
+
+/// Integrals of {1, x, y, z} sigma_h over one cell from its corner displacements (grid axes, u[corner][axis]; become
+/// sums and differences) and its moments. `factor`: BodyMesh::stress_factor().
+KOKKOS_INLINE_FUNCTION void cell_stress_integrals(const UnitElasticity& law, double factor, double u[8][3],
+                                                  const double moments[17], double out[6][num_terms]) {
+  corner_differences(u);
+  // Moments of the four terms of each derivative times {1, x, y, z}.
+  constexpr int place[3][num_terms][4] = {{{0, 2, 3, 8}, {1, 7, 9, 10}, {2, 5, 8, 14}, {3, 8, 6, 16}},
+                                          {{0, 1, 3, 9}, {1, 4, 9, 12}, {2, 7, 8, 10}, {3, 9, 6, 15}},
+                                          {{0, 1, 2, 7}, {1, 4, 7, 11}, {2, 7, 5, 13}, {3, 9, 8, 10}}};
+  for (int t = 0; t < num_terms; ++t) {
+    double g[3][3], s[6];
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) {
+        g[i][j] = 0;
+        for (int term = 0; term < 4; ++term)
+          g[i][j] += corner_scale(term) * moments[place[j][t][term]] * u[corner_difference(j, term)][i];
+      }
+    law.stress(g, s);
+    for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
+  }
+}
+
+/// Of a full cell, whose only moments up to degree 3 that are not zero are its volume and 1/12 of the squares: each
+/// coordinate meets the term of the derivative that is linear in it.
+KOKKOS_INLINE_FUNCTION void full_cell_stress_integrals(const UnitElasticity& law, double factor, double u[8][3],
+                                                       double out[6][num_terms]) {
+  corner_differences(u);
+  for (int t = 0; t < num_terms; ++t) {
+    double g[3][3] = {}, s[6];
+    for (int j = 0; j < 3; ++j) {
+      if (t == 1 + j) continue;
+      const int term = t == 0 ? 0 : t - 1 < j ? t : t - 1;  // of the other two coordinates
+      const double weight = corner_scale(term) * (t == 0 ? 1 : 1. / 12);
+      for (int i = 0; i < 3; ++i) g[i][j] = weight * u[corner_difference(j, term)][i];
+    }
+    law.stress(g, s);
+    for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
+  }
+}
+
+/// One row of `out` for each of the cells. u: displacements of all bodies, three per node.
+template <class Exec, class Memory, class Displacements, class Stress>
+void integrate_cells(const Exec& exec, const PatchArrays<Memory>& body, const SubsetArrays<Memory>& cells,
+                     const Displacements& u, const Stress& out) {
+  using Policy = Kokkos::RangePolicy<Exec, Kokkos::Schedule<Kokkos::Dynamic>>;
+  Kokkos::parallel_for(
+      "cgcontact::spr::cell_integrals", Policy(exec, 0, cells.size, Kokkos::ChunkSize(256)),
+      KOKKOS_LAMBDA(const int row) {
+        const int cell = cells.number(row), cut = body.cut_of_cell(cell);
+        double corner[8][3], integrals[6][num_terms];
+        for (int a = 0; a < 8; ++a)
+          for (int i = 0; i < 3; ++i) corner[a][i] = u(dof_of(body.cell_nodes(cell, a), i));
+        if (cut < 0)
+          full_cell_stress_integrals(body.law, body.stress_factor(cell), corner, integrals);
+        else
+          cell_stress_integrals(body.law, body.stress_factor(cell), corner, &body.moments(1 + cut, 0), integrals);
+        for (int k = 0; k < 6; ++k)
+          for (int t = 0; t < num_terms; ++t) out(row, k, t) = integrals[k][t];
+      });
+}
+
+/// Right-hand side H of a patch, shifted to its centre (grid coordinates); row r of `stress` belongs to cell
+/// stressed.number(r).
+template <class Memory, class Stress>
+KOKKOS_INLINE_FUNCTION void gather_stress(const PatchArrays<Memory>& body, const int* cells, int num_cells,
+                                          const double centre[3], const Stress& stress,
+                                          const SubsetArrays<Memory>& stressed, double H[6][num_terms]) {
+  for (int k = 0; k < 6; ++k)
+    for (int t = 0; t < num_terms; ++t) H[k][t] = 0;
+  for (int c = 0; c < num_cells; ++c) {
+    const double* s = &stress(stressed.row(cells[c]), 0, 0);
+    double shift[num_terms] = {};
+    for (int i = 0; i < 3; ++i) shift[1 + i] = body.cells(cells[c], i) + 0.5 - centre[i];
+    for (int k = 0; k < 6; ++k)
+      for (int t = 0; t < num_terms; ++t) H[k][t] += s[num_terms * k + t] + shift[t] * s[num_terms * k];
+  }
+}
+
+/// Fit of eight full cells around a node: the mass matrix is diag(8, 8/3, 8/3, 8/3). The cells are ascending, so that
+/// the bits of their place are their offsets.
+template <class Memory, class Stress>
+KOKKOS_INLINE_FUNCTION void fit_full_patch(const int* cells, const Stress& stress, const SubsetArrays<Memory>& stressed,
+                                           double* a) {
+  double H[6][num_terms] = {};
+  for (int c = 0; c < 8; ++c) {
+    const double* s = &stress(stressed.row(cells[c]), 0, 0);
+    const double d[num_terms] = {0, (c & 1) - 0.5, (c >> 1 & 1) - 0.5, (c >> 2) - 0.5};
+    for (int k = 0; k < 6; ++k)
+      for (int t = 0; t < num_terms; ++t) H[k][t] += s[num_terms * k + t] + d[t] * s[num_terms * k];
+  }
+  const double inverse[num_terms] = {1. / 8, 3. / 8, 3. / 8, 3. / 8};
+  for (int k = 0; k < 6; ++k)
+    for (int t = 0; t < num_terms; ++t) a[num_terms * k + t] = inverse[t] * H[k][t];
+}
+
+/// Fits the nodes of a subset; one row of `values` for each. Returns the number of singular patches.
+template <class Exec, class Memory, class Stress, class Values>
+int fit_nodes(const Exec& exec, const PatchArrays<Memory>& body, const SubsetArrays<Memory>& nodes,
+              const Stress& stress, const SubsetArrays<Memory>& stressed, const Values& values) {
+  using Policy = Kokkos::RangePolicy<Exec, Kokkos::Schedule<Kokkos::Dynamic>>;
+  int singular = 0;
+  Kokkos::parallel_reduce(
+      "cgcontact::spr::fit", Policy(exec, 0, nodes.size, Kokkos::ChunkSize(512)),
+      KOKKOS_LAMBDA(const int row, int& sum) {
+        const int n = nodes.number(row), begin = body.begin(n);
+        const int* cells = &body.patch_cells(begin);
+        double* a = &values(row, 0, 0);
+        if (body.full(n)) {
+          fit_full_patch(cells, stress, stressed, a);
+          return;
+        }
+        const double centre[3] = {double(body.nodes(n, 0)), double(body.nodes(n, 1)), double(body.nodes(n, 2))};
+        double H[6][num_terms], L[num_terms][num_terms];
+        gather_stress(body, cells, body.begin(n + 1) - begin, centre, stress, stressed, H);
+        const double* factor = &body.factors(body.factor_of_patch(n), 0);
+        const bool regular = factor[0] > 0;
+        for (int i = 0, entry = 0; i < num_terms; ++i)
+          for (int j = 0; j <= i; ++j) L[i][j] = factor[entry++];
+        for (int k = 0; k < 6; ++k) {
+          if (regular) {
+            cholesky_solve(L, H[k]);
+          } else {  // the mean stress
+            H[k][0] /= -factor[0];
+            H[k][1] = H[k][2] = H[k][3] = 0;
+          }
+          for (int t = 0; t < num_terms; ++t) a[num_terms * k + t] = H[k][t];
+        }
+        sum += !regular;
+      },
+      singular);
+  return singular;
+}
+
+}  // namespace cgcontact
