@@ -88,7 +88,7 @@ void measure_thickness(BodyModel& model) {
   model.free_thickness = free_area > 0 ? 2 * volume / free_area : 1e9;
 }
 
-std::string quoted(const std::string& name) { return "\"" + name + "\""; }
+std::string in_quotes(const std::string& name) { return "\"" + name + "\""; }
 
 /// Faces of a body that supports, loads and contacts name.
 std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
@@ -106,7 +106,7 @@ std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
 }
 
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
-  throw InputError(face.place, quoted(scene.bodies[face.body].name + "." + face.face.name),
+  throw InputError(face.place, in_quotes(scene.bodies[face.body].name + "." + face.face.name),
                    "the face selects no point of the body's boundary");
 }
 
@@ -122,7 +122,7 @@ Grid make_grid(const BodySpec& body) {
   Vec3 min, max;
   const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
   if (!rotated.bounding_box(min, max))
-    throw InputError(body.place, quoted(body.name), "the body is not bounded", "intersect half-spaces with a box");
+    throw InputError(body.place, in_quotes(body.name), "the body is not bounded", "intersect half-spaces with a box");
   Vec3 start = min - body.cell_size * body.grid_offset;
   for (int d = 0; d < 3; ++d) {
     // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
@@ -150,7 +150,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
       model.cut_cells = make_cut_cells(
           solid, grid, face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid), scene.geometry);
     } catch (const InputError& error) {
-      throw InputError(model.spec->place, quoted(model.spec->name), error.what());
+      throw InputError(model.spec->place, in_quotes(model.spec->name), error.what());
     }
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     set_loads(scene, 1, model);

@@ -73,7 +73,7 @@ mu::Parser make_parser(const Constants& constants) {
   return parser;
 }
 
-std::string quoted(const std::string& text) { return '"' + text + '"'; }
+std::string in_quotes(const std::string& text) { return '"' + text + '"'; }
 
 std::string format_number(double value) {
   char buffer[32];
@@ -102,33 +102,35 @@ std::string format_number(double value) {
                                                  "MN", "Pa", "kPa", "MPa", "GPa", "deg", "rad", "kg"};
   for_each_name(text, [&](const std::string& name, bool is_called) {
     if (!is_called && contains(units, name) && !contains(known, name) && did_you_mean(name, parameters).empty())
-      throw InputError(place, quoted(text),
-                       "unknown name " + quoted(name) + ": numbers have no units here, all values are in SI units",
+      throw InputError(place, in_quotes(text),
+                       "unknown name " + in_quotes(name) + ": numbers have no units here, all values are in SI units",
                        join(known) + ", " + join(functions, " "));
     if (is_called && !contains(functions, name) && !contains(known, name))
-      throw InputError(place, quoted(text), "unknown function " + quoted(name) + did_you_mean(name, functions),
+      throw InputError(place, in_quotes(text), "unknown function " + in_quotes(name) + did_you_mean(name, functions),
                        join(functions, " "));
   });
   if (error.GetCode() == mu::ecUNASSIGNABLE_TOKEN && !token.empty() && starts_name(token[0])) {
     std::vector<std::string> all = known;
     all.insert(all.end(), functions.begin(), functions.end());
     const bool coordinate = token == "x" || token == "y" || token == "z";
-    std::string why = "unknown name " + quoted(token) + did_you_mean(token, all);
-    if (coordinate) why = "must be one number, it cannot depend on " + quoted(token);
+    std::string why = "unknown name " + in_quotes(token) + did_you_mean(token, all);
+    if (coordinate) why = "must be one number, it cannot depend on " + in_quotes(token);
     if (token == contact_force_name)
-      why = quoted(token) +
+      why = in_quotes(token) +
             " is a result: only parameters, pressure, stress and zones of [reference] may use it, in a scene with a "
             "contact pair";
-    throw InputError(place, quoted(text), why, join(known) + ", " + join(functions, " "));
+    throw InputError(place, in_quotes(text), why, join(known) + ", " + join(functions, " "));
   }
   std::string message = error.GetCode() == mu::ecINTERNAL_ERROR ? "an operand is missing" : error.GetMsg();
   while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
-  throw InputError(place, quoted(text), "not a valid expression: " + message, operators_help);
+  throw InputError(place, in_quotes(text), "not a valid expression: " + message, operators_help);
 }
 
 /// What muParser would accept although it makes no sense here: nothing at all, assignments, several values.
 void check_text(const std::string& text, const SourcePlace& place) {
-  const auto fail_with = [&](const char* problem) { throw InputError(place, quoted(text), problem, operators_help); };
+  const auto fail_with = [&](const char* problem) {
+    throw InputError(place, in_quotes(text), problem, operators_help);
+  };
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) fail_with("empty expression");
   int depth = 0;
   for (std::size_t k = 0; k < text.size(); ++k) {
@@ -186,7 +188,7 @@ struct Expression::Compiled {
     const std::string at = is_constant ? ""
                                        : " at x = " + format_number(point[0]) + ", y = " + format_number(point[1]) +
                                              ", z = " + format_number(point[2]);
-    throw InputError(place, quoted(text),
+    throw InputError(place, in_quotes(text),
                      "the value is " + std::string(std::isnan(value) ? "not a number" : "infinite") + at +
                          used_constants(text, constants) + " (division by zero, or a function outside its domain?)",
                      "finite values wherever the expression is used");
@@ -255,7 +257,7 @@ double evaluate_constant(const std::string& text, const SourcePlace& place, cons
     fail(error, text, place, constants, false);
   }
   if (!std::isfinite(value))
-    throw InputError(place, quoted(text),
+    throw InputError(place, in_quotes(text),
                      "the value is not finite" + used_constants(text, constants) + " (division by zero?)",
                      "a finite number");
   return value;

@@ -167,7 +167,7 @@ faces = ["part.top", "plate.block.z-"]
 )toml";
 
 /// A TOML string.
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -326,10 +326,10 @@ std::string scene_of_part(const InitOptions& options, const PartOutline& part, d
       fmt::arg("turn", rotation_line(part.turn)), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
       fmt::arg("stem", shell_word(fs::path(file).stem().string())),
       fmt::arg("finer", fmt::format("{:.3g}", layout.cell_size / 1.5)),
-      fmt::arg("title", quoted(fs::path(options.surface).stem().string() + " under a plate")),
+      fmt::arg("title", in_quotes(fs::path(options.surface).stem().string() + " under a plate")),
       fmt::arg("h", layout.cell_size), fmt::arg("cells", std::lround(extent.maxCoeff() / layout.cell_size)),
       fmt::arg("push", layout.push), fmt::arg("bottom", end_selector(part, part.bottom, -1)),
-      fmt::arg("top", end_selector(part, part.top, 1)), fmt::arg("surface", quoted(surface)),
+      fmt::arg("top", end_selector(part, part.top, 1)), fmt::arg("surface", in_quotes(surface)),
       fmt::arg("unit", options.unit), fmt::arg("faces", face_lines(part)), fmt::arg("p0", layout.plate_min[0]),
       fmt::arg("p1", layout.plate_min[1]), fmt::arg("z", layout.plate_min[2]), fmt::arg("q0", layout.plate_max[0]),
       fmt::arg("q1", layout.plate_max[1]), fmt::arg("q2", layout.plate_max[2]),
