@@ -86,7 +86,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   text += scene.geometry.print() + scene.contact.print() + scene.solver.print() + scene.recovery.print();
   text += fmt::format("contact.csv: {:.0f} rows\n{} unknowns in all, about {:.0f} MB of memory\n",
                       count_contact_rows(preparation), unknowns,
-                      expected_memory(sizes, {count_contact_points(preparation), scene.output.plots}) / 1e6);
+                      expected_memory(sizes, memory_extras(scene, preparation)) / 1e6);
   return text;
 }
 

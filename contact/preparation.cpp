@@ -123,16 +123,16 @@ double count_contact_rows(const Preparation& preparation) {
   return rows;
 }
 
-double count_contact_points(const Preparation& preparation) {
-  double points = count_contact_rows(preparation);
-  for (const ContactPair& pair : preparation.pairs) points += static_cast<double>(pair.points.size());
-  return points;
+MemoryExtras memory_extras(const Scene& scene, const Preparation& preparation) {
+  MemoryExtras extras{0, count_contact_rows(preparation), scene.output.plots};
+  for (const ContactPair& pair : preparation.pairs) extras.contact_points += static_cast<double>(pair.points.size());
+  return extras;
 }
 
 void check_memory(const Scene& scene, const Preparation& preparation) {
   std::vector<BodySize> sizes;
   for (const BodyModel& body : preparation.bodies) sizes.push_back(size_of(body.cut_cells));
-  check_memory(scene, sizes, count_contact_points(preparation));
+  check_memory(scene, sizes, memory_extras(scene, preparation));
 }
 
 Preparation lay_out(const Scene& scene, bool refuse_near_limit) {

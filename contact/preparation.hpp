@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "contact/model/contact_pairs.hpp"
+#include "contact/model/memory.hpp"
 
 namespace cgcontact {
 
@@ -29,8 +30,8 @@ void complete(const Scene& scene, Preparation& preparation);
 /// Rows of contact.csv: boundary points of the contact faces, in reach of the other body or not.
 double count_contact_rows(const Preparation& preparation);
 
-/// Points of the pairs and rows of the results, for the expected memory.
-double count_contact_points(const Preparation& preparation);
+/// For the expected memory: points of the pairs, rows of the results.
+MemoryExtras memory_extras(const Scene& scene, const Preparation& preparation);
 
 /// Throws InputError if a run of the scene would not fit into memory.
 void check_memory(const Scene& scene, const Preparation& preparation);

@@ -92,7 +92,9 @@ std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodie
                           double available) {
   double factor = 1;
   const auto needed = [&] {
-    return expected_memory(coarsened(bodies, factor), {extras.contact_points / (factor * factor), extras.pictures});
+    const double surface = factor * factor;
+    return expected_memory(coarsened(bodies, factor),
+                           {extras.contact_points / surface, extras.contact_rows / surface, extras.pictures});
   };
   while (factor < 1e4 && needed() > safe_part * available) factor *= 1.02;
   if (factor >= 1e4) return {};
@@ -120,7 +122,7 @@ BodySize size_of(const CutCells& cc) {
 /// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). What grows like the surface weighs
 /// most. Cells of the grid that are empty cost nothing.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
-  double bytes = 85e6 + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points;
+  double bytes = 85e6 + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points + 500 * extras.contact_rows;
   for (const BodySize& body : bodies)
     bytes += dofs_per_node * 170.0 * body.nodes + 11.5e3 * body.cut_cells + 1.1e3 * body.triangles;
   return bytes;
@@ -131,16 +133,15 @@ void check_memory_early(const Scene& scene, bool near_limit_too) {
   for (const bool finer : {false, true}) {
     std::vector<BodySize> sizes;
     for (const BodySpec& body : scene.bodies) sizes.push_back(estimate_size(body, finer));
-    const double expected = expected_memory(sizes, {0, scene.output.plots});
+    const double expected = expected_memory(sizes, {0, 0, scene.output.plots});
     if (expected * near_limit < available) return;
-    if (expected > near_limit * available || finer) check_memory(scene, sizes, 0);
+    if (expected > near_limit * available || finer) check_memory(scene, sizes, {0, 0, scene.output.plots});
     if (!near_limit_too) return;
   }
 }
 
-void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, double contact_points) {
+void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
   const MemoryBudget budget = memory_budget();
-  const MemoryExtras extras{contact_points, scene.output.plots};
   const double expected = expected_memory(bodies, extras);
   if (expected <= budget.bytes) return;
   const std::string fitting = fitting_cells(scene, bodies, extras, budget.bytes);

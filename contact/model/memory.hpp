@@ -19,8 +19,8 @@ BodySize size_of(const CutCells& cut_cells);
 
 /// What it depends on beside the bodies.
 struct MemoryExtras {
-  /// Of all pairs, and the boundary points of their faces, which the results have; before they are known: 0.
-  double contact_points = 0;
+  double contact_points = 0;  ///< of all pairs; before they are known: 0
+  double contact_rows = 0;    ///< boundary points of their faces, which the results have; before they are known: 0
   bool pictures = true;
 };
 
@@ -29,7 +29,7 @@ double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& 
 
 /// Throws InputError if the expected memory is more than there is (memory_budget), and names the cell sizes that would
 /// fit.
-void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, double contact_points);
+void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const MemoryExtras& extras);
 
 /// The same before any cells are made, from estimated sizes: what is too large by far is refused at once, what is too
 /// large by little within a second or two.
