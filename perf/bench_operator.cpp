@@ -249,7 +249,7 @@ Kernel assembly(Shape shape, int n) {
     k.error /= largest, k.tolerance = 1e-14, k.against = "the plain twin";
     const double cells = static_cast<double>(body->cut_cells.cells.size()),
                  cut = static_cast<double>(body->cut_cells.moments.size()),
-                 faces = static_cast<double>(colour_mesh(body->system.meshes[0]).scale_of_face.extent(0)),
+                 faces = static_cast<double>(colour_mesh(body->system.meshes[0]).nodes_of_face.extent(0)),
                  entries = static_cast<double>(local.nnz());
     k.cost = {576 * cells + 864 * faces, 32 * cells + 4608 * cut + 56 * faces + 24 * entries};
     k.figures = {{"cut_share", body->cut_share()}, {"entries", entries}};

@@ -71,7 +71,6 @@ struct BodyParts {
   CellNodesView nodes_of_cell;  ///< in the order of the cells
   IntView matrix_of_cell;
   FaceNodesView nodes_of_face;
-  RealView scale_of_face;
   ItemsOfNodes cells, faces;
 };
 
@@ -83,7 +82,6 @@ BodyParts parts_of_body(const ExecSpace& exec, const BodyMesh& mesh) {
   parts.matrix_of_cell = copy_to_view<IntView>("cgcontact::assembly::matrix_of_cell", mesh.cut_cells->cut_of_active);
   const ColouredMesh coloured = colour_mesh(mesh);
   parts.nodes_of_face = coloured.nodes_of_face;
-  parts.scale_of_face = coloured.scale_of_face;
   parts.cells = items_of_nodes(exec, parts.nodes_of_cell, mesh.first_node, mesh.num_nodes);
   parts.faces = items_of_nodes(exec, parts.nodes_of_face, mesh.first_node, mesh.num_nodes);
   return parts;
@@ -203,7 +201,6 @@ void add_body(const ExecSpace& exec, const BodyParts& body, const CellMatrixView
   const CellNodesView nodes_of_cell = body.nodes_of_cell;
   const FaceNodesView nodes_of_face = body.nodes_of_face;
   const IntView matrix_of_cell = body.matrix_of_cell;
-  const RealView scale_of_face = body.scale_of_face;
   const int first = body.first_node;
   Kokkos::parallel_for(
       "cgcontact::assembly::values", Policy(exec, 0, body.num_nodes), KOKKOS_LAMBDA(const int n) {
@@ -224,7 +221,7 @@ void add_body(const ExecSpace& exec, const BodyParts& body, const CellMatrixView
           while (nodes_of_face(face, r) != node) ++r;
           for (int c = 0; c < 12; ++c) {
             const std::size_t place = rows.graph.find(node, nodes_of_face(face, c));
-            for (int i = 0; i < 3; ++i) rows.at(node, place, i, i) += scale_of_face(face) * ghost(r, c);
+            for (int i = 0; i < 3; ++i) rows.at(node, place, i, i) += ghost(r, c);
           }
         }
       });
@@ -257,8 +254,7 @@ GhostMatrixView ghost_matrix_of(const BodyMesh& mesh, double penalty) {
 
 }  // namespace
 
-Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
-                                           const SoftCells& soft) {
+Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map) {
   const ExecSpace exec;
   std::vector<BodyParts> bodies;
   for (const BodyMesh& mesh : system.meshes) bodies.push_back(parts_of_body(exec, mesh));
@@ -267,9 +263,7 @@ Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Te
   const std::size_t blocks = graph.column.extent(0);
   const RowValues rows{graph, typename LocalMatrix::values_type("cgcontact::assembly::value", 9 * blocks)};
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    add_body(exec, bodies[b],
-             make_cell_matrices(system.meshes[b], system.supports[b],
-                                soft.axis.empty() ? std::vector<signed char>{} : soft.axis[b]),
+    add_body(exec, bodies[b], make_cell_matrices(system.meshes[b], system.supports[b]),
              ghost_matrix_of(system.meshes[b], system.ghost_penalty), rows);
   add_groups(exec, system.groups, rows);
 

@@ -4,14 +4,12 @@
 #include <Tpetra_CrsMatrix.hpp>
 
 #include "kernels/operator/operator.hpp"
-#include "kernels/operator/soft_cells.hpp"
 
 namespace cgcontact {
 
 using TpetraMatrix = Tpetra::CrsMatrix<double>;
 
 /// Assembled matrix of the system on the given map; equals the matrix-free operator to rounding.
-Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
-                                           const SoftCells& soft = {});
+Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map);
 
 }  // namespace cgcontact

@@ -70,8 +70,8 @@ RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const Tpet
   return MueLu::CreateTpetraPreconditioner<double>(matrix, list);
 }
 
-RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map, const SoftCells& soft) {
-  return make_muelu(system, map, assemble_matrix(system, map, soft));
+RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const TpetraMap>& map) {
+  return make_muelu(system, map, assemble_matrix(system, map));
 }
 
 }  // namespace cgcontact

@@ -12,7 +12,6 @@ Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuch
                                         const Teuchos::RCP<TpetraMatrix>& matrix);
 
 /// Assembles the matrix as the system is now and sets up MueLu on it.
-Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
-                                        const SoftCells& soft = {});
+Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map);
 
 }  // namespace cgcontact

@@ -5,10 +5,7 @@
 namespace cgcontact {
 bool is_ghost_face(const BodyMesh& mesh, int e, int f) {
   constexpr double well_filled = 0.25;
-  const auto badly = [&](int cell) {
-    const double full = mesh.full_volume.empty() ? 1.0 : mesh.full_volume[cell];
-    return mesh.cut_cells->volume_fraction(cell) < well_filled * full;
-  };
+  const auto badly = [&](int cell) { return mesh.cut_cells->volume_fraction(cell) < well_filled; };
   return badly(e) || badly(f);
 }
 

@@ -29,7 +29,6 @@ struct BodyMesh {
   std::vector<Index3> nodes;                   ///< place in the grid of each active node, by k, j, i
   GridNumbers node_numbers;                    ///< of this body's nodes: indices into nodes
   std::vector<std::array<int, 8>> cell_nodes;  ///< node numbers (all bodies) of each active cell
-  std::vector<double> full_volume;             ///< of each active cell where the body is thinner than a cell; empty: 1
 
   /// Size of an active cell, and of the cells of a level, in units of Scales::length.
   double h(int cell) const { return cut_cells->h(cell) / length; }
@@ -45,7 +44,7 @@ struct BodyMesh {
 };
 
 /// Whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a quarter,
-/// of BodyMesh::full_volume, which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs
+/// which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs
 /// twice the time and gives nothing: docs/decisions.md, "Ghost penalty".
 bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 

@@ -131,7 +131,7 @@ std::size_t BandCells<Real>::bytes() const {
 
 template <class Real>
 BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
-                                const SlabPartition& slabs, const SoftCells& soft) {
+                                const SlabPartition& slabs) {
   constexpr int L = Lanes<Real>::count;
   constexpr std::size_t cache = 16 << 20;
   BandCells<Real> result;
@@ -177,7 +177,6 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
         if (s != supports[b].end()) cell.pair_mask = s->second.mask();
         ++result.num_cut;
         if (cell.pair_mask) ++result.num_supported;
-        if (soft.of(b, e) >= 0) cell.pair_mask = 128 + soft.of(b, e);
       }
       list.push_back(cell);
     }
@@ -201,9 +200,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     const bool full = list[p].pair_mask == 64;
     batch.moments = full ? -1 : num_moments_batches++;
     batch.pairs = num_pairs;
-    const bool is_soft = list[p].pair_mask >= 128;
-    batch.soft_axis = is_soft ? list[p].pair_mask - 128 : -1;
-    batch.pair_mask = full || is_soft ? 0 : list[p].pair_mask;
+    batch.pair_mask = full ? 0 : list[p].pair_mask;
     for (int bit = 0; bit < 6; ++bit) num_pairs += batch.pair_mask >> bit & 1;
     ++chunk_begin[list[p].slab + 1];
     batches.push_back(batch);
@@ -264,9 +261,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
 
 template struct BandCells<double>;
 template struct BandCells<float>;
-template BandCells<double> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&,
-                                           const SoftCells&);
-template BandCells<float> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&,
-                                          const SoftCells&);
+template BandCells<double> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&);
+template BandCells<float> make_band_cells(const ElasticSystem&, const std::vector<char>&, const SlabPartition&);
 
 }  // namespace cgcontact

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "kernels/operator/node_columns.hpp"
-#include "kernels/operator/soft_cells.hpp"
 #include "kernels/operator/system.hpp"
 #include "kernels/simd/lanes.hpp"
 
@@ -50,7 +49,6 @@ struct BandCells {
     int moments;           ///< index into moments; -1: full cells
     int pairs;             ///< first of the support pairs
     int pair_mask;         ///< which of xx, yy, zz, xy, yz, zx there are
-    int soft_axis;         ///< SoftCells, or -1
     unsigned stencil_any;  ///< some corner of some cell is a stencil node
   };
 
@@ -69,7 +67,7 @@ struct BandCells {
 
 template <class Real>
 BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<char>& by_stencil,
-                                const SlabPartition& slabs, const SoftCells& soft);
+                                const SlabPartition& slabs);
 
 namespace band {
 
@@ -124,9 +122,8 @@ KOKKOS_FORCEINLINE_FUNCTION void full_forces(const typename BandCells<Real>::Law
   }
 }
 
-/// Modal forces from the moments of a cut cell. With a soft axis, what a shear across it takes from its other
-/// direction's displacement does not vary along that direction.
-template <int soft_axis = -1, class Real, class V>
+/// Modal forces from the moments of a cut cell.
+template <class Real, class V>
 KOKKOS_FORCEINLINE_FUNCTION void cut_forces(const typename BandCells<Real>::Law& law, const Real* moments,
                                             const V c[3][8], V f[3][8]) {
   constexpr int L = Lanes<Real>::count;
@@ -165,13 +162,8 @@ KOKKOS_FORCEINLINE_FUNCTION void cut_forces(const typename BandCells<Real>::Law&
     h[3] = c[d][E | G] + c[e][D | G];
     h[4] = c[d][7];
     h[5] = c[e][7];
-    if constexpr (soft_axis >= 0) {
-      if (soft_axis == e) h[1] = h[4] = V{};
-      if (soft_axis == d) h[2] = h[5] = V{};
-    }
 #pragma GCC unroll 6
     for (int t = 0; t < 6; ++t) {
-      if (soft_axis >= 0 && ((soft_axis == e && (mode[t] & D)) || (soft_axis == d && (mode[t] & E)))) continue;
       V sum = m[moment_index(mode[t]) + moment_index(mode[0])] * h[0];
 #pragma GCC unroll 6
       for (int n = 1; n < 6; ++n) sum += m[moment_index(mode[t]) + moment_index(mode[n])] * h[n];
@@ -231,19 +223,7 @@ KOKKOS_FORCEINLINE_FUNCTION void batch_forces(const BandCells<Real>& cells, int 
     return;
   }
   const Real* moments = &cells.moments(batch.moments, 0, 0);
-  switch (batch.soft_axis) {
-    case 0:
-      cut_forces<0, Real>(law, moments, u, f);
-      break;
-    case 1:
-      cut_forces<1, Real>(law, moments, u, f);
-      break;
-    case 2:
-      cut_forces<2, Real>(law, moments, u, f);
-      break;
-    default:
-      cut_forces<-1, Real>(law, moments, u, f);
-  }
+  cut_forces<Real>(law, moments, u, f);
   if (batch.pair_mask) add_support_forces(cells, batch, u, f);
   for (int i = 0; i < 3; ++i) to_corners(f[i]);
   if (!batch.stencil_any) {

@@ -12,8 +12,7 @@ constexpr std::size_t grain = 16;
 
 /// K += factor sum_q w_q B_q^T D B_q over the Gauss points.
 template <int degree, class Matrix>
-void integrate_stiffness(const UnitElasticity& law, const double* weights, double factor, int soft_axis,
-                         const Matrix& matrix) {
+void integrate_stiffness(const UnitElasticity& law, const double* weights, double factor, const Matrix& matrix) {
   using Element = HexElement<degree>;
   using Gauss = typename Element::Gauss;
   constexpr int nodes = Element::num_nodes, n = Gauss::count;
@@ -22,25 +21,13 @@ void integrate_stiffness(const UnitElasticity& law, const double* weights, doubl
     const double xi[3] = {Gauss::point[q / (n * n)], Gauss::point[q / n % n], Gauss::point[q % n]};
     double dN[nodes][3];
     Element::gradient(xi, dN);
-    double gradient[nodes][3][3];  // of each component
-    for (int a = 0; a < nodes; ++a)
-      for (int i = 0; i < 3; ++i)
-        for (int k = 0; k < 3; ++k) gradient[a][i][k] = dN[a][k];
-    for (int i = 0; i < 3 && soft_axis >= 0; ++i) {
-      if (i == soft_axis) continue;
-      double middle[3] = {xi[0], xi[1], xi[2]};
-      middle[i] = 0;
-      Element::gradient(middle, dN);
-      for (int a = 0; a < nodes; ++a) gradient[a][i][soft_axis] = dN[a][soft_axis];
-    }
     const double w = weights[q] / 8;  // cell coordinates -> cell units
     for (int a = 0; a < nodes; ++a)
       for (int b = 0; b < nodes; ++b)
         for (int i = 0; i < 3; ++i) {
-          const double *ga = gradient[a][i], *gb = gradient[b][i];
+          const double *ga = dN[a], *gb = dN[b];
           for (int j = 0; j < 3; ++j)
-            K[dof_of(a, i)][dof_of(b, j)] +=
-                w * (law.lambda * ga[i] * gradient[b][j][j] + law.mu * ga[j] * gradient[b][j][i]);
+            K[dof_of(a, i)][dof_of(b, j)] += w * (law.lambda * ga[i] * gb[j] + law.mu * ga[j] * gb[i]);
           K[dof_of(a, i)][dof_of(b, i)] += w * law.mu * (ga[0] * gb[0] + ga[1] * gb[1] + ga[2] * gb[2]);
         }
   }
@@ -51,8 +38,7 @@ void integrate_stiffness(const UnitElasticity& law, const double* weights, doubl
 }  // namespace
 
 template <int degree>
-CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports,
-                                            const std::vector<signed char>& soft_axis) {
+CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports) {
   using Element = HexElement<degree>;
   constexpr int n = Element::Gauss::count;
   const CutCells& cc = *mesh.cut_cells;
@@ -63,8 +49,7 @@ CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vec
     double weights[n * n * n];
     fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], n, weights);
     const double factor = mesh.modulus * (m == 0 ? mesh.h_of_level(0) : mesh.h(cc.active_of_cut[m - 1]));
-    const int soft = m == 0 || soft_axis.empty() ? -1 : soft_axis[cc.active_of_cut[m - 1]];
-    integrate_stiffness<degree>(mesh.law, weights, factor, soft, Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));
+    integrate_stiffness<degree>(mesh.law, weights, factor, Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));
   });
   for (const SupportTerm& t : supports) {
     const int cut = cc.cut_of_active[t.cell];
@@ -96,18 +81,9 @@ GhostMatrixOf<degree> make_ghost_matrix(const BodyMesh& mesh, double gamma) {
   return g;
 }
 
-template CellMatrixViewOf<1> make_cell_matrices<1>(const BodyMesh&, const std::vector<SupportTerm>&,
-                                                   const std::vector<signed char>&);
-template CellMatrixViewOf<2> make_cell_matrices<2>(const BodyMesh&, const std::vector<SupportTerm>&,
-                                                   const std::vector<signed char>&);
+template CellMatrixViewOf<1> make_cell_matrices<1>(const BodyMesh&, const std::vector<SupportTerm>&);
+template CellMatrixViewOf<2> make_cell_matrices<2>(const BodyMesh&, const std::vector<SupportTerm>&);
 template GhostMatrixOf<1> make_ghost_matrix<1>(const BodyMesh&, double);
 template GhostMatrixOf<2> make_ghost_matrix<2>(const BodyMesh&, double);
-
-double ghost_scale(const BodyMesh& mesh, int e, int f) {
-  if (!is_ghost_face(mesh, e, f)) return 0;
-  if (mesh.full_volume.empty()) return 1;
-  const double thickness = std::max(mesh.full_volume[e], mesh.full_volume[f]);
-  return thickness * thickness * thickness;
-}
 
 }  // namespace cgcontact

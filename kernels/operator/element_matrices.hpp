@@ -14,17 +14,11 @@ using GhostMatrix = GhostMatrixOf<1>;
 
 /// Matrix 0 is that of interior cells of level 0, matrix 1 + c that of cut cell c: sum_q w_q B_q^T D B_q with the
 /// weights fitted to the cell's moments, and the support terms. Units: Scales::stress * Scales::length. 4.6 kB per cut
-/// cell: for the plain operator and for assembly. soft_axis: SoftCells of the body (degree 1), empty: none.
+/// cell: for the plain operator and for assembly.
 template <int degree = 1>
-CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports,
-                                            const std::vector<signed char>& soft_axis = {});
+CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vector<SupportTerm>& supports);
 
 template <int degree = 1>
 GhostMatrixOf<degree> make_ghost_matrix(const BodyMesh& mesh, double gamma);
-
-/// Factor of that matrix on the face between two active cells, 0 where is_ghost_face says no. Where coarse cells are
-/// wider than the body is thick it is (thickness / width)^3, as the bending stiffness: the jump of d_n u is not zero
-/// where a plate bends, and the full penalty held free edges.
-double ghost_scale(const BodyMesh& mesh, int e, int f);
 
 }  // namespace cgcontact

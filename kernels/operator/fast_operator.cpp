@@ -70,13 +70,13 @@ Kokkos::RangePolicy<ExecSpace, Dynamic> one_by_one(const ExecSpace& exec, int n)
 }  // namespace
 
 template <class Real>
-FastOperator<Real>::FastOperator(const ElasticSystem& system, const SoftCells& soft) : num_nodes_(system.num_nodes) {
+FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(system.num_nodes) {
   for (const BodyMesh& mesh : system.meshes)
     if (mesh.cut_cells->grid.num_levels != 1) throw std::logic_error("fast operator: a grid has more than one level");
   const std::vector<char> by_stencil = classify(system);
   const SlabPartition slabs = make_slabs(system.meshes);
   tiles_ = make_stencil_tiles<Real>(system.meshes, by_stencil);
-  cells_ = make_band_cells<Real>(system, by_stencil, slabs, soft);
+  cells_ = make_band_cells<Real>(system, by_stencil, slabs);
   ghosts_ = make_ghost_chains<Real>(system, slabs);
   other_nodes_ =
       copy_rows_to_view<decltype(other_nodes_)>("cgcontact::fast_operator::other_nodes", ranges_outside(by_stencil));

@@ -31,7 +31,7 @@ class FastOperator {
   };
 
   /// Reads meshes, supports, ghost penalty and groups; keeps nothing of the system. soft: on coarse levels.
-  explicit FastOperator(const ElasticSystem& system, const SoftCells& soft = {});
+  explicit FastOperator(const ElasticSystem& system);
 
   int num_dofs() const { return dof_of(num_nodes_); }
   const Sizes& sizes() const { return sizes_; }

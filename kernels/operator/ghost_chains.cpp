@@ -23,7 +23,6 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
   GhostChains<Real> result;
   struct Start {
     int slab, body, direction, cell, faces, place;
-    double scale;
   };
   std::vector<Start> starts;
   std::vector<double> factor;  // of each body
@@ -34,25 +33,24 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
     factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.h_of_level(0) /
                      36);
     if (system.ghost_penalty == 0) continue;
-    /// The cell across the upper face in direction d if that is a ghost face of that scale, or -1.
-    auto across = [&](int e, int d, double scale) {
+    /// The cell across the upper face in direction d if that is a ghost face, or -1.
+    auto across = [&](int e, int d) {
       const int f = cc.find(next_in(cc.cells[e], d));
-      return f >= 0 && ghost_scale(mesh, e, f) == scale ? f : -1;
+      return f >= 0 && is_ghost_face(mesh, e, f) ? f : -1;
     };
     for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e)
       for (int d = 0; d < 3; ++d) {
         int f = cc.find(next_in(cc.cells[e], d));
-        const double scale = f < 0 ? 0 : ghost_scale(mesh, e, f);
-        if (scale == 0) continue;
+        if (f < 0 || !is_ghost_face(mesh, e, f)) continue;
         const Index3& c = cc.cells[e];
         const int slab = slabs.slab_of(body, c);
         Index3 lower = c;
         --lower[d];
         const int before = cc.find(lower);
-        if (before >= 0 && across(before, d, scale) >= 0 && slabs.slab_of(body, lower) == slab) continue;
+        if (before >= 0 && across(before, d) >= 0 && slabs.slab_of(body, lower) == slab) continue;
         // Chains side by side along x share nodes: even ones first, odd ones later.
-        Start start{slab, body, d, e, 1, d == 0 ? c[2] : 2 * c[2] + (c[0] & 1), scale};
-        while (slabs.slab_of(body, cc.cells[f]) == slab && (f = across(f, d, scale)) >= 0) ++start.faces;
+        Start start{slab, body, d, e, 1, d == 0 ? c[2] : 2 * c[2] + (c[0] & 1)};
+        while (slabs.slab_of(body, cc.cells[f]) == slab && (f = across(f, d)) >= 0) ++start.faces;
         result.num_faces += start.faces;
         starts.push_back(start);
       }
@@ -66,7 +64,7 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
   for (const Start& s : starts) {
     const BodyMesh& mesh = system.meshes[s.body];
     const CutCells& cc = *mesh.cut_cells;
-    chains.push_back({s.direction, s.faces, static_cast<int>(row.size()), static_cast<Real>(s.scale * factor[s.body])});
+    chains.push_back({s.direction, s.faces, static_cast<int>(row.size()), static_cast<Real>(factor[s.body])});
     ++chunk_begin[s.slab + 1];
     if (s.direction == 0) {
       for (int t = 0; t < 4; ++t) row.push_back(mesh.cell_nodes[s.cell][2 * t]);

@@ -38,7 +38,6 @@ void colour_cells(const BodyMesh& mesh, const CellNodes<degree>& cell_nodes, Col
 template <int degree>
 struct ColouredFace {
   int colour;
-  double scale;
   std::array<int, GhostFace<degree>::num_nodes> nodes;
 };
 
@@ -52,11 +51,9 @@ std::vector<ColouredFace<degree>> ghost_faces(const BodyMesh& mesh, const CellNo
       Index3 c = cc.cells[e];
       ++c[d];
       const int f = cc.find(c);
-      const double scale = f < 0 ? 0 : ghost_scale(mesh, e, f);
-      if (scale == 0) continue;
+      if (f < 0 || !is_ghost_face(mesh, e, f)) continue;
       const int t1 = (d + 1) % 3, t2 = (d + 2) % 3;
       ColouredFace<degree> face;
-      face.scale = scale;
       face.colour = ((d * 3 + c[d] % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);
       for (int layer = 0; layer < GhostFace<degree>::num_layers; ++layer)
         for (int t = 0; t < Element::nodes_per_face; ++t) {
@@ -78,18 +75,14 @@ void colour_faces(const BodyMesh& mesh, const CellNodes<degree>& cell_nodes, Col
   std::vector<ColouredFace<degree>> faces = ghost_faces<degree>(mesh, cell_nodes);
   std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.colour < b.colour; });
   coloured.nodes_of_face = FaceNodesViewOf<degree>("cgcontact::coloured_mesh::nodes_of_face", faces.size());
-  coloured.scale_of_face = RealView("cgcontact::coloured_mesh::scale_of_face", faces.size());
   auto host = Kokkos::create_mirror_view(coloured.nodes_of_face);
-  auto scale = Kokkos::create_mirror_view(coloured.scale_of_face);
   coloured.face_colour_begin.clear();
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (f == 0 || faces[f].colour != faces[f - 1].colour) coloured.face_colour_begin.push_back(static_cast<int>(f));
     for (int a = 0; a < GhostFace<degree>::num_nodes; ++a) host(f, a) = faces[f].nodes[a];
-    scale(f) = faces[f].scale;
   }
   coloured.face_colour_begin.push_back(static_cast<int>(faces.size()));
   Kokkos::deep_copy(coloured.nodes_of_face, host);
-  Kokkos::deep_copy(coloured.scale_of_face, scale);
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ struct ColouredMeshOf {
   std::vector<int> colour_begin;          ///< first cell of each colour, and the end (9 entries)
 
   FaceNodesViewOf<degree> nodes_of_face;  ///< ghost faces by colour: nodes of GhostFace
-  RealView scale_of_face;                 ///< ghost_scale, same order
   std::vector<int> face_colour_begin;
 };
 using ColouredMesh = ColouredMeshOf<1>;

@@ -16,20 +16,15 @@ std::vector<int> nodes_of_group(const GroupRow& row) {
   return nodes;
 }
 
-struct HostFaces {
-  decltype(Kokkos::create_mirror_view(FaceNodesView())) nodes;
-  decltype(Kokkos::create_mirror_view(RealView())) scale;
-};
+using HostFaces = decltype(Kokkos::create_mirror_view(FaceNodesView()));
 
 /// Ghost faces of every body.
 std::vector<HostFaces> ghost_faces(const ElasticSystem& system) {
   std::vector<HostFaces> faces;
   for (const BodyMesh& mesh : system.meshes) {
-    const ColouredMesh coloured = colour_mesh(mesh);
-    faces.push_back(
-        {Kokkos::create_mirror_view(coloured.nodes_of_face), Kokkos::create_mirror_view(coloured.scale_of_face)});
-    Kokkos::deep_copy(faces.back().nodes, coloured.nodes_of_face);
-    Kokkos::deep_copy(faces.back().scale, coloured.scale_of_face);
+    const FaceNodesView nodes = colour_mesh(mesh).nodes_of_face;
+    faces.push_back(Kokkos::create_mirror_view(nodes));
+    Kokkos::deep_copy(faces.back(), nodes);
   }
   return faces;
 }
@@ -48,7 +43,7 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
   for (std::size_t b = 0; b < system.meshes.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
     for (const auto& nodes : mesh.cell_nodes) connect(nodes, 8);
-    const auto& faces = ghost_faces[b].nodes;
+    const auto& faces = ghost_faces[b];
     for (std::size_t f = 0; f < faces.extent(0); ++f) connect(&faces(f, 0), 12);
     for (int n = 0; n < mesh.num_nodes; ++n) compress(neighbours[mesh.first_node + n]);
   }
@@ -65,12 +60,10 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
   A.value.assign(9 * A.column.size(), 0.0);
 }
 
-void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, const SoftCells& soft,
-               BlockMatrix& A) {
+void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, BlockMatrix& A) {
   for (std::size_t b = 0; b < system.meshes.size(); ++b) {
     const BodyMesh& mesh = system.meshes[b];
-    const CellMatrixView matrices =
-        make_cell_matrices(mesh, system.supports[b], soft.axis.empty() ? std::vector<signed char>{} : soft.axis[b]);
+    const CellMatrixView matrices = make_cell_matrices(mesh, system.supports[b]);
     const GhostMatrix ghost = make_ghost_matrix(mesh, system.ghost_penalty);
     auto K = Kokkos::create_mirror_view(matrices);
     Kokkos::deep_copy(K, matrices);
@@ -83,12 +76,12 @@ void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_
             for (int j = 0; j < 3; ++j) block[3 * i + j] += K(m, dof_of(r, i), dof_of(c, j));
         }
     }
-    const auto& faces = ghost_faces[b].nodes;
+    const auto& faces = ghost_faces[b];
     for (std::size_t f = 0; f < faces.extent(0); ++f)
       for (int r = 0; r < 12; ++r)
         for (int c = 0; c < 12; ++c) {
           double* block = A.block(faces(f, r), faces(f, c));
-          for (int i = 0; i < 3; ++i) block[4 * i] += ghost_faces[b].scale(f) * ghost[r][c];
+          for (int i = 0; i < 3; ++i) block[4 * i] += ghost[r][c];
         }
   }
 }
@@ -113,11 +106,11 @@ double* BlockMatrix::block(int row, int col) {
   return &value[9 * (std::lower_bound(first, last, col) - column.begin())];
 }
 
-BlockMatrix plain_matrix(const ElasticSystem& system, const SoftCells& soft) {
+BlockMatrix plain_matrix(const ElasticSystem& system) {
   BlockMatrix A;
   const std::vector<HostFaces> faces = ghost_faces(system);
   make_graph(system, faces, A);
-  add_cells(system, faces, soft, A);
+  add_cells(system, faces, A);
   add_groups(system, A);
   return A;
 }

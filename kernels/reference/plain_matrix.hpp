@@ -3,7 +3,6 @@
 
 #include <vector>
 
-#include "kernels/operator/soft_cells.hpp"
 #include "kernels/operator/system.hpp"
 
 namespace cgcontact {
@@ -18,6 +17,6 @@ struct BlockMatrix {
 };
 
 /// Adds up cells, ghost faces and contact groups in the order of their numbers.
-BlockMatrix plain_matrix(const ElasticSystem& system, const SoftCells& soft = {});
+BlockMatrix plain_matrix(const ElasticSystem& system);
 
 }  // namespace cgcontact

@@ -234,29 +234,6 @@ TEST(FastOperator, RandomCells) {
     }
 }
 
-/// Chains of ghost faces end where the factor changes; twice as thin is an eighth of the penalty.
-TEST(FastOperator, GhostPenaltyIsSofterWhereABodyIsThin) {
-  const CutCells cc = test::cut(Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.4, "ball"), test::odd_grid(15, 0.3));
-  ElasticSystem system = make_system(cc, 0.05);
-  const double thickness[] = {1, 0.5, 0.25};
-  system.meshes[0].full_volume.resize(cc.cells.size());
-  for (std::size_t e = 0; e < cc.cells.size(); ++e) system.meshes[0].full_volume[e] = thickness[e / 3 % 3];
-  compare_both(system, "thin cells");
-  for (const double t : thickness) {
-    std::fill(system.meshes[0].full_volume.begin(), system.meshes[0].full_volume.end(), t);
-    int faces = 0;
-    for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e) {
-      Index3 next = cc.cells[e];
-      ++next[0];
-      if (const int f = cc.find(next); f >= 0 && is_ghost_face(system.meshes[0], e, f)) {
-        EXPECT_DOUBLE_EQ(ghost_scale(system.meshes[0], e, f), t * t * t);
-        ++faces;
-      }
-    }
-    EXPECT_GT(faces, 0);
-  }
-}
-
 TEST(FastOperator, SupportsAndGroupsOfTwoBodies) {
   const Solid ball = Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.4, "ball");
   const CutCells first = test::cut(ball, test::odd_grid(9, 0.3)), second = test::cut(ball, test::odd_grid(6, 0.2));

@@ -153,11 +153,8 @@ TEST(Operator, AssembledMatrixEqualsItsPlainTwin) {
                           {{{4, 0.5}, {5, 0.75}, {last, 0.1}}},
                           {{{1, 0.3}, {other + 2, -0.7}, {last, 0.2}}}});
   set_group_stiffness(system, {3.0, 0.0, 0.7});
-  SoftCells soft;
-  for (const CutCells* cc : {&first, &second}) soft.axis.emplace_back(cc->cells.size(), -1);
-  soft.axis[0][first.active_of_cut[2]] = 1;
-  BlockMatrix plain = plain_matrix(system, soft);
-  const auto matrix = assemble_matrix(system, make_dof_map(system, Tpetra::getDefaultComm()), soft);
+  BlockMatrix plain = plain_matrix(system);
+  const auto matrix = assemble_matrix(system, make_dof_map(system, Tpetra::getDefaultComm()));
   const auto local = matrix->getLocalMatrixHost();
   ASSERT_EQ(local.numRows(), system.num_dofs());
   ASSERT_EQ(local.nnz(), plain.value.size());
