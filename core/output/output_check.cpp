@@ -436,17 +436,23 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
   legend.finish();
 }
 
+/// Of a picture without axes, drawn in pixels.
+std::string page_settings(const char* file, int width, int height) {
+  std::string text = fmt::format(
+      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
+      "'white'\nset output '../{}'\n",
+      width, height, file);
+  text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
+  text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);
+  text += "set style textbox opaque margins 0.6,0.6 fc rgb 'white' border lc rgb '#505050'\n";
+  return text;
+}
+
 std::string script(const Drawing& drawing) {
   const std::size_t shown = std::min(drawing.drawn.size(), most_bodies);
   const int row = panel + heading + gap;
   const int width = 4 * gap + 3 * panel + legend_width, height = row * static_cast<int>(shown + 1) + gap;
-  std::string text = fmt::format(
-      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
-      "'white'\nset output '../check.png'\n",
-      width, height);
-  text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
-  text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);
-  text += "set style textbox opaque margins 0.6,0.6 fc rgb 'white' border lc rgb '#505050'\n";
+  std::string text = page_settings("check.png", width, height);
   Sheet sheet;
   add_overview(drawing, height - row, sheet);
   for (std::size_t b = 0; b < shown; ++b) add_body(drawing, b, height - row * static_cast<int>(b + 2), sheet);
@@ -461,13 +467,7 @@ std::string conditions_script(const Drawing& drawing) {
   const std::size_t shown = std::min(drawing.drawn.size(), most_bodies);
   const int row = panel + heading + gap, key = 2 * line_height;
   const int width = 3 * gap + 2 * panel, height = row * static_cast<int>(shown) + gap + key;
-  std::string text = fmt::format(
-      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
-      "'white'\nset output '../conditions.png'\n",
-      width, height);
-  text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
-  text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);
-  text += "set style textbox opaque margins 0.6,0.6 fc rgb 'white' border lc rgb '#505050'\n";
+  std::string text = page_settings("conditions.png", width, height);
   Sheet sheet;
   for (std::size_t b = 0; b < shown; ++b) add_faces(drawing, b, height - row * static_cast<int>(b + 1), sheet);
   double left = gap;

@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <stdexcept>
 #include <unordered_set>
 
 #include "core/base/errors.hpp"
 #include "kernels/mesh/host_copy.hpp"
+#include "kernels/mesh/sparse_rows.hpp"
 
 namespace cgcontact {
 namespace {
@@ -57,35 +57,20 @@ void check(const std::vector<NodeConstraint>& constraints, int num_nodes) {
 }
 
 ConstraintRows make_rows(const std::vector<NodeConstraint>& constraints) {
-  std::vector<int> node, begin{0}, master, master_node, master_begin{0}, constrained;
-  std::vector<double> weight, master_weight;
-  std::map<int, std::vector<std::pair<int, double>>> of_master;
-  for (const NodeConstraint& c : constraints) {
-    node.push_back(c.node);
-    for (const auto& [m, w] : c.masters) {
-      master.push_back(m);
-      weight.push_back(w);
-      of_master[m].emplace_back(c.node, w);
-    }
-    begin.push_back(static_cast<int>(master.size()));
-  }
-  for (const auto& [m, entries] : of_master) {
-    master_node.push_back(m);
-    for (const auto& [n, w] : entries) {
-      constrained.push_back(n);
-      master_weight.push_back(w);
-    }
-    master_begin.push_back(static_cast<int>(constrained.size()));
-  }
+  std::vector<int> node;
+  for (const NodeConstraint& c : constraints) node.push_back(c.node);
+  const auto [direct, transposed] = compress_rows(
+      constraints.size(), [&](std::size_t i) -> const SparseRow& { return constraints[i].masters; },
+      [&](std::size_t i) { return node[i]; });
   ConstraintRows rows;
   rows.node = copy_to_view<IntView>("cgcontact::dof_map::node", node);
-  rows.begin = copy_to_view<IntView>("cgcontact::dof_map::begin", begin);
-  rows.master = copy_to_view<IntView>("cgcontact::dof_map::master", master);
-  rows.weight = copy_to_view<RealView>("cgcontact::dof_map::weight", weight);
-  rows.master_node = copy_to_view<IntView>("cgcontact::dof_map::master_node", master_node);
-  rows.master_begin = copy_to_view<IntView>("cgcontact::dof_map::master_begin", master_begin);
-  rows.constrained = copy_to_view<IntView>("cgcontact::dof_map::constrained", constrained);
-  rows.master_weight = copy_to_view<RealView>("cgcontact::dof_map::master_weight", master_weight);
+  rows.begin = copy_to_view<IntView>("cgcontact::dof_map::begin", direct.begin);
+  rows.master = copy_to_view<IntView>("cgcontact::dof_map::master", direct.number);
+  rows.weight = copy_to_view<RealView>("cgcontact::dof_map::weight", direct.coefficient);
+  rows.master_node = copy_to_view<IntView>("cgcontact::dof_map::master_node", transposed.column);
+  rows.master_begin = copy_to_view<IntView>("cgcontact::dof_map::master_begin", transposed.rows.begin);
+  rows.constrained = copy_to_view<IntView>("cgcontact::dof_map::constrained", transposed.rows.number);
+  rows.master_weight = copy_to_view<RealView>("cgcontact::dof_map::master_weight", transposed.rows.coefficient);
   return rows;
 }
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 
 #include "kernels/mesh/host_copy.hpp"
+#include "kernels/mesh/sparse_rows.hpp"
 
 namespace cgcontact {
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
@@ -32,33 +32,17 @@ void add_support_terms(ElasticSystem& system, int body, const std::vector<Suppor
 
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows) {
   system.group_rows = std::move(rows);
-  std::vector<int> begin{0}, dof, dof_begin{0}, dof_list, column_group;
-  std::vector<double> value, column_value;
-  std::map<int, std::vector<std::pair<int, double>>> columns;
-  for (std::size_t g = 0; g < system.group_rows.size(); ++g) {
-    for (const auto& [d, v] : system.group_rows[g].entries) {
-      dof.push_back(d);
-      value.push_back(v);
-      columns[d].emplace_back(static_cast<int>(g), v);
-    }
-    begin.push_back(static_cast<int>(dof.size()));
-  }
-  for (const auto& [d, entries] : columns) {
-    dof_list.push_back(d);
-    for (const auto& [g, v] : entries) {
-      column_group.push_back(g);
-      column_value.push_back(v);
-    }
-    dof_begin.push_back(static_cast<int>(column_group.size()));
-  }
+  const auto [rows_of_groups, rows_of_dofs] = compress_rows(
+      system.group_rows.size(), [&](std::size_t g) -> const SparseRow& { return system.group_rows[g].entries; },
+      [](std::size_t g) { return static_cast<int>(g); });
   GroupRows& r = system.groups;
-  r.row_begin = copy_to_view<IntView>("cgcontact::system::row_begin", begin);
-  r.row_dof = copy_to_view<IntView>("cgcontact::system::row_dof", dof);
-  r.row_value = copy_to_view<RealView>("cgcontact::system::row_value", value);
-  r.dof_begin = copy_to_view<IntView>("cgcontact::system::dof_begin", dof_begin);
-  r.dof_list = copy_to_view<IntView>("cgcontact::system::dof_list", dof_list);
-  r.column_group = copy_to_view<IntView>("cgcontact::system::column_group", column_group);
-  r.column_value = copy_to_view<RealView>("cgcontact::system::column_value", column_value);
+  r.row_begin = copy_to_view<IntView>("cgcontact::system::row_begin", rows_of_groups.begin);
+  r.row_dof = copy_to_view<IntView>("cgcontact::system::row_dof", rows_of_groups.number);
+  r.row_value = copy_to_view<RealView>("cgcontact::system::row_value", rows_of_groups.coefficient);
+  r.dof_begin = copy_to_view<IntView>("cgcontact::system::dof_begin", rows_of_dofs.rows.begin);
+  r.dof_list = copy_to_view<IntView>("cgcontact::system::dof_list", rows_of_dofs.column);
+  r.column_group = copy_to_view<IntView>("cgcontact::system::column_group", rows_of_dofs.rows.number);
+  r.column_value = copy_to_view<RealView>("cgcontact::system::column_value", rows_of_dofs.rows.coefficient);
   r.stiffness = RealView("cgcontact::system::stiffness", system.group_rows.size());
   r.scratch = RealView("cgcontact::system::scratch", system.group_rows.size());
 }
