@@ -14,6 +14,7 @@
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_edges.hpp"
 #include "core/triangles/triangle_reader.hpp"
+#include "core/triangles/winding_numbers.hpp"
 
 namespace cgcontact {
 namespace {
@@ -23,18 +24,17 @@ using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
 using ExactPoint = Exact::Point_3;
 using Division = CGAL::Constrained_Delaunay_triangulation_2<Exact, CGAL::Default, CGAL::Exact_intersections_tag>;
 
-constexpr double pi = 3.14159265358979323846;
 /// From an integer: a winding number farther off is that of a point that rounding has put on the surface.
 constexpr double clear_winding = 0.1;
-constexpr std::size_t most_samples = 5;  // of a patch
-constexpr int most_passes = 20;          // in search of needles
-constexpr int num_kinds = 2;             // solids, cavities
+constexpr std::size_t most_samples = 5;                  // of a patch
+constexpr int most_passes = 20;                          // in search of needles
+constexpr int num_kinds = WindingNumbers::num_surfaces;  // solids, cavities
 
 /// A triangle and how often each kind of surface passes it: in its own sense minus the other one, the first not less
 /// than 0.
 struct Facet {
   Triangle corners;
-  std::array<int, num_kinds> passes;
+  WindingNumbers::Passes passes;
 };
 
 /// Triangles cut along all intersections.
@@ -81,7 +81,7 @@ class Cutter {
     std::vector<Facet> facets;
     for (const auto& [key, count_of] : facets_) {
       Triangle corners = key;
-      std::array<int, num_kinds> passes = count_of;
+      WindingNumbers::Passes passes = count_of;
       if (passes[0] == 0 && passes[1] == 0) continue;
       if ((passes[0] != 0 ? passes[0] : passes[1]) < 0) {  // then neighbours have the same sense
         std::swap(corners[1], corners[2]);
@@ -204,14 +204,8 @@ class Cutter {
   std::vector<Predicates::Point_3> points_;  ///< those of the surfaces
   std::vector<std::vector<Cut>> cuts_;
   std::map<ExactPoint, int> number_of_;  ///< of the corners of divided triangles
-  std::map<Triangle, std::array<int, num_kinds>> facets_;
+  std::map<Triangle, WindingNumbers::Passes> facets_;
 };
-
-/// The angle under which a triangle is seen, over 4 pi; positive from behind (Van Oosterom, Strackee 1983).
-double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  return std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb) / (2 * pi);
-}
 
 /// Numbers of the patches: facets that meet at edges of two.
 std::vector<int> find_patches(const std::vector<Triangle>& triangles, std::size_t num_points, int& count) {
@@ -237,9 +231,11 @@ std::vector<int> find_patches(const std::vector<Triangle>& triangles, std::size_
 /// the winding numbers about one of its largest facets.
 std::vector<int> find_sides(const std::vector<Facet>& facets, const std::vector<Vec3>& points) {
   std::vector<Triangle> triangles;
+  std::vector<WindingNumbers::Passes> passes;
   std::vector<double> area;
   for (const Facet& f : facets) {
     triangles.push_back(f.corners);
+    passes.push_back(f.passes);
     const Vec3& a = points[f.corners[0]];
     area.push_back((points[f.corners[1]] - a).cross(points[f.corners[2]] - a).norm());
   }
@@ -249,19 +245,7 @@ std::vector<int> find_sides(const std::vector<Facet>& facets, const std::vector<
   for (std::size_t f = 0; f < facets.size(); ++f)
     members[static_cast<std::size_t>(patch[f])].push_back(static_cast<int>(f));
 
-  /// Winding numbers at the centroid: means of both sides.
-  const auto winding = [&](int at) {
-    const Triangle& own = triangles[static_cast<std::size_t>(at)];
-    const Vec3 x = (points[own[0]] + points[own[1]] + points[own[2]]) / 3;
-    std::array<double, num_kinds> sum{};
-    for (std::size_t f = 0; f < facets.size(); ++f) {
-      if (static_cast<int>(f) == at) continue;
-      const Triangle& c = triangles[f];
-      const double angle = solid_angle(points[c[0]] - x, points[c[1]] - x, points[c[2]] - x);
-      for (std::size_t k = 0; k < num_kinds; ++k) sum[k] += facets[f].passes[k] * angle;
-    }
-    return sum;
-  };
+  const WindingNumbers winding_numbers(points, triangles, passes);
   std::vector<int> side(facets.size(), 0);
   parallel_for("cgcontact::triangle_arrangement::sides", members.size(), 1, [&](std::size_t p) {
     std::vector<int>& list = members[p];
@@ -271,14 +255,16 @@ std::vector<int> find_sides(const std::vector<Facet>& facets, const std::vector<
     int answer = 0;
     double least = 1e300;
     for (std::size_t i = 0; i < samples && least > clear_winding; ++i) {
-      const auto middle = winding(list[i]);
-      const auto& passes = facets[static_cast<std::size_t>(list[i])].passes;
+      const Triangle& own = triangles[static_cast<std::size_t>(list[i])];
+      const Vec3 centroid = (points[own[0]] + points[own[1]] + points[own[2]]) / 3;
+      const auto middle = winding_numbers.at(centroid, list[i]);  // mean of both sides
       double doubt = 0;
       const auto is_inside = [&](double sense) {
         double number[num_kinds];
         for (std::size_t k = 0; k < num_kinds; ++k) {
-          number[k] = std::round(middle[k] + sense * passes[k] / 2);
-          doubt = std::max(doubt, std::abs(middle[k] + sense * passes[k] / 2 - number[k]));
+          const double winding = middle[k] + sense * passes[static_cast<std::size_t>(list[i])][k] / 2;
+          number[k] = std::round(winding);
+          doubt = std::max(doubt, std::abs(winding - number[k]));
         }
         return number[0] != 0 && number[1] == 0;
       };
