@@ -306,6 +306,7 @@ class PointMaker {
     const int patch = part(begin).patch;
     for (std::size_t next = begin; begin < end; begin = next) {
       std::vector<FacetPoint> facets;
+      Vec3 mean = Vec3::Zero();
       double area = 0;
       for (; next < end && part(next).sides == part(begin).sides; ++next) {
         const double own = twice_area(part(next).polygon).norm() / 2;
@@ -315,15 +316,21 @@ class PointMaker {
                          : own >= quadratic_rule_area ? 2
                                                       : 1,
                          rule);
-        for (const RulePoint& p : rule) facets.push_back({p, surface_.normal(part(next).triangle)});
+        for (const RulePoint& p : rule) {
+          facets.push_back({p, surface_.normal(part(next).triangle)});
+          mean += p.weight * p.position;
+        }
         area += own;
       }
       if (area <= lost_group) continue;
       std::vector<double> weights;
       for (const FacetPoint& p : facets) weights.push_back(p.point.weight);
       compress_many_weights(facet_functions(facets), weights);
-      for (std::size_t i = 0; i < facets.size(); ++i)
-        if (weights[i] > 0) points.append(facets[i].point.position, facets[i].normal, weights[i], owner, patch);
+      for (std::size_t i = 0; i < facets.size(); ++i) {
+        if (!(weights[i] > 0)) continue;
+        points.append(facets[i].point.position, facets[i].normal, weights[i], owner, patch);
+        if (with_pieces_) points.set_piece(mean / area, facets[i].normal);
+      }
     }
   }
 
