@@ -176,6 +176,7 @@ std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
 void SmallZones::sample(std::size_t pair, std::size_t g, double overlap) {
   State& state = groups_[g];
   if (state.limit != 0 && std::abs(overlap - state.limit) < 1e-3 * std::abs(state.limit)) return;
+  if (state.samples.empty() && state.limit != 0 && overlap < state.limit) return;  // nothing up to a larger depth
   if (!state.samples.empty()) {
     double smallest = 1e300;
     for (const GapSample& sample : state.samples) smallest = std::min(smallest, sample.distance);
