@@ -83,11 +83,14 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   }
   if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
   for (const std::string& warning : preparation.warnings) text += fmt::format("warning: {}\n", warning);
-  text += scene.geometry.print() + scene.contact.print() + scene.solver.print() + scene.recovery.print();
   text += fmt::format("contact.csv: {:.0f} rows\n{} unknowns in all, about {:.0f} MB of memory\n",
                       count_contact_rows(preparation), unknowns,
                       expected_memory(sizes, memory_extras(scene, preparation)) / 1e6);
   return text;
+}
+
+std::string describe_settings(const Scene& scene) {
+  return scene.geometry.print() + scene.contact.print() + scene.solver.print() + scene.recovery.print();
 }
 
 }  // namespace cgcontact

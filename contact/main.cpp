@@ -84,6 +84,7 @@ int check(const Scene& scene, const CommandLine& options) {
                warnings.empty() ? "check.png, " : "");
   complete(scene, preparation);
   fmt::print("{}", describe(scene, preparation));
+  if (options.settings) fmt::print("{}", describe_settings(scene));
   check_memory(scene, preparation);
   return 0;
 }

@@ -257,6 +257,7 @@ Parser::Parser() {
                   "Draw it too: check.png and files for ParaView go there [default: nothing is written]")
       ->type_name("DIR")
       ->check(not_empty, "");
+  check.add_flag("--settings", line.settings, "Print the settings of the method too, as TOML");
   describe_study();
 }
 

@@ -28,6 +28,7 @@ struct CommandLine {
   std::string memory_limit;  ///< as for parse_memory (core/base/memory.hpp); empty: what there is
   StudyOptions study_options;
   InitOptions init_options;
+  bool settings = false;  ///< check: print them too
 
   /// An error message that speaks of a value from the environment, with the name of the variable added.
   std::string with_variables(const std::string& message) const;

@@ -43,6 +43,21 @@ class Check(unittest.TestCase):
         self.assertRegex(text, r'contact "lower-upper": lower - upper, \d+ points in \d+ groups, 0.8 m2 in reach')
         self.assertEqual(sum(int(body[11]) for body in bodies), int(re.search(r"(\d+) unknowns in all", text).group(1)))
 
+    def test_settings_on_request(self):
+        """With --settings, and only then, the settings are printed: as TOML that a scene takes back, with its values."""
+        self.assertNotIn("linear_tolerance", self.check("patch_test"))
+        outcome = cgcontact("check", scene("patch_test"), "--settings", *settings(**{"solver.linear_tolerance": 3e-9}))
+        self.assertEqual((outcome.code, outcome.err), (0, ""))
+        tables = outcome.out[outcome.out.index("[geometry]\n"):].partition("contact.csv:")[0]
+        self.assertIn("linear_tolerance = 3e-09\n", tables)
+        own = "".join("[solver]" + part.partition("\n[")[0] for part in tables.split("[solver]")[1:])
+        text = scene("patch_test").read_text()
+        self.assertNotIn("[solver]", text)
+        pathlib.Path("back.toml").write_text(text + "\n" + own)
+        again = cgcontact("check", "back.toml", "--settings")
+        self.assertEqual(again.code, 0, again.err)
+        self.assertIn("linear_tolerance = 3e-09\n", again.out)
+
     def test_volume_of_curved_bodies(self):
         """Volumes are those of the bodies, not of their cells: two quarter rings."""
         volumes = [float(v) for v in re.findall(r"volume ([^ ]+) m3", self.check("rings"))]
