@@ -12,7 +12,8 @@ std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3&
   std::vector<Plane> result;
   const Vec3 half = Vec3::Constant(0.5 * width);
   for (const Plane& p : planes)
-    if (std::abs(p.normal.dot(corner + half) - p.offset) < p.normal.cwiseAbs().dot(half)) result.push_back(p);
+    if (p.of_normals || std::abs(p.normal.dot(corner + half) - p.offset) < p.normal.cwiseAbs().dot(half))
+      result.push_back(p);
   return result;
 }
 

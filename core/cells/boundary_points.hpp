@@ -12,6 +12,8 @@ struct Plane {
   Vec3 normal;
   double offset;                                                ///< normal . x = offset
   std::shared_ptr<const std::vector<char>> surfaces = nullptr;  ///< as a divider: cuts the pieces of these only
+  /// As a divider of facets: x is their unit normal, so that it parts those in a cone from the others.
+  bool of_normals = false;
 
   bool divides(int surface) const { return !surfaces || (*surfaces)[surface]; }
 };
@@ -19,7 +21,7 @@ struct Plane {
 /// Is one of the planes the border of a face? Then points know their pieces (BoundaryPoints::piece_position).
 bool divide_faces(const std::vector<Plane>& dividers);
 
-/// Those of the planes that cross the cube [corner, corner + width]^3.
+/// Those of the planes that cross the cube [corner, corner + width]^3, and those of normals.
 std::vector<Plane> crossing_planes(const std::vector<Plane>& planes, const Vec3& corner, double width);
 
 /// Points on the boundary, all vectors of the same length. Positions, normals in grid coordinates, weights in cell

@@ -20,7 +20,8 @@ bool coincide(const Vec3& a, double a_offset, const Vec3& b, double b_offset) {
 void add_once(Plane plane, const std::vector<char>& surfaces, std::vector<Plane>& dividers) {
   if (std::find(surfaces.begin(), surfaces.end(), 1) == surfaces.end()) return;
   const auto same = std::find_if(dividers.begin(), dividers.end(), [&](const Plane& other) {
-    return other.surfaces && coincide(plane.normal, plane.offset, other.normal, other.offset);
+    return other.surfaces && other.of_normals == plane.of_normals &&
+           coincide(plane.normal, plane.offset, other.normal, other.offset);
   });
   std::vector<char> all = surfaces;
   if (same != dividers.end())
@@ -84,10 +85,13 @@ std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, cons
     for (const Surface& s : solid.surfaces()) selected.push_back(face->selects(s.names));
     if (face->box) add_box_dividers(solid, selected, grid, *face->box, dividers);
     if (!face->normal_cone) continue;
-    for (std::size_t s = 0; s < selected.size(); ++s)
-      if (selected[s])
-        add_cone_dividers(solid, static_cast<int>(s), grid.rotation.transpose() * face->normal_cone->first,
-                          face->normal_cone->second, dividers);
+    const Vec3 axis = grid.rotation.transpose() * face->normal_cone->first;
+    for (std::size_t s = 0; s < selected.size(); ++s) {
+      if (!selected[s]) continue;
+      add_cone_dividers(solid, static_cast<int>(s), axis, face->normal_cone->second, dividers);
+      if (solid.surfaces()[s].kind != Surface::Kind::patch) selected[s] = 0;
+    }
+    add_once({axis, face->normal_cone->second, nullptr, true}, selected, dividers);
   }
   return dividers;
 }

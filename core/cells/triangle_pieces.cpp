@@ -266,6 +266,11 @@ class PointMaker {
     SurfacePolygon negative, rest;
     for (; divider < dividers_.size(); ++divider) {
       if (!dividers_[divider].divides(part.patch)) continue;
+      if (dividers_[divider].of_normals) {
+        if (dividers_[divider].normal.dot(surface_.normal(part.triangle)) < dividers_[divider].offset)
+          part.sides[divider / 64] |= std::uint64_t{1} << divider % 64;
+        continue;
+      }
       if (lies_in(part.polygon, dividers_[divider])) continue;
       split_at(part.polygon, dividers_[divider], negative, rest);
       if (negative.n == 0) continue;

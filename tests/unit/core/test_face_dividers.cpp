@@ -119,6 +119,49 @@ TEST(FaceDividers, ZoneOfABall) {
     EXPECT_NEAR(sums_of(placed(Solid::sphere({0, 0, 0}, 1, "s"), zone, size, random), zone).area, 2 * pi * 0.95, 1e-8);
 }
 
+/// Area of a triangle within a box.
+double area_in_box(std::vector<Vec3> polygon, const std::pair<Vec3, Vec3>& box) {
+  for (int k = 0; k < 3; ++k)
+    for (const double sign : {1.0, -1.0}) {
+      const double limit = sign * (sign > 0 ? box.first[k] : box.second[k]);
+      std::vector<Vec3> rest;
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+        const double da = sign * a[k] - limit, db = sign * b[k] - limit;
+        if (da >= 0) rest.push_back(a);
+        if (da * db < 0) rest.push_back(a + da / (da - db) * (b - a));
+      }
+      polygon = rest;
+    }
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    sum += (polygon[i] - polygon[0]).cross(polygon[i + 1] - polygon[0]) / 2;
+  return sum.norm();
+}
+
+// Proves that faces on a surface of many small facets, hundreds in a cell, have the areas of their facets: of those in
+// a cone of normals as wholes, of those in a box as far as they lie in it, of both. The tolerance is that of the
+// compression of the points.
+TEST(FaceDividers, FineBallOfTriangles) {
+  std::mt19937 random(5);
+  const TriangleSoup soup = test::sphere_soup(1, 80);
+  const Solid solid = Solid::bounded_by(test::surface_of(soup));
+  FaceSpec cap = cone({0.2, -0.3, 1}, 50), zone = box({-9, -9, -0.35}, {9, 0.4, 0.6}), both = zone;
+  both.normal_cone = cap.normal_cone;
+  for (const FaceSpec& face : {cap, zone, both}) {
+    double expected = 0;
+    for (const Triangle& t : soup.triangles) {
+      const Vec3 &a = soup.points[t[0]], &b = soup.points[t[1]], &c = soup.points[t[2]];
+      const Vec3 normal = (b - a).cross(c - a).normalized();
+      if (face.normal_cone && normal.dot(face.normal_cone->first) < face.normal_cone->second) continue;
+      expected += face.box ? area_in_box({a, b, c}, *face.box) : (b - a).cross(c - a).norm() / 2;
+    }
+    EXPECT_GT(expected, 0.3);
+    for (const double size : {1.1, 0.47, 0.2})
+      EXPECT_NEAR(sums_of(placed(solid, face, size, random), face).area / expected, 1, 1e-9) << size;
+  }
+}
+
 // Proves that borders that are planes of the body, or of another face, up to rounding make no slivers.
 TEST(FaceDividers, CoincidentPlanesAreOne) {
   const Solid solid = Solid::box({1, 1, 1}, {5, 4, 3}, "b");
