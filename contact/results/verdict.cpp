@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "contact/results/missed_contact.hpp"
+#include "contact/results/thickness_at_contact.hpp"
 #include "contact/results/zone_width.hpp"
 
 namespace cgcontact {
@@ -16,15 +17,33 @@ using State = Verdict::State;
 constexpr double relevant_part = 0.01;
 /// Of a zone of which nothing is known but that it is smaller than a cell.
 constexpr double cells_of_missed_zone = 1;
+/// Cells over the thickness of a body below which its bending is not resolved (11 to 26 % too stiff at 1.5 cells, 6 to
+/// 12 % at two; docs/decisions.md), and those that are recommended.
+constexpr double least_thickness = 1.75, wanted_thickness = 3;
 
 struct Judged {
   Verdict::Pair pair;
   double force = 0;  // N, or the largest pressure on the whole zone
   const MissedOverlap* missed = nullptr;
+  int thin_body = -1;    // thinner than its cells where it touches, or -1
+  double thickness = 0;  // of that body, its cells
 };
 
 double coarser_cell(const SolvedState& state, int pair) {
   return state.bodies[state.pairs[pair].primary].cut_cells.grid.cell_size;
+}
+
+/// Is one of the bodies thinner than its cells where they touch?
+void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& j) {
+  for (const int body : {pair.primary, pair.secondary}) {
+    const double thickness = thickness_at_contact(state, pair, body);
+    const double needed = state.bodies[body].cut_cells.grid.cell_size * thickness / wanted_thickness;
+    if (thickness >= least_thickness) continue;
+    j.thin_body = body;
+    j.thickness = thickness;
+    j.pair.cell_size_needed = std::min(needed, j.pair.cell_size_needed.value_or(needed));
+    j.pair.state = State::not_resolved;
+  }
 }
 
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
@@ -42,6 +61,7 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       j.pair.cells_across = widths[p].cells;
       j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across ? State::not_resolved : State::resolved;
       if (j.pair.state == State::not_resolved) j.pair.cell_size_needed = h * *widths[p].cells / wanted_cells_across;
+      judge_thickness(state, state.pairs[p], j);
     }
     for (const MissedOverlap& overlap : missed) {
       if (overlap.pair != static_cast<int>(p)) continue;
@@ -63,7 +83,12 @@ std::string missed_text(const SolvedState& state, const Judged& j) {
       j.pair.name, j.missed->depth, x[0], x[1], x[2], coarser_cell(state, j.missed->pair), *j.pair.cell_size_needed);
 }
 
-std::string unresolved_text(const Judged& j) {
+std::string unresolved_text(const SolvedState& state, const Judged& j) {
+  if (j.thin_body >= 0)
+    return fmt::format(
+        "body \"{}\" is {:.2g} cells thick at the contact \"{}\": bending, and with it forces and pressures, is not "
+        "resolved; cells of {:.2g} m or less are needed in it",
+        state.scene.bodies[j.thin_body].name, j.thickness, j.pair.name, *j.pair.cell_size_needed);
   return fmt::format(
       "the contact zone of \"{}\" is {:.2g} cells across: its pressure, area and error estimates cannot be relied on; "
       "cells of {:.2g} m or less in both bodies are needed",
@@ -105,7 +130,7 @@ Verdict judge(const SolvedState& state, const Results& results) {
     verdict.text = missed_text(state, *lost);
   } else if (const auto coarse = find(State::not_resolved, relevant_part * largest); coarse != end) {
     verdict.state = State::not_resolved;
-    verdict.text = unresolved_text(*coarse);
+    verdict.text = unresolved_text(state, *coarse);
   } else if (find(State::resolved, 0) != end) {
     verdict.state = State::resolved;
     verdict.text = resolved_text(pairs, relevant_part * largest);

@@ -26,6 +26,9 @@ constexpr double slice = 0.75;
 /// The spread may change the width that the states of the points give by that much, cells: groups are whole cells.
 constexpr double narrower = 1.5, wider = 1;
 
+/// Points per chunk of the parallel loop.
+constexpr std::size_t grain = 1024;
+
 /// The closed cells of one pair (images too), joined to zones, and the open points around them.
 class PairZones {
  public:
@@ -53,9 +56,10 @@ class PairZones {
     double force = 0;                             // N, without images
     std::vector<const TransmittedForce*> closed;  // with images
   };
-  struct Nearest {
-    double distance = std::numeric_limits<double>::infinity();
-    const TransmittedForce* open = nullptr;
+  /// A closed point and an open one.
+  struct Middle {
+    const TransmittedForce *closed = nullptr, *open = nullptr;
+    double distance = -1;
   };
 
   void connect() {
@@ -88,58 +92,63 @@ class PairZones {
     if (!f.image) zone.force += f.force;
   }
 
-  /// Of all closed points that have none within `reach` the nearest open one, looked for farther and farther.
   double width(const Zone& zone) const {
-    if (open_.empty()) return std::numeric_limits<double>::infinity();
     std::vector<const TransmittedForce*> inner;
     for (const TransmittedForce* f : zone.closed)
       if (!f->image) inner.push_back(f);
-    Vec3 low = open_.front()->position, high = low;
-    for (const auto* list : {&open_, &zone.closed})
-      for (const TransmittedForce* f : *list) {
-        low = low.cwiseMin(f->position);
-        high = high.cwiseMax(f->position);
-      }
-    for (double reach = 3 * h_;; reach *= 2) {
-      const std::vector<Nearest> nearest = nearest_open(inner, reach);
-      std::vector<const TransmittedForce*> farther;
-      std::size_t widest = 0;
-      for (std::size_t i = 0; i < inner.size(); ++i) {
-        if (!nearest[i].open) farther.push_back(inner[i]);
-        if (nearest[i].distance > nearest[widest].distance) widest = i;
-      }
-      if (farther.empty()) return refined(zone, *inner[widest], nearest[widest]);
-      if (reach > (high - low).norm()) return std::numeric_limits<double>::infinity();
-      inner = farther;
-    }
+    const Middle middle = farthest_from_open(inner);
+    if (!middle.open) return std::numeric_limits<double>::infinity();
+    return refined(zone, middle);
   }
 
-  std::vector<Nearest> nearest_open(const std::vector<const TransmittedForce*>& points, double reach) const {
-    PointBuckets near(reach);
-    for (std::size_t i = 0; i < open_.size(); ++i) near.add(open_[i]->position, static_cast<int>(i));
-    std::vector<Nearest> nearest(points.size());
-    parallel_for("cgcontact::zone_width::nearest_open", points.size(), 64, [&](std::size_t i) {
-      near.each_near(points[i]->position, [&](int k) {
-        const double distance = (open_[k]->position - points[i]->position).norm();
-        if (distance > reach || distance >= nearest[i].distance || open_[k]->normal.dot(points[i]->normal) < 0.5)
-          return;
-        nearest[i] = {distance, open_[k]};
-      });
-    });
+  /// Of these points the one that is farthest from the open ones whose normals go its way (of equals the first). Most
+  /// points need a glance only: one open point that is nearer than the farthest so far.
+  Middle farthest_from_open(const std::vector<const TransmittedForce*>& points) const {
+    std::vector<Middle> chunks(num_chunks(points.size(), grain));
+    parallel_chunks("cgcontact::zone_width::farthest_from_open", points.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      Middle& farthest = chunks[chunk];
+                      const TransmittedForce* latest = nullptr;  // the open point that counted last
+                      for (std::size_t i = begin; i < end; ++i) {
+                        const Middle here = nearest_open(*points[i], latest, farthest.distance);
+                        latest = here.open;
+                        if (here.distance > farthest.distance) farthest = here;
+                      }
+                    });
+    Middle farthest;
+    for (const Middle& each : chunks)
+      if (each.distance > farthest.distance) farthest = each;
+    return farthest;
+  }
+
+  /// The open point nearest to a closed one, or the first found, beginning with `first`, that is not farther than
+  /// `enough`.
+  Middle nearest_open(const TransmittedForce& point, const TransmittedForce* first, double enough) const {
+    Middle nearest{&point, nullptr, std::numeric_limits<double>::infinity()};
+    const auto try_point = [&](const TransmittedForce* open) {
+      const double distance = (open->position - point.position).norm();
+      if (distance < nearest.distance && open->normal.dot(point.normal) >= 0.5) nearest = {&point, open, distance};
+      return nearest.distance <= enough;
+    };
+    if (first && try_point(first)) return nearest;
+    nearest = {&point, nullptr, std::numeric_limits<double>::infinity()};
+    for (const TransmittedForce* open : open_)
+      if (try_point(open)) break;
     return nearest;
   }
 
   /// Under Hertz's line and round contacts the forces in a slice through the middle spread by a quarter of the width.
-  double refined(const Zone& zone, const TransmittedForce& middle, const Nearest& nearest) const {
-    const double counted = 2 * nearest.distance / h_;
-    Vec3 across = nearest.open->position - middle.position;
-    across -= across.dot(middle.normal) * middle.normal;
+  double refined(const Zone& zone, const Middle& middle) const {
+    const double counted = 2 * middle.distance / h_;
+    const Vec3 &place = middle.closed->position, &normal = middle.closed->normal;
+    Vec3 across = middle.open->position - place;
+    across -= across.dot(normal) * normal;
     if (!(across.norm() > 0)) return counted;
     across.normalize();
-    const Vec3 along = middle.normal.cross(across);
+    const Vec3 along = normal.cross(across);
     double force = 0, first = 0, second = 0;
     for (const TransmittedForce* f : zone.closed) {
-      const Vec3 d = (f->position - middle.position) / h_;
+      const Vec3 d = (f->position - place) / h_;
       if (std::abs(along.dot(d)) > slice || std::abs(across.dot(d)) > counted + 1) continue;
       const double x = across.dot(d);
       force += f->spread_force;

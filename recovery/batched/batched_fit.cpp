@@ -22,8 +22,8 @@ double fit_flop(int degree, int bodies, int num_rows, bool truncated) {
   // Residuals before and after, the correction, and what belongs to the bodies there.
   const double apply = m * B * (2 * (terms + 12 * T + 12) + terms + 13 * T);
   const double body = B * (2 * product + 2 * entries + 6 * (2 * T * T + T) + 6 * (T * T + 2 * T));
-  // Two Cholesky factors, or one and the eigenvalues.
-  const double solve = truncated ? 5 * n * n * n / 3 + 30 * n * n : 2 * n * n * n / 3 + 2 * n * n;
+  // Two Cholesky factors, or one, the tridiagonal form and a quarter of n^2 rotations.
+  const double solve = truncated ? 5 * n * n * n / 3 + 12 * n * n : 2 * n * n * n / 3 + 2 * n * n;
   return B * mass + m * rows + pairs + bound + apply + body + solve;
 }
 

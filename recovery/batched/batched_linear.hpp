@@ -164,37 +164,81 @@ KOKKOS_INLINE_FUNCTION void tridiagonalise(Real* A, int n, Real* d, Real* e, Rea
   for (int k = 0; k < n; ++k) d[k] = A[packed_row(k) + k];
 }
 
-/// The last block of a tridiagonal matrix that has not split, per lane: rows low .. high (high 0: none is left), and
-/// the shift of its next step (Wilkinson's).
+/// The last block of a tridiagonal matrix that has not split and has an eigenvalue up to the threshold, per lane: rows
+/// low .. high (high 0: none is left), and the shift of its next step.
 template <class Real>
 struct ActiveBlock {
   Real low, high, shift;
 };
 
-/// Off-diagonal entries below `small` become zero.
+/// Off-diagonal entries below `small` become zero. How many eigenvalues of a block are below the threshold its pivots
+/// say, from the last row upwards (Sylvester's law of inertia). The shift: the lower eigenvalue of the block's last two
+/// rows once it belongs to one of those, 0 before, which brings the least ones there.
 template <class Real>
-KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int rows, const Real& small) {
-  const Real zero = Real{};
+KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int rows, const Real& small,
+                                                    const Real& threshold) {
+  const Real zero = Real{}, one = Real{} + 1;
   ActiveBlock<Real> block{zero, zero, zero};
-  MaskOf<Real> found = zero != zero, closed = zero != zero;
+  const MaskOf<Real> none = zero != zero;
+  MaskOf<Real> inside = none, wanted = none, closed = none;
   Real a = zero, b = zero, c = zero;  // of the last two rows: [a b; b c]
+  Real pivot = zero;
   for (int k = rows - 2; k >= 0; --k) {
     const MaskOf<Real> coupled = magnitude(e[k]) > small;
     e[k] = select<Real>(coupled, e[k], zero);
-    const MaskOf<Real> starts = coupled & !found;
+    closed = closed | (inside & !coupled & wanted);
+    const MaskOf<Real> starts = coupled & !inside & !closed;
+    inside = coupled & !closed;
     block.high = select<Real>(starts, zero + (k + 1), block.high);
+    block.low = select<Real>(inside, zero + k, block.low);
     a = select<Real>(starts, d[k], a), b = select<Real>(starts, e[k], b), c = select<Real>(starts, d[k + 1], c);
-    found = found | coupled;
-    closed = closed | (found & !coupled);
-    block.low = select<Real>(found & !closed, zero + k, block.low);
+    const Real last = d[k + 1] - threshold;
+    pivot = select<Real>(starts, last, pivot);
+    wanted = (wanted & !starts) | (starts & !(last > 0));
+    pivot = d[k] - threshold - e[k] * e[k] / select<Real>(pivot == zero, one * 1e-300, pivot);
+    wanted = wanted | (inside & !(pivot > 0));
   }
-  const Real delta = 0.5 * (a - c), root = square_root(delta * delta + b * b);
-  const Real denominator = select<Real>(delta > 0, delta + root, delta - root);
-  block.shift = c - select<Real>(found, b * b / select<Real>(found, denominator, zero + 1), zero);
+  closed = closed | (inside & wanted);
+  block.high = select<Real>(closed, block.high, zero);
+  const Real delta = 0.5 * magnitude<Real>(a - c), least = select<Real>(a < c, a, c);
+  const Real reach = delta + square_root(delta * delta + b * b);
+  const Real lower = least - b * b / select<Real>(closed, reach, one);
+  block.shift = select<Real>(closed & (lower < threshold), lower, zero);
   return block;
 }
 
-/// What diagonalise() did, to be undone: sweep i turned rows ranges[2 i] .. ranges[2 i + 1], one rotation (cosine,
+/// The largest eigenvalue of a tridiagonal matrix to 1e-10 of it, not less than it, by bisection into five parts.
+/// upper: a bound.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real largest_eigenvalue(const Real* d, const Real* e, int n, Real upper) {
+  constexpr int parts = 5, rounds = 14;  // 5^-14 = 2e-10 of upper - lower, which is less than upper / 2
+  const Real tiny = Real{} + 1e-300;
+  Real lower = d[0];
+  for (int k = 1; k < n; ++k) lower = larger<Real>(lower, d[k]);
+  for (int round = 0; round < rounds; ++round) {
+    const Real step = (upper - lower) / parts;
+    Real at[parts - 1], pivot[parts - 1];
+    MaskOf<Real> above[parts - 1];  // all eigenvalues lie below
+    for (int i = 0; i + 1 < parts; ++i) {
+      at[i] = lower + (i + 1.0) * step;
+      pivot[i] = at[i] - d[0];
+      above[i] = pivot[i] > 0;
+    }
+    for (int k = 1; k < n; ++k)
+#pragma GCC unroll 4
+      for (int i = 0; i + 1 < parts; ++i) {
+        pivot[i] = at[i] - d[k] - e[k - 1] * e[k - 1] / select<Real>(pivot[i] > 0, pivot[i], tiny);
+        above[i] = above[i] & (pivot[i] > 0);
+      }
+    Real low = lower, high = upper;
+    for (int i = 0; i + 1 < parts; ++i) low = select<Real>(above[i], low, at[i]);
+    for (int i = parts - 2; i >= 0; --i) high = select<Real>(above[i], at[i], high);
+    lower = low, upper = high;
+  }
+  return upper;
+}
+
+/// What split_off() did, to be undone: sweep i turned rows ranges[2 i] .. ranges[2 i + 1], one rotation (cosine,
 /// sine) for each row and the next.
 template <class Real>
 struct RotationLog {
@@ -235,13 +279,14 @@ KOKKOS_INLINE_FUNCTION void qr_sweep(const ActiveBlock<Real>& block, int first, 
   }
 }
 
-/// Implicit QR until all e are below `small`: d <- eigenvalues, x <- Q^T x. Lanes that did not get there: false.
+/// Implicit QR until the eigenvalues up to the threshold stand alone on the diagonal; x <- Q^T x. The other eigenvalues
+/// stay in blocks that have none of them. Lanes that did not get there: false.
 template <class Real>
-KOKKOS_INLINE_FUNCTION MaskOf<Real> diagonalise(Real* d, Real* e, int n, const Real& small, Real* x,
-                                                RotationLog<Real>& log) {
+KOKKOS_INLINE_FUNCTION MaskOf<Real> split_off(Real* d, Real* e, int n, const Real& small, const Real& threshold,
+                                              Real* x, RotationLog<Real>& log) {
   int rows = n;
   for (;;) {
-    const ActiveBlock<Real> block = find_block(d, e, rows, small);
+    const ActiveBlock<Real> block = find_block<Real>(d, e, rows, small, threshold);
     const MaskOf<Real> done = block.high == Real{};
     if (!any(!done)) return done;
     int first = n, last = 0;
@@ -280,32 +325,48 @@ KOKKOS_INLINE_FUNCTION void rotate_back(const RotationLog<Real>& log, Real* x) {
   }
 }
 
+/// x <- T^+ x for what split_off() leaves: rows that stand alone with at most the threshold on the diagonal count as
+/// zero, the rest is positive definite. pivot: n numbers. Returns the number of zeros.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real solve_tridiagonal(const Real* d, const Real* e, int n, const Real& threshold, Real* x,
+                                              Real* pivot) {
+  const Real one = Real{} + 1;
+  Real zeros = Real{};
+  for (int k = 0; k < n; ++k) {
+    const MaskOf<Real> kept = d[k] > threshold;
+    Real left = d[k], right = x[k];
+    if (k > 0) {
+      left -= e[k - 1] * e[k - 1] * pivot[k - 1];
+      right -= e[k - 1] * pivot[k - 1] * x[k - 1];
+    }
+    pivot[k] = 1.0 / select<Real>(kept, left, one);
+    x[k] = select<Real>(kept, right, Real{});
+    zeros += select<Real>(kept, Real{}, one);
+  }
+  for (int k = n - 1; k >= 0; --k) x[k] = pivot[k] * (k + 1 < n ? x[k] - e[k] * x[k + 1] : x[k]);
+  return zeros;
+}
+
 template <class Real>
 struct SpectralResult {
   MaskOf<Real> converged;
-  Real largest;    ///< eigenvalue
   Real truncated;  ///< number of eigenvalues that count as zero
 };
 
 /// x <- A^+ x, where eigenvalues up to relative_tolerance times the largest one count as zero (semidefinite A, of norm
-/// at most `norm`; destroyed). Tridiagonal form, implicit QR whose rotations are applied to x only and kept for the way
-/// back: 4/3 n^3 flop and some 30 n^2, no eigenvectors.
+/// at most `norm`; destroyed). Tridiagonal form, implicit QR for the eigenvalues that count as zero only (a patch has
+/// ten of a hundred), whose rotations are applied to x and kept for the way back: 4/3 n^3 flop and some n^2 for each
+/// such eigenvalue, no eigenvectors.
 template <class Real>
 KOKKOS_INLINE_FUNCTION SpectralResult<Real> pseudo_inverse_solve(Real* A, const Real& norm, double relative_tolerance,
                                                                  int n, Real* x, Real* scratch) {
   Real *d = scratch, *e = d + n, *factor = e + n, *work = factor + n, *ranges = work + 4 * n;
   RotationLog<Real> log{ranges, ranges + 2 * SpectralScratch::max_sweeps(n)};
   tridiagonalise(A, n, d, e, factor, work, x);
+  const Real threshold = relative_tolerance * largest_eigenvalue<Real>(d, e, n, norm);
   SpectralResult<Real> result;
-  result.converged = diagonalise<Real>(d, e, n, 1e-16 * norm, x, log);
-  result.largest = result.truncated = Real{};
-  for (int k = 0; k < n; ++k) result.largest = larger<Real>(result.largest, d[k]);
-  const Real threshold = relative_tolerance * result.largest;
-  for (int k = 0; k < n; ++k) {
-    const MaskOf<Real> kept = d[k] > threshold;
-    x[k] = select<Real>(kept, x[k] / select<Real>(kept, d[k], Real{} + 1), Real{});
-    result.truncated += select<Real>(kept, Real{}, Real{} + 1);
-  }
+  result.converged = split_off<Real>(d, e, n, 1e-16 * norm, threshold, x, log);
+  result.truncated = solve_tridiagonal<Real>(d, e, n, threshold, x, work);
   rotate_back(log, x);
   for (int k = n - 2; k >= 0; --k) {
     Real along = Real{};

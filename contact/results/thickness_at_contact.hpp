@@ -1,0 +1,15 @@
+/// How thick are the bodies where they touch, in cells? A body thinner than a cell bends far too stiffly, and with it
+/// forces and pressures are wrong, however many cells the contact zone has.
+#pragma once
+
+#include "contact/solve/solved_state.hpp"
+
+namespace cgcontact {
+
+/// Thickness of a body within three cells of the closed points of a pair, cells: 2 V / A with its volume V there and
+/// the free area A that faces one direction, the largest eigenvalue of the integral of n n^T. That is the thickness of
+/// a plate, the side of a square bar or a cube, the diameter of a rod or a ball. Faces that supports hold do not count
+/// (plane strain). Infinite without closed points.
+double thickness_at_contact(const SolvedState& state, const ContactPair& pair, int body);
+
+}  // namespace cgcontact

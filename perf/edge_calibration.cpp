@@ -1,0 +1,233 @@
+/// Calibration of the edge of contact zones (recovery/zone_edge/edge_constants.hpp) on Hertz's contacts of random
+/// radii ratios, materials and grids (perf/edge_scenes): where the edges come out, in cells of the coarser body outside
+/// of the exact ones, and what that makes of the pressure. None of these scenes is one of docs/accuracy.md.
+///   edge_calibration [--seed 1] [--repeats 2] [--only FAMILY] [--toy]
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "contact/results/reference.hpp"
+#include "contact/simulation.hpp"
+#include "core/scene/read_scene.hpp"
+#include "kernels/solver/linear_solver.hpp"
+#include "recovery/zone_edge/edge_search.hpp"
+
+namespace {
+
+using namespace cgcontact;
+
+/// One scene of a family with its random settings.
+struct Case {
+  std::string family, file;
+  double across;  ///< cells of the coarser body over the (shorter) width of the zone, about
+  std::vector<std::string> settings;
+};
+
+/// Semi-axes and approach of Hertz's ellipse for radii of curvature with the given ratio (along y over along x), of
+/// those of the sphere with the radius sqrt(R1 R2): Johnson, Contact Mechanics, eq. (4.26).
+struct Ellipse {
+  double along_x, along_y, approach;
+};
+
+Ellipse hertz_ellipse(double ratio) {
+  // Complete elliptic integrals of e^2 = 1 - (a / b)^2 by their definition.
+  const auto integrals = [](double a_over_b) {
+    constexpr int steps = 400;
+    const double square = 1 - a_over_b * a_over_b;
+    double first = 0, second = 0;
+    for (int i = 0; i < steps; ++i) {
+      const double root = std::sqrt(1 - square * std::pow(std::sin(M_PI / 2 * (i + 0.5) / steps), 2));
+      first += M_PI / 2 / steps / root;
+      second += M_PI / 2 / steps * root;
+    }
+    return std::pair(first, second);
+  };
+  double low = 1e-3, high = 1 - 1e-9;  // a / b
+  for (int i = 0; i < 100; ++i) {
+    const double k = 0.5 * (low + high);
+    const auto [K, E] = integrals(k);
+    // Curvatures' ratio falls with k.
+    ((E / (k * k) - K) / (K - E) > ratio ? low : high) = k;
+  }
+  const double k = 0.5 * (low + high), e2 = 1 - k * k;
+  const auto [K, E] = integrals(k);
+  if (ratio < 1 + 1e-6) return {1, 1, 1};
+  // c^3 = (a b)^(3/2) = (3 F R / 4 Es) * 4 / (pi e^2) k^(3/2) sqrt((E / k^2 - K) (K - E)).
+  const double c = std::cbrt(4 / (M_PI * e2) * std::pow(k, 1.5) * std::sqrt((E / (k * k) - K) * (K - E)));
+  // approach = 3 F / (2 pi Es b) K, of F / Es = 4 / (3 R): sphere 1.
+  const double a = c * std::sqrt(k), b = c / std::sqrt(k);
+  return {a, b, 2 / (M_PI * b) * K};
+}
+
+std::vector<Case> make_cases(int seed, int repeats) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  const auto offset = [&] {
+    return fmt::format("[{:.3f}, {:.3f}, {:.3f}]", uniform(generator), uniform(generator), uniform(generator));
+  };
+  std::vector<Case> cases;
+  const auto add = [&](const std::string& family, const std::string& file, const char* lower, const char* upper,
+                       double across, std::vector<std::string> settings) {
+    // 3 to 12 cells of the coarser body, which is either.
+    const double finer = std::exp(1.4 * uniform(generator) - 0.7), of_lower = finer > 1 ? across : across / finer;
+    const double soft = std::exp(4.6 * uniform(generator) - 2.3);
+    settings.push_back(fmt::format("across={:.4f}", of_lower));
+    settings.push_back(fmt::format("finer={:.3f}", finer));
+    settings.push_back(fmt::format("soft={:.3f}", soft));
+    settings.push_back(fmt::format("nu1={:.2f}", 0.1 + 0.3 * uniform(generator)));
+    settings.push_back(fmt::format("nu2={:.2f}", 0.1 + 0.3 * uniform(generator)));
+    settings.push_back(fmt::format("body.{}.grid.offset={}", lower, offset()));
+    settings.push_back(fmt::format("body.{}.grid.offset={}", upper, offset()));
+    cases.push_back({family, file, across, settings});
+  };
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    for (const double across : {3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 10.0, 12.0}) {
+      add("line", "line", "block", "roller", across,
+          {fmt::format("body.block.grid.rotation={{axis=[0, 1, 0], angle={:.1f}}}", 45 * uniform(generator))});
+      add("line, half", "line_half", "block", "roller", across, {});
+    }
+    for (const double across : {3.0, 3.5, 4.0, 5.0, 6.0})
+      add("ball", "ball", "block", "cap", across,
+          {fmt::format("body.cap.grid.rotation={{axis=[1, 2, 3], angle={:.1f}}}", 45 * uniform(generator))});
+    for (const double ratio : {1.0, 2.0, 5.0})
+      for (const double across : {3.0, 4.0, 5.0, 6.0, 8.0, 11.0}) {
+        if (ratio > 4 && across > 6) continue;
+        const Ellipse e = hertz_ellipse(ratio);
+        add(ratio == 1 ? "round" : fmt::format("ellipse {:.1f}", e.along_y / e.along_x), "cylinders", "lower", "upper",
+            across,
+            {fmt::format("R1={}", ratio), fmt::format("ka={:.6f}", e.along_x), fmt::format("kb={:.6f}", e.along_y),
+             fmt::format("kd={:.6f}", e.approach)});
+      }
+  }
+  return cases;
+}
+
+/// Distances of the exact edge from those found, cells of the coarser body, positive where they lie outside of it.
+std::vector<double> places(const Simulation& simulation, const FoundEdges& edges) {
+  const SolvedState& state = simulation.state;
+  const Reference known(state.scene, state.reference);
+  double cell = 0, reach = 0;
+  for (const BodySpec& body : state.scene.bodies) cell = std::max(cell, body.cell_size);
+  for (const ContactPoint& p : state.pairs[0].points) reach = std::max(reach, p.x.norm());
+  double y = 0;  // in plane strain the middle of the slab
+  bool slab = true;
+  for (const ContactPoint& p : state.pairs[0].points) {
+    y = std::max(y, p.x[1]);
+    slab = slab && p.x[1] > 0;
+  }
+  slab = slab && y < 2 * cell;
+  std::vector<double> found;
+  const int turns = slab ? 2 : 16;
+  for (int turn = 0; turn < turns; ++turn) {
+    const double angle = 2 * M_PI * (turn + (slab ? 0 : 0.5)) / turns;
+    const Vec3 ray(std::cos(angle), slab ? 0 : std::sin(angle), 0), start(0, slab ? y / 2 : 0, 0);
+    double inside = 0, outside = reach;
+    for (int i = 0; i < 60; ++i) {
+      const double middle = 0.5 * (inside + outside);
+      (known.pressure(start + middle * ray) > 0 ? inside : outside) = middle;
+    }
+    const Vec3 x = start + inside * ray;
+    const bool on_face = std::any_of(state.pairs[0].points.begin(), state.pairs[0].points.end(),
+                                     [&](const ContactPoint& p) { return (p.x - x).norm() < cell; });
+    EdgePiece piece;
+    if (on_face && edges.near(0, x, piece)) found.push_back(piece.inside(x) / cell);
+  }
+  return found;
+}
+
+struct Outcome {
+  double spr, sprc, estimate;  ///< relative L2 error of the pressure over both faces; the estimate of it
+  std::vector<double> places;
+};
+
+FoundEdges edges_of(const Simulation& simulation) {
+  const SolvedState& state = simulation.state;
+  std::vector<RecoveryBody> bodies;
+  for (std::size_t b = 0; b < state.bodies.size(); ++b)
+    bodies.push_back({&state.system.meshes[b], &state.patches[b], &state.bodies[b].boundary, state.sprc[b]});
+  return find_contact_edges(bodies, state.scales, state.scene.recovery);
+}
+
+Outcome outcome_of(const Simulation& simulation) {
+  const ZoneError whole = simulation.results.pressure_errors.at(0);
+  return {whole.spr, whole.sprc, simulation.results.pairs.at(0).pressure_error_estimate,
+          places(simulation, edges_of(simulation))};
+}
+
+Scene scene_of(const Case& c) {
+  return read_scene(fmt::format("{}/perf/edge_scenes/{}.toml", CGCONTACT_SOURCE_DIR, c.file), c.settings);
+}
+
+struct Sum {
+  int runs = 0;
+  double log_spr = 0, log_sprc = 0, worst = 0, log_ratio = 0, least_ratio = 1e300, most_ratio = 0;
+  std::vector<double> places;
+  void add(const Outcome& o) {
+    ++runs;
+    log_spr += std::log(o.spr);
+    log_sprc += std::log(o.sprc);
+    worst = std::max(worst, o.sprc);
+    const double ratio = o.estimate / o.sprc;
+    log_ratio += std::log(ratio);
+    least_ratio = std::min(least_ratio, ratio);
+    most_ratio = std::max(most_ratio, ratio);
+    places.insert(places.end(), o.places.begin(), o.places.end());
+  }
+  std::string print() const {
+    double mean = 0, square = 0;
+    for (const double p : places) mean += p / static_cast<double>(places.size());
+    for (const double p : places) square += std::pow(p - mean, 2) / static_cast<double>(places.size());
+    return fmt::format("{:3} | {:6.2f} | {:6.2f} ({:.2f}) | {:+.3f} +- {:.3f} ({}) | {:.2f}, {:.2f}, {:.2f}", runs,
+                       100 * std::exp(log_spr / runs), 100 * std::exp(log_sprc / runs), 100 * worst, mean,
+                       std::sqrt(square), places.size(), least_ratio, std::exp(log_ratio / runs), most_ratio);
+  }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  int seed = 1, repeats = 2;
+  std::string only;
+  bool toy = false;
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (word == "--toy")
+      toy = true;
+    else if (i + 1 < argc && word == "--seed")
+      seed = std::stoi(argv[++i]);
+    else if (i + 1 < argc && word == "--repeats")
+      repeats = std::stoi(argv[++i]);
+    else if (i + 1 < argc && word == "--only")
+      only = argv[++i];
+    else {
+      fmt::print(stderr, "usage: {} [--seed 1] [--repeats 2] [--only FAMILY] [--toy]\n", argv[0]);
+      return 1;
+    }
+  }
+  try {
+    const TrilinosScope trilinos(0);
+    std::map<std::string, std::map<double, Sum>> sums;
+    for (const Case& c : make_cases(seed, toy ? 1 : repeats)) {
+      if ((!only.empty() && c.family != only) || (toy && (c.across != 4 || c.file == "cylinders"))) continue;
+      const Scene scene = scene_of(c);
+      Simulation simulation(scene);
+      simulation.run({});
+      for (const BodyMesh& mesh : simulation.state.system.meshes)  // given back by run()
+        simulation.state.patches.push_back(make_patches(mesh, scene.recovery.patch_volume));
+      sums[c.family][c.across].add(outcome_of(simulation));
+    }
+    fmt::print(
+        "| contact | cells across | runs | SPR, % | SPR-C, mean (worst), % | edge outside of the exact one, cells "
+        "(places) | estimate / error: least, mean, most |\n|---|---|---|---|---|---|---|\n");
+    for (const auto& [family, by_across] : sums)
+      for (const auto& [across, sum] : by_across) fmt::print("| {} | {} | {} |\n", family, across, sum.print());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 1;
+  }
+}
