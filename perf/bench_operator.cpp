@@ -82,7 +82,7 @@ struct Assembled {
   Teuchos::RCP<TpetraMatrix> matrix;
   TpetraVector x, y;
   explicit Assembled(const ElasticSystem& system)
-      : map(make_dof_map(system, Tpetra::getDefaultComm())),
+      : map(system.dofs.owned_map(Tpetra::getDefaultComm())),
         matrix(assemble_matrix(system, map)),
         x(map, 1),
         y(map, 1) {
@@ -230,7 +230,7 @@ Kernel crs(Shape shape, int n) {
 /// and the cell's nodes (its matrix once if it is cut); per ghost face 12 x 12 x 3; 12 bytes per entry are written.
 Kernel assembly(Shape shape, int n) {
   auto body = std::make_shared<Body>(shape, n);
-  auto map = make_dof_map(body->system, Tpetra::getDefaultComm());
+  auto map = body->system.dofs.owned_map(Tpetra::getDefaultComm());
   Kernel k;
   k.items = body->system.num_dofs();
   {

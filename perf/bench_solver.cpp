@@ -149,7 +149,7 @@ struct Cycle {
   TpetraVector r, z;
   explicit Cycle(int n)
       : problem(n),
-        map(make_dof_map(problem.system, Tpetra::getDefaultComm())),
+        map(problem.system.dofs.owned_map(Tpetra::getDefaultComm())),
         multigrid(problem.system, map),
         r(map, 1),
         z(map, 1) {
@@ -255,7 +255,7 @@ void solve_with_multigrid(const SolverProblem& p, const RealView& x, Way& way) {
 
 void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
   way.start();
-  const RCP<const TpetraMap> map = make_dof_map(p.system, Tpetra::getDefaultComm());
+  const RCP<const TpetraMap> map = p.system.dofs.owned_map(Tpetra::getDefaultComm());
   const RCP<TpetraMatrix> matrix = assemble_matrix(p.system, map);
   way.lap(way.part_s);
   const RCP<TpetraOperator> muelu = make_muelu(p.system, map, matrix);

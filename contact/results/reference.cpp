@@ -84,7 +84,7 @@ double ReferenceTable::operator()(double s, int column) const {
 }
 
 Reference::Reference(const Scene& scene, const ReferenceSpec& spec) : scene_(scene), spec_(spec) {
-  axis_ = spec_.coordinate == "x" ? 0 : spec_.coordinate == "y" ? 1 : 2;
+  axis_ = static_cast<int>(spec_.coordinate);
   if (!spec_.pressure_file.empty()) pressure_table_.emplace(spec_.pressure_file, 2);
   if (!spec_.stress_file.empty()) stress_table_.emplace(spec_.stress_file, 7);
 }

@@ -123,7 +123,7 @@ void write_pressure_plot(const Results& results, const Scene& scene, int pair, G
   const char* const along =
       results.path_from_largest ? "along the face, from the largest pressure" : "position on the path";
   script += fmt::format("set xlabel '{} [{}]'\nset ylabel 'contact pressure [{}]'\n",
-                        by_reference ? scene.reference.coordinate : along, axes.length.name, axes.stress.name);
+                        by_reference ? name_of(scene.reference.coordinate) : along, axes.length.name, axes.stress.name);
   script += fmt::format("set yrange [{}:{}]\nset xzeroaxis lc rgb '#808080' lw 1 dt 1\n", low * axes.stress.factor,
                         high * axes.stress.factor);
   if (last > first)

@@ -27,6 +27,13 @@ bool FaceSpec::contains(const Vec3& x, const Vec3& n) const {
   return !normal_cone || n.dot(normal_cone->first) >= normal_cone->second - cone_tolerance;
 }
 
+const std::vector<std::string>& coordinate_names() {
+  static const std::vector<std::string> names{"x", "y", "z"};
+  return names;
+}
+
+const std::string& name_of(Coordinate coordinate) { return coordinate_names()[static_cast<std::size_t>(coordinate)]; }
+
 ReferenceSpec Scene::reference_at(double contact_force) const {
   return late_reference && contact_force > 0 ? late_reference(contact_force) : reference;
 }

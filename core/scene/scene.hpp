@@ -91,15 +91,20 @@ struct ContactSpec {
   SourcePlace place;
 };
 
+enum class Coordinate { x, y, z };
+const std::vector<std::string>& coordinate_names();
+/// Its name in scenes.
+const std::string& name_of(Coordinate coordinate);
+
 /// Pressure along a line on a contact face, and what it is compared with.
 struct ReferenceSpec {
   /// CSV file (first column: coordinate along the path, m; second: pressure, Pa) or empty
   std::string pressure_file;
   /// Stress on the contact face: CSV with y, then syy, szz, syz of the first and of the second body (plane strain)
   std::string stress_file;
-  std::optional<Expression> pressure;  ///< Pa, function of x, y, z
-  std::string coordinate = "y";        ///< which coordinate the first column of the file is: x, y or z
-  std::optional<double> force;         ///< N, total contact force of the first pair
+  std::optional<Expression> pressure;     ///< Pa, function of x, y, z
+  Coordinate coordinate = Coordinate::y;  ///< what the first column of the file is
+  std::optional<double> force;            ///< N, total contact force of the first pair
   /// Exact stress of each body as expressions (xx, yy, zz, xy, yz, zx), for effectivity; empty: unknown
   std::vector<std::array<Expression, 6>> stress_of_body;
   std::vector<std::pair<std::string, Expression>> zones;  ///< name, expression that is non-zero inside the zone

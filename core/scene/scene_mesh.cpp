@@ -37,7 +37,8 @@ double read_scale(const TomlCursor& node) {
   if (scale) return scale->number(Range::positive("m per unit of the file"));
   std::vector<std::string> names;
   for (const auto& entry : mesh_units()) names.push_back(entry.first);
-  return mesh_units().at(node.at("unit", join(names) + ", or scale = metres per unit of the file").one_of(names));
+  return mesh_units().at(
+      names[node.at("unit", join(names) + ", or scale = metres per unit of the file").one_of(names)]);
 }
 
 TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup& soup) {

@@ -92,7 +92,8 @@ ReferenceSpec read_reference(const TomlCursor& section, const std::vector<std::s
     reference.pressure_file = existing_file(*value);
   }
   if (const auto value = node.find("stress_file")) reference.stress_file = existing_file(*value);
-  if (const auto value = node.find("coordinate")) reference.coordinate = value->one_of({"x", "y", "z"});
+  if (const auto value = node.find("coordinate"))
+    reference.coordinate = static_cast<Coordinate>(value->one_of(coordinate_names()));
   // Comparing the force with itself would say nothing.
   if (const auto value = section.find("force")) reference.force = value->number(Range::any("N"));
   if (const auto value = node.find("stress")) reference.stress_of_body = read_stress(*value, body_names);

@@ -30,11 +30,7 @@ void read_setting(const TomlCursor& node, const Setting& setting) {
     void operator()(bool* value) const { *value = node.boolean(); }
     void operator()(std::string* value) const { *value = node.string("a " + setting.key); }
     void operator()(std::optional<PathEnds>* value) const { *value = read_path(node); }
-    void operator()(const Choice& choice) const {
-      const std::string name = node.one_of(choice.names);
-      const auto place = std::find(choice.names.begin(), choice.names.end(), name);
-      choice.set_number(static_cast<int>(place - choice.names.begin()));
-    }
+    void operator()(const Choice& choice) const { choice.set_number(node.one_of(choice.names)); }
   };
   std::visit(Reader{node, setting}, setting.value);
 }

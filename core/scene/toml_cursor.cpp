@@ -122,11 +122,11 @@ std::string TomlCursor::string(const std::string& what) const {
   return text;
 }
 
-std::string TomlCursor::one_of(const std::vector<std::string>& names) const {
+int TomlCursor::one_of(const std::vector<std::string>& names) const {
   const std::string name = string(join(names));
-  if (std::find(names.begin(), names.end(), name) == names.end())
-    fail("is not known" + did_you_mean(name, names), join(names));
-  return name;
+  const auto place = std::find(names.begin(), names.end(), name);
+  if (place == names.end()) fail("is not known" + did_you_mean(name, names), join(names));
+  return static_cast<int>(place - names.begin());
 }
 
 bool TomlCursor::boolean() const {

@@ -51,8 +51,8 @@ class TomlCursor {
   std::vector<TomlCursor> elements(const std::string& what) const;
 
   std::string string(const std::string& what = "a string") const;
-  /// A string that is one of these names.
-  std::string one_of(const std::vector<std::string>& names) const;
+  /// Which of these names the string is.
+  int one_of(const std::vector<std::string>& names) const;
   bool boolean() const;
   /// A number, or a string that is an expression of the parameters.
   double number(const Range& range) const;

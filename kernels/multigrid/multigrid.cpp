@@ -122,7 +122,7 @@ struct Multigrid::Impl {
       level->op->diagonal_blocks(exec, blocks, columns);
       level->smoother = std::make_unique<SurfaceSmoother<Real>>(*level->system, blocks, columns);
     }
-    coarsest_map = make_dof_map(*levels.back()->system, map->getComm());
+    coarsest_map = levels.back()->system->dofs.owned_map(map->getComm());
     coarsest_b = rcp(new TpetraVector(coarsest_map, 1));
     coarsest_x = rcp(new TpetraVector(coarsest_map, 1));
   }

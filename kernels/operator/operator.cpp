@@ -2,11 +2,6 @@
 
 namespace cgcontact {
 
-Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system,
-                                           const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
-  return system.dofs.owned_map(comm);
-}
-
 void ElasticityOperator::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp, double alpha,
                                double beta) const {
   const ExecSpace exec;

@@ -13,12 +13,9 @@ using TpetraMap = Tpetra::Map<>;
 using TpetraVector = Tpetra::MultiVector<double>;
 using TpetraOperator = Tpetra::Operator<double>;
 
-/// DofMap::owned_map of the system.
-Teuchos::RCP<const TpetraMap> make_dof_map(const ElasticSystem& system,
-                                           const Teuchos::RCP<const Teuchos::Comm<int>>& comm);
-
 class ElasticityOperator : public TpetraOperator {
  public:
+  /// `map`: DofMap::owned_map of the system.
   ElasticityOperator(const ElasticSystem& system, Teuchos::RCP<const TpetraMap> map)
       : operator_(system), map_(std::move(map)) {}
 

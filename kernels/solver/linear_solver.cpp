@@ -28,7 +28,7 @@ struct LinearSolver::Impl {
 
 LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner)
     : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}}) {
-  impl_->map = make_dof_map(system, Tpetra::getDefaultComm());
+  impl_->map = system.dofs.owned_map(Tpetra::getDefaultComm());
   impl_->op = rcp(new ElasticityOperator(system, impl_->map));
 }
 LinearSolver::~LinearSolver() = default;

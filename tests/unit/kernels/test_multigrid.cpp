@@ -185,7 +185,7 @@ TEST(Coarsening, SupportsAreTheGalerkinProduct) {
 
 TEST(Multigrid, VCycleIsSymmetricAndPositive) {
   const HeldBody body(ball(), 14, 0.4, 10);
-  const auto map = make_dof_map(body.system, Tpetra::getDefaultComm());
+  const auto map = body.system.dofs.owned_map(Tpetra::getDefaultComm());
   MultigridSettings settings;
   settings.coarsest_unknowns = 300;
   settings.coarse_steps = 0;  // with steps of CG the cycle is not linear
