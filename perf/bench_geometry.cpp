@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "core/cells/cell_pieces.hpp"
+#include "core/bodies/cell_pieces.hpp"
 #include "core/cells/cut_cells.hpp"
 #include "perf/harness.hpp"
 
@@ -76,12 +76,12 @@ Kernel moments(int size, bool curved) {
   p->cc = make_cut_cells(p->body.solid, p->body.grid);
   for (int a : p->cc.active_of_cut) {
     const Index3& c = p->cc.cells[a];
-    p->local.push_back(make_local_solid(p->cc.solid, Vec3(c[0], c[1], c[2]), 1));
+    p->local.push_back(make_local_solid(*as_csg(p->cc.solid), Vec3(c[0], c[1], c[2]), 1));
   }
   p->result.resize(p->local.size());
   const auto run = [p] {
     for (std::size_t c = 0; c < p->local.size(); ++c)
-      p->result[c] = cell_moments(p->cc.solid, p->local[c], p->cc.cells[p->cc.active_of_cut[c]]);
+      p->result[c] = cell_moments(*as_csg(p->cc.solid), p->local[c], p->cc.cells[p->cc.active_of_cut[c]]);
   };
   run();
   p->cc.moments = p->result;

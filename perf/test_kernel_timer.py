@@ -22,7 +22,7 @@ regions = {name: (int(calls), float(seconds)) for name, calls, seconds, _ in row
 
 steps = ["scene", "cut cells", "operator", "solve", "recovery", "error estimate", "output"]
 assert set(regions) == set(steps), regions
-for label in ("cgcontact::cut_cells::surfaces", "cgcontact::contact_pairs::closest_distance", "cgcontact::recover_stress::assemble", "cgcontact::batched_fit::fit",
+for label in ("cgcontact::cut_cells::integrate", "cgcontact::contact_pairs::closest_distance", "cgcontact::recover_stress::assemble", "cgcontact::batched_fit::fit",
               "cgcontact::error_estimate::cells", "cgcontact::output::draw_bodies"):
     assert kernels.get(label, (0, 0))[0] > 0, (label, sorted(kernels))
 # Kernels without a label have the name of their C++ type.

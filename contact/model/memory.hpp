@@ -10,7 +10,7 @@ namespace cgcontact {
 /// What the memory of a run depends on, of one body.
 struct BodySize {
   double nodes = 0, cut_cells = 0;
-  double triangles = 0;  ///< of its surface
+  double facets = 0;  ///< of its surface
 };
 
 /// Without making the body's cells: from its cells on a coarser grid, or on a less coarse one that takes longer.

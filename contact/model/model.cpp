@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "core/cells/face_dividers.hpp"
+#include "core/scene/face_dividers.hpp"
 
 namespace cgcontact {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/cells/cut_cells.hpp"
-#include "core/cells/face_dividers.hpp"
+#include "core/scene/face_dividers.hpp"
 
 namespace cgcontact {
 

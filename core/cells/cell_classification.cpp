@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/errors.hpp"
-#include "core/cells/local_solid.hpp"
 
 namespace cgcontact {
 
@@ -12,7 +11,7 @@ namespace {
 
 class Classifier {
  public:
-  Classifier(const Solid& solid, const Grid& grid) : solid_(solid), grid_(grid) {
+  Classifier(const BodyGeometry& body, const Grid& grid) : body_(body), grid_(grid) {
     classes_.inside = GridNumbers(grid.num_cells);
   }
 
@@ -20,12 +19,12 @@ class Classifier {
     Index3 begin{-1, -1, -1}, end;
     for (int k = 0; k < 3; ++k) end[k] = grid_.num_cells[k] + 1;
     Vec3 min, max;
-    if (solid_.bounding_box(min, max))
+    if (body_.bounding_box(min, max))
       for (int k = 0; k < 3; ++k) {  // look for parts of the body far outside as well
         begin[k] = static_cast<int>(std::floor(std::clamp(min[k], -1e8, -1.0)));
         end[k] = static_cast<int>(std::ceil(std::clamp(max[k], end[k] + 0.0, 1e8)));
       }
-    visit(begin, end, std::vector<signed char>(solid_.surfaces().size(), -1));
+    visit(begin, end, std::vector<signed char>(body_.surfaces().size(), -1));
     std::sort(classes_.candidates.begin(), classes_.candidates.end(),
               [](const Index3& a, const Index3& b) { return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]); });
     classes_.inside.number();
@@ -41,9 +40,7 @@ class Classifier {
       half[k] = 0.5 * (end[k] - begin[k]);
       if (half[k] > half[longest]) longest = k;
     }
-    for (std::size_t i = 0; i < sides.size(); ++i)
-      if (sides[i] < 0) sides[i] = static_cast<signed char>(side_of_box(solid_.surfaces()[i], centre, half));
-    const int value = solid_.evaluate_partial(sides);
+    const int value = body_.side_of_block(centre, half, sides);
     if (value == 0) return;
     if (value == 1) return fill(begin, end);
     if (half[longest] <= 0.5) {
@@ -63,13 +60,55 @@ class Classifier {
       for (int j = begin[1]; j < end[1]; ++j) classes_.inside.insert_row({begin[0], j, k}, end[0] - begin[0]);
   }
 
-  const Solid& solid_;
+  const BodyGeometry& body_;
   const Grid& grid_;
   CellClasses classes_;
 };
 
+/// Some point near its corners, the middles of its sides or its centre is inside, some outside: a surface does more
+/// than touch it. With none inside, a coarse cell counts as empty, with all inside as full: a face that lies on its
+/// side cuts a layer.
+int inside_of(const BodyGeometry& body, const Index3& cell) {
+  constexpr double place[3] = {0.01, 0.5, 0.99};
+  int inside = 0;
+  for (int n = 0; n < 27; ++n)
+    inside += body.contains(Vec3(cell[0] + place[n % 3], cell[1] + place[n / 3 % 3], cell[2] + place[n / 9]));
+  return inside;
+}
+
 }  // namespace
 
-CellClasses classify_cells(const Solid& solid, const Grid& grid) { return Classifier(solid, grid).run(); }
+CellClasses classify_cells(const BodyGeometry& body, const Grid& grid) { return Classifier(body, grid).run(); }
+
+/// Cells of a coarse cell that a surface crosses have the two longest of its three extents; of a plate of one or two
+/// cells all are cut. Half of the cells of a coarse cell are in the body. Beside a cut cell half a layer of nodes comes
+/// on top of one node by cell.
+CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double most_cells) {
+  const double num_cells = static_cast<double>(grid.num_cells[0]) * grid.num_cells[1] * grid.num_cells[2];
+  int factor = 1;
+  while (num_cells / std::pow(factor, 3) > most_cells) ++factor;
+  Grid coarse = grid;
+  coarse.cell_size *= factor;
+  for (int& n : coarse.num_cells) n = (n + factor - 1) / factor;
+  const auto placed =
+      body.transformed(coarse.rotation.transpose(), -(coarse.rotation.transpose() * coarse.origin) / coarse.cell_size,
+                       1 / coarse.cell_size);
+  const CellClasses classes = classify_cells(*placed, coarse);
+  CellEstimate estimate{static_cast<double>(classes.inside.size()) * std::pow(factor, 3), 0};
+  const bool is_thin = *std::min_element(grid.num_cells.begin(), grid.num_cells.end()) <= 3;
+  for (const Index3& c : classes.candidates) {
+    double extent[3];
+    for (int k = 0; k < 3; ++k) extent[k] = c[k] < 0 ? 0 : std::clamp(grid.num_cells[k] - c[k] * factor, 0, factor);
+    const double all = extent[0] * extent[1] * extent[2];
+    const int inside_points = inside_of(*placed, c);
+    if (inside_points == 0) continue;
+    const double across = std::min({extent[0], extent[1], extent[2]});
+    const double cut = is_thin ? all : all / across;
+    estimate.cut_cells += cut;
+    estimate.nodes += inside_points == 27 ? all : std::max(cut, all / 2);
+  }
+  estimate.nodes += estimate.cut_cells / 2;
+  return estimate;
+}
 
 }  // namespace cgcontact

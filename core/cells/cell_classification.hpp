@@ -1,11 +1,11 @@
-/// Which cells of a grid are inside a solid and which may be cut, found by bisecting blocks of cells.
+/// Which cells of a grid are inside a body and which may be cut, found by bisecting blocks of cells.
 #pragma once
 
 #include <vector>
 
 #include "core/cells/grid.hpp"
 #include "core/cells/grid_numbers.hpp"
-#include "core/geometry/csg.hpp"
+#include "core/geometry/body_geometry.hpp"
 
 namespace cgcontact {
 
@@ -14,7 +14,11 @@ struct CellClasses {
   std::vector<Index3> candidates;  ///< cells that a surface may cross, also just outside of the grid; by k, j, i
 };
 
-/// Throws InputError if a cell outside of the grid is wholly inside the solid.
-CellClasses classify_cells(const Solid& solid, const Grid& grid);
+/// By BodyGeometry::side_of_block, of a body in the coordinates of the grid. Throws InputError if a cell outside of the
+/// grid is wholly inside.
+CellClasses classify_cells(const BodyGeometry& body, const Grid& grid);
+
+/// The estimate of BodyGeometry::estimate_cells for a body in global axes, by classifying the cells of a coarser grid.
+CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double most_cells);
 
 }  // namespace cgcontact

@@ -8,16 +8,11 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/parallel.hpp"
-#include "core/cells/cell_classification.hpp"
-#include "core/cells/cell_pieces.hpp"
-#include "core/cells/triangle_cells.hpp"
-#include "core/cells/triangle_pieces.hpp"
+#include "core/cells/cell_sweep.hpp"
 
 namespace cgcontact {
 
 namespace {
-
-constexpr std::size_t grain = 16;  // cells per chunk of the parallel loop
 
 /// A cell that a surface may cross.
 struct Candidate : CellIntegrals {
@@ -75,10 +70,7 @@ class CutCellBuilder {
   }
 
   CutCells run() {
-    if (result_.solid.triangles())
-      integrate_triangles(*result_.solid.triangles());
-    else
-      integrate_surfaces();
+    integrate();
     number_cells();
     if (result_.cells.empty()) throw InputError("the body is empty");
     adopt_pruned();
@@ -87,90 +79,38 @@ class CutCellBuilder {
   }
 
  private:
-  /// What one chunk of a parallel loop finds.
+  /// What one part of the sweep finds.
   struct Found {
     std::vector<Candidate> cut;
     std::vector<std::pair<Index3, int>> inside;  ///< first cell, number of cells along x
   };
 
-  void integrate_surfaces() {
-    CellClasses classes = classify_cells(result_.solid, result_.grid);
-    result_.numbers = std::move(classes.inside);
-    const std::vector<Index3>& cells = classes.candidates;
-    std::vector<Found> found(num_chunks(cells.size(), grain));
-    parallel_chunks("cgcontact::cut_cells::surfaces", cells.size(), grain,
-                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                      for (std::size_t i = begin; i < end; ++i) integrate(cells[i], found[chunk]);
-                    });
-    collect_found(found);
-  }
-
-  void integrate_triangles(const TriangleSurface& surface) {
-    result_.numbers = GridNumbers(result_.grid.num_cells);
-    const TriangleCells cells(surface, result_.face_dividers);
-    std::vector<Found> found(num_chunks(cells.num_rows(), 1));
-    parallel_chunks("cgcontact::cut_cells::triangles", cells.num_rows(), 1,
-                    [&](std::size_t chunk, std::size_t row, std::size_t) {
-                      std::vector<CellIntegrals> cut;
-                      std::vector<std::pair<Index3, int>> inside;
-                      cells.sweep(row, options_.boundary_order, cut, inside);
-                      for (CellIntegrals& cell : cut) keep(std::move(cell), found[chunk]);
-                      for (const auto& [first, number] : inside) set_inside(first, number, found[chunk]);
-                    });
+  void integrate() {
+    const auto sweep =
+        result_.solid.geometry().sweep_cells(result_.grid, result_.face_dividers, options_.boundary_order);
+    result_.numbers = sweep->take_inside();
+    std::vector<Found> found(sweep->num_parts());
+    parallel_for("cgcontact::cut_cells::integrate", found.size(), 1, [&](std::size_t part) {
+      SweptCells swept;
+      sweep->sweep(part, swept);
+      for (CellIntegrals& cell : swept.crossed) keep(std::move(cell), found[part]);
+      for (const auto& [first, number] : swept.inside) set_inside(first, number, found[part]);
+    });
     collect_found(found);
   }
 
   void collect_found(std::vector<Found>& found) {
     std::size_t total = 0;
-    for (const Found& chunk : found) total += chunk.cut.size();
+    for (const Found& part : found) total += part.cut.size();
     candidates_.reserve(total);
-    for (Found& chunk : found) {
-      for (const auto& [first, number] : chunk.inside) result_.numbers.insert_row(first, number);
-      std::move(chunk.cut.begin(), chunk.cut.end(), std::back_inserter(candidates_));
-      chunk = {};
+    for (Found& part : found) {
+      for (const auto& [first, number] : part.inside) result_.numbers.insert_row(first, number);
+      std::move(part.cut.begin(), part.cut.end(), std::back_inserter(candidates_));
+      part = {};
     }
   }
 
   /// Adds the cell to what is cut or inside unless it turns out to be empty.
-  void integrate(const Index3& cell, Found& found) {
-    const LocalSolid local = local_solid(cell);
-    if (local.is_constant()) {
-      if (local.table[0]) set_inside(cell, 1, found);
-      return;
-    }
-    CellIntegrals integrals{cell, cell_moments(result_.solid, local, cell), {}};
-    cell_boundary_points(result_.solid, local, cell, {}, result_.face_dividers, options_.boundary_order, 0,
-                         integrals.points);
-    keep(std::move(integrals), found);
-  }
-
-  LocalSolid local_solid(const Index3& cell) const {
-    const Vec3 corner(cell[0], cell[1], cell[2]);
-    try {
-      return make_local_solid(result_.solid, corner, 1);
-    } catch (const InputError& error) {
-      const Vec3 x = result_.grid.to_global(corner + Vec3::Constant(0.5));
-      throw InputError(fmt::format("{}; the cell is at ({:.4g}, {:.4g}, {:.4g}) m (allowed: {})", error.what(), x[0],
-                                   x[1], x[2], remedy(corner)));
-    }
-  }
-
-  /// The largest cells, of halves of halves, that no more surfaces cross than can.
-  std::string remedy(const Vec3& corner) const {
-    constexpr int most_parts = 16;
-    for (int parts = 2; parts <= most_parts; parts *= 2) {
-      bool fits = true;
-      const Vec3 half = Vec3::Constant(0.5 / parts);
-      for (int n = 0; n < parts * parts * parts && fits; ++n) {
-        const Vec3 place = corner + Vec3(n % parts, n / parts % parts, n / (parts * parts)) / parts + half;
-        fits = std::count_if(result_.solid.surfaces().begin(), result_.solid.surfaces().end(),
-                             [&](const Surface& s) { return side_of_box(s, place, half) < 0; }) <= max_table_bits;
-      }
-      if (fits) return fmt::format("a cell_size of {:.3g} m or less", result_.grid.cell_size / parts);
-    }
-    return "fewer shapes that meet in one point; smaller cells do not help";
-  }
-
   void keep(CellIntegrals&& integrals, Found& found) {
     Candidate candidate{std::move(integrals)};
     candidate.pruned = candidate.moments[0] < 8 * options_.prune_fraction;
@@ -366,12 +306,8 @@ void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const s
   for (int s : surfaces) selected[s] = 1;
   std::vector<Plane> all = dividers;
   all.insert(all.end(), cut_cells.face_dividers.begin(), cut_cells.face_dividers.end());
-  auto add_cell = [&](const Index3& cell, const std::vector<char>& wanted) {
-    if (const TriangleSurface* triangles = solid.triangles())
-      return triangle_boundary_points(*triangles, triangles_near_cell(*triangles, cell), cell, wanted, all, order,
-                                      active_cell, points);
-    const LocalSolid local = make_local_solid(solid, Vec3(cell[0], cell[1], cell[2]), 1);
-    cell_boundary_points(solid, local, cell, wanted, all, order, active_cell, points);
+  const auto add_cell = [&](const Index3& cell, const std::vector<char>& wanted) {
+    solid.geometry().boundary_points(cell, wanted, all, order, active_cell, points);
   };
   add_cell(cut_cells.cells[active_cell], selected);
   auto adoption = std::lower_bound(cut_cells.adoptions.begin(), cut_cells.adoptions.end(), active_cell,

@@ -8,7 +8,7 @@
 #include "core/cells/grid.hpp"
 #include "core/cells/grid_numbers.hpp"
 #include "core/cells/moments.hpp"
-#include "core/geometry/csg.hpp"
+#include "core/geometry/solid.hpp"
 #include "core/settings/geometry_options.hpp"
 
 namespace cgcontact {
@@ -32,7 +32,7 @@ struct CutCells {
   std::vector<Moments> moments;      ///< one per cut cell
   BoundaryPoints boundary;           ///< default rule, all surfaces
   std::vector<Adoption> adoptions;   ///< ascending in active
-  std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/cells/face_dividers.hpp)
+  std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/scene/face_dividers.hpp)
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
   int level(int active) const { return levels.empty() ? 0 : levels[active]; }

@@ -7,8 +7,6 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/cells/triangle_pieces.hpp"
-
 namespace cgcontact {
 
 namespace {
@@ -19,7 +17,7 @@ constexpr double max_sagitta = 0.008;
 /// Points nearer to a surface than this lie on it (cell units). Above what make_cut_cells prunes, so that a face
 /// whose sliver of a cell was pruned is found on the neighbour.
 constexpr double on_tolerance = 1e-10;
-/// Of cells that a curved patch of triangles crosses.
+/// Of cells that a curved patch crosses.
 constexpr int patch_subdivision = 2;
 /// Patches in a cell that are cut one by one. Each one can double the pieces; cells with more are cut at the surface as
 /// a whole.
@@ -86,22 +84,20 @@ class Clipper {
   double distance_of(const Vec3& x, int surface) const;
   double crossing(const Vec3& x, const Vec3& d, double at_0, double at_1) const;
   bool is_patch(int surface) const;
-  const TriangleSurface& patch_alone(int surface) const;
   static int side_by_distance(double distance);
   template <class Points>
   void set_sides(const Points& points, const std::vector<int>& surfaces);
   void drop_inner_triangles();
-  void add_triangles();
+  void add_facets();
   void drop_unused_points();
 
   const CutCells& cut_cells_;
-  const Solid& solid_;
-  const TriangleSurface* const triangles_;
+  const BodyGeometry& body_;
+  const bool has_facets_;
   const std::vector<Surface>& surfaces_;
   int subdivision_ = 1;
   std::vector<int> all_surfaces_;
-  std::vector<std::vector<int>> triangles_of_patch_;
-  int whole_;                       ///< number of the triangle surface as a whole, the one after its patches
+  int whole_;                       ///< number of the boundary as a whole, the one after the surfaces
   std::vector<int> cell_surfaces_;  ///< those that matter in the cell in work
   std::vector<int> cube_surfaces_;  ///< those that come near the cube in work
   int active_ = -1;                 ///< the cell in work
@@ -114,20 +110,18 @@ class Clipper {
   std::vector<int> nodes_;  ///< points at the grid's nodes, by their numbers; -1 where there is none yet
   std::unordered_map<std::uint64_t, int> fine_nodes_;
   mutable std::unordered_map<std::uint64_t, double> patch_distances_;
-  mutable std::unordered_map<int, TriangleSurface> patches_alone_;
+  mutable std::vector<Surface> alone_;  ///< BodyGeometry::surfaces_alone; empty until needed
   std::unordered_map<EdgeKey, int, EdgeHash> edge_points_;
   std::vector<Tetrahedron> pieces_, next_pieces_;
   ClippedMesh mesh_;
 };
 
 Clipper::Clipper(const CutCells& cut_cells)
-    : cut_cells_(cut_cells), solid_(cut_cells.solid), triangles_(solid_.triangles()), surfaces_(solid_.surfaces()) {
+    : cut_cells_(cut_cells),
+      body_(cut_cells.solid.geometry()),
+      has_facets_(body_.num_facets() > 0),
+      surfaces_(body_.surfaces()) {
   whole_ = static_cast<int>(surfaces_.size());
-  if (triangles_) {
-    triangles_of_patch_.resize(surfaces_.size());
-    for (int t = 0; t < static_cast<int>(triangles_->triangles().size()); ++t)
-      triangles_of_patch_[triangles_->patch(t)].push_back(t);
-  }
   inner_side_.assign(surfaces_.size() + 1, 0);
   node_numbers_ = cut_cells.numbers.corners();
   nodes_.assign(node_numbers_.size(), -1);
@@ -146,48 +140,28 @@ Clipper::Clipper(const CutCells& cut_cells)
 ClippedMesh Clipper::run() {
   for (std::size_t active = 0; active < cut_cells_.cells.size(); ++active) clip_cell(static_cast<int>(active));
   drop_inner_triangles();
-  if (triangles_) add_triangles();
+  if (has_facets_) add_facets();
   drop_unused_points();
   return std::move(mesh_);
 }
 
 ClippedMesh Clipper::run_boundary() {
-  if (!triangles_) return run();
-  add_triangles();
+  if (!has_facets_) return run();
+  add_facets();
   return std::move(mesh_);
 }
 
-/// The candidates that may cross a cube. Of the patches of a triangle surface those with a triangle there.
+/// The candidates that may cross a cube.
 std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
                                         const std::vector<int>& candidates) const {
-  std::vector<int> near;
-  if (triangles_) {
-    const Vec3 reach = Vec3::Constant(half_size + on_tolerance), low = centre - reach, high = centre + reach;
-    triangles_->tree().visit(
-        [&](const Vec3& min, const Vec3& max) {
-          return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();
-        },
-        [&](int t) { near.push_back(triangles_->patch(t)); });
-    std::sort(near.begin(), near.end());
-    near.erase(std::unique(near.begin(), near.end()), near.end());
-    if (!near.empty() && candidates.size() == 1 && candidates[0] == whole_) near.assign(1, whole_);
-    return near;
-  }
-  const double half_diagonal = half_size * std::sqrt(3.0);
-  for (int s : candidates)
-    if (std::abs(surfaces_[s].signed_distance(centre)) <= half_diagonal + on_tolerance) near.push_back(s);
+  const bool as_whole = candidates.size() == 1 && candidates[0] == whole_;
+  std::vector<int> near = body_.surfaces_near(centre, half_size, on_tolerance, as_whole ? all_surfaces_ : candidates);
+  if (!near.empty() && as_whole) near.assign(1, whole_);
   return near;
 }
 
-/// Is the piece in work inside? Of a CSG solid its expression says so. Patches of triangles that all have the piece on
-/// the same side do; otherwise the nearest triangle.
-bool Clipper::is_inside(const Vec3& centroid) const {
-  if (!triangles_) return solid_.evaluate(inner_side_);
-  const auto inner = [&](int s) { return inner_side_[s] != 0; };
-  const bool any = std::any_of(cube_surfaces_.begin(), cube_surfaces_.end(), inner);
-  const bool all = std::all_of(cube_surfaces_.begin(), cube_surfaces_.end(), inner);
-  return any == all ? any : triangles_->contains(centroid);
-}
+/// Is the piece in work inside?
+bool Clipper::is_inside(const Vec3& centroid) const { return body_.is_inside(inner_side_, cube_surfaces_, centroid); }
 
 /// Does the body go on beyond a face of the piece in work that lies on a surface?
 bool Clipper::is_inside_beyond(const std::array<int, 3>& points, int surface) {
@@ -203,8 +177,9 @@ void Clipper::clip_cell(int active) {
   const Index3& c = cut_cells_.cells[active];
   const Vec3 centre(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5);
   std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
-  if (triangles_ && near.size() > most_patches) near.assign(1, whole_);
-  cell_surfaces_ = triangles_ ? near : all_surfaces_;
+  const bool endless = body_.has_endless_surfaces();
+  if (!endless && near.size() > most_patches) near.assign(1, whole_);
+  cell_surfaces_ = endless ? all_surfaces_ : near;
   set_far_sides(centre, all_surfaces_);
   const bool full = cut_cells_.cut_of_active[active] < 0;
   const bool curved =
@@ -220,9 +195,9 @@ void Clipper::clip_cell(int active) {
       }
 }
 
-/// Sides of the surfaces that do not come near; patches of triangles that do not are not asked for theirs.
+/// Sides of the surfaces that do not come near; those that end at the body's edges are not asked for theirs.
 void Clipper::set_far_sides(const Vec3& centre, const std::vector<int>& surfaces) {
-  if (triangles_) return;
+  if (!body_.has_endless_surfaces()) return;
   for (int s : surfaces) inner_side_[s] = surfaces_[s].signed_distance(centre) < 0;
 }
 
@@ -337,9 +312,9 @@ void Clipper::emit_hexahedron(const Hexahedron& hexahedron, const std::vector<in
   }
 }
 
-/// Adds a face of the piece in work if it lies on a surface and the body ends there. (Triangles are drawn themselves.)
+/// Adds a face of the piece in work if it lies on a surface and the body ends there. (Facets are drawn themselves.)
 void Clipper::emit_boundary(const std::array<int, 3>& points, const std::vector<int>& surfaces) {
-  if (triangles_) return;
+  if (has_facets_) return;
   for (int s : surfaces) {
     if (side(points[0], s) != 0 || side(points[1], s) != 0 || side(points[2], s) != 0) continue;
     if (is_inside_beyond(points, s)) continue;
@@ -370,7 +345,7 @@ int Clipper::node(const Index3& fine) {
   return *number;
 }
 
-/// Where the line x + t d, 0 < t < 1, meets the triangle surface, given the distances at its ends, which have different
+/// Where the line x + t d, 0 < t < 1, meets the boundary, given the distances at its ends, which have different
 /// signs: regula falsi with halved ends (Illinois), as the distance has kinks at edges.
 double Clipper::crossing(const Vec3& x, const Vec3& d, double at_0, double at_1) const {
   double low = 0, high = 1, t = at_0 / (at_0 - at_1);
@@ -423,40 +398,19 @@ int Clipper::side_by_distance(double distance) {
   return distance < 0 ? -1 : 1;
 }
 
-/// A patch of triangles, or all of them.
+/// A patch, or the boundary as a whole.
 bool Clipper::is_patch(int surface) const {
   return surface == whole_ || surfaces_[surface].kind == Surface::Kind::patch;
 }
 
-/// The triangles of a patch by themselves: the search for the nearest one need not pass over all others.
-const TriangleSurface& Clipper::patch_alone(int surface) const {
-  const auto known = patches_alone_.find(surface);
-  if (known != patches_alone_.end()) return known->second;
-  std::vector<Vec3> points;
-  std::vector<Triangle> triangles;
-  for (const int t : triangles_of_patch_[surface]) {
-    const int first = static_cast<int>(points.size());
-    for (int k = 0; k < 3; ++k) points.push_back(triangles_->corner(t, k));
-    triangles.push_back({first, first + 1, first + 2});
-  }
-  std::vector<int> patch(triangles.size(), 0);
-  return patches_alone_
-      .emplace(surface, TriangleSurface(std::move(points), std::move(triangles), std::move(patch), {""}))
-      .first->second;
-}
-
 double Clipper::distance_of(const Vec3& x, int surface) const {
-  if (surface != whole_ && is_patch(surface)) {
-    const TriangleSurface& patch = patch_alone(surface);
-    const int nearest = patch.nearest(x).triangle;
-    return patch.normal(nearest).dot(x - patch.corner(nearest, 0));
-  }
-  if (surface != whole_) return surfaces_[surface].signed_distance(x);
-  const TriangleSurface::Foot foot = triangles_->nearest(x);
-  return (x - foot.point).dot(foot.normal) < 0 ? -foot.distance : foot.distance;
+  if (surface == whole_) return body_.signed_distance(x);
+  if (!is_patch(surface)) return surfaces_[surface].signed_distance(x);
+  if (alone_.empty()) alone_ = body_.surfaces_alone();
+  return alone_[surface].signed_distance(x);
 }
 
-/// From a point to a surface; that to a patch of triangles, a search, is kept.
+/// From a point to a surface; that to a patch, a search, is kept.
 double Clipper::distance(int point, int surface) const {
   const Vec3& x = mesh_.points[point];
   if (!is_patch(surface)) return distance_of(x, surface);
@@ -473,31 +427,29 @@ int Clipper::side(int point, int surface) const {
   return side_by_distance(distance(point, surface));
 }
 
-/// The triangles of the surface themselves, in their pieces cell by cell.
-void Clipper::add_triangles() {
+/// The facets of the boundary themselves, in their pieces cell by cell.
+void Clipper::add_facets() {
   std::map<std::pair<Index3, int>, int> adopter;  // of the pieces of a patch in a cell without volume
   for (const Adoption& adoption : cut_cells_.adoptions)
     adopter.try_emplace({adoption.donor, adoption.surface}, adoption.active);
   std::unordered_map<Vec3, int, PointHash> number;
-  for (int t = 0; t < static_cast<int>(triangles_->triangles().size()); ++t) {
-    const int patch = triangles_->patch(t);
-    each_piece_of_triangle(*triangles_, t, [&](const Index3& cell, const SurfacePolygon& piece) {
-      active_ = cut_cells_.find(cell);
-      if (active_ < 0) {
-        const auto adopted = adopter.find({cell, patch});
-        if (adopted == adopter.end()) return;  // of no area
-        active_ = adopted->second;
-      }
-      std::array<int, SurfacePolygon::max_corners> corners;
-      for (int i = 0; i < piece.n; ++i) {
-        const auto [entry, added] = number.try_emplace(piece.x[i], static_cast<int>(mesh_.points.size()));
-        if (added) add_point(piece.x[i]);
-        corners[i] = entry->second;
-      }
-      for (int i = 2; i < piece.n; ++i)
-        mesh_.boundary.push_back({{corners[0], corners[i - 1], corners[i]}, active_, patch});
-    });
-  }
+  std::vector<int> corners;
+  body_.each_facet_in_cell([&](const Index3& cell, int surface, const Vec3* x, int num_corners) {
+    active_ = cut_cells_.find(cell);
+    if (active_ < 0) {
+      const auto adopted = adopter.find({cell, surface});
+      if (adopted == adopter.end()) return;  // of no area
+      active_ = adopted->second;
+    }
+    corners.clear();
+    for (int i = 0; i < num_corners; ++i) {
+      const auto [entry, added] = number.try_emplace(x[i], static_cast<int>(mesh_.points.size()));
+      if (added) add_point(x[i]);
+      corners.push_back(entry->second);
+    }
+    for (int i = 2; i < num_corners; ++i)
+      mesh_.boundary.push_back({{corners[0], corners[i - 1], corners[i]}, active_, surface});
+  });
 }
 
 /// A triangle that belongs to two pieces lies inside the body (chords of a curved surface).

@@ -3,16 +3,17 @@
 
 #include <cmath>
 
-#include "core/geometry/csg.hpp"
+#include "core/geometry/solid.hpp"
 
 namespace cgcontact {
 
-/// Middle of the solid's bounding box; 0 along axes where it is unbounded.
-inline Vec3 middle_of(const Solid& solid) {
+/// Middle of the body's bounding box; 0 along axes where it is unbounded.
+inline Vec3 middle_of(const BodyGeometry& body) {
   Vec3 min, max;
-  solid.bounding_box(min, max);
+  body.bounding_box(min, max);
   const Vec3 sum = min + max;
   return 0.5 * sum.unaryExpr([](double x) { return std::isfinite(x) ? x : 0.0; });
 }
+inline Vec3 middle_of(const Solid& solid) { return middle_of(solid.geometry()); }
 
 }  // namespace cgcontact

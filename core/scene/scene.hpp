@@ -9,7 +9,7 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/types.hpp"
-#include "core/geometry/csg.hpp"
+#include "core/geometry/solid.hpp"
 #include "core/scene/expression.hpp"
 #include "core/settings/contact_options.hpp"
 #include "core/settings/geometry_options.hpp"

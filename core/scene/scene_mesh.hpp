@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/csg.hpp"
+#include "core/geometry/solid.hpp"
 #include "core/scene/toml_cursor.hpp"
 #include "core/triangles/triangle_checks.hpp"
 

@@ -66,13 +66,13 @@ Material read_material(const TomlCursor& node) {
 }
 
 /// Cell size, checked against the number of cells that it makes.
-double read_cell_size(const TomlCursor& body, const Solid& solid) {
+double read_cell_size(const TomlCursor& body, const Shape& shape) {
   const double size = read_cell_size(body);
   const TomlCursor node = body.at("cell_size");
   Vec3 min, max;
-  solid.bounding_box(min, max);
+  shape.solid.bounding_box(min, max);
   const Vec3 extent = max - min;
-  if (solid.triangles() && size > extent.maxCoeff())
+  if (shape.has_mesh && size > extent.maxCoeff())
     node.fail(fmt::format("is more than the whole body, which is {:.3g} m long: is the unit of the mesh right?",
                           extent.maxCoeff()));
   const std::string lengths = fmt::format("{:.3g} x {:.3g} x {:.3g} m", extent[0], extent[1], extent[2]);
@@ -179,7 +179,7 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
   body.notes = shape.notes;
   body.warnings = shape.warnings;
   body.material = read_material(node.at("material", "{E = .., nu = ..}"));
-  body.cell_size = read_cell_size(node, body.solid);
+  body.cell_size = read_cell_size(node, shape);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);
   if (const auto force = node.find("body_force")) body.body_force = read_vector_field(*force, "N/m^3");
   if (const auto faces = node.find("faces")) {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/base/suggest.hpp"
-#include "core/geometry/booleans.hpp"
+#include "core/bodies/booleans.hpp"
 #include "core/scene/scene_mesh.hpp"
 
 namespace cgcontact {
@@ -70,6 +70,7 @@ class ShapeReader {
 
   std::vector<PrimitiveFaces> primitives;
   std::vector<std::string> notes, warnings;
+  bool has_mesh = false;
 
  private:
   std::string kind_of(const TomlCursor& node) const;
@@ -134,6 +135,7 @@ Solid ShapeReader::read_mesh_shape(const TomlCursor& node, const std::string& na
   const MeshShape mesh = read_mesh(node, name);
   primitives.push_back({name, mesh.faces});
   notes.push_back(mesh.note);
+  has_mesh = true;
   if (mesh.repaired) warnings.push_back(mesh.note);
   const std::string doubt = doubtful_unit(mesh.extent);
   if (!doubt.empty()) warnings.push_back(node.at("file").string("a file name") + ": " + doubt);
@@ -155,16 +157,13 @@ Solid ShapeReader::read_operation(const TomlCursor& node, const std::string& kin
 }
 
 Solid ShapeReader::combine(const TomlCursor& list, const std::string& kind, const Solid& a, const Solid& b) {
-  if (!a.triangles() && !b.triangles())
-    return kind == "union"          ? Solid::unite(a, b)
-           : kind == "intersection" ? Solid::intersect(a, b)
-                                    : Solid::subtract(a, b);
   const BooleanOp::Kind op = kind == "union"          ? BooleanOp::Kind::unite
                              : kind == "intersection" ? BooleanOp::Kind::intersect
                                                       : BooleanOp::Kind::subtract;
+  if (const auto exact = combine_expressions(op, a, b)) return *exact;
   try {
     const TriangleBoolean result = combine_triangles(op, a, b, read_cell_size(body_));
-    std::string note = fmt::format("{} with a mesh: {} triangles", kind, result.solid.triangles()->triangles().size());
+    std::string note = fmt::format("{} with a mesh: {} triangles", kind, result.solid.geometry().num_facets());
     if (result.facet_error > 0)
       note += fmt::format("; spheres and cylinders in facets, at most {:.2g} m inside them", result.facet_error);
     notes.push_back(note);
@@ -231,6 +230,7 @@ Shape read_shape(const TomlCursor& body) {
   shape.primitives = std::move(reader.primitives);
   shape.notes = std::move(reader.notes);
   shape.warnings = std::move(reader.warnings);
+  shape.has_mesh = reader.has_mesh;
   Vec3 min, max;
   if (!shape.solid.bounding_box(min, max))
     node.fail("is unbounded or empty", "a bounded solid: intersect half-spaces with a box");

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/csg.hpp"
+#include "core/geometry/solid.hpp"
 #include "core/scene/toml_cursor.hpp"
 
 namespace cgcontact {
@@ -20,6 +20,7 @@ struct Shape {
   std::vector<PrimitiveFaces> primitives;  ///< in the order of the file
   std::vector<std::string> notes;          ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;       ///< the same for what the user should look at
+  bool has_mesh = false;                   ///< a surface from a file is part of it
 
   /// "primitive.face" of all faces.
   std::vector<std::string> face_names() const;

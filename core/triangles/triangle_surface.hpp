@@ -28,6 +28,8 @@ class TriangleSurface {
   /// Unit outward normal.
   const Vec3& normal(int triangle) const { return normals_[triangle]; }
   const Vec3& corner(int triangle, int k) const { return points_[topology_->triangles[triangle][k]]; }
+  /// The triangle across the edge from corner k to the next one, -1 where there is none or several.
+  int neighbour(int triangle, int k) const { return topology_->neighbours[triangle][k]; }
   const TriangleTree& tree() const { return tree_; }
 
   /// The image under x -> scale * rotation * x + translation.

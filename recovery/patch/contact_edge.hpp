@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/geometry/csg.hpp"
+#include "core/geometry/surface.hpp"
 
 namespace cgcontact {
 

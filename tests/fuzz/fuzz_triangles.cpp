@@ -5,7 +5,6 @@
 
 #include "core/base/errors.hpp"
 #include "core/cells/cut_cells.hpp"
-#include "core/geometry/csg.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_faces.hpp"
 #include "core/triangles/triangle_reader.hpp"

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/base/errors.hpp"
-#include "core/geometry/csg.hpp"
+#include "core/bodies/csg_body.hpp"
 
 namespace cgcontact {
 namespace {
@@ -57,10 +57,10 @@ TEST(Csg, RingSharesItsCaps) {
   EXPECT_TRUE(has_name(ring.surfaces()[1], "outer.bottom"));
   EXPECT_TRUE(has_name(ring.surfaces()[1], "inner.bottom"));
   // with all other signs fixed inside the ring's wall or hole, only the wall changes across a cap
-  EXPECT_TRUE(ring.evaluate({1, 1, 1, 0}));
-  EXPECT_FALSE(ring.evaluate({1, 0, 1, 0}));
-  EXPECT_FALSE(ring.evaluate({1, 1, 1, 1}));
-  EXPECT_FALSE(ring.evaluate({1, 0, 1, 1}));
+  EXPECT_TRUE(as_csg(ring)->evaluate({1, 1, 1, 0}));
+  EXPECT_FALSE(as_csg(ring)->evaluate({1, 0, 1, 0}));
+  EXPECT_FALSE(as_csg(ring)->evaluate({1, 1, 1, 1}));
+  EXPECT_FALSE(as_csg(ring)->evaluate({1, 0, 1, 1}));
 }
 
 // Proves that two boxes with a common face share it with opposite sides, and that it is no boundary of the union.
@@ -73,9 +73,9 @@ TEST(Csg, OppositeFacesBecomeComplements) {
   ASSERT_GE(shared, 0);
   EXPECT_TRUE(has_name(both.surfaces()[shared], "high.z-"));
   std::vector<char> inner(7, 1);
-  EXPECT_TRUE(both.evaluate(inner));
+  EXPECT_TRUE(as_csg(both)->evaluate(inner));
   inner[shared] = 0;
-  EXPECT_TRUE(both.evaluate(inner)) << "above the common face";
+  EXPECT_TRUE(as_csg(both)->evaluate(inner)) << "above the common face";
 }
 
 // Proves that surfaces which differ by more than rounding stay apart.
@@ -98,9 +98,9 @@ TEST(Csg, PartialEvaluationIsConservative) {
     for (int mask = 0; mask < 8; ++mask) {
       std::vector<char> full;
       for (int i = 0; i < 3; ++i) full.push_back(sides[i] < 0 ? static_cast<char>(mask >> i & 1) : sides[i]);
-      (solid.evaluate(full) ? some_in : some_out) = true;
+      (as_csg(solid)->evaluate(full) ? some_in : some_out) = true;
     }
-    const int value = solid.evaluate_partial(sides);
+    const int value = as_csg(solid)->evaluate_partial(sides);
     EXPECT_EQ(value, some_in && some_out ? -1 : some_in ? 1 : 0);
   }
 }

@@ -1,7 +1,7 @@
 /// Pieces of boundary are cut where declared faces end: areas and resultants of such faces are those of geometry.
 #include <random>
 
-#include "core/cells/face_dividers.hpp"
+#include "core/scene/face_dividers.hpp"
 #include "tests/support/triangle_shapes.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 

@@ -5,7 +5,8 @@
 #include <random>
 
 #include "core/base/errors.hpp"
-#include "core/geometry/booleans.hpp"
+#include "core/bodies/booleans.hpp"
+#include "core/bodies/triangle_body.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {
@@ -21,7 +22,7 @@ Solid body(const TriangleSoup& soup) {
 Solid cube(const Vec3& min = Vec3::Zero(), const Vec3& max = Vec3::Ones()) { return body(test::box_soup(min, max)); }
 
 double volume(const Solid& solid) {
-  const TriangleSurface& surface = *solid.triangles();
+  const TriangleSurface& surface = *as_triangles(solid);
   const Vec3 origin = surface.points()[0];
   double sum = 0;
   for (int t = 0; t < static_cast<int>(surface.triangles().size()); ++t)
@@ -31,7 +32,7 @@ double volume(const Solid& solid) {
 }
 
 std::map<std::string, double> areas(const Solid& solid) {
-  const TriangleSurface& surface = *solid.triangles();
+  const TriangleSurface& surface = *as_triangles(solid);
   std::map<std::string, double> area;
   for (int t = 0; t < static_cast<int>(surface.triangles().size()); ++t)
     area[surface.face_names()[surface.patch(t)]] +=

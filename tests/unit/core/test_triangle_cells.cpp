@@ -1,6 +1,7 @@
 // Cut cells of bodies bounded by triangle surfaces: exact in every position.
 #include <random>
 
+#include "core/bodies/triangle_body.hpp"
 #include "tests/support/triangle_shapes.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
@@ -40,7 +41,7 @@ Vec3 first_moment(const CutCells& cells) {
 
 void expect_exact(const CutCells& cells, double tolerance) {
   check_structure(cells);
-  const SurfaceTotals exact = surface_totals(*cells.solid.triangles());
+  const SurfaceTotals exact = surface_totals(*as_triangles(cells.solid));
   const Totals sum = totals(cells);
   const double size = std::cbrt(exact.volume);
   EXPECT_NEAR(sum.volume / exact.volume, 1, tolerance);
@@ -161,7 +162,7 @@ TEST(TriangleCells, PointsOfFineSurfacesAreBounded) {
     }
     for (std::size_t c = 0; c < count.size(); ++c)
       EXPECT_LE(count[c], rings == 120 && area_of_cell[c] > 0.3 ? 29 : 6 * 32) << rings;
-    const SurfaceTotals exact = surface_totals(*cells.solid.triangles());
+    const SurfaceTotals exact = surface_totals(*as_triangles(cells.solid));
     EXPECT_NEAR(area / exact.area, 1, 1e-11);
     EXPECT_LT(force.norm() / exact.area, 1e-11);
     EXPECT_LT(moment.norm() / exact.area, 1e-11);

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "core/base/errors.hpp"
-#include "core/geometry/csg.hpp"
+#include "core/geometry/solid.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
 namespace cgcontact {

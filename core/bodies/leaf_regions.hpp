@@ -5,14 +5,14 @@
 #include <functional>
 #include <vector>
 
+#include "core/bodies/local_solid.hpp"
 #include "core/cells/boundary_points.hpp"
-#include "core/cells/local_solid.hpp"
 #include "core/quadrature/region.hpp"
 
 namespace cgcontact {
 
 struct Leaf {
-  const Solid* solid = nullptr;
+  const CsgBody* solid = nullptr;
   Vec3 corner = Vec3::Zero();
   double width = 1;
   LocalSolid local;
@@ -31,8 +31,8 @@ struct Leaf {
 };
 
 /// Visits the leaves of the cell at `corner` that are not wholly outside.
-void for_each_leaf(const Solid& solid, const LocalSolid& local, const Vec3& corner, const std::vector<Plane>& dividers,
-                   const std::function<void(const Leaf&)>& visit);
+void for_each_leaf(const CsgBody& solid, const LocalSolid& local, const Vec3& corner,
+                   const std::vector<Plane>& dividers, const std::function<void(const Leaf&)>& visit);
 
 /// The part of the leaf's upper face across `axis` that is inside, in the frame of that axis.
 Region face_region(const Leaf& leaf, int axis);

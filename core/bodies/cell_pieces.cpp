@@ -1,10 +1,10 @@
-#include "core/cells/cell_pieces.hpp"
+#include "core/bodies/cell_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "core/cells/leaf_regions.hpp"
+#include "core/bodies/leaf_regions.hpp"
 #include "core/quadrature/point_compression.hpp"
 #include "core/quadrature/region_quadrature.hpp"
 
@@ -130,7 +130,7 @@ void drop_lost_pieces(const LocalSolid& local, std::size_t first, BoundaryPoints
 
 }  // namespace
 
-Moments cell_moments(const Solid& solid, const LocalSolid& local, const Index3& cell) {
+Moments cell_moments(const CsgBody& solid, const LocalSolid& local, const Index3& cell) {
   static thread_local std::vector<RegionPoint> points;
   Moments moments{};
   const Vec3 corner(cell[0], cell[1], cell[2]);
@@ -142,7 +142,7 @@ Moments cell_moments(const Solid& solid, const LocalSolid& local, const Index3& 
   return moments;
 }
 
-void cell_boundary_points(const Solid& solid, const LocalSolid& local, const Index3& cell,
+void cell_boundary_points(const CsgBody& solid, const LocalSolid& local, const Index3& cell,
                           const std::vector<char>& selected, const std::vector<Plane>& dividers, int order, int owner,
                           BoundaryPoints& points) {
   const Vec3 corner(cell[0], cell[1], cell[2]);

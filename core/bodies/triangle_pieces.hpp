@@ -47,7 +47,7 @@ SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const
 template <class Use>
 void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use);
 
-/// As cell_boundary_points (core/cells/cell_pieces.hpp), from the given triangles. The pieces of a patch in a cell are
+/// As cell_boundary_points (core/bodies/cell_pieces.hpp), from the given triangles. The pieces of a patch in a cell are
 /// grouped by plane: up to 8 planes get the full rule on every plane, up to 32 one of degree 2 (in cells with more than
 /// 32 and 128 planes of all patches one degree less). A patch with more planes gets at most 29 points on each side of
 /// the dividers: forces and moments stay exact, integrals of polynomials those of its facets (of degree 3 along the

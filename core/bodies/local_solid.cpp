@@ -1,4 +1,4 @@
-#include "core/cells/local_solid.hpp"
+#include "core/bodies/local_solid.hpp"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ int side_of_interval(double min, double max) {
   return min > touch_tolerance ? 0 : -1;
 }
 
-std::string too_many_surfaces(const Solid& solid, const std::vector<int>& surfaces) {
+std::string too_many_surfaces(const CsgBody& solid, const std::vector<int>& surfaces) {
   constexpr std::size_t most_names = 8;
   std::string names;
   std::size_t count = 0;
@@ -60,7 +60,7 @@ int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_siz
   return side_of_interval(d - reach - surface.radius, d + reach - surface.radius);
 }
 
-LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& sides) {
+LocalSolid make_local_solid(const CsgBody& solid, const std::vector<signed char>& sides) {
   LocalSolid local;
   std::vector<signed char> trial = sides;
   for (std::size_t i = 0; i < sides.size(); ++i)
@@ -76,7 +76,7 @@ LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& 
   return local;
 }
 
-LocalSolid make_local_solid(const Solid& solid, const Vec3& corner, double width) {
+LocalSolid make_local_solid(const CsgBody& solid, const Vec3& corner, double width) {
   const Vec3 half = Vec3::Constant(0.5 * width);
   std::vector<signed char> sides;
   for (const Surface& s : solid.surfaces())

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/geometry/csg.hpp"
+#include "core/bodies/csg_body.hpp"
 
 namespace cgcontact {
 
@@ -16,11 +16,11 @@ struct LocalSolid {
   std::vector<unsigned char> table;
   bool is_constant() const { return surfaces.empty(); }
 };
-/// `sides` as for Solid::evaluate_partial.
-LocalSolid make_local_solid(const Solid& solid, const std::vector<signed char>& sides);
+/// `sides` as for CsgBody::evaluate_partial.
+LocalSolid make_local_solid(const CsgBody& solid, const std::vector<signed char>& sides);
 /// At most this many surfaces can cross a cell; make_local_solid throws InputError with the names of more.
 constexpr int max_table_bits = 16;
 /// Of the cube [corner, corner + width]^3.
-LocalSolid make_local_solid(const Solid& solid, const Vec3& corner, double width);
+LocalSolid make_local_solid(const CsgBody& solid, const Vec3& corner, double width);
 
 }  // namespace cgcontact

@@ -1,12 +1,12 @@
-#include "core/cells/triangle_cells.hpp"
+#include "core/bodies/triangle_cells.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "core/base/errors.hpp"
+#include "core/bodies/triangle_pieces.hpp"
 #include "core/cells/moments.hpp"
-#include "core/cells/triangle_pieces.hpp"
 #include "core/quadrature/gauss_rules.hpp"
 
 namespace cgcontact {
@@ -118,8 +118,9 @@ bool settle(Section& section, const Index3& cell) {
 
 }  // namespace
 
-TriangleCells::TriangleCells(const TriangleSurface& surface, const std::vector<Plane>& dividers)
-    : surface_(surface), dividers_(dividers) {
+TriangleCells::TriangleCells(const TriangleSurface& surface, const Index3& num_cells,
+                             const std::vector<Plane>& dividers, int order)
+    : surface_(surface), num_cells_(num_cells), dividers_(dividers), order_(order) {
   const int n = static_cast<int>(surface.triangles().size());
   entries_.reserve(2 * surface.triangles().size());
   for (int t = 0; t < n; ++t)
@@ -133,8 +134,8 @@ TriangleCells::TriangleCells(const TriangleSurface& surface, const std::vector<P
   row_begin_.push_back(entries_.size());
 }
 
-void TriangleCells::sweep(std::size_t row, int order, std::vector<CellIntegrals>& cells,
-                          std::vector<std::pair<Index3, int>>& inside) const {
+void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
+  std::vector<CellIntegrals>& cells = found.crossed;
   static thread_local std::vector<int> triangles;
   const std::size_t first = cells.size();
   Section section{};  // of all pieces farther along the row
@@ -143,7 +144,7 @@ void TriangleCells::sweep(std::size_t row, int order, std::vector<CellIntegrals>
     const Vec3 corner(cell[0], cell[1], cell[2]);
     if (cells.size() > first) {
       const int gap = cells.back().cell[0] - cell[0] - 1;
-      if (gap > 0 && settle(section, cell)) inside.push_back({{cell[0] + 1, cell[1], cell[2]}, gap});
+      if (gap > 0 && settle(section, cell)) found.inside.push_back({{cell[0] + 1, cell[1], cell[2]}, gap});
     }
     cells.push_back({cell, {}, {}});
     Moments& moments = cells.back().moments;
@@ -156,7 +157,7 @@ void TriangleCells::sweep(std::size_t row, int order, std::vector<CellIntegrals>
     }
     integrals.finish(moments, section);
     std::reverse(triangles.begin(), triangles.end());
-    triangle_boundary_points(surface_, triangles, cell, {}, dividers_, order, 0, cells.back().points);
+    triangle_boundary_points(surface_, triangles, cell, {}, dividers_, order_, 0, cells.back().points);
   }
   if (settle(section, cells.back().cell)) refuse_row(cells.back().cell);
   std::reverse(cells.begin() + static_cast<std::ptrdiff_t>(first), cells.end());

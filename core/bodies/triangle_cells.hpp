@@ -8,22 +8,22 @@
 #include <utility>
 #include <vector>
 
-#include "core/cells/cell_pieces.hpp"
+#include "core/cells/cell_sweep.hpp"
 #include "core/triangles/triangle_surface.hpp"
 
 namespace cgcontact {
 
-class TriangleCells {
+class TriangleCells : public CellSweep {
  public:
-  /// Finds the cells of all triangles; grid coordinates. Points are made on the pieces between the dividers.
-  TriangleCells(const TriangleSurface& surface, const std::vector<Plane>& dividers);
+  /// Finds the cells of all triangles; grid coordinates. Points are made on the pieces between the dividers by rules of
+  /// `order`. Surface and dividers must outlive this.
+  TriangleCells(const TriangleSurface& surface, const Index3& num_cells, const std::vector<Plane>& dividers, int order);
 
+  GridNumbers take_inside() override { return GridNumbers(num_cells_); }
   /// Rows of cells along x that the surface crosses, by k, j.
-  std::size_t num_rows() const { return row_begin_.size() - 1; }
-  /// Appends the cells of a row that the surface crosses, by i, and the ranges of cells inside (first cell, number).
+  std::size_t num_parts() const override { return row_begin_.size() - 1; }
   /// Throws InputError where the surface is not closed or does not enclose each volume once.
-  void sweep(std::size_t row, int order, std::vector<CellIntegrals>& cells,
-             std::vector<std::pair<Index3, int>>& inside) const;
+  void sweep(std::size_t row, SweptCells& found) const override;
 
  private:
   /// A cell and a triangle with a piece in it; `cell` orders by k, j, i.
@@ -33,7 +33,9 @@ class TriangleCells {
   };
 
   const TriangleSurface& surface_;
+  const Index3 num_cells_;
   const std::vector<Plane>& dividers_;
+  const int order_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> row_begin_;
 };

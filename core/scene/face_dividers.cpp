@@ -1,4 +1,4 @@
-#include "core/cells/face_dividers.hpp"
+#include "core/scene/face_dividers.hpp"
 
 #include <algorithm>
 #include <cmath>

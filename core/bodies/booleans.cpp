@@ -1,4 +1,4 @@
-#include "core/geometry/booleans.hpp"
+#include "core/bodies/booleans.hpp"
 
 #include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/corefinement.h>
@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "core/base/errors.hpp"
+#include "core/bodies/triangle_body.hpp"
 #include "core/triangles/triangle_checks.hpp"
 #include "core/triangles/triangle_faces.hpp"
 
@@ -121,7 +122,10 @@ class Faceting {
   Faceting(const Place& place, double cell_size) : place_(place), cell_size_(cell_size) {}
 
   Operand operand(const Solid& solid, const std::vector<Surface>& planes_of_other) {
-    return solid.triangles() ? of_triangles(solid, along_axes(planes_of_other)) : of_expression(solid);
+    if (const TriangleSurface* triangles = as_triangles(solid))
+      return of_triangles(*triangles, along_axes(planes_of_other));
+    if (const CsgBody* csg = as_csg(solid)) return of_expression(*csg);
+    throw InputError(std::string("bodies of this kind cannot be combined with others"));
   }
   const std::vector<std::string>& names() const { return names_; }
   double error() const { return error_; }
@@ -132,8 +136,7 @@ class Faceting {
     return static_cast<int>(names_.size()) - 1;
   }
 
-  Operand of_triangles(const Solid& solid, const std::vector<Surface>& planes) {
-    const TriangleSurface& surface = *solid.triangles();
+  Operand of_triangles(const TriangleSurface& surface, const std::vector<Surface>& planes) {
     const int first = static_cast<int>(names_.size());
     names_.insert(names_.end(), surface.face_names().begin(), surface.face_names().end());
     Operand result(surface.points().size(), surface.triangles().size());
@@ -152,7 +155,7 @@ class Faceting {
   }
 
   /// The boolean expression of elementary surfaces.
-  Operand of_expression(const Solid& solid) {
+  Operand of_expression(const CsgBody& solid) {
     const std::vector<Surface> surfaces = along_axes(solid.surfaces());
     std::vector<int> face;
     for (const Surface& surface : surfaces) face.push_back(new_face(surface.names.at(0)));
@@ -365,8 +368,15 @@ Place place_of(const Solid& a, const Solid& b) {
 
 }  // namespace
 
+std::optional<Solid> combine_expressions(BooleanOp::Kind op, const Solid& a, const Solid& b) {
+  if (!as_csg(a) || !as_csg(b)) return std::nullopt;
+  return op == BooleanOp::Kind::unite       ? Solid::unite(a, b)
+         : op == BooleanOp::Kind::intersect ? Solid::intersect(a, b)
+                                            : Solid::subtract(a, b);
+}
+
 TriangleBoolean combine_triangles(BooleanOp::Kind op, const Solid& a, const Solid& b, double cell_size) {
-  const Mat3 axes = axes_of(a.triangles() ? b : a), back = axes.transpose();
+  const Mat3 axes = axes_of(as_triangles(a) ? b : a), back = axes.transpose();
   const Solid turned_a = a.transformed(axes, Vec3::Zero()), turned_b = b.transformed(axes, Vec3::Zero());
   Faceting faceting(place_of(turned_a, turned_b), cell_size);
   Operand first = faceting.operand(turned_a, turned_b.surfaces()),

@@ -1,11 +1,16 @@
-/// Boolean operations on solids of which at least one is bounded by triangles, by CGAL's corefinement in exact
-/// arithmetic. Operands without triangles are replaced by triangles first: planes as they are, spheres and cylinders by
-/// facets with their corners on the surface.
+/// Boolean operations on bodies. Of those of which at least one is bounded by triangles, by CGAL's corefinement in
+/// exact arithmetic. Operands without triangles are replaced by triangles first: planes as they are, spheres and
+/// cylinders by facets with their corners on the surface.
 #pragma once
 
-#include "core/geometry/csg.hpp"
+#include <optional>
+
+#include "core/bodies/csg_body.hpp"
 
 namespace cgcontact {
+
+/// a op b (unite, intersect, subtract) as one expression of surfaces, exactly; nullopt unless both are such.
+std::optional<Solid> combine_expressions(BooleanOp::Kind op, const Solid& a, const Solid& b);
 
 struct TriangleBoolean {
   Solid solid;             ///< bounded by triangles; faces keep their names

@@ -1,4 +1,4 @@
-#include "core/cells/leaf_regions.hpp"
+#include "core/bodies/leaf_regions.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -107,8 +107,8 @@ void visit_leaves(Leaf& leaf, int depth, const std::function<void(const Leaf&)>&
 
 }  // namespace
 
-void for_each_leaf(const Solid& solid, const LocalSolid& local, const Vec3& corner, const std::vector<Plane>& dividers,
-                   const std::function<void(const Leaf&)>& visit) {
+void for_each_leaf(const CsgBody& solid, const LocalSolid& local, const Vec3& corner,
+                   const std::vector<Plane>& dividers, const std::function<void(const Leaf&)>& visit) {
   Leaf leaf;
   leaf.solid = &solid;
   leaf.corner = corner;

@@ -1,4 +1,4 @@
-#include "core/cells/triangle_pieces.hpp"
+#include "core/bodies/triangle_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>

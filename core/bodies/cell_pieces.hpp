@@ -1,27 +1,21 @@
-/// One cell of a body: the surfaces that cross it, its moments, and the pieces of the boundary in it.
+/// One cell of a boolean expression of surfaces: the surfaces that cross it, its moments, and the pieces of the
+/// boundary in it.
 #pragma once
 
 #include <vector>
 
+#include "core/bodies/local_solid.hpp"
 #include "core/cells/boundary_points.hpp"
-#include "core/cells/local_solid.hpp"
 #include "core/cells/moments.hpp"
 
 namespace cgcontact {
 
-/// What was found in one cell that the boundary may cross.
-struct CellIntegrals {
-  Index3 cell;
-  Moments moments;
-  BoundaryPoints points;
-};
-
 /// Moments of the body in the cell `cell` of the grid (in grid coordinates).
-Moments cell_moments(const Solid& solid, const LocalSolid& local, const Index3& cell);
+Moments cell_moments(const CsgBody& solid, const LocalSolid& local, const Index3& cell);
 
 /// Points on the pieces of the body's boundary in a cell; `selected` (by surface) says of which surfaces, empty: all.
 /// `points.cell` is set to `owner`.
-void cell_boundary_points(const Solid& solid, const LocalSolid& local, const Index3& cell,
+void cell_boundary_points(const CsgBody& solid, const LocalSolid& local, const Index3& cell,
                           const std::vector<char>& selected, const std::vector<Plane>& dividers, int order, int owner,
                           BoundaryPoints& points);
 

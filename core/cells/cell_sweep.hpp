@@ -1,0 +1,59 @@
+/// The cells of a grid that a body fills or crosses, found in parts that do not depend on each other.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "core/cells/boundary_points.hpp"
+#include "core/cells/cell_classification.hpp"
+#include "core/cells/moments.hpp"
+
+namespace cgcontact {
+
+/// What was found in one cell that the boundary may cross.
+struct CellIntegrals {
+  Index3 cell;
+  Moments moments;
+  BoundaryPoints points;  ///< `points.cell` is not set
+};
+
+struct SweptCells {
+  std::vector<CellIntegrals> crossed;          ///< by the boundary, or empty or full
+  std::vector<std::pair<Index3, int>> inside;  ///< first cell, number of cells along x
+};
+
+class CellSweep {
+ public:
+  virtual ~CellSweep() = default;
+  /// Cells that are known to be inside before the sweep. Called once.
+  virtual GridNumbers take_inside() = 0;
+  /// The order of the parts is that of the cells, by k, j, i.
+  virtual std::size_t num_parts() const = 0;
+  /// Appends what a part of the cells holds; different threads may sweep different parts. Throws InputError.
+  virtual void sweep(std::size_t part, SweptCells& found) const = 0;
+};
+
+/// The sweep of bodies that tell the side of a block of cells (BodyGeometry::side_of_block) and integrate single cells.
+class CellByCell : public CellSweep {
+ public:
+  /// Appends what one cell that the boundary may cross holds.
+  using Integrate = std::function<void(const Index3& cell, SweptCells& found)>;
+
+  CellByCell(const BodyGeometry& body, const Grid& grid, Integrate integrate)
+      : classes_(classify_cells(body, grid)), integrate_(std::move(integrate)) {}
+  GridNumbers take_inside() override { return std::move(classes_.inside); }
+  std::size_t num_parts() const override { return (classes_.candidates.size() + grain - 1) / grain; }
+  void sweep(std::size_t part, SweptCells& found) const override {
+    const std::size_t end = std::min((part + 1) * grain, classes_.candidates.size());
+    for (std::size_t i = part * grain; i < end; ++i) integrate_(classes_.candidates[i], found);
+  }
+
+ private:
+  static constexpr std::size_t grain = 16;
+  CellClasses classes_;
+  Integrate integrate_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,103 @@
+/// What a body is: all that the rest of the program asks its geometry. Implemented by boolean expressions of elementary
+/// surfaces and by triangle surfaces (core/bodies); another kind of body is another class that derives from this one.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/surface.hpp"
+
+namespace cgcontact {
+
+class CellSweep;
+struct BoundaryPoints;
+struct Grid;
+struct Plane;
+
+/// Where a line passes through the boundary of a solid.
+struct Crossing {
+  double t;
+  int surface;
+  Vec3 normal;  ///< outward
+};
+
+/// What a body costs on a grid, for the memory forecast.
+struct CellEstimate {
+  double nodes = 0, cut_cells = 0;
+};
+
+/// Read-only after construction: threads share it. Lengths in the units that it was made in: m, or cells once it is
+/// placed on a grid.
+class BodyGeometry {
+ public:
+  virtual ~BodyGeometry() = default;
+
+  /// The surfaces that bound it, with the names of the faces that lie on them; elsewhere numbered as here.
+  const std::vector<Surface>& surfaces() const { return surfaces_; }
+
+  /// Its image under x -> scale * rotation * x + translation (scale > 0).
+  virtual std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
+                                                          double scale) const = 0;
+  /// Box that contains it; false if it is unbounded as far as can be told.
+  virtual bool bounding_box(Vec3& min, Vec3& max) const = 0;
+  /// Is x inside or on the boundary?
+  virtual bool contains(const Vec3& x) const = 0;
+  /// To the nearest surface, >= 0.
+  virtual double distance_to_surfaces(const Vec3& x) const = 0;
+  /// The surface on which a point x of the boundary with the outward normal n lies; its nearest point and normal are
+  /// those of the Surface.
+  virtual int surface_at(const Vec3& x, const Vec3& n) const = 0;
+  /// Appends the points x + t d, |t| <= reach, where the line enters or leaves it, in no order.
+  virtual void crossings(const Vec3& x, const Vec3& d, double reach, std::vector<Crossing>& found) const = 0;
+
+  // On a grid.
+
+  /// Is a block of cells inside (1), outside (0), or is neither sure (-1)? `sides`: by surface, what the blocks around
+  /// this one have left about theirs: 1 inner, 0 outer, -1 not known.
+  virtual int side_of_block(const Vec3& centre, const Vec3& half_size, std::vector<signed char>& sides) const;
+  /// The cells inside and their integrals where the boundary passes (core/cells/cell_sweep.hpp), of a body in the
+  /// coordinates of the grid. Pieces of the boundary are cut at the dividers, `order`: of the rule on them
+  /// (boundary_points_of_cell). This body, grid and dividers must outlive the sweep.
+  virtual std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>& dividers,
+                                                 int order) const = 0;
+  /// Appends the points on the pieces of boundary in one cell, of the surfaces that are `selected`; they belong to the
+  /// active cell `owner`.
+  virtual void boundary_points(const Index3& cell, const std::vector<char>& selected,
+                               const std::vector<Plane>& dividers, int order, int owner,
+                               BoundaryPoints& points) const = 0;
+  /// Of a body in global axes, m, without making its cells; from a coarser grid of at most `most_cells` cells if it
+  /// needs one.
+  virtual CellEstimate estimate_cells(const Grid& grid, double most_cells) const = 0;
+
+  // Of bodies that are made of flat facets.
+
+  virtual std::size_t num_facets() const { return 0; }
+  /// Width of the narrower of two facets that meet at an angle although they stand for one smooth surface, at the facet
+  /// nearest to x; 0: the surface there is what it stands for.
+  virtual double facet_width(const Vec3& x) const;
+
+  // For drawing.
+
+  /// Do the surfaces go on beyond the boundary, so that it takes the sides of all of them to know what is inside?
+  virtual bool has_endless_surfaces() const { return false; }
+  /// Those of the candidates (ascending) that may come nearer than `slack` to a cube.
+  virtual std::vector<int> surfaces_near(const Vec3& centre, double half_size, double slack,
+                                         const std::vector<int>& candidates) const;
+  /// Is a convex piece of space that no surface crosses inside? Told from the sides on which it lies of the surfaces
+  /// that come near (of all surfaces if they are endless), and from its centroid.
+  virtual bool is_inside(const std::vector<char>& inner_side, const std::vector<int>& near, const Vec3& centroid) const;
+  /// To the boundary, < 0 inside.
+  virtual double signed_distance(const Vec3& x) const;
+  /// The surfaces for many searches of one of them alone.
+  virtual std::vector<Surface> surfaces_alone() const { return surfaces_; }
+  using UseFacet = std::function<void(const Index3& cell, int surface, const Vec3* corners, int num_corners)>;
+  /// Calls use for all convex parts into which the cells of a grid divide the facets, counterclockwise seen from
+  /// outside.
+  virtual void each_facet_in_cell(const UseFacet& use) const;
+
+ protected:
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace cgcontact

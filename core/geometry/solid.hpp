@@ -1,0 +1,55 @@
+/// A body's geometry as a value: copies share what they stand for.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/body_geometry.hpp"
+
+namespace cgcontact {
+
+class TriangleSurface;
+
+/// Its functions are those of BodyGeometry.
+class Solid {
+ public:
+  /// Nothing.
+  Solid();
+  explicit Solid(std::shared_ptr<const BodyGeometry> geometry) : geometry_(std::move(geometry)) {}
+
+  /// Primitives in their own position; `name` prefixes the face names
+  /// (box: x- x+ y- y+ z- z+; sphere: surface; cylinder: side bottom top; half-space: plane).
+  static Solid box(const Vec3& min, const Vec3& max, const std::string& name);
+  static Solid sphere(const Vec3& centre, double radius, const std::string& name);
+  /// Finite cylinder from `base` to `top` (centres of its ends).
+  static Solid cylinder(const Vec3& base, const Vec3& top, double radius, const std::string& name);
+  /// {x : normal . (x - point) <= 0}.
+  static Solid half_space(const Vec3& point, const Vec3& normal, const std::string& name);
+  /// Boolean operations on these. Other bodies: combine_triangles (core/bodies/booleans.hpp).
+  static Solid unite(const Solid& a, const Solid& b);
+  static Solid intersect(const Solid& a, const Solid& b);
+  static Solid subtract(const Solid& a, const Solid& b);
+
+  /// Bounded by a triangle surface.
+  static Solid bounded_by(TriangleSurface surface);
+
+  const BodyGeometry& geometry() const { return *geometry_; }
+
+  /// Throws InputError if the placement is none.
+  Solid transformed(const Mat3& rotation, const Vec3& translation, double scale = 1.0) const;
+  const std::vector<Surface>& surfaces() const { return geometry_->surfaces(); }
+  bool bounding_box(Vec3& min, Vec3& max) const { return geometry_->bounding_box(min, max); }
+  bool contains(const Vec3& x) const { return geometry_->contains(x); }
+  double distance_to_surfaces(const Vec3& x) const { return geometry_->distance_to_surfaces(x); }
+  int surface_at(const Vec3& x, const Vec3& n) const { return geometry_->surface_at(x, n); }
+  void crossings(const Vec3& x, const Vec3& d, double reach, std::vector<Crossing>& found) const {
+    geometry_->crossings(x, d, reach, found);
+  }
+
+ private:
+  std::shared_ptr<const BodyGeometry> geometry_;
+};
+
+}  // namespace cgcontact

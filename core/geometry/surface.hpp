@@ -1,0 +1,50 @@
+/// The surfaces that bound a body: planes, spheres, cylinders, or patches of any other shape.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+struct Surface;
+
+/// A piece of surface that no formula of Surface describes.
+class SurfacePatch {
+ public:
+  virtual ~SurfacePatch() = default;
+  /// The plane that touches it where it is nearest to x: a point of it and its unit outward normal.
+  virtual Surface near(const Vec3& x) const = 0;
+  /// Unit outward normal where it is nearest to x, as smooth as the surface that it stands for.
+  virtual Vec3 normal(const Vec3& x) const = 0;
+};
+
+/// One elementary surface; signed_distance < 0 on its inner side.
+struct Surface {
+  enum class Kind { plane, sphere, cylinder, patch };
+  Kind kind = Kind::plane;
+  Vec3 point = Vec3::Zero();       ///< point of the plane, centre of the sphere, point on the axis
+  Vec3 direction = Vec3::UnitZ();  ///< unit outward normal of the plane, unit axis of the cylinder
+  double radius = 0;               ///< sphere, cylinder
+  std::vector<std::string> names;  ///< "primitive.face" names that lie on this surface, e.g. "block.z+"
+  std::shared_ptr<const SurfacePatch> patch;
+
+  /// Of a patch: to the plane that touches it nearest to x.
+  double signed_distance(const Vec3& x) const;
+  /// Unit gradient of the signed distance; of a patch its normal.
+  Vec3 gradient(const Vec3& x) const;
+  /// The surface itself; of a patch the plane that touches it nearest to x, without names.
+  Surface near(const Vec3& x) const;
+  /// Parameters t of the intersections of the line x + t d with the surface, ascending; returns 0, 1 or 2 (0 for a
+  /// patch: see BodyGeometry::crossings).
+  int intersect_line(const Vec3& x, const Vec3& d, double t[2]) const;
+  /// Upper bound of the principal curvatures; of a patch 0.
+  double max_curvature() const { return radius > 0 ? 1.0 / radius : 0.0; }
+};
+
+/// From the axis of a cylinder to x, across.
+Vec3 radial(const Surface& cylinder, const Vec3& x);
+
+}  // namespace cgcontact
