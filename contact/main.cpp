@@ -3,6 +3,7 @@
 /// signal (130, 143, 129) stopped by SIGINT, SIGTERM, SIGHUP.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -81,7 +82,11 @@ int check(const Scene& scene, const CommandLine& options) {
   for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
   if (!options.out.empty())
     fmt::print("drawn in {}: {}check_faces.vtkhdf, check_cells.vtkhdf\n", options.out,
-               warnings.empty() ? "check.png, " : "");
+               !warnings.empty() ? ""
+               : std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                             [](const BodySpec& body) { return !body.repairs.empty(); })
+                   ? "check.png, check_repair.png, "
+                   : "check.png, ");
   complete(scene, preparation);
   fmt::print("{}", describe(scene, preparation));
   if (options.settings) fmt::print("{}", describe_settings(scene));

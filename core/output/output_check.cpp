@@ -15,7 +15,9 @@
 #include "core/drawing/drawn_body.hpp"
 #include "core/drawing/render.hpp"
 #include "core/output/output_gnuplot.hpp"
+#include "core/output/output_repair.hpp"
 #include "core/output/output_vtk.hpp"
+#include "core/output/picture_sheet.hpp"
 
 namespace cgcontact {
 
@@ -23,30 +25,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using Rgb = std::array<double, 3>;
-
-constexpr int panel = 440, gap = 24, heading = 40, legend_width = 620;
-constexpr int line_height = 24, legend_columns = 66;
+constexpr int legend_width = 620;
 /// Bodies that get rows of their own.
 constexpr std::size_t most_bodies = 12;
 /// Pixels: a face gets its number where it is at least this far from its border.
 constexpr int room_for_number = 7;
 constexpr int arrow_length = 56, arrow_gap = 14;
-
-/// A colour as one number, for the renderer.
-double packed(const Rgb& c) {
-  double value = 0;
-  for (double channel : c) value = 256 * value + std::round(255 * channel);
-  return value;
-}
-Rgb unpacked(double value) {
-  const auto v = static_cast<long>(std::lround(value));
-  return {static_cast<double>(v >> 16 & 255) / 255, static_cast<double>(v >> 8 & 255) / 255,
-          static_cast<double>(v & 255) / 255};
-}
-std::string hex(const Rgb& c) {
-  return fmt::format("#{:02x}{:02x}{:02x}", std::lround(255 * c[0]), std::lround(255 * c[1]), std::lround(255 * c[2]));
-}
 
 constexpr Rgb full_cell{0.66, 0.80, 0.91}, cut_cell{0.95, 0.66, 0.33}, cut_outside{0.99, 0.92, 0.82}, no_cell{1, 1, 1},
     grid_line{0.62, 0.65, 0.70}, unknown_face{0.5, 0.5, 0.5};
@@ -93,36 +77,6 @@ struct Drawing {
   std::vector<Rgb> region_colours;
   std::string folder;  ///< of gnuplot's data
 };
-
-/// The plane of a panel: a picture and where it lies.
-struct Panel {
-  Camera camera;
-  std::array<int, 2> size;
-  double left, bottom;  ///< pixels in the whole picture
-};
-
-/// From above in front, or from below behind.
-void look_from(bool behind, Camera& camera) {
-  camera.eye = (behind ? -1.0 : 1.0) * Vec3(0.55, -0.75, 0.42).normalized();
-  camera.right = Vec3::UnitZ().cross(camera.eye).normalized();
-  camera.up = camera.eye.cross(camera.right);
-}
-
-/// Scales the camera so that the bodies fit the panel.
-void fit(const Drawing& drawing, const std::vector<std::size_t>& bodies, Panel& view) {
-  double low[2] = {1e300, 1e300}, high[2] = {-1e300, -1e300};
-  for (std::size_t b : bodies)
-    for (const Vec3& x : drawing.drawn[b].position)
-      for (int k = 0; k < 2; ++k) {
-        const double place = (k == 0 ? view.camera.right : view.camera.up).dot(x);
-        low[k] = std::min(low[k], place);
-        high[k] = std::max(high[k], place);
-      }
-  const double largest = std::max({high[0] - low[0], high[1] - low[1], 1e-300});
-  view.size = {panel, panel};
-  view.camera.pixels_per_metre = 0.86 * panel / largest;
-  for (int k = 0; k < 2; ++k) view.camera.low[k] = (low[k] + high[k]) / 2 - panel / (2 * view.camera.pixels_per_metre);
-}
 
 /// Bodies coloured by `colour(body, triangle)`, parts by `part(body, triangle)`.
 template <class Colour, class Part>
@@ -174,24 +128,6 @@ std::map<int, Spot> roomiest_pixels(const RenderedImage& image) {
   return spots;
 }
 
-/// A script of gnuplot in pixels of the whole picture: panels are plotted, labels and arrows lie above them.
-struct Sheet {
-  std::string settings, panels;
-
-  void label(const std::string& text, double x, double y, const std::string& style) {
-    settings += fmt::format("set label {} at {},{} {}\n", gnuplot_text(text), x, y, style);
-  }
-};
-
-void add_panel(const Panel& view, const RenderedImage& image, const std::string& name, const std::string& title,
-               const std::string& folder, Sheet& sheet) {
-  write_text(folder + "/" + name + ".rgb", image.pixels);
-  sheet.label(title, view.left + panel / 2.0, view.bottom + panel + 14, "center font ',13' tc rgb '#404a58'");
-  sheet.panels += fmt::format("{}'{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) with rgbimage",
-                              sheet.panels.empty() ? "plot " : ", \\\n  ", name, image.width, image.height,
-                              view.left + 0.5, view.bottom + 0.5);
-}
-
 /// An arrow that ends a little before a pixel; nothing if it points at the viewer.
 void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const char* colour, Sheet& sheet) {
   const double x = view.camera.right.dot(direction), y = view.camera.up.dot(direction), length = std::hypot(x, y);
@@ -200,26 +136,6 @@ void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const
   sheet.settings +=
       fmt::format("set arrow from {},{} to {},{} front filled size 11,22 lw 2.5 lc rgb '{}'\n",
                   tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
-}
-
-/// The coordinate axes as they are seen and a length, at the lower corners of a panel.
-void add_axes_and_scale(const Panel& view, Sheet& sheet) {
-  constexpr double axis_length = 24, corner = 30, foot = 4;
-  const double x = view.left + corner, y = view.bottom + corner;
-  static const char* const names[] = {"x", "y", "z"};
-  for (int k = 0; k < 3; ++k) {
-    const double right = view.camera.right[k], up = view.camera.up[k];
-    sheet.settings += fmt::format("set arrow from {},{} to {},{} front filled size 7,20 lw 1.5 lc rgb '#303030'\n", x,
-                                  y, x + axis_length * right, y + axis_length * up);
-    sheet.label(names[k], x + (axis_length + 8) * right, y + (axis_length + 8) * up, "center front font ',11'");
-  }
-  const double length = round_down(0.3 * panel / view.camera.pixels_per_metre);
-  const double end = view.left + panel, begin = end - length * view.camera.pixels_per_metre, line = view.bottom + foot;
-  sheet.settings += fmt::format("set arrow from {},{} to {},{} heads front size 4,90 lw 1.5 lc rgb '#303030'\n", begin,
-                                line, end, line);
-  const DisplayUnit unit = length_unit(length);
-  sheet.label(short_number(length * unit.factor) + " " + unit.name, (begin + end) / 2, line + 10,
-              "center front font ',11'");
 }
 
 /// Mean prescribed displacement in global axes, zero where there is none.
@@ -242,10 +158,6 @@ void add_marks(const Drawing& drawing, const Panel& view, const RenderedImage& i
     if (face.force.norm() > 0) add_arrow(view, spot, face.force, "#a00010", sheet);
     if (prescribed(face).norm() > 0) add_arrow(view, spot, prescribed(face), "#103a90", sheet);
   }
-}
-
-std::string in_unit(double value, const DisplayUnit& unit) {
-  return short_number(value * unit.factor, 4) + " " + unit.name;
 }
 
 /// What holds on a face, in words.
@@ -276,40 +188,6 @@ std::string conditions(const Scene& scene, const FaceRegion& region) {
   }
   return text.empty() ? "free" : text;
 }
-
-/// Lines of a legend from the top; each entry has a coloured square.
-class Legend {
- public:
-  Legend(double left, double top, double bottom, Sheet& sheet)
-      : left_(left), line_(top), bottom_(bottom), sheet_(sheet) {}
-
-  void entry(const Rgb& colour, const std::string& text) {
-    const std::vector<std::string> lines = wrapped(text, "", legend_columns);
-    const double needed = line_height * static_cast<double>(lines.size() + 1);
-    if (line_ - needed < bottom_) {
-      ++left_out_;
-      return;
-    }
-    sheet_.settings +=
-        fmt::format("set object rectangle from {},{} to {},{} fs solid 1 border lc rgb '#505050' fc rgb '{}'\n", left_,
-                    line_ - 9, left_ + 20, line_ + 9, hex(colour));
-    for (const std::string& line : lines) label(line, left_ + 30);
-  }
-  void words(const std::string& text) { label(text, left_); }
-  void finish() {
-    if (left_out_ > 0) words(fmt::format("and {} more, see check_faces.vtkhdf", left_out_));
-  }
-
- private:
-  void label(const std::string& line, double left) {
-    sheet_.label(line, left, line_, "left font ',12'");
-    line_ -= line_height;
-  }
-
-  double left_, line_, bottom_;
-  int left_out_ = 0;
-  Sheet& sheet_;
-};
 
 /// Colour of a point of a body's grid in the slice.
 Rgb slice_colour(const CutCells& cells, const Vec3& x, double cells_per_pixel, int axis) {
@@ -353,28 +231,27 @@ RenderedImage draw_slice(const CutCells& cells) {
 template <class Colour, class Part>
 void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, double bottom, const std::string& name,
                const Colour& colour, const Part& part, bool numbered, Sheet& sheet) {
+  std::vector<Vec3> positions;
+  for (std::size_t b : bodies)
+    positions.insert(positions.end(), drawing.drawn[b].position.begin(), drawing.drawn[b].position.end());
   for (const bool behind : {false, true}) {
     Panel view;
     view.left = gap + (behind ? panel + gap : 0);
     view.bottom = bottom;
     look_from(behind, view.camera);
-    fit(drawing, bodies, view);
+    view.fit(positions);
     const RenderedImage image = draw(drawing, bodies, view, colour, part);
-    add_panel(view, image, name + (behind ? "_behind" : "_front"),
-              behind ? "from below, behind" : "from above, in front", drawing.folder, sheet);
-    add_axes_and_scale(view, sheet);
+    sheet.add_panel(view, image, name + (behind ? "_behind" : "_front"),
+                    behind ? "from below, behind" : "from above, in front", drawing.folder);
+    sheet.add_axes_and_scale(view);
     if (numbered) add_marks(drawing, view, image, sheet);
   }
-}
-
-void add_heading(const std::string& text, double bottom, Sheet& sheet) {
-  sheet.label(text, gap, bottom + panel + 38, "left font ',16'");
 }
 
 void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
   std::vector<std::size_t> all(drawing.drawn.size());
   for (std::size_t b = 0; b < all.size(); ++b) all[b] = b;
-  add_heading(drawable_text(drawing.scene.title.empty() ? drawing.scene.file : drawing.scene.title), bottom, sheet);
+  sheet.heading(drawable_text(drawing.scene.title.empty() ? drawing.scene.file : drawing.scene.title), bottom);
   add_views(
       drawing, all, bottom, "scene", [](std::size_t b, std::size_t) { return colour_of_body(b); },
       [](std::size_t b, std::size_t) { return static_cast<int>(b); }, false, sheet);
@@ -401,7 +278,7 @@ void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
                                    {Role::contact, "contact"},
                                    {Role::free, "free"}})
     legend.entry(colour_of(role, 0), name);
-  legend.finish();
+  legend.finish("see check_faces.vtkhdf");
 }
 
 /// A body from both sides with its faces numbered.
@@ -413,7 +290,7 @@ void add_faces(const Drawing& drawing, std::size_t b, double bottom, Sheet& shee
   };
   const int none = static_cast<int>(drawing.faces.regions().size());
   const auto part = [&](std::size_t body, std::size_t i) { return region(body, i) < 0 ? none : region(body, i); };
-  add_heading(drawing.scene.bodies[b].name, bottom, sheet);
+  sheet.heading(drawing.scene.bodies[b].name, bottom);
   add_views(drawing, {b}, bottom, fmt::format("body{}", b), colour, part, true, sheet);
 }
 
@@ -423,8 +300,8 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
   Panel slice;
   slice.left = gap + 2.0 * (panel + gap);
   slice.bottom = bottom;
-  add_panel(slice, draw_slice(*drawing.bodies[b].cut_cells), name + "_slice",
-            "slice through the grid: full cells blue, cut cells orange", drawing.folder, sheet);
+  sheet.add_panel(slice, draw_slice(*drawing.bodies[b].cut_cells), name + "_slice",
+                  "slice through the grid: full cells blue, cut cells orange", drawing.folder);
   Legend legend(gap + 3.0 * (panel + gap), bottom + panel - 10, bottom, sheet);
   for (std::size_t r = 0; r < drawing.faces.regions().size(); ++r) {
     const FaceRegion& face = drawing.faces.regions()[r];
@@ -433,19 +310,7 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
                  fmt::format("{}  {}: {} ({})", r + 1, face.name, conditions(drawing.scene, face),
                              in_unit(face.area, area_unit(face.area))));
   }
-  legend.finish();
-}
-
-/// Of a picture without axes, drawn in pixels.
-std::string page_settings(const char* file, int width, int height) {
-  std::string text = fmt::format(
-      "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,12' background "
-      "'white'\nset output '../{}'\n",
-      width, height, file);
-  text += "set lmargin 0\nset rmargin 0\nset tmargin 0\nset bmargin 0\nunset border\nunset tics\nunset key\n";
-  text += fmt::format("set xrange [0:{}]\nset yrange [0:{}]\n", width, height);
-  text += "set style textbox opaque margins 0.6,0.6 fc rgb 'white' border lc rgb '#505050'\n";
-  return text;
+  legend.finish("see check_faces.vtkhdf");
 }
 
 std::string script(const Drawing& drawing) {
@@ -587,6 +452,7 @@ std::vector<std::string> write_check(const Scene& scene, const std::vector<Check
   drawing.folder = (workshop.path() / "plots").string();
   GnuplotRuns runs(workshop.path().string());
   runs.start("check", script(drawing), {"check.png"});
+  const std::string repairs = draw_repairs(scene, runs);
   std::vector<const CutCells*> cut_cells;
   for (const CheckedBody& body : bodies) cut_cells.push_back(body.cut_cells);
   write_vtk_cells(drawing.drawn, cut_cells, (workshop.path() / "check_cells.vtkhdf").string());
@@ -594,7 +460,9 @@ std::vector<std::string> write_check(const Scene& scene, const std::vector<Check
   std::vector<std::string> warnings;
   if (!runs.finish().empty())
     warnings.emplace_back("no check.png: the program gnuplot was not found (Debian package gnuplot-nox) or failed");
-  for (const char* name : {"check.png", "check_faces.vtkhdf", "check_cells.vtkhdf"}) workshop.deliver(name, directory);
+  for (const char* name : {"check.png", "check_repair.png", "check_faces.vtkhdf", "check_cells.vtkhdf"})
+    workshop.deliver(name, directory);
+  if (repairs.empty()) fs::remove(fs::path(directory) / "check_repair.png");  // of an earlier check
   return warnings;
 } catch (const fs::filesystem_error& error) {
   throw InputError(fmt::format("cannot write to {}: {}", directory, error.code().message()));

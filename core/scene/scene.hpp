@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@
 #include "core/settings/solver_options.hpp"
 
 namespace cgcontact {
+
+struct RepairedSurface;
 
 struct Material {
   double youngs_modulus = 0;  ///< Pa
@@ -53,6 +56,7 @@ struct BodySpec {
   std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
   std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;     ///< the same for what the user should look at
+  std::vector<std::shared_ptr<const RepairedSurface>> repairs;  ///< on request, of its mesh files
   SourcePlace place;
 };
 

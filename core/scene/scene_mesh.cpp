@@ -137,12 +137,13 @@ BodySurface read_body_surface(const std::string& file, double scale, bool repair
   }
   surface.soup = as_read;
   const SurfaceRepair done = repair_surface(surface.soup, file);
+  surface.repair =
+      std::make_shared<const RepairedSurface>(RepairedSurface{file, done.text(), surface.soup, done.is_new});
   try {
     surface.repairs = check_parted(surface.soup, file);
   } catch (const InputError& error) {
     throw InputError(std::string(error.what()) + "; that is what repair = true has left (" + done.text() + ")");
   }
-  surface.repair = done.text();
   return surface;
 }
 
@@ -152,7 +153,7 @@ std::string describe_surface(const std::string& file, const BodySurface& surface
       fmt::format("{}: {} triangles in {} shell{}, {:.4g} x {:.4g} x {:.4g} m", file, repairs.num_triangles,
                   repairs.shells, repairs.shells > 1 ? "s" : "", extent[0], extent[1], extent[2]);
   if (repairs.any()) text += "; repaired: " + repairs.text();
-  if (!surface.repair.empty()) text += "; repaired on request: " + surface.repair;
+  if (surface.repair) text += "; repaired on request: " + surface.repair->text;
   return text;
 }
 
@@ -186,7 +187,8 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   Vec3 min, max;
   shape.solid.bounding_box(min, max);
   shape.extent = max - min;
-  shape.repaired = read.repairs.any() || !read.repair.empty();
+  shape.repaired = read.repairs.any() || read.repair;
+  shape.repair = read.repair;
   shape.note = describe_surface(given, read, shape.extent);
   return shape;
 }

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/geometry/solid.hpp"
 #include "core/scene/toml_cursor.hpp"
 #include "core/triangles/triangle_checks.hpp"
+#include "core/triangles/triangle_repair.hpp"
 
 namespace cgcontact {
 
@@ -16,14 +18,15 @@ struct MeshShape {
   std::vector<std::string> faces;  ///< without the name of the shape
   std::string note;                ///< what was read and what was repaired, one line
   bool repaired = false;
-  Vec3 extent = Vec3::Zero();  ///< m
+  std::shared_ptr<const RepairedSurface> repair;  ///< what was repaired on request; nullptr: nothing
+  Vec3 extent = Vec3::Zero();                     ///< m
 };
 
 /// A surface from a file, in metres, checked.
 struct BodySurface {
   TriangleSoup soup;
   SurfaceRepairs repairs;
-  std::string repair;  ///< what `repair = true` changed, one line; "": nothing
+  std::shared_ptr<const RepairedSurface> repair;  ///< what `repair = true` changed; nullptr: nothing
 };
 
 /// `repair`: surfaces that bound no body are repaired first (core/triangles/triangle_repair.hpp). Throws InputError.

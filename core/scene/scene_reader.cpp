@@ -178,6 +178,7 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
   body.solid = shape.solid;
   body.notes = shape.notes;
   body.warnings = shape.warnings;
+  body.repairs = shape.repairs;
   body.material = read_material(node.at("material", "{E = .., nu = ..}"));
   body.cell_size = read_cell_size(node, shape);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);

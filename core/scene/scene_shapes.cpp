@@ -71,6 +71,7 @@ class ShapeReader {
   std::vector<PrimitiveFaces> primitives;
   std::vector<std::string> notes, warnings;
   bool has_mesh = false;
+  std::vector<std::shared_ptr<const RepairedSurface>> repairs;
 
  private:
   std::string kind_of(const TomlCursor& node) const;
@@ -137,6 +138,7 @@ Solid ShapeReader::read_mesh_shape(const TomlCursor& node, const std::string& na
   notes.push_back(mesh.note);
   has_mesh = true;
   if (mesh.repaired) warnings.push_back(mesh.note);
+  if (mesh.repair) repairs.push_back(mesh.repair);
   const std::string doubt = doubtful_unit(mesh.extent);
   if (!doubt.empty()) warnings.push_back(node.at("file").string("a file name") + ": " + doubt);
   return mesh.solid;
@@ -229,6 +231,7 @@ Shape read_shape(const TomlCursor& body) {
   shape.solid = reader.read(node);
   shape.primitives = std::move(reader.primitives);
   shape.notes = std::move(reader.notes);
+  shape.repairs = std::move(reader.repairs);
   shape.warnings = std::move(reader.warnings);
   shape.has_mesh = reader.has_mesh;
   Vec3 min, max;

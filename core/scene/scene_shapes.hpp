@@ -1,6 +1,7 @@
 /// Reads the `shape` of a body: a tree of primitives and boolean operations.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "core/scene/toml_cursor.hpp"
 
 namespace cgcontact {
+
+struct RepairedSurface;
 
 /// Name of a primitive and of its faces.
 struct PrimitiveFaces {
@@ -17,10 +20,11 @@ struct PrimitiveFaces {
 
 struct Shape {
   Solid solid;
-  std::vector<PrimitiveFaces> primitives;  ///< in the order of the file
-  std::vector<std::string> notes;          ///< on what was read from mesh files, one line each
-  std::vector<std::string> warnings;       ///< the same for what the user should look at
-  bool has_mesh = false;                   ///< a surface from a file is part of it
+  std::vector<PrimitiveFaces> primitives;                       ///< in the order of the file
+  std::vector<std::string> notes;                               ///< on what was read from mesh files, one line each
+  std::vector<std::string> warnings;                            ///< the same for what the user should look at
+  std::vector<std::shared_ptr<const RepairedSurface>> repairs;  ///< on request, in the order of the file
+  bool has_mesh = false;                                        ///< a surface from a file is part of it
 
   /// "primitive.face" of all faces.
   std::vector<std::string> face_names() const;

@@ -26,6 +26,13 @@ struct SurfaceRepair {
   std::string text() const;
 };
 
+/// A surface that was repaired on request, as it was made one.
+struct RepairedSurface {
+  std::string file, text;  ///< what changed, one line
+  TriangleSoup soup;       ///< m, in the axes of the file
+  std::vector<char> is_new;
+};
+
 /// Makes the triangles the boundary of a body: points that nearly coincide on rims are merged, neighbours oriented
 /// alike, holes filled, shells that cross themselves cut along the crossings, shells united where they overlap. A shell
 /// whose normals point inwards in a larger one is a cavity. Points of different shells that coincide stay apart: shells

@@ -9,11 +9,38 @@ import struct
 import subprocess
 import sys
 import unittest
+import zlib
 
 import harness
 from harness import cgcontact, contents, report, scene, settings
 
 MEMORY_FACTOR = 1.5  # expected against measured
+
+
+def png_pixels(file):
+    """Red, green, blue of all pixels of a PNG with 8 bits per channel, without interlacing."""
+    data, place, packed = file.read_bytes(), 8, b""
+    while place < len(data):
+        length, kind = struct.unpack(">I4s", data[place:place + 8])
+        body = data[place + 8:place + 8 + length]
+        if kind == b"IHDR":
+            width, height, depth, colour, _, _, interlace = struct.unpack(">IIBBBBB", body)
+        packed += body if kind == b"IDAT" else b""
+        place += 12 + length
+    if (depth, interlace) != (8, 0) or colour not in (2, 6):
+        raise ValueError(f"{file}: {depth} bits, colour type {colour}")
+    size = 3 if colour == 2 else 4
+    raw, line, before, pixels = zlib.decompress(packed), width * size, bytearray(width * size), []
+    for y in range(height):
+        kind, row = raw[y * (line + 1)], bytearray(raw[y * (line + 1) + 1:(y + 1) * (line + 1)])
+        for i in range(line):
+            left, up, corner = (row[i - size], before[i], before[i - size]) if i >= size else (0, before[i], 0)
+            if kind == 4:
+                near = min((left, up, corner), key=lambda c, p=left + up - corner: abs(p - c))
+            row[i] = row[i] + (0, left, up, (left + up) // 2, near if kind == 4 else 0)[kind] & 255
+        pixels += zip(row[0::size], row[1::size], row[2::size])
+        before = row
+    return pixels
 
 
 class Check(unittest.TestCase):
@@ -135,6 +162,23 @@ class Check(unittest.TestCase):
         names = (directory / "check_faces.vtkhdf").read_bytes()
         for face in (b"rail.profile.foot", b"rail.profile.tread", b"wheel.rim.side", b"wheel.block.z+"):
             self.assertIn(face, names)
+
+    def test_drawing_of_a_repair(self):
+        """A surface that was repaired on request: check_repair.png, with the new triangles in their colour; it goes when
+        nothing is repaired any more."""
+        cubes = harness.SOURCE / "tests" / "bad_meshes" / "crossing_cubes.obj"
+        outcome = cgcontact("init", "cubes.toml", "--stl", cubes, "--unit", "mm", "--repair")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        outcome = cgcontact("check", "cubes.toml", "--out", "drawn")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertIn("drawn in drawn: check.png, check_repair.png, check_faces.vtkhdf", outcome.out)
+        red, grey = 0, 0
+        for r, g, b in png_pixels(pathlib.Path("drawn/check_repair.png")):
+            red += r > 1.5 * g and r > 1.5 * b and r > 90  # also where it is shaded
+            grey += abs(r - g) < 12 and abs(g - b) < 12 and 60 < r < 225
+        self.assertGreater(red, 2000)
+        self.assertGreater(grey, 2000)
+        self.drawn(scene("patch_test"))
 
     def test_a_scene_at_fault_is_drawn(self):
         """A free body, supports that contradict each other: the error, and the picture that shows it."""
