@@ -1,11 +1,15 @@
 #include "recovery/constrained/boundary_pieces.hpp"
 
 #include <algorithm>
+#include <numeric>
 
+#include "core/base/parallel.hpp"
 #include "core/geometry/solid_middle.hpp"
 
 namespace cgcontact {
 namespace {
+
+constexpr std::size_t grain = 256;
 
 /// Pieces smaller than this (standard deviation, cell units) get one constraint point along that direction: a
 /// stretch of 0.1 cells, below which three points differ by less than the fit can tell.
@@ -27,39 +31,56 @@ constexpr double own_share = 1.0 / 8;
 /// Cosine of 60 degrees: at most 12 directions are that far apart.
 constexpr double joined_cosine = 0.5;
 
+template <int count>
+std::array<Eigen::Vector2d, count> points_on_circle(double radius) {
+  std::array<Eigen::Vector2d, count> points;
+  for (int i = 0; i < count; ++i) {
+    const double t = M_PI / 2 + i * 2 * M_PI / count;
+    points[i] = radius * Eigen::Vector2d(std::cos(t), std::sin(t));
+  }
+  return points;
+}
+
 Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_distance(x) * surface.gradient(x); }
 
 }  // namespace
 
 BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary)
     : cut_cells_(cut_cells), middle_(middle_of(cut_cells.solid)) {
-  const std::vector<int>& cell = cut_cells.boundary.cell;  // ascending
-  begin_.reserve(cut_cells.active_of_cut.size() + 1);
-  begin_.push_back(0);
-  std::size_t begin = 0;
-  for (int active : cut_cells.active_of_cut) {
-    std::size_t end = begin;
-    while (end < cell.size() && cell[end] == active) ++end;
-    add_cell(boundary, begin, end);
-    begin_.push_back(static_cast<int>(pieces_.size()));
-    begin = end;
-  }
+  const std::vector<int>&cell = cut_cells.boundary.cell, &active = cut_cells.active_of_cut;  // ascending, both
+  std::vector<std::vector<Piece>> chunks(num_chunks(active.size(), grain));
+  begin_.assign(active.size() + 1, 0);
+  parallel_chunks("cgcontact::boundary_pieces::sums", active.size(), grain,
+                  [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                    auto end = std::lower_bound(cell.begin(), cell.end(), active[first]);
+                    for (std::size_t cut = first; cut < last; ++cut) {
+                      const auto begin = std::lower_bound(end, cell.end(), active[cut]);
+                      end = begin;
+                      while (end != cell.end() && *end == active[cut]) ++end;
+                      const std::size_t before = chunks[chunk].size();
+                      add_cell(boundary, begin - cell.begin(), end - cell.begin(), chunks[chunk]);
+                      begin_[cut + 1] = static_cast<int>(chunks[chunk].size() - before);
+                    }
+                  });
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  pieces_.reserve(begin_.back());
+  for (const std::vector<Piece>& chunk : chunks) pieces_.insert(pieces_.end(), chunk.begin(), chunk.end());
 }
 
 /// Appends the pieces of the points begin .. end, those of one cell.
-void BoundaryPieces::add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end) {
+void BoundaryPieces::add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end,
+                              std::vector<Piece>& pieces) const {
   const BoundaryPoints& points = cut_cells_.boundary;
-  const std::size_t first = pieces_.size();
+  const std::size_t first = pieces.size();
   std::size_t latest = first;  // points of a piece mostly come one after the other
   const auto piece_of = [&](std::size_t p) -> Piece& {
     const std::array<int, 3> kind{points.surface[p], boundary.condition_of_point[p], boundary.pair_of_point[p]};
-    if (latest < pieces_.size() && pieces_[latest].kind() == std::tie(kind[0], kind[1], kind[2]))
-      return pieces_[latest];
-    for (std::size_t i = first; i < pieces_.size(); ++i)
-      if (pieces_[i].kind() == std::tie(kind[0], kind[1], kind[2])) return pieces_[latest = i];
-    latest = pieces_.size();
-    pieces_.push_back({kind[0], kind[1], kind[2]});
-    return pieces_.back();
+    if (latest < pieces.size() && pieces[latest].kind() == std::tie(kind[0], kind[1], kind[2])) return pieces[latest];
+    for (std::size_t i = first; i < pieces.size(); ++i)
+      if (pieces[i].kind() == std::tie(kind[0], kind[1], kind[2])) return pieces[latest = i];
+    latest = pieces.size();
+    pieces.push_back({kind[0], kind[1], kind[2]});
+    return pieces.back();
   };
   for (std::size_t p = begin; p < end; ++p) {
     Piece& piece = piece_of(p);
@@ -67,7 +88,7 @@ void BoundaryPieces::add_cell(const BoundaryData& boundary, std::size_t begin, s
     piece.centroid += points.weight[p] * points.position[p];
     piece.normal += points.weight[p] * points.normal[p];
   }
-  for (std::size_t i = first; i < pieces_.size(); ++i) pieces_[i].centroid /= pieces_[i].area;
+  for (std::size_t i = first; i < pieces.size(); ++i) pieces[i].centroid /= pieces[i].area;
   for (std::size_t p = begin; p < end; ++p) {
     Piece& piece = piece_of(p);
     const Vec3 d = points.position[p] - piece.centroid;
@@ -100,7 +121,8 @@ void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surfa
   covariance /= g.area;
   if (group.pair >= 0 && surface.kind == Surface::Kind::plane)
     covariance += min_contact_spread * min_contact_spread * Eigen::Matrix2d::Identity();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+  eigen.computeDirect(covariance);
   const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
   Eigen::Vector2d offsets[6];
   int count = 0;
@@ -114,12 +136,12 @@ void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surfa
     if (degree == 2) offsets[count++].setZero();
   } else {
     const Eigen::Matrix2d factor = covariance.llt().matrixL();
-    const int on_circle = degree == 1 ? 3 : 5;
-    const double radius = std::sqrt(degree == 1 ? 2.0 : 2.4);
-    for (int i = 0; i < on_circle; ++i) {
-      const double t = M_PI / 2 + i * 2 * M_PI / on_circle;
-      offsets[count++] = radius * factor * Eigen::Vector2d(std::cos(t), std::sin(t));
-    }
+    static const auto three = points_on_circle<3>(std::sqrt(2.0));
+    static const auto five = points_on_circle<5>(std::sqrt(2.4));
+    if (degree == 1)
+      for (const Eigen::Vector2d& at : three) offsets[count++] = factor * at;
+    else
+      for (const Eigen::Vector2d& at : five) offsets[count++] = factor * at;
     if (degree == 2) offsets[count++].setZero();
   }
   for (int i = 0; i < count; ++i) {

@@ -49,7 +49,7 @@ class BoundaryPieces {
     bool is_rough = false;                                ///< joined from pieces of several surfaces
     auto kind() const { return std::tie(surface, condition, pair); }
   };
-  void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end);
+  void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end, std::vector<Piece>& pieces) const;
   static void join_small(std::vector<Piece>& wholes);
   static void join(Piece& whole, const Piece& part);
   void place_points(const Piece& whole, const Vec3& patch, const Surface& surface, int degree,

@@ -56,8 +56,9 @@ void set_traction(PatchRow& row, int body, const Vec3& place, const Vec3& n, con
   for (int i = 0; i < 3; ++i) row.place[body][i] = place[i];
 }
 
-PatchRow traction_row_at(int body, const Vec3& place, const Vec3& n, const Vec3& e, double value) {
-  PatchRow row;
+PatchRow& add_traction_row(std::vector<PatchRow>& rows, int body, const Vec3& place, const Vec3& n, const Vec3& e,
+                           double value = 0) {
+  PatchRow& row = rows.emplace_back();
   set_traction(row, body, place, n, e);
   row.value = value;
   return row;
@@ -148,7 +149,7 @@ void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Vec3&
       t = grid_.rotation.transpose() * condition.traction(grid_.to_global(group.position[p]), grid_.rotation * n) /
           scales_.stress;
     const int count = known_directions(condition, n, grid_.rotation, directions);
-    for (int i = 0; i < count; ++i) rows.push_back(traction_row_at(0, d, n, directions[i], directions[i].dot(t)));
+    for (int i = 0; i < count; ++i) add_traction_row(rows, 0, d, n, directions[i], directions[i].dot(t));
   }
 }
 
@@ -156,8 +157,7 @@ void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& cen
                                    std::vector<PatchRow>& rows) const {
   for (int p = 0; p < group.num_points; ++p) {
     const auto [t1, t2] = tangents(group.normal[p]);
-    for (const Vec3& t : {t1, t2})
-      rows.push_back(traction_row_at(0, group.position[p] - centre, group.normal[p], t, 0));
+    for (const Vec3& t : {t1, t2}) add_traction_row(rows, 0, group.position[p] - centre, group.normal[p], t);
   }
 }
 
@@ -170,12 +170,9 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
   for (int p = 0; p < group.num_points; ++p) {
     const Vec3 x = group.position[p], n = group.normal[p], d = x - own.centre;
     const auto [t1, t2] = tangents(n);
-    rows.push_back(traction_row_at(0, d, n, t1, 0));
-    rows.push_back(traction_row_at(0, d, n, t2, 0));
-    if (free) {
-      rows.push_back(traction_row_at(0, d, n, n, 0));
-      rows.back().firm = true;
-    }
+    add_traction_row(rows, 0, d, n, t1);
+    add_traction_row(rows, 0, d, n, t2);
+    if (free) add_traction_row(rows, 0, d, n, n).firm = true;
     if (!auxiliary) continue;
     const PatchContactPoint* nearest = nullptr;
     double least = 0;
@@ -195,15 +192,12 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
     const Mat3 to_other = other_grid.rotation.transpose() * grid_.rotation;
     const Vec3 y = other_grid.to_grid(grid_.to_global(x) + nearest->distance * (grid_.rotation * n));
     const Vec3 e = y - auxiliary->centre, m = to_other * n;
-    rows.push_back(traction_row_at(1, e, m, to_other * t1, 0));
-    rows.push_back(traction_row_at(1, e, m, to_other * t2, 0));
-    if (free) {
-      rows.push_back(traction_row_at(1, e, m, m, 0));
-    } else {
-      PatchRow row = traction_row_at(0, d, n, n, 0);
-      set_traction(row, 1, e, m, m, -1);
-      rows.push_back(row);
-    }
+    add_traction_row(rows, 1, e, m, to_other * t1);
+    add_traction_row(rows, 1, e, m, to_other * t2);
+    if (free)
+      add_traction_row(rows, 1, e, m, m);
+    else
+      set_traction(add_traction_row(rows, 0, d, n, n), 1, e, m, m, -1);
   }
 }
 

@@ -140,15 +140,16 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
   std::vector<Vec3> middles;  // grid coordinates
   for (const RecoveryBody& each : bodies) middles.push_back(middle_of(each.mesh->cut_cells->solid));
   std::vector<CellsAcross> across(body.mesh->cell_nodes.size());
-  parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain, [&](std::size_t cell) {
-    across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell), middles[index], middles);
-  });
+  if (options.degree.contact != 1)  // else nobody asks
+    parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain, [&](std::size_t cell) {
+      across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell), middles[index], middles);
+    });
   std::vector<PatchPolynomial> polynomials(body.mesh->num_nodes);
   parallel_for("cgcontact::patch_polynomials::polynomials", polynomials.size(), grain, [&](std::size_t n) {
     const int node = static_cast<int>(n);
     CellsAcross least;  // at the closed points of the patch
     for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) least.take_thinner(across[patches.cells[p]]);
-    const bool contact = least.at_face > 0 || touches_contact(body, node);
+    const bool contact = touches_contact(body, node);
     int degree = options.degree.interior, rings = 1;
     if (contact)
       degree = options.degree.contact > 0 ? options.degree.contact : least.at_face >= thick ? 2 : 1;
