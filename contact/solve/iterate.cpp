@@ -11,14 +11,6 @@ namespace {
 /// Groups per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
 
-/// Of each pair: do the supports of both bodies hold them?
-std::vector<char> led_pairs(const std::vector<ContactPair>& pairs, const FloatingBodies& floating) {
-  std::vector<char> led;
-  for (const ContactPair& pair : pairs)
-    led.push_back(!floating.floats(pair.primary) && !floating.floats(pair.secondary));
-  return led;
-}
-
 }  // namespace
 
 RealView::HostMirror host_copy(const RealView& u) {
@@ -32,7 +24,7 @@ Iterate::Iterate(const OuterProblem& outer_problem)
       u("cgcontact::iterate::u", problem.system.num_dofs()),
       rigid_parts(problem.system.meshes, problem.scales),
       floating(problem.bodies, problem.supports, problem.pairs),
-      small_zones(problem.bodies, problem.pairs, led_pairs(problem.pairs, floating)) {}
+      small_zones(problem.bodies, problem.pairs, floating.led_pairs()) {}
 
 void Iterate::forget() {
   Kokkos::deep_copy(u, 0.0);

@@ -152,7 +152,7 @@ bool ContactSolver::Impl::balance_floating_bodies() {
     for (const ContactGroup& g : problem_.pairs[k].groups) gap[group++] += g.initial_gap;
     for (double& s : stress[k]) s *= problem_.scales.stress;
   }
-  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress);
+  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones);
   unbalanced_ = balance.unbalanced;
   if (!balance.found) return false;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {

@@ -233,9 +233,50 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
     free_.push_back(projection_on_free(resistance));
     any_ |= floats(static_cast<int>(free_.size()) - 1);
   }
+  if (!any_) return;
+  find_loaded();
+  const std::vector<Led> led = led_pairs();
+  if (std::count(led.begin(), led.end(), Led::squeezed) > 0) hold_along_surfaces(supports);
 }
 
 bool FloatingBodies::floats(int body) const { return free_[body].norm() > 0.5; }
+
+void FloatingBodies::find_loaded() {
+  loaded_.assign(bodies_.size(), 0);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    each_force(bodies_[b], [&](int, const Vec3&, const Vec3&, const Vec3& force) { loaded_[b] |= !force.isZero(0); });
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const ContactPair& pair : pairs_) {
+      if (!floats(pair.primary) || !floats(pair.secondary) || loaded_[pair.primary] == loaded_[pair.secondary])
+        continue;
+      loaded_[pair.primary] = loaded_[pair.secondary] = changed = true;
+    }
+  }
+}
+
+void FloatingBodies::hold_along_surfaces(const std::vector<SupportPoint>& supports) {
+  std::vector<SupportPoint> own;
+  for (const SupportPoint& p : supports)
+    if (!p.follows) own.push_back(p);
+  SurfaceMotions motions = find_surface_motions(bodies_, own, pairs_);
+  motions.own.add(motions.others);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!floats(static_cast<int>(b)) || loaded_[b]) continue;
+    const Eigen::MatrixXd along = motions.own.modes.middleRows<6>(6 * static_cast<Eigen::Index>(b));
+    free_[b] = projection_on_free(Eigen::Matrix<double, 6, 6>::Identity() - free_[b] + along * along.transpose());
+  }
+}
+
+std::vector<Led> FloatingBodies::led_pairs() const {
+  std::vector<Led> led;
+  for (const ContactPair& pair : pairs_) {
+    const auto driven = [&](int body) { return floats(body) && loaded_[body]; };
+    const bool held = !floats(pair.primary) && !floats(pair.secondary);
+    led.push_back(held ? Led::held : driven(pair.primary) || driven(pair.secondary) ? Led::no : Led::squeezed);
+  }
+  return led;
+}
 
 /// On the motions that are free.
 Eigen::VectorXd FloatingBodies::load() const {
@@ -297,7 +338,8 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
 }
 
 FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap,
-                                                const std::vector<std::vector<double>>& stress) const {
+                                                const std::vector<std::vector<double>>& stress,
+                                                const SmallZones& small_zones) const {
   RigidBodies rigid;
   rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
@@ -313,6 +355,12 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap,
       spring.distance = gap[rigid.springs.size()];
       spring.first_point = first_point + group.first_point;
       spring.last_point = first_point + group.last_point;
+      if (const ZoneSpring zone = small_zones.spring(rigid.springs.size()); !zone.points.empty()) {
+        spring.stiffness = zone.stiffness;
+        spring.first_point = static_cast<int>(rigid.points.size());
+        for (const auto& [weight, at_no_gap] : zone.points) rigid.points.push_back({weight, at_no_gap});
+        spring.last_point = static_cast<int>(rigid.points.size());
+      }
       rigid.springs.push_back(spring);
     }
   }

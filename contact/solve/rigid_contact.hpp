@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "contact/motions/free_motion.hpp"
+#include "contact/solve/small_zones.hpp"
 
 namespace cgcontact {
 
@@ -38,7 +39,12 @@ class FloatingBodies {
   ///   sum over contact points of w [p* - k gap]_+^2 / (2 k) - work of the loads (those of the present step):
   /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
   /// each pair and point, Pa.
-  Balance balance(const std::vector<double>& gap, const std::vector<std::vector<double>>& stress) const;
+  /// Groups in small zones press as those say instead.
+  Balance balance(const std::vector<double>& gap, const std::vector<std::vector<double>>& stress,
+                  const SmallZones& small_zones) const;
+  /// Of each pair: do prescribed motions give its force? A floating body without loads (its own, or of those that it
+  /// may touch and that float too) is squeezed, if it carries anything.
+  std::vector<Led> led_pairs() const;
   /// Can contact carry the loads of the present step with the exact normals of the secondary bodies? On coarse cells
   /// the other points of a round body seem to lean on a plane that only its lowest one touches. Empty, or the motion
   /// that nothing stops.
@@ -48,11 +54,16 @@ class FloatingBodies {
 
  private:
   Eigen::VectorXd load() const;
+  void find_loaded();
+  /// Squeezed bodies do not move along their own surfaces or those of the others: the exact pressure does no work on
+  /// that, and in small zones no other point stops them.
+  void hold_along_surfaces(const std::vector<SupportPoint>& supports);
 
   const std::vector<BodyModel>& bodies_;
   const std::vector<ContactPair>& pairs_;
   std::vector<RigidPiece> pieces_;
   std::vector<Eigen::Matrix<double, 6, 6>> free_;  ///< projection of a body's motions on those that are free
+  std::vector<char> loaded_;  ///< or touched by a floating body that is
   bool any_ = false;
 };
 

@@ -95,14 +95,14 @@ struct SmallZones::Law {
   double total = 0, part_of_cells = 0;                   ///< N; of the approach
 };
 
-SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<char> led)
+SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led)
     : bodies_(bodies), pairs_(pairs), led_(std::move(led)) {
   std::size_t size = 0;
   for (const ContactPair& pair : pairs) {
     first_.push_back(size);
     size += pair.groups.size();
     planes_.emplace_back();
-    if (!led_[planes_.size() - 1]) continue;
+    if (led_[planes_.size() - 1] == Led::no) continue;
     const BodyModel &a = bodies[pair.primary], &b = bodies[pair.secondary];
     planes_.back() = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
                                    a.cut_cells.grid.cell_size);
@@ -112,7 +112,7 @@ SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<Contact
 
 void SmallZones::forget() {
   std::fill(groups_.begin(), groups_.end(), State());
-  relative_change_ = 0;
+  relative_change_ = squeeze_ = 0;
 }
 
 int SmallZones::count(int pair) const {
@@ -130,6 +130,25 @@ double SmallZones::width(int pair) const {
     force += groups_[g].force;
   }
   return force > 0 ? sum / force : 0.0;
+}
+
+ZoneSpring SmallZones::spring(std::size_t g) const {
+  ZoneSpring spring;
+  const std::size_t pair = std::upper_bound(first_.begin(), first_.end(), g) - first_.begin() - 1;
+  const State& state = groups_[g];
+  if (led_[pair] != Led::squeezed || !(state.small || state.beside)) return spring;
+  if (state.small && state.force > 0) {
+    spring.stiffness = state.stiffness;
+    spring.points.push_back({1, state.force + state.stiffness * state.gap});
+    return spring;
+  }
+  double area = 0;
+  for (const GapSample& sample : state.samples) area += sample.area;
+  spring.stiffness = indentation * effective_modulus(pair) / std::sqrt(area);
+  const double closed = group(pair, g).initial_gap + pairs_[pair].interference;
+  for (const GapSample& sample : state.samples)
+    spring.points.push_back({sample.area, spring.stiffness * (closed - sample.distance)});
+  return spring;
 }
 
 double SmallZones::effective_modulus(std::size_t pair) const {
@@ -315,26 +334,45 @@ double SmallZones::approach(std::size_t pair, std::size_t g, const std::vector<d
          own_displacement / (effective_modulus(pair) * cell_size(pair)) * std::max(group_force[g], 0.0);
 }
 
+double SmallZones::nearest_distance(std::size_t pair, std::size_t g) const {
+  const ContactGroup& own = group(pair, g);
+  double nearest = 1e300;
+  for (int q = own.first_point; q < own.last_point; ++q)
+    nearest = std::min(nearest, pairs_[pair].points[q].distance);
+  return nearest;
+}
+
+/// How deep the faces of squeezed bodies overlap, m: so much deeper a body may come on its other side; a cell at most.
+double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
+                                   const std::vector<double>& group_force) const {
+  double deepest = 0;
+  for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
+    if (led_[pair] != Led::squeezed) continue;
+    for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g)
+      deepest = std::max(deepest, std::min(cell_size(pair), approach(pair, g, gap_change, group_force) -
+                                                                nearest_distance(pair, g)));
+  }
+  return deepest;
+}
+
 /// Which groups of a pair lie in small zones.
 void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_change,
                              const std::vector<double>& group_force) {
   const ContactPair& p = pairs_[pair];
   const double h = cell_size(pair);
+  const double deeper = led_[pair] == Led::squeezed ? squeeze_ : 0;
   const std::vector<char> resolved = near_resolved(pair);
   std::vector<std::size_t> candidates;
   for (std::size_t k = 0; k < p.groups.size(); ++k) {
     if (resolved[k]) continue;
     const std::size_t g = first_[pair] + k;
-    double nearest = 1e300;
-    for (int q = p.groups[k].first_point; q < p.groups[k].last_point; ++q)
-      nearest = std::min(nearest, p.points[q].distance);
-    if (nearest - approach(pair, g, gap_change, group_force) < h) candidates.push_back(g);
+    if (nearest_distance(pair, g) - approach(pair, g, gap_change, group_force) < h) candidates.push_back(g);
   }
   parallel_for("cgcontact::small_zones::sample_candidates", candidates.size(), 1, [&](std::size_t i) {
     const std::size_t g = candidates[i];
-    sample(pair, g, approach(pair, g, gap_change, group_force));
+    sample(pair, g, approach(pair, g, gap_change, group_force) + deeper);
   });
-  std::vector<char> small(p.groups.size(), 0);
+  std::vector<char> small(p.groups.size(), 0), beside(p.groups.size(), 0);
   candidates.erase(
       std::remove_if(candidates.begin(), candidates.end(), [&](std::size_t g) { return groups_[g].samples.empty(); }),
       candidates.end());
@@ -345,10 +383,13 @@ void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_ch
     const bool seen = !was && any([&](std::size_t g) { return group_force[g] > 0; });  // by mean gaps
     if (law.total > 0 && law.part_of_cells < (seen ? joins_below : leaves_above))
       for (const std::size_t g : zone.groups) small[g - first_[pair]] = 1;
+    if (law.total == 0 && !seen)
+      for (const std::size_t g : zone.groups) beside[g - first_[pair]] = 1;
   }
   for (std::size_t k = 0; k < p.groups.size(); ++k) {
     State& state = groups_[first_[pair] + k];
     state.small = small[k] != 0;
+    state.beside = beside[k] != 0;
     if (!state.small) state.force = state.stiffness = 0;
   }
 }
@@ -370,16 +411,19 @@ void SmallZones::set_active_points(std::size_t pair, std::size_t g, double chang
 
 void SmallZones::update(const std::vector<double>& gap_change, const std::vector<double>& group_force, bool decide) {
   double change = 0, sum = 0;
+  if (decide) squeeze_ = std::max(squeeze_, deepest_squeeze(gap_change, group_force));
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
-    if (!led_[pair]) continue;
+    if (led_[pair] == Led::no) continue;
     if (decide) decide_pair(pair, gap_change, group_force);
     std::vector<std::size_t> groups;
     for (std::size_t k = 0; k < pairs_[pair].groups.size(); ++k)
       if (has(first_[pair] + k)) groups.push_back(first_[pair] + k);
     if (groups.empty()) continue;
+    const double deeper = led_[pair] == Led::squeezed ? squeeze_ : 0;
     if (decide)
-      parallel_for("cgcontact::small_zones::sample_groups", groups.size(), 1,
-                   [&](std::size_t i) { sample(pair, groups[i], approach(pair, groups[i], gap_change, group_force)); });
+      parallel_for("cgcontact::small_zones::sample_groups", groups.size(), 1, [&](std::size_t i) {
+        sample(pair, groups[i], approach(pair, groups[i], gap_change, group_force) + deeper);
+      });
     for (const Zone& zone : zones(pair, groups)) {
       const Law law = evaluate(pair, zone, gap_change, group_force, decide);
       for (std::size_t i = 0; i < zone.groups.size(); ++i) {

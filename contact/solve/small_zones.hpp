@@ -10,6 +10,7 @@
 /// displacement of a half-space's square (0.946 / (E* h)) and of its neighbours (1 / (pi E* r)).
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "contact/model/contact_pairs.hpp"
@@ -18,11 +19,20 @@
 
 namespace cgcontact {
 
+/// Of a group in (or beside) a small zone: [stress - stiffness gap]_+ at every point. No points: its mean gap presses.
+struct ZoneSpring {
+  double stiffness = 0;  ///< Pa/m
+  std::vector<std::array<double, 2>> points;  ///< weight, m^2, and stress, Pa
+};
+
+/// Which forces of a pair prescribed motions, interferences or overlaps give: none (loads do: it is left alone), that
+/// between two bodies held by supports, that on a body which is squeezed between others.
+enum class Led { no, held, squeezed };
+
 class SmallZones {
  public:
-  /// `led`: of each pair, are both of its bodies held by supports? Others are left alone: loads give their force.
   /// References stay valid outside.
-  SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<char> led);
+  SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led);
 
   /// No group is in a small zone.
   void forget();
@@ -38,6 +48,9 @@ class SmallZones {
     return g.force - g.stiffness * (gap - g.gap);
   }
   double stiffness(std::size_t group) const { return groups_[group].stiffness; }  ///< N/m
+  /// How the group presses while rigid motions change its gap, in pairs of squeezed bodies: as force() says, or by
+  /// its samples where the zone carries nothing yet.
+  ZoneSpring spring(std::size_t group) const;
   /// Groups of a pair that are in small zones and carry force.
   int count(int pair) const;
   /// Mean width of a pair's small zones, by their forces, m; 0 without any.
@@ -47,7 +60,7 @@ class SmallZones {
 
  private:
   struct State {
-    bool small = false;
+    bool small = false, beside = false;        ///< beside: nothing overlaps yet, but may when bodies move
     double force = 0, stiffness = 0, gap = 0;  ///< N, N/m, m: what force() is made of
     double bedding = 0;                        ///< Pa/m: force over volume, kept once groups no longer join
     double width = 0;                          ///< m, of the zone there
@@ -76,15 +89,18 @@ class SmallZones {
   const ContactPoint& first_point(std::size_t pair, std::size_t g) const {
     return pairs_[pair].points[group(pair, g).first_point];
   }
+  double deepest_squeeze(const std::vector<double>& gap_change, const std::vector<double>& group_force) const;
+  double nearest_distance(std::size_t pair, std::size_t g) const;
   void set_active_points(std::size_t pair, std::size_t g, double change, double extra);
 
   const std::vector<BodyModel>& bodies_;
   std::vector<ContactPair>& pairs_;
-  std::vector<char> led_;
+  std::vector<Led> led_;
   std::vector<std::vector<SymmetryPlane>> planes_;  ///< of each pair
   std::vector<std::size_t> first_;                  ///< of each pair's groups
   std::vector<State> groups_;
   double relative_change_ = 0;
+  double squeeze_ = 0;  ///< m: so much deeper than their present gap squeezed bodies may come
 };
 
 }  // namespace cgcontact

@@ -142,6 +142,23 @@ TEST(HeldByContact, BallBetweenPlates) {
   }
 }
 
+/// No load: the motion of a plate squeezes the ball, whose zones are a quarter to half a cell. Their law gives the
+/// force to a quarter (measured: 0.87 to 1.22 of Hertz's), the same on both sides.
+TEST(HeldByContact, BallSqueezedByALedPlate) {
+  const double force = 4.0 / 3 * 1e9 / (2 * (1 - 0.09)) * std::sqrt(10e-3) * std::pow(0.5e-4, 1.5);
+  for (const std::vector<std::string>& cells :
+       {std::vector<std::string>{"n=4"}, {"n=6"}, {"n=4", "ratio=1.3"}})
+    for (const auto& solved : in_both_orders("ball_led", cells)) {
+      const Results& results = solved->results();
+      ASSERT_TRUE(results.converged) << results.diagnosis;
+      EXPECT_NEAR(force_on(*solved, "ball", "lower")[2] / force, 1, 0.25) << cells[0];
+      EXPECT_NEAR(force_on(*solved, "ball", "upper")[2] / -force, 1, 0.25) << cells[0];
+      EXPECT_LT((force_on(*solved, "ball", "upper") + force_on(*solved, "ball", "lower")).norm(), 1e-5 * force);
+      EXPECT_EQ(results.verdict.state, Verdict::State::not_resolved);
+      EXPECT_LT(force_of_holds(*solved), 1e-5 * force);
+    }
+}
+
 /// Flush faces: the active set of the plain iteration cycles between two states here, even while the lagged stress is
 /// kept; the energy along each step decides instead. Vertical forces by statics.
 TEST(HeldByContact, StackInACorner) {
