@@ -16,8 +16,8 @@ constexpr std::size_t grain = 4;
 /// Times that all places are looked for: from the border of the closed points the second time is within 0.01 cells.
 constexpr int rounds = 3;
 
-/// Scatter of the first guesses and of the places that the forces give, cells.
-constexpr double guess_scatter = 0.2, place_scatter = 0.02;
+/// Scatter of the places that the forces give, cells.
+constexpr double place_scatter = 0.02;
 
 /// Samples are equally far from a place if they are so up to that part: then the first one counts, in mirror images
 /// too.
@@ -29,8 +29,6 @@ constexpr double guess_reach = 2;
 /// A strip of the face (a slab of few cells, a narrow land): points within edge_fit_reach spread less than that across
 /// it, cells squared (of a strip of three and a half cells; of the end and the corner of a wide face: 1.7 and 1.2).
 constexpr double strip_variance = 1;
-/// A line across a strip parts its points if less of them than that lies on the wrong side.
-constexpr double parted = 0.2;
 
 /// Direction across the strip that the face is around x; false: it is none. One row of cells more on one side of a
 /// strip would turn the line that parts the points by 45 degrees and more.
@@ -51,8 +49,7 @@ bool is_strip(const std::vector<const TransmittedForce*>& points, double cell_si
 }
 
 /// The line that parts the closed from the open points around x best: least squares of +1 and -1 by a
-/// linear function on the face, both sorts counting alike; in a strip a line across it, if one parts them. False if
-/// there is only one sort or no line parts them.
+/// linear function on the face, both sorts counting alike; in a strip a line across it. False if there is only one sort.
 bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSample& sample) {
   const double h = zone.cell_size();
   const auto points = zone.forces_near(sample.pair, x, n, guess_reach);
@@ -80,14 +77,11 @@ bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSamp
     A.diagonal() += Vec3(0, 1e-6, held);  // points on one line
     const Vec3 c = A.ldlt().solve(b);
     const double steep = c.tail<2>().norm();
-    if (!(steep > 0.05)) return false;
-    double wrong = 0;
-    for (const TransmittedForce* f : points)
-      if (f->closed != (c.dot(tangential(*f)) > 0)) wrong += weight(*f);
+    if (!(steep > 0)) return false;
     sample.closed = (c[1] * t1 + c[2] * t2) / steep;
     sample.origin = centroid - c[0] / steep * h * sample.closed;
     sample.normal = normal;
-    return wrong < parted;
+    return true;
   };
   Vec3 across;
   if (is_strip(zone.forces_near(sample.pair, x, n, edge_fit_reach), h, across)) {
@@ -105,13 +99,10 @@ bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSam
          part_points(zone, Vec3(sample.origin), Vec3(sample.normal), sample);
 }
 
-/// Zones of fewer cells have the width that their forces spread over (a quarter of it under Hertz's contact): closed
-/// groups are whole cells, and measured from an edge that is off by some tenths the width moves the edge farther off.
-constexpr double few_cells = 9;
-
 /// Across the zone from a sample to its other side, over the points within a cell along the edge: to the opposite edge
 /// where open points follow, else to a plane of symmetry (or an edge of the body) that the zone is taken to go on
-/// behind. The mean and variance of the distances give the side without regard to how the points lie.
+/// behind (mean and variance of the distances of closed points). A zone with both edges has the width that its forces
+/// spread over, four standard deviations under Hertz's contact.
 double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
   const double h = zone.cell_size();
   struct PointInBand {
@@ -148,13 +139,12 @@ double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
     return std::pair(mean, std::sqrt(std::max(square / sum - mean * mean, 0.0)));
   };
   const auto [mean, deviation] = spread([](const PointInBand& p) { return p.area; });
-  const double closed = mean + std::sqrt(3.0) * deviation, whole = 2 * std::sqrt(3.0) * deviation;
+  const double closed = mean + std::sqrt(3.0) * deviation;
   if (!(closed > h)) return 0;
   if (!has_opposite) return 1 / (2 * closed);
-  if (!(whole < few_cells * h)) return 1 / closed;
+  // A group's force is spread over a cell.
   const double by_forces = spread([](const PointInBand& p) { return p.force; }).second;
-  const double width = 4 * std::sqrt(std::max(by_forces * by_forces - h * h / 12, 0.0));
-  return 1 / std::clamp(width, std::max(whole - 1.5 * h, 0.5 * whole), whole + h);
+  return 1 / std::max(4 * std::sqrt(std::max(by_forces * by_forces - h * h / 12, 0.0)), h);
 }
 
 /// Some samples are measured, the others take the value of the nearest of these.
@@ -181,8 +171,8 @@ void keep_found(std::vector<EdgeSample>& samples) {
 }
 
 /// Moves all samples to where the forces put the edge; those without such a place are dropped.
-void place_edges(const ContactZone& zone, const Scales& scales, double scatter, std::vector<EdgeSample>& samples) {
-  const FoundEdges edges(samples, zone.cell_size(), scatter);
+void place_edges(const ContactZone& zone, const Scales& scales, std::vector<EdgeSample>& samples) {
+  const FoundEdges edges(samples, zone.cell_size(), place_scatter);
   parallel_for("cgcontact::edge_search::samples", samples.size(), grain, [&](std::size_t i) {
     EdgeSample& sample = samples[i];
     EdgePiece piece;
@@ -224,7 +214,7 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
     const std::vector<EdgeSample> narrow = take_narrow_edges(zone, closed, scales.stress, samples);
     for (int round = 0; round < rounds && !samples.empty(); ++round) {
       if (round > 0) measure_widths(zone, samples);
-      place_edges(zone, scales, round == 0 ? guess_scatter : place_scatter, samples);
+      place_edges(zone, scales, samples);
     }
     samples.insert(samples.end(), narrow.begin(), narrow.end());
     if (!samples.empty()) width = std::max(width, zone.cell_size());
