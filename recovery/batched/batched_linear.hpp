@@ -111,6 +111,40 @@ KOKKOS_INLINE_FUNCTION void make_reflector(Real* A, int n, int k, Real* v, Real&
   e = select<Real>(some, image, Real{});
 }
 
+/// A <- A - v w^T - w v^T in some rows from i on, columns from `first` on, and what they add to product = A next:
+/// several rows at a time, because the loads of the vectors would take longer than the arithmetic.
+template <int rows, class Real>
+KOKKOS_INLINE_FUNCTION void update_rows(Real* A, int i, int first, const Real* v, const Real* w, const Real* next,
+                                        Real* product) {
+  Real vi[rows], wi[rows], ni[rows], sum[rows];
+  Real* row[rows];
+#pragma GCC unroll 4
+  for (int r = 0; r < rows; ++r) {
+    vi[r] = v[i + r], wi[r] = w[i + r], ni[r] = next[i + r], sum[r] = Real{};
+    row[r] = A + packed_row(i + r);
+  }
+  for (int j = first; j < i; ++j) {
+    const Real vj = v[j], wj = w[j], nj = next[j];
+    Real column = product[j];
+#pragma GCC unroll 4
+    for (int r = 0; r < rows; ++r) {
+      const Real updated = row[r][j] = row[r][j] - (vi[r] * wj + wi[r] * vj);
+      sum[r] += updated * nj;
+      column += updated * ni[r];
+    }
+    product[j] = column;
+  }
+  for (int r = 0; r < rows; ++r) {
+    for (int j = i; j < i + r; ++j) {
+      const Real updated = row[r][j] = row[r][j] - (vi[r] * w[j] + wi[r] * v[j]);
+      sum[r] += updated * next[j];
+      product[j] += updated * ni[r];
+    }
+    row[r][i + r] -= 2.0 * vi[r] * wi[r];
+    product[i + r] += sum[r] + row[r][i + r] * ni[r];
+  }
+}
+
 /// Householder's reduction to a tridiagonal matrix: A <- the reflectors (column k, below the diagonal), d, e, factor;
 /// x <- Q^T x. work: 4 n numbers. The update after one reflector and the product with the next one, which needs one
 /// updated column only, share one pass over the matrix. 4/3 n^3 flop.
@@ -146,18 +180,9 @@ KOKKOS_INLINE_FUNCTION void tridiagonalise(Real* A, int n, Real* d, Real* e, Rea
     if (c + 1 == n) break;
     make_reflector(A, n, c, next, factor[c], e[c]);
     for (int i = c + 1; i < n; ++i) product[i] = Real{};
-    for (int i = c + 1; i < n; ++i) {
-      Real* row = A + packed_row(i);
-      const Real vi = v[i], wi = w[i], ni = next[i];
-      Real sum = Real{};
-      for (int j = c + 1; j < i; ++j) {
-        const Real updated = row[j] = row[j] - (vi * w[j] + wi * v[j]);
-        sum += updated * next[j];
-        product[j] += updated * ni;
-      }
-      row[i] -= 2.0 * vi * wi;
-      product[i] += sum + row[i] * ni;
-    }
+    int i = c + 1;
+    for (; i + 4 <= n; i += 4) update_rows<4>(A, i, c + 1, v, w, next, product);
+    for (; i < n; ++i) update_rows<1>(A, i, c + 1, v, w, next, product);
     Real* const used = v;
     v = next, next = used;
   }
