@@ -63,7 +63,7 @@ class FloatingBodies {
   const std::vector<ContactPair>& pairs_;
   std::vector<RigidPiece> pieces_;
   std::vector<Eigen::Matrix<double, 6, 6>> free_;  ///< projection of a body's motions on those that are free
-  std::vector<char> loaded_;  ///< or touched by a floating body that is
+  std::vector<char> loaded_;                       ///< or touched by a floating body that is
   bool any_ = false;
 };
 

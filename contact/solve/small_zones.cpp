@@ -337,8 +337,7 @@ double SmallZones::approach(std::size_t pair, std::size_t g, const std::vector<d
 double SmallZones::nearest_distance(std::size_t pair, std::size_t g) const {
   const ContactGroup& own = group(pair, g);
   double nearest = 1e300;
-  for (int q = own.first_point; q < own.last_point; ++q)
-    nearest = std::min(nearest, pairs_[pair].points[q].distance);
+  for (int q = own.first_point; q < own.last_point; ++q) nearest = std::min(nearest, pairs_[pair].points[q].distance);
   return nearest;
 }
 
@@ -349,8 +348,8 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
     if (led_[pair] != Led::squeezed) continue;
     for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g)
-      deepest = std::max(deepest, std::min(cell_size(pair), approach(pair, g, gap_change, group_force) -
-                                                                nearest_distance(pair, g)));
+      deepest = std::max(
+          deepest, std::min(cell_size(pair), approach(pair, g, gap_change, group_force) - nearest_distance(pair, g)));
   }
   return deepest;
 }

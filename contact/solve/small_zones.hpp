@@ -21,7 +21,7 @@ namespace cgcontact {
 
 /// Of a group in (or beside) a small zone: [stress - stiffness gap]_+ at every point. No points: its mean gap presses.
 struct ZoneSpring {
-  double stiffness = 0;  ///< Pa/m
+  double stiffness = 0;                       ///< Pa/m
   std::vector<std::array<double, 2>> points;  ///< weight, m^2, and stress, Pa
 };
 

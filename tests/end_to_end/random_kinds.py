@@ -211,7 +211,10 @@ def run(program, file, scale):
     done = subprocess.run([program, "run", str(file), "--out", str(out), "--set", f"s={scale}", "--set", "output.plots=false", "--set",
                            "output.vtk=false"], capture_output=True, text=True, errors="replace", check=False, timeout=300)
     report = json.loads((out / "report.json").read_text()) if done.returncode in (0, 2) else None
-    rows = list(csv.DictReader((out / "contact.csv").open())) if report and (out / "contact.csv").exists() else []
+    rows = []
+    if report and (out / "contact.csv").exists():
+        with (out / "contact.csv").open(newline="") as file:
+            rows = list(csv.DictReader(file))
     return done, report, rows
 
 

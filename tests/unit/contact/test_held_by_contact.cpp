@@ -146,8 +146,7 @@ TEST(HeldByContact, BallBetweenPlates) {
 /// force to a quarter (measured: 0.87 to 1.22 of Hertz's), the same on both sides.
 TEST(HeldByContact, BallSqueezedByALedPlate) {
   const double force = 4.0 / 3 * 1e9 / (2 * (1 - 0.09)) * std::sqrt(10e-3) * std::pow(0.5e-4, 1.5);
-  for (const std::vector<std::string>& cells :
-       {std::vector<std::string>{"n=4"}, {"n=6"}, {"n=4", "ratio=1.3"}})
+  for (const std::vector<std::string>& cells : {std::vector<std::string>{"n=4"}, {"n=6"}, {"n=4", "ratio=1.3"}})
     for (const auto& solved : in_both_orders("ball_led", cells)) {
       const Results& results = solved->results();
       ASSERT_TRUE(results.converged) << results.diagnosis;
