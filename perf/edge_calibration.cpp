@@ -1,4 +1,4 @@
-/// Calibration of the edge of contact zones (recovery/zone_edge/edge_constants.hpp) on Hertz's contacts of random
+/// Calibration of the edge of contact zones (recovery/zone_edge) on Hertz's contacts of random
 /// radii ratios, materials and grids (perf/edge_scenes): where the edges come out, in cells of the coarser body outside
 /// of the exact ones, and what that makes of the pressure. None of these scenes is one of docs/accuracy.md.
 ///   edge_calibration [--seed 1] [--repeats 2] [--only FAMILY] [--toy]

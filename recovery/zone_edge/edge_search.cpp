@@ -49,7 +49,8 @@ bool is_strip(const std::vector<const TransmittedForce*>& points, double cell_si
 }
 
 /// The line that parts the closed from the open points around x best: least squares of +1 and -1 by a
-/// linear function on the face, both sorts counting alike; in a strip a line across it. False if there is only one sort.
+/// linear function on the face, both sorts counting alike; in a strip a line across it. False if there is only one
+/// sort.
 bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSample& sample) {
   const double h = zone.cell_size();
   const auto points = zone.forces_near(sample.pair, x, n, guess_reach);
