@@ -53,7 +53,7 @@ std::string draw_repairs(const Scene& scene, GnuplotRuns& runs) {
       sheet.add_axes_and_scale(view);
     }
     Legend list(gap + 2.0 * (panel + gap), bottom + panel - 20, bottom, sheet);
-    list.entry(new_triangle, fmt::format("{} triangles that were not in the file",
+    list.entry(new_triangle, fmt::format("{} triangles that were not in the file (cut or added)",
                                          std::count(surface->is_new.begin(), surface->is_new.end(), char{1})));
     list.entry(as_before, "triangles of the file");
     for (const std::string& line : wrapped(surface->text, "", legend_columns)) list.words(line);
