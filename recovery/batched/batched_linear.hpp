@@ -198,10 +198,11 @@ struct ActiveBlock {
 
 /// Off-diagonal entries below `small` become zero. How many eigenvalues of a block are below the threshold its pivots
 /// say, from the last row upwards (Sylvester's law of inertia). The shift: the lower eigenvalue of the block's last two
-/// rows once it belongs to one of those, 0 before, which brings the least ones there.
+/// rows once it belongs to one of those, 0 before, which brings the least ones there. Where that takes too long (nearly
+/// equal eigenvalues on both sides of the threshold): Wilkinson's, which splits off any.
 template <class Real>
 KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int rows, const Real& small,
-                                                    const Real& threshold) {
+                                                    const Real& threshold, const MaskOf<Real>& slow) {
   const Real zero = Real{}, one = Real{} + 1;
   ActiveBlock<Real> block{zero, zero, zero};
   const MaskOf<Real> none = zero != zero;
@@ -225,10 +226,10 @@ KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int 
   }
   closed = closed | (inside & wanted);
   block.high = select<Real>(closed, block.high, zero);
-  const Real delta = 0.5 * magnitude<Real>(a - c), least = select<Real>(a < c, a, c);
-  const Real reach = delta + square_root(delta * delta + b * b);
-  const Real lower = least - b * b / select<Real>(closed, reach, one);
-  block.shift = select<Real>(closed & (lower < threshold), lower, zero);
+  const Real delta = 0.5 * magnitude<Real>(a - c);
+  const Real reach = delta + square_root(delta * delta + b * b), push = b * b / select<Real>(closed, reach, one);
+  const Real lower = select<Real>(a < c, a, c) - push, nearest = select<Real>(a < c, c + push, c - push);
+  block.shift = select<Real>(closed & (slow | (lower < threshold)), select<Real>(slow, nearest, lower), zero);
   return block;
 }
 
@@ -309,10 +310,14 @@ KOKKOS_INLINE_FUNCTION void qr_sweep(const ActiveBlock<Real>& block, int first, 
 template <class Real>
 KOKKOS_INLINE_FUNCTION MaskOf<Real> split_off(Real* d, Real* e, int n, const Real& small, const Real& threshold,
                                               Real* x, RotationLog<Real>& log) {
+  constexpr double usual_sweeps = 6;
   int rows = n;
+  Real end = Real{}, sweeps = Real{};  // of the block and since it has that end
   for (;;) {
-    const ActiveBlock<Real> block = find_block<Real>(d, e, rows, small, threshold);
+    const ActiveBlock<Real> block = find_block<Real>(d, e, rows, small, threshold, sweeps > usual_sweeps);
     const MaskOf<Real> done = block.high == Real{};
+    sweeps = select<Real>((block.high == end) | (sweeps > usual_sweeps), sweeps + 1, Real{});  // slow once: always
+    end = block.high;
     if (!any(!done)) return done;
     int first = n, last = 0;
     for (int l = 0; l < LaneTraits<Real>::count; ++l) {

@@ -36,12 +36,12 @@ Problem make_problem(const Vector40& eigenvalues, std::mt19937& random) {
   return p;
 }
 
-/// Spectra with zeros, clusters on both sides of the threshold, nothing or all but one truncated.
+/// Spectra with zeros, clusters on both sides of the threshold, also close to it, nothing or all but one truncated.
 std::vector<Problem> problems() {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> exponent(-8, 0);
   std::vector<Problem> all;
-  for (int kind = 0; kind < 8; ++kind) {
+  for (int kind = 0; kind < 10; ++kind) {
     Vector40 eigenvalues;
     for (int i = 0; i < n; ++i) {
       const double scattered = std::pow(10.0, exponent(random));
@@ -67,6 +67,12 @@ std::vector<Problem> problems() {
           break;
         case 6:
           eigenvalues[i] = low ? 1e-6 : 1;
+          break;
+        case 7:
+          eigenvalues[i] = tolerance * (i == 0 ? 1 - 1e-5 : 1 + 1e-5 * i);
+          break;
+        case 8:
+          eigenvalues[i] = tolerance * (0.9 + 0.2 * (i + 0.5) / n);
           break;
         default:
           eigenvalues[i] = std::pow(10.0, -0.2 * i - 0.1);
