@@ -397,8 +397,7 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
       }
       const ContactPoint& first = pair.points[group.first_point];
       GroupRow row = sum_by_dof(std::move(entries));
-      row.body = pair.primary;
-      row.cell = first.primary_cell;
+      std::tie(row.part, row.cell) = system.part_of(pair.primary, first.primary_cell);
       row.family = static_cast<int>(k * max_surfaces + group.surface);
       rows.push_back(std::move(row));
     }

@@ -301,7 +301,8 @@ int CsgBody::side_of_block(const Vec3& centre, const Vec3& half_size, std::vecto
   return evaluate_partial(sides);
 }
 
-std::unique_ptr<CellSweep> CsgBody::sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order) const {
+std::unique_ptr<CellSweep> CsgBody::sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
+                                                const LeafLevel& leaves) const {
   const auto integrate = [this, &grid, &dividers, order](const Index3& cell, SweptCells& found) {
     const LocalSolid local = local_solid(*this, grid, cell);
     if (local.is_constant()) {
@@ -311,7 +312,7 @@ std::unique_ptr<CellSweep> CsgBody::sweep_cells(const Grid& grid, const std::vec
     found.crossed.push_back({cell, cell_moments(*this, local, cell), {}});
     cell_boundary_points(*this, local, cell, {}, dividers, order, 0, found.crossed.back().points);
   };
-  return std::make_unique<CellByCell>(*this, grid, integrate);
+  return std::make_unique<CellByCell>(*this, grid, leaves, integrate);
 }
 
 void CsgBody::boundary_points(const Index3& cell, const std::vector<char>& selected, const std::vector<Plane>& dividers,

@@ -106,8 +106,8 @@ void TriangleBody::crossings(const Vec3& x, const Vec3& d, double reach, std::ve
   });
 }
 
-std::unique_ptr<CellSweep> TriangleBody::sweep_cells(const Grid& grid, const std::vector<Plane>& dividers,
-                                                     int order) const {
+std::unique_ptr<CellSweep> TriangleBody::sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
+                                                     const LeafLevel&) const {
   return std::make_unique<TriangleCells>(*triangles_, grid.num_cells, dividers, order);
 }
 

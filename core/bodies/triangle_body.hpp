@@ -23,8 +23,8 @@ class TriangleBody final : public BodyGeometry {
   }
   void crossings(const Vec3& x, const Vec3& d, double reach, std::vector<Crossing>& found) const override;
 
-  std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>& dividers,
-                                         int order) const override;
+  std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
+                                         const LeafLevel& leaves) const override;
   void boundary_points(const Index3& cell, const std::vector<char>& selected, const std::vector<Plane>& dividers,
                        int order, int owner, BoundaryPoints& points) const override;
   CellEstimate estimate_cells(const Grid& grid, double most_cells) const override;

@@ -11,11 +11,24 @@ namespace {
 
 class Classifier {
  public:
-  Classifier(const BodyGeometry& body, const Grid& grid) : body_(body), grid_(grid) {
+  Classifier(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves)
+      : body_(body), grid_(grid), leaves_(leaves) {
     classes_.inside = GridNumbers(grid.num_cells);
   }
 
   CellClasses run() {
+    if (leaves_.level == 0)
+      visit_all();
+    else
+      visit_children();
+    std::sort(classes_.candidates.begin(), classes_.candidates.end(),
+              [](const Index3& a, const Index3& b) { return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]); });
+    classes_.inside.number();
+    return std::move(classes_);
+  }
+
+ private:
+  void visit_all() {
     Index3 begin{-1, -1, -1}, end;
     for (int k = 0; k < 3; ++k) end[k] = grid_.num_cells[k] + 1;
     Vec3 min, max;
@@ -25,13 +38,21 @@ class Classifier {
         end[k] = static_cast<int>(std::ceil(std::clamp(max[k], end[k] + 0.0, 1e8)));
       }
     visit(begin, end, std::vector<signed char>(body_.surfaces().size(), -1));
-    std::sort(classes_.candidates.begin(), classes_.candidates.end(),
-              [](const Index3& a, const Index3& b) { return std::tie(a[2], a[1], a[0]) < std::tie(b[2], b[1], b[0]); });
-    classes_.inside.number();
-    return std::move(classes_);
   }
 
- private:
+  /// The children of all refined cells, at the border of the grid with one more layer: by rounding, a face in it may lie
+  /// just outside.
+  void visit_children() {
+    leaves_.tree->refined(leaves_.level - 1).each([&](const Index3& parent) {
+      Index3 begin, end;
+      for (int d = 0; d < 3; ++d) {
+        begin[d] = 2 * parent[d] - (parent[d] == 0);
+        end[d] = 2 * parent[d] + 2 + (2 * parent[d] + 2 == grid_.num_cells[d]);
+      }
+      visit(begin, end, std::vector<signed char>(body_.surfaces().size(), -1));
+    });
+  }
+
   void visit(const Index3& begin, const Index3& end, std::vector<signed char> sides) {
     Vec3 centre, half;
     int longest = 0;
@@ -44,7 +65,7 @@ class Classifier {
     if (value == 0) return;
     if (value == 1) return fill(begin, end);
     if (half[longest] <= 0.5) {
-      classes_.candidates.push_back(begin);
+      if (leaves_.has(begin)) classes_.candidates.push_back(begin);
       return;
     }
     Index3 middle_end = end, middle_begin = begin;
@@ -57,11 +78,19 @@ class Classifier {
     for (int k = 0; k < 3; ++k)
       if (begin[k] < 0 || end[k] > grid_.num_cells[k]) throw InputError("the body sticks out of its grid");
     for (int k = begin[2]; k < end[2]; ++k)
-      for (int j = begin[1]; j < end[1]; ++j) classes_.inside.insert_row({begin[0], j, k}, end[0] - begin[0]);
+      for (int j = begin[1]; j < end[1]; ++j) {
+        if (!leaves_.tree) {
+          classes_.inside.insert_row({begin[0], j, k}, end[0] - begin[0]);
+          continue;
+        }
+        for (int i = begin[0]; i < end[0]; ++i)
+          if (leaves_.has({i, j, k})) classes_.inside.insert({i, j, k});
+      }
   }
 
   const BodyGeometry& body_;
   const Grid& grid_;
+  const LeafLevel leaves_;
   CellClasses classes_;
 };
 
@@ -78,7 +107,9 @@ int inside_of(const BodyGeometry& body, const Index3& cell) {
 
 }  // namespace
 
-CellClasses classify_cells(const BodyGeometry& body, const Grid& grid) { return Classifier(body, grid).run(); }
+CellClasses classify_cells(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves) {
+  return Classifier(body, grid, leaves).run();
+}
 
 /// Cells of a coarse cell that a surface crosses have the two longest of its three extents; of a plate of one or two
 /// cells all are cut. Half of the cells of a coarse cell are in the body. Beside a cut cell half a layer of nodes comes

@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/cells/cell_tree.hpp"
 #include "core/cells/grid.hpp"
 #include "core/cells/grid_numbers.hpp"
 #include "core/geometry/body_geometry.hpp"
@@ -14,9 +15,16 @@ struct CellClasses {
   std::vector<Index3> candidates;  ///< cells that a surface may cross, also just outside of the grid; by k, j, i
 };
 
-/// By BodyGeometry::side_of_block, of a body in the coordinates of the grid. Throws InputError if a cell outside of the
-/// grid is wholly inside.
-CellClasses classify_cells(const BodyGeometry& body, const Grid& grid);
+/// The leaves of one level of a tree.
+struct LeafLevel {
+  const CellTree* tree = nullptr;  ///< nullptr: all cells
+  int level = 0;
+  bool has(const Index3& cell) const { return !tree || tree->is_leaf(level, cell); }
+};
+
+/// By BodyGeometry::side_of_block, of a body in the coordinates of the grid (of that level). Throws InputError if a cell
+/// outside of the grid is wholly inside.
+CellClasses classify_cells(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves = {});
 
 /// The estimate of BodyGeometry::estimate_cells for a body in global axes, by classifying the cells of a coarser grid.
 CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid, double most_cells);

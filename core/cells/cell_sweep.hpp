@@ -1,4 +1,4 @@
-/// The cells of a grid that a body fills or crosses, found in parts that do not depend on each other.
+/// The cells of a grid (or of one level of it) that a body fills or crosses, found in parts that do not depend on each other.
 #pragma once
 
 #include <algorithm>
@@ -41,8 +41,8 @@ class CellByCell : public CellSweep {
   /// Appends what one cell that the boundary may cross holds.
   using Integrate = std::function<void(const Index3& cell, SweptCells& found)>;
 
-  CellByCell(const BodyGeometry& body, const Grid& grid, Integrate integrate)
-      : classes_(classify_cells(body, grid)), integrate_(std::move(integrate)) {}
+  CellByCell(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves, Integrate integrate)
+      : classes_(classify_cells(body, grid, leaves)), integrate_(std::move(integrate)) {}
   GridNumbers take_inside() override { return std::move(classes_.inside); }
   std::size_t num_parts() const override { return (classes_.candidates.size() + grain - 1) / grain; }
   void sweep(std::size_t part, SweptCells& found) const override {

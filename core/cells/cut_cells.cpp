@@ -14,9 +14,10 @@ namespace cgcontact {
 
 namespace {
 
-/// A cell that a surface may cross.
+/// A cell that a surface may cross. Its points are in the grid coordinates of its level.
 struct Candidate : CellIntegrals {
   bool pruned = false;
+  int level = 0;
 };
 
 /// Mean position and normal of the points of one surface in a cell.
@@ -26,9 +27,29 @@ struct PieceMean {
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
 };
 
-void append_points(const BoundaryPoints& from, int surface, int owner, BoundaryPoints& to) {
-  for (std::size_t i = 0; i < from.size(); ++i)
-    if (surface < 0 || from.surface[i] == surface) to.append(from, i, owner);
+/// Points from a given one on: from the grid coordinates of a level to those of the body.
+void scale_points(BoundaryPoints& points, std::size_t first, int level) {
+  if (level == 0) return;
+  const double length = std::ldexp(1.0, -level);
+  for (std::size_t i = first; i < points.size(); ++i) {
+    points.position[i] *= length;
+    points.weight[i] *= length * length;
+    if (!points.piece_position.empty()) points.piece_position[i] *= length;
+  }
+}
+
+/// Points of a candidate (of one surface unless `surface` is negative) with their owner.
+void append_points(const Candidate& from, int surface, int owner, BoundaryPoints& to) {
+  const std::size_t first = to.size();
+  for (std::size_t i = 0; i < from.points.size(); ++i)
+    if (surface < 0 || from.points.surface[i] == surface) to.append(from.points, i, owner);
+  scale_points(to, first, from.level);
+}
+
+std::vector<Plane> planes_of_level(std::vector<Plane> planes, int level) {
+  for (Plane& plane : planes)
+    if (!plane.of_normals) plane.offset = std::ldexp(plane.offset, level);
+  return planes;
 }
 
 std::vector<PieceMean> piece_means(const BoundaryPoints& points) {
@@ -50,31 +71,58 @@ std::vector<PieceMean> piece_means(const BoundaryPoints& points) {
   return means;
 }
 
-double distance_to_cell(const Vec3& x, const Index3& cell) {
+double distance_to_cell(const Vec3& x, const Index3& cell, double size = 1) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
-    const double d = std::max({0.0, cell[k] - x[k], x[k] - cell[k] - 1});
+    const double d = std::max({0.0, size * cell[k] - x[k], x[k] - size * cell[k] - size});
     sum += d * d;
   }
   return std::sqrt(sum);
 }
 
+/// Part of a cell of a level that contains or is contained in the given one.
+Index3 cell_on_level(const Index3& c, int from, int to) {
+  if (to >= from) return {c[0] << (to - from), c[1] << (to - from), c[2] << (to - from)};
+  return {c[0] >> (from - to), c[1] >> (from - to), c[2] >> (from - to)};
+}
+
+/// Of the cells of one level, which are leaves?
+struct LevelOfGrid {
+  Grid grid;  ///< with the level's size as its cell size
+  Solid solid;
+  std::vector<Plane> dividers;
+  LeafLevel leaves;
+  GridNumbers numbers;  ///< of the active cells
+  int first = 0;        ///< number of the first of them in the body
+};
+
 class CutCellBuilder {
  public:
   CutCellBuilder(const Solid& solid, const Grid& grid, const std::vector<Plane>& face_dividers,
-                 const GeometryOptions& options)
-      : options_(options) {
+                 const GeometryOptions& options, const CellTree& tree)
+      : options_(options), levels_(tree.num_levels()) {
     result_.solid = solid;
     result_.face_dividers = face_dividers;
     result_.grid = grid;
+    for (int l = 0; l < num_levels(); ++l) {
+      LevelOfGrid& level = levels_[l];
+      level.grid = grid;
+      level.grid.cell_size = grid.cell_size_of(l);
+      level.grid.num_cells = cells_of_level(grid.num_cells, l);
+      // powers of two: planes and cells lie as they do on the other levels, to the last bit
+      level.solid = l == 0 ? solid : solid.transformed(Mat3::Identity(), Vec3::Zero(), std::ldexp(1.0, l));
+      level.dividers = planes_of_level(face_dividers, l);
+      if (num_levels() > 1) level.leaves = {&tree, l};
+    }
   }
 
   CutCells run() {
-    integrate();
+    for (int l = 0; l < num_levels(); ++l) integrate(l);
     number_cells();
     if (result_.cells.empty()) throw InputError("the body is empty");
     adopt_pruned();
     collect();
+    make_parts();
     return std::move(result_);
   }
 
@@ -85,70 +133,97 @@ class CutCellBuilder {
     std::vector<std::pair<Index3, int>> inside;  ///< first cell, number of cells along x
   };
 
-  void integrate() {
+  int num_levels() const { return static_cast<int>(levels_.size()); }
+
+  void integrate(int l) {
+    LevelOfGrid& level = levels_[l];
     const auto sweep =
-        result_.solid.geometry().sweep_cells(result_.grid, result_.face_dividers, options_.boundary_order);
-    result_.numbers = sweep->take_inside();
+        level.solid.geometry().sweep_cells(level.grid, level.dividers, options_.boundary_order, level.leaves);
+    level.numbers = sweep->take_inside();
     std::vector<Found> found(sweep->num_parts());
     parallel_for("cgcontact::cut_cells::integrate", found.size(), 1, [&](std::size_t part) {
       SweptCells swept;
       sweep->sweep(part, swept);
-      for (CellIntegrals& cell : swept.crossed) keep(std::move(cell), found[part]);
-      for (const auto& [first, number] : swept.inside) set_inside(first, number, found[part]);
+      for (CellIntegrals& cell : swept.crossed)
+        if (level.leaves.has(cell.cell)) keep(std::move(cell), l, found[part]);
+      for (const auto& [first, number] : swept.inside) set_inside(first, number, l, found[part]);
     });
-    collect_found(found);
+    collect_found(found, level);
   }
 
-  void collect_found(std::vector<Found>& found) {
-    std::size_t total = 0;
+  void collect_found(std::vector<Found>& found, LevelOfGrid& level) {
+    std::size_t total = candidates_.size();
     for (const Found& part : found) total += part.cut.size();
     candidates_.reserve(total);
     for (Found& part : found) {
-      for (const auto& [first, number] : part.inside) result_.numbers.insert_row(first, number);
+      for (const auto& [first, number] : part.inside) insert_leaves(first, number, level);
       std::move(part.cut.begin(), part.cut.end(), std::back_inserter(candidates_));
       part = {};
     }
   }
 
+  static void insert_leaves(const Index3& first, int number, LevelOfGrid& level) {
+    if (!level.leaves.tree) return level.numbers.insert_row(first, number);
+    for (Index3 c = first; c[0] < first[0] + number; ++c[0])
+      if (level.leaves.has(c)) level.numbers.insert(c);
+  }
+
   /// Adds the cell to what is cut or inside unless it turns out to be empty.
-  void keep(CellIntegrals&& integrals, Found& found) {
+  void keep(CellIntegrals&& integrals, int level, Found& found) {
     Candidate candidate{std::move(integrals)};
+    candidate.level = level;
     candidate.pruned = candidate.moments[0] < 8 * options_.prune_fraction;
     if (!candidate.pruned) {
-      if (!in_grid(candidate.cell)) throw InputError("the body sticks out of its grid");
+      if (!in_grid(candidate.cell, level)) throw InputError("the body sticks out of its grid");
       double difference = 0;
       for (int q = 0; q < num_moments; ++q)
         difference = std::max(difference, std::abs(candidate.moments[q] - full_cell_moments()[q]));
       const bool full = difference < 8 * options_.full_tolerance;
       if (full) candidate.moments = full_cell_moments();
-      if (full && candidate.points.size() == 0) return set_inside(candidate.cell, 1, found);
+      if (full && candidate.points.size() == 0) return set_inside(candidate.cell, 1, level, found);
     } else if (candidate.points.size() == 0) {
       return;
     }
     found.cut.push_back(std::move(candidate));
   }
 
-  bool in_grid(const Index3& c) const {
+  bool in_grid(const Index3& c, int level) const {
     for (int k = 0; k < 3; ++k)
-      if (c[k] < 0 || c[k] >= result_.grid.num_cells[k]) return false;
+      if (c[k] < 0 || c[k] >= levels_[level].grid.num_cells[k]) return false;
     return true;
   }
 
-  void set_inside(const Index3& first, int number, Found& found) const {
-    if (!in_grid(first) || first[0] + number > result_.grid.num_cells[0])
+  void set_inside(const Index3& first, int number, int level, Found& found) const {
+    if (!in_grid(first, level) || first[0] + number > levels_[level].grid.num_cells[0])
       throw InputError("the body sticks out of its grid");
     found.inside.emplace_back(first, number);
   }
 
   void number_cells() {
     for (const Candidate& candidate : candidates_)
-      if (!candidate.pruned) result_.numbers.insert(candidate.cell);
-    result_.numbers.number();
-    result_.cells.reserve(result_.numbers.size());
-    result_.numbers.each([&](const Index3& cell) { result_.cells.push_back(cell); });
+      if (!candidate.pruned) levels_[candidate.level].numbers.insert(candidate.cell);
+    for (LevelOfGrid& level : levels_) {
+      level.first = static_cast<int>(result_.cells.size());
+      level.numbers.number();
+      result_.cells.reserve(result_.cells.size() + level.numbers.size());
+      level.numbers.each([&](const Index3& cell) { result_.cells.push_back(cell); });
+    }
     candidate_of_active_.assign(result_.cells.size(), -1);
     for (std::size_t c = 0; c < candidates_.size(); ++c)
-      if (!candidates_[c].pruned) candidate_of_active_[result_.find(candidates_[c].cell)] = static_cast<int>(c);
+      if (!candidates_[c].pruned)
+        candidate_of_active_[find(candidates_[c].level, candidates_[c].cell)] = static_cast<int>(c);
+  }
+
+  /// Active cell at a place of a level, or -1.
+  int find(int level, const Index3& c) const {
+    const int cell = levels_[level].numbers.find(c);
+    return cell < 0 ? -1 : levels_[level].first + cell;
+  }
+
+  int level_of(int active) const {
+    int l = num_levels() - 1;
+    while (active < levels_[l].first) --l;
+    return l;
   }
 
   double fraction(int active) const {
@@ -156,37 +231,56 @@ class CutCellBuilder {
     return candidate < 0 ? 1.0 : candidates_[candidate].moments[0] / 8;
   }
 
-  /// Active cell near `cell` that takes a piece: the one nearest to a place just inside the body, then the fullest.
-  int find_owner(const Index3& cell, const PieceMean& piece) const {
+  /// Active cell near a cell of a level that takes a piece: the one nearest to a place just inside the body, then the
+  /// fullest. Lengths in cells of that level.
+  int find_owner(const Index3& cell, int level, const PieceMean& piece) const {
     const Vec3 inside = piece.position - 1e-3 * piece.normal;
     int best = -1;
     double best_distance = std::numeric_limits<double>::max();
     for (int reach = 1; reach <= 2 && best < 0; ++reach)
-      for (int n = 0; n < 125; ++n) {
-        const Index3 other{cell[0] + n % 5 - 2, cell[1] + n / 5 % 5 - 2, cell[2] + n / 25 - 2};
-        if (std::max({std::abs(n % 5 - 2), std::abs(n / 5 % 5 - 2), std::abs(n / 25 - 2)}) > reach) continue;
-        const int active = result_.find(other);
-        if (active < 0) continue;
-        const double distance = distance_to_cell(inside, other);
-        const bool tie = std::abs(distance - best_distance) < 1e-9;
-        if (tie ? fraction(active) <= fraction(best) : distance > best_distance) continue;
-        best = active;
-        best_distance = distance;
+      for (int l = std::max(0, level - 1); l <= std::min(level + 1, num_levels() - 1); ++l) {
+        const int width = l > level ? 2 : 1, across = 2 * reach + width;  // cells of level l
+        const Index3 from = cell_on_level(cell, level, l);
+        const double size = std::ldexp(1.0, level - l);
+        for (int n = 0; n < across * across * across; ++n) {
+          const Index3 other{from[0] + n % across - reach, from[1] + n / across % across - reach,
+                             from[2] + n / (across * across) - reach};
+          const int active = find(l, other);
+          if (active < 0) continue;
+          const double distance = distance_to_cell(inside, other, size);
+          const bool tie = std::abs(distance - best_distance) < 1e-9;
+          if (tie ? fraction(active) <= fraction(best) : distance > best_distance) continue;
+          best = active;
+          best_distance = distance;
+        }
       }
     return best;
   }
 
   void adopt_pruned() {
-    for (const Candidate& candidate : candidates_) {
-      if (!candidate.pruned) continue;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {  // more may be appended
+      if (!candidates_[c].pruned) continue;
+      const std::vector<PieceMean> pieces = piece_means(candidates_[c].points);
+      std::vector<int> owners;
+      bool smaller = false;
+      for (const PieceMean& piece : pieces) {
+        owners.push_back(find_owner(candidates_[c].cell, candidates_[c].level, piece));
+        smaller = smaller || (owners.back() >= 0 && level_of(owners.back()) > candidates_[c].level);
+      }
+      if (smaller) {
+        divide(c);
+        continue;
+      }
+      const Candidate& candidate = candidates_[c];
       ++result_.num_pruned;
       int heir = -1;
       double largest = 0;
-      for (const PieceMean& piece : piece_means(candidate.points)) {
-        const int owner = find_owner(candidate.cell, piece);
+      for (std::size_t p = 0; p < pieces.size(); ++p) {
+        const PieceMean& piece = pieces[p];
+        const int owner = owners[p];
         if (owner < 0) continue;
-        result_.adoptions.push_back({owner, candidate.cell, piece.surface});
-        donors_.push_back(static_cast<int>(&candidate - candidates_.data()));
+        result_.adoptions.push_back({owner, candidate.cell, piece.surface, candidate.level});
+        donors_.push_back(static_cast<int>(c));
         if (piece.area > largest) heir = owner;
         largest = std::max(largest, piece.area);
       }
@@ -203,21 +297,47 @@ class CutCellBuilder {
     }
   }
 
+  /// The pieces of a pruned cell beside smaller active cells become those of its eight parts, so that each piece is no
+  /// larger than the cell that takes it. Its volume goes with one of them.
+  void divide(std::size_t c) {
+    const int level = candidates_[c].level + 1;
+    const LevelOfGrid& finer = levels_[level];
+    bool has_volume = candidates_[c].moments[0] > 0;
+    for (int a = 0; a < 8; ++a) {
+      const Index3& cell = candidates_[c].cell;
+      Candidate part;
+      part.cell = {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)};
+      part.level = level;
+      part.pruned = true;
+      part.moments = {};
+      finer.solid.geometry().boundary_points(part.cell, {}, finer.dividers, options_.boundary_order, 0, part.points);
+      if (part.points.size() == 0) continue;
+      if (has_volume) part.moments[0] = 8 * candidates_[c].moments[0];
+      has_volume = false;
+      candidates_.push_back(std::move(part));
+    }
+    candidates_[c].points = {};
+  }
+
   /// The volume below the threshold goes to the cell that takes the largest piece.
   void pass_moments(const Candidate& candidate, int heir) {
     const Index3& to = result_.cells[heir];
-    const Index3 offset{candidate.cell[0] - to[0], candidate.cell[1] - to[1], candidate.cell[2] - to[2]};
+    const int level = level_of(heir);
     extra_.push_back({heir, {}});
     Moments& extra = extra_.back().second;
-    if (std::abs(offset[0]) + std::abs(offset[1]) + std::abs(offset[2]) == 1) {
-      extra = shifted_moments(candidate.moments, offset);
-      return;
+    if (level == candidate.level) {
+      const Index3 offset{candidate.cell[0] - to[0], candidate.cell[1] - to[1], candidate.cell[2] - to[2]};
+      if (std::abs(offset[0]) + std::abs(offset[1]) + std::abs(offset[2]) == 1) {
+        extra = shifted_moments(candidate.moments, offset);
+        return;
+      }
     }
     // farther away the change of coordinates amplifies rounding: concentrate the volume at one point
     const PieceMean mean = piece_means(candidate.points)[0];
+    const double size = std::ldexp(1.0, level - candidate.level);  // of the candidate's cells in those of the heir
     double l[3][moment_degree + 1];
-    for (int k = 0; k < 3; ++k) legendre_values(2 * (mean.position[k] - to[k]) - 1, l[k]);
-    add_product(extra, candidate.moments[0], l[0], l[1], l[2]);
+    for (int k = 0; k < 3; ++k) legendre_values(2 * (size * mean.position[k] - to[k]) - 1, l[k]);
+    add_product(extra, size * size * size * candidate.moments[0], l[0], l[1], l[2]);
   }
 
   void collect() {
@@ -239,18 +359,52 @@ class CutCellBuilder {
       result_.active_of_cut.push_back(a);
       result_.moments.push_back(candidate >= 0 ? candidates_[candidate].moments : full_cell_moments());
       if (candidate >= 0) {
-        append_points(candidates_[candidate].points, -1, a, result_.boundary);
+        append_points(candidates_[candidate], -1, a, result_.boundary);
         candidates_[candidate].points = {};
       }
       for (; adopted < donors_.size() && result_.adoptions[adopted].active == a; ++adopted)
-        append_points(candidates_[donors_[adopted]].points, result_.adoptions[adopted].surface, a, result_.boundary);
+        append_points(candidates_[donors_[adopted]], result_.adoptions[adopted].surface, a, result_.boundary);
     }
     for (const auto& [heir, extra] : extra_)
       for (int q = 0; q < num_moments; ++q) result_.moments[result_.cut_of_active[heir]][q] += extra[q];
   }
 
+  void make_parts() {
+    if (num_levels() == 1) {
+      result_.numbers = std::move(levels_[0].numbers);
+      return;
+    }
+    result_.grid.num_levels = num_levels();
+    result_.tree = std::make_shared<const CellTree>(*levels_[0].leaves.tree);
+    result_.levels.resize(result_.cells.size());
+    for (int l = 0; l < num_levels(); ++l) {
+      const int first = levels_[l].first, size = static_cast<int>(levels_[l].numbers.size());
+      const auto cut_before = [&](int active) {
+        return std::lower_bound(result_.active_of_cut.begin(), result_.active_of_cut.end(), active) -
+               result_.active_of_cut.begin();
+      };
+      const std::ptrdiff_t first_cut = cut_before(first), end_cut = cut_before(first + size);
+      CutCells part;
+      part.grid = levels_[l].grid;
+      part.cells.assign(result_.cells.begin() + first, result_.cells.begin() + first + size);
+      part.numbers = std::move(levels_[l].numbers);
+      part.cut_of_active.assign(result_.cut_of_active.begin() + first, result_.cut_of_active.begin() + first + size);
+      for (int& cut : part.cut_of_active)
+        if (cut >= 0) cut -= static_cast<int>(first_cut);
+      part.active_of_cut.assign(result_.active_of_cut.begin() + first_cut, result_.active_of_cut.begin() + end_cut);
+      for (int& active : part.active_of_cut) active -= first;
+      part.moments = result_.moments.slice(first_cut, end_cut - first_cut);
+      std::fill(result_.levels.begin() + first, result_.levels.begin() + first + size, static_cast<signed char>(l));
+      result_.first_of_part.push_back(first);
+      result_.parts.push_back(std::move(part));
+      result_.part_solids.push_back(levels_[l].solid);
+    }
+    result_.first_of_part.push_back(static_cast<int>(result_.cells.size()));
+  }
+
   const GeometryOptions options_;
   CutCells result_;
+  std::vector<LevelOfGrid> levels_;
   std::vector<Candidate> candidates_;
   std::vector<int> candidate_of_active_;
   std::vector<int> donors_;  ///< candidate of every adoption
@@ -259,32 +413,40 @@ class CutCellBuilder {
 
 }  // namespace
 
-int CutCells::locate(const Vec3& x) const {
-  const Index3 cell{static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
-                    static_cast<int>(std::floor(x[2]))};
-  int best = find(cell);
+int CutCells::locate(const Vec3& position) const {
+  const auto cell_at = [&](int l) {
+    const Vec3 x = std::ldexp(1.0, l) * position;
+    return Index3{static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
+                  static_cast<int>(std::floor(x[2]))};
+  };
+  int best = -1;
+  for (int l = num_levels() - 1; l >= 0 && best < 0; --l) best = find(l, cell_at(l));
   if (best >= 0) return best;
-  double best_distance = 1;
-  for (int n = 0; n < 27; ++n) {
-    const Index3 other{cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1};
-    const int active = find(other);
-    if (active < 0) continue;
-    const double distance = distance_to_cell(x, other);
-    if (distance > best_distance || (distance == best_distance && best >= 0)) continue;
-    best = active;
-    best_distance = distance;
+  double best_distance = 1;  // in cells of the level: smaller ones first
+  for (int l = num_levels() - 1; l >= 0 && best < 0; --l) {
+    const Index3 cell = cell_at(l);
+    const Vec3 x = std::ldexp(1.0, l) * position;
+    for (int n = 0; n < 27; ++n) {
+      const Index3 other{cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1};
+      const int active = find(l, other);
+      if (active < 0) continue;
+      const double distance = distance_to_cell(x, other);
+      if (distance > best_distance || (distance == best_distance && best >= 0)) continue;
+      best = active;
+      best_distance = distance;
+    }
   }
   return best;
 }
 
 Vec3 cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& x) {
   const Index3& c = cut_cells.cells[active_cell];
-  return 2 * (x - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
+  return 2 * (std::ldexp(1.0, cut_cells.level(active_cell)) * x - Vec3(c[0], c[1], c[2])) - Vec3::Ones();
 }
 
 Vec3 grid_position(const CutCells& cut_cells, int active_cell, const Vec3& xi) {
   const Index3& c = cut_cells.cells[active_cell];
-  return Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones());
+  return cut_cells.size(active_cell) * (Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones()));
 }
 
 Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi) {
@@ -292,31 +454,35 @@ Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi)
 }
 
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
-                        const std::vector<Plane>& face_dividers, const GeometryOptions& options) {
+                        const std::vector<Plane>& face_dividers, const GeometryOptions& options,
+                        const CellTree& tree) {
   for (int k = 0; k < 3; ++k)
     if (grid.num_cells[k] < 1) throw InputError("the grid has no cells");
-  return CutCellBuilder(solid_in_grid_coordinates, grid, face_dividers, options).run();
+  return CutCellBuilder(solid_in_grid_coordinates, grid, face_dividers, options, tree).run();
 }
 
 void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const std::vector<int>& surfaces,
                              const std::vector<Plane>& dividers, int order, BoundaryPoints& points) {
   if (cut_cells.cut_of_active[active_cell] < 0) return;
-  const Solid& solid = cut_cells.solid;
-  std::vector<char> selected(solid.surfaces().size(), 0), adopted;
+  std::vector<char> selected(cut_cells.solid.surfaces().size(), 0), adopted;
   for (int s : surfaces) selected[s] = 1;
   std::vector<Plane> all = dividers;
   all.insert(all.end(), cut_cells.face_dividers.begin(), cut_cells.face_dividers.end());
-  const auto add_cell = [&](const Index3& cell, const std::vector<char>& wanted) {
-    solid.geometry().boundary_points(cell, wanted, all, order, active_cell, points);
+  const auto add_cell = [&](const Index3& cell, int level, const std::vector<char>& wanted) {
+    const std::size_t first = points.size();
+    const Solid& solid = level == 0 ? cut_cells.solid : cut_cells.part_solids[level];
+    solid.geometry().boundary_points(cell, wanted, level == 0 ? all : planes_of_level(all, level), order, active_cell,
+                                     points);
+    scale_points(points, first, level);
   };
-  add_cell(cut_cells.cells[active_cell], selected);
+  add_cell(cut_cells.cells[active_cell], cut_cells.level(active_cell), selected);
   auto adoption = std::lower_bound(cut_cells.adoptions.begin(), cut_cells.adoptions.end(), active_cell,
                                    [](const Adoption& a, int cell) { return a.active < cell; });
   for (; adoption != cut_cells.adoptions.end() && adoption->active == active_cell; ++adoption) {
     if (!selected[adoption->surface]) continue;
     adopted.assign(selected.size(), 0);
     adopted[adoption->surface] = 1;
-    add_cell(adoption->donor, adopted);
+    add_cell(adoption->donor, adoption->level, adopted);
   }
 }
 

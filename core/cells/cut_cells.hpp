@@ -2,9 +2,12 @@
 /// Everything here is in grid coordinates (cell units, grid axes): h = 1.
 #pragma once
 
+#include <cmath>
+#include <memory>
 #include <vector>
 
 #include "core/cells/boundary_points.hpp"
+#include "core/cells/cell_tree.hpp"
 #include "core/cells/grid.hpp"
 #include "core/cells/grid_numbers.hpp"
 #include "core/cells/moments.hpp"
@@ -18,32 +21,52 @@ struct Adoption {
   int active;    ///< cell that owns the pieces
   Index3 donor;  ///< cell in which they lie (may be outside of the grid by rounding)
   int surface;
+  int level = 0;  ///< of the donor
 };
 
-/// The cells of one body.
+/// The cells of one body: the leaves of its tree that it fills or that its boundary crosses.
 struct CutCells {
   Solid solid;  ///< in grid coordinates
   Grid grid;
-  std::vector<Index3> cells;         ///< active cells (positive volume), by k, j, i
-  GridNumbers numbers;               ///< of the active cells: indices into cells
+  std::vector<Index3> cells;         ///< active cells (positive volume): place in their level; by level, k, j, i
+  GridNumbers numbers;               ///< of the active cells of a grid of one level: indices into cells
   std::vector<signed char> levels;   ///< level of each active cell; empty: 0
   std::vector<int> cut_of_active;    ///< index into moments, or -1 for an interior (full) cell
   std::vector<int> active_of_cut;    ///< cut cell -> active cell
-  std::vector<Moments> moments;      ///< one per cut cell
+  MomentList moments;                ///< one per cut cell
   BoundaryPoints boundary;           ///< default rule, all surfaces
   std::vector<Adoption> adoptions;   ///< ascending in active
   std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/scene/face_dividers.hpp)
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
+  /// Of a grid of several levels: the cells of each as a grid of one level of their own, with that level's size as the
+  /// unit of the grid coordinates; without solid, boundary and adoptions. Share the moments. Empty: one level.
+  std::vector<CutCells> parts;
+  std::shared_ptr<const CellTree> tree;  ///< which cells are refined
+  std::vector<Solid> part_solids;  ///< the body in the grid coordinates of each part
+  std::vector<int> first_of_part;  ///< first active cell of each part, and the end
+
+  int num_levels() const { return parts.empty() ? 1 : static_cast<int>(parts.size()); }
   int level(int active) const { return levels.empty() ? 0 : levels[active]; }
-  /// Size of an active cell, m.
+  /// Size of an active cell: in units of the grid coordinates; m.
+  double size(int active) const { return std::ldexp(1.0, -level(active)); }
   double h(int active) const { return grid.cell_size_of(level(active)); }
+  /// Lower corner of an active cell, grid coordinates.
+  Vec3 corner(int active) const {
+    const Index3& c = cells[active];
+    return size(active) * Vec3(c[0], c[1], c[2]);
+  }
   double volume_fraction(int active) const {
     const int cut = cut_of_active[active];
     return cut < 0 ? 1.0 : moments[cut][0] / 8.0;
   }
-  /// Active cell at the given cell index triple, or -1.
-  int find(const Index3& c) const { return numbers.find(c); }
+  /// Active cell at the given cell index triple of a level, or -1.
+  int find(const Index3& c) const { return find(0, c); }
+  int find(int level, const Index3& c) const {
+    if (parts.empty()) return numbers.find(c);
+    const int cell = parts[level].numbers.find(c);
+    return cell < 0 ? -1 : first_of_part[level] + cell;
+  }
   /// Active cell that contains the point (grid coordinates), or the nearest active cell within one cell, or -1.
   int locate(const Vec3& x) const;
 };
@@ -57,8 +80,10 @@ Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi)
 
 /// Classifies all cells of the grid and integrates the cut ones. Throws InputError if the body has no volume or
 /// sticks out of its grid. `face_dividers`: where declared faces end, in grid coordinates: their pieces are cut there.
+/// `tree`: which cells are refined; Grid::num_levels of the result is its number of levels.
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
-                        const std::vector<Plane>& face_dividers = {}, const GeometryOptions& options = {});
+                        const std::vector<Plane>& face_dividers = {}, const GeometryOptions& options = {},
+                        const CellTree& tree = {});
 
 /// Quadrature points of the pieces of the given surfaces in one active cell, the pieces being split at the
 /// borders of declared faces and additionally at the `dividers` (planes in grid coordinates, e.g. the grid planes of

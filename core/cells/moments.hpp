@@ -2,6 +2,11 @@
 /// [-1,1]^3.
 #pragma once
 
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
 #include "core/base/types.hpp"
 
 namespace cgcontact {
@@ -13,6 +18,49 @@ constexpr int num_moments = (moment_degree + 1) * (moment_degree + 1) * (moment_
 /// Moments of L_i(x) L_j(y) L_k(z) (Legendre polynomials, cell coordinates in [-1,1]^3, so a full cell has
 /// moment[0] = 8) over cell and body; index (i * (moment_degree+1) + j) * (moment_degree+1) + k.
 using Moments = std::array<double, num_moments>;
+
+/// Moments of cells one after the other. Copies and slices share what they stand for until one of them is changed.
+class MomentList {
+ public:
+  MomentList() = default;
+  explicit MomentList(std::vector<Moments> moments)
+      : all_(std::make_shared<std::vector<Moments>>(std::move(moments))), size_(all_->size()) {}
+  std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  const Moments& operator[](std::size_t i) const { return (*all_)[first_ + i]; }
+  const Moments* begin() const { return all_ ? all_->data() + first_ : nullptr; }
+  const Moments* end() const { return begin() + size_; }
+  MomentList slice(std::size_t first, std::size_t size) const {
+    MomentList part = *this;
+    part.first_ += first;
+    part.size_ = size;
+    return part;
+  }
+
+  Moments& operator[](std::size_t i) { return own()[i]; }
+  void push_back(const Moments& moments) {
+    own().push_back(moments);
+    ++size_;
+  }
+  void reserve(std::size_t size) { own().reserve(size); }
+  void resize(std::size_t size) {
+    own().resize(size);
+    size_ = size;
+  }
+
+ private:
+  std::vector<Moments>& own() {
+    if (!all_) all_ = std::make_shared<std::vector<Moments>>();
+    if (all_.use_count() > 1 || size_ != all_->size()) {
+      all_ = std::make_shared<std::vector<Moments>>(begin(), end());
+      first_ = 0;
+    }
+    return *all_;
+  }
+
+  std::shared_ptr<std::vector<Moments>> all_;
+  std::size_t first_ = 0, size_ = 0;
+};
 
 /// Values of L_0 .. L_4 at x.
 inline void legendre_values(double x, double value[moment_degree + 1]) {

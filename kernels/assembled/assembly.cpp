@@ -1,5 +1,8 @@
 #include "kernels/assembled/assembly.hpp"
 
+#include <TpetraExt_MatrixMatrix.hpp>
+#include <TpetraExt_TripleMatrixMultiply.hpp>
+
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/operator/element_matrices.hpp"
 #include "kernels/reference/coloured_mesh.hpp"
@@ -252,19 +255,45 @@ GhostMatrixView ghost_matrix_of(const BodyMesh& mesh, double penalty) {
   return view;
 }
 
+/// P^T A P of the free values, and the identity at constrained nodes.
+Teuchos::RCP<TpetraMatrix> constrained(const ElasticSystem& system, const TpetraMatrix& matrix) {
+  const auto map = matrix.getRowMap();
+  TpetraMatrix P(map, 8), identity(map, 1), product(map, 0);
+  for (int dof = 0; dof < system.num_dofs(); ++dof) {
+    const int c = system.constraint_of_node[node_of_dof(dof)];
+    std::vector<TpetraMatrix::global_ordinal_type> columns{dof};
+    std::vector<double> weights{1.0};
+    if (c >= 0) {
+      identity.insertGlobalValues(dof, 1, weights.data(), columns.data());
+      columns.clear();
+      weights.clear();
+      for (const auto& [master, weight] : system.constraints[c].masters) {
+        columns.push_back(dof_of(master, component_of_dof(dof)));
+        weights.push_back(weight);
+      }
+    }
+    P.insertGlobalValues(dof, static_cast<int>(columns.size()), weights.data(), columns.data());
+  }
+  P.fillComplete(map, map);
+  identity.fillComplete(map, map);
+  Tpetra::TripleMatrixMultiply::MultiplyRAP(P, true, matrix, false, P, false, product);
+  return Tpetra::MatrixMatrix::add(1.0, false, product, 1.0, false, identity);
+}
+
 }  // namespace
 
 Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map) {
   const ExecSpace exec;
   std::vector<BodyParts> bodies;
-  for (const BodyMesh& mesh : system.meshes) bodies.push_back(parts_of_body(exec, mesh));
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (const BodyMesh* part : parts) bodies.push_back(parts_of_body(exec, *part));
   // Without any group the views of the groups are empty ones.
   const NodeGraph graph = make_graph(exec, bodies, system.groups, system.num_nodes);
   const std::size_t blocks = graph.column.extent(0);
   const RowValues rows{graph, typename LocalMatrix::values_type("cgcontact::assembly::value", 9 * blocks)};
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    add_body(exec, bodies[b], make_cell_matrices(system.meshes[b], system.supports[b]),
-             ghost_matrix_of(system.meshes[b], system.ghost_penalty), rows);
+    add_body(exec, bodies[b], make_cell_matrices(*parts[b], system.supports[b]),
+             ghost_matrix_of(*parts[b], system.ghost_penalty), rows);
   add_groups(exec, system.groups, rows);
 
   const int num_rows = system.num_dofs();
@@ -283,7 +312,7 @@ Teuchos::RCP<TpetraMatrix> assemble_matrix(const ElasticSystem& system, const Te
   exec.fence();
   auto matrix = Teuchos::rcp(new TpetraMatrix(map, map, begin, column, rows.value));
   matrix->expertStaticFillComplete(map, map);
-  return matrix;
+  return system.constraints.empty() ? matrix : constrained(system, *matrix);
 }
 
 }  // namespace cgcontact

@@ -76,7 +76,11 @@ ConstraintRows make_rows(const std::vector<NodeConstraint>& constraints) {
 
 }  // namespace
 
-DofMap::DofMap(long long num_nodes) : num_owned_(checked_count(num_nodes)), num_nodes_(num_owned_) {}
+DofMap::DofMap(long long num_nodes, const std::vector<NodeConstraint>& constraints)
+    : num_owned_(checked_count(num_nodes)), num_nodes_(num_owned_) {
+  check(constraints, num_nodes_);
+  if (!constraints.empty()) constraints_ = make_rows(constraints);
+}
 
 DofMap::DofMap(const std::vector<long long>& owned, const std::vector<long long>& ghosts,
                const std::vector<NodeConstraint>& constraints)

@@ -5,7 +5,12 @@
 /// A vector of free values x becomes a vector of all local values P x by two steps, each with its transpose:
 ///   ghosts       doImport with the importer, REPLACE    doExport, ADD_ASSIGN, into zero (ADD loses copies)
 ///   constraints  apply_constraints                      apply_constraints_transposed
-/// The products run with one rank and without constraints today; then both steps are the identity and cost nothing.
+/// The products run with one rank today, and without constraints where all cells are of one size; then both steps are the
+/// identity and cost nothing.
+///
+/// Two kinds of vectors: displacements are consistent (constrained nodes have the value that their masters give them),
+/// forces and residuals are zero at constrained nodes. Sums of each kind are of that kind, and the product of one with
+/// the other is that of the free values.
 #pragma once
 
 #include <Teuchos_Comm.hpp>
@@ -45,7 +50,7 @@ class DofMap {
 
   /// One rank owns all nodes; global numbers are local ones. Throws InputError if there are more than 32-bit numbers of
   /// degrees of freedom hold.
-  explicit DofMap(long long num_nodes = 0);
+  explicit DofMap(long long num_nodes = 0, const std::vector<NodeConstraint>& constraints = {});
 
   /// Global numbers of the owned nodes (each once) and of the ghosts. Throws std::invalid_argument where a number is
   /// negative or owned twice, and where a constraint names a node that does not exist, constrains a node twice, has no

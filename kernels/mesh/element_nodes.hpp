@@ -16,22 +16,25 @@ struct ElementNodes {
   std::vector<std::array<int, HexElement<degree>::num_nodes>> of_cell;  ///< first_node + index, of each active cell
 };
 
-/// The nodes of all active cells, in the order of the lattice.
+/// The nodes of all active cells and of the given virtual cells, in the order
+/// of the lattice.
 template <int degree>
-ElementNodes<degree> number_element_nodes(const CutCells& cells, int first_node) {
+ElementNodes<degree> number_element_nodes(const CutCells& cells, int first_node,
+                                          const std::vector<Index3>& virtual_cells = {}) {
   using Element = HexElement<degree>;
   ElementNodes<degree> nodes;
   const auto corner = [](const Index3& cell, int j, int k) {
     return Index3{degree * cell[0], degree * cell[1] + j, degree * cell[2] + k};
   };
-  if constexpr (degree == 1) {
+  if (degree == 1 && virtual_cells.empty()) {
     nodes.numbers = cells.numbers.corners();
   } else {
     const Index3& n = cells.grid.num_cells;
     nodes.numbers = GridNumbers({degree * n[0] + 1, degree * n[1] + 1, degree * n[2] + 1});
-    for (const Index3& cell : cells.cells)
-      for (int k = 0; k <= degree; ++k)
-        for (int j = 0; j <= degree; ++j) nodes.numbers.insert_row(corner(cell, j, k), degree + 1);
+    for (const std::vector<Index3>* list : {&cells.cells, &virtual_cells})
+      for (const Index3& cell : *list)
+        for (int k = 0; k <= degree; ++k)
+          for (int j = 0; j <= degree; ++j) nodes.numbers.insert_row(corner(cell, j, k), degree + 1);
     nodes.numbers.number();
   }
   nodes.places.reserve(nodes.numbers.size());

@@ -1,26 +1,98 @@
 #include "kernels/mesh/mesh.hpp"
 
+#include <algorithm>
+
 #include "kernels/mesh/element_nodes.hpp"
+#include "kernels/mesh/hanging_nodes.hpp"
 
 namespace cgcontact {
-bool is_ghost_face(const BodyMesh& mesh, int e, int f) {
-  constexpr double well_filled = 0.25;
-  const auto badly = [&](int cell) { return mesh.cut_cells->volume_fraction(cell) < well_filled; };
-  return badly(e) || badly(f);
-}
+namespace {
 
-BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
+constexpr double well_filled = 0.25;
+
+bool badly_filled(const CutCells& cells, int cell) { return cells.volume_fraction(cell) < well_filled; }
+
+BodyMesh empty_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
   BodyMesh mesh;
   mesh.cut_cells = &cut_cells;
   mesh.law = UnitElasticity(material.poisson_ratio);
   mesh.modulus = material.youngs_modulus / scales.stress;
   mesh.length = scales.length;
   mesh.first_node = first_node;
-  ElementNodes<1> nodes = number_element_nodes<1>(cut_cells, first_node);
-  mesh.num_nodes = static_cast<int>(nodes.numbers.size());
-  mesh.node_numbers = std::move(nodes.numbers);
-  mesh.nodes = std::move(nodes.places);
-  mesh.cell_nodes = std::move(nodes.of_cell);
+  return mesh;
+}
+
+/// Faces of a part towards cells of twice the size, of one of the parts before it (or of the same size, which parts have
+/// on coarse levels of multigrid).
+std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std::size_t own) {
+  std::vector<LevelFace> faces;
+  const CutCells& cells = parts[own];
+  for (std::size_t larger = 0; larger < own; ++larger) {
+    const int steps = halvings(parts[larger].grid, cells.grid);
+    if (steps > 1) continue;
+    for (int e = 0; e < static_cast<int>(cells.cells.size()); ++e)
+      for (int d = 0; d < 3; ++d)
+        for (int side = -1; side <= 1; side += 2) {
+          Index3 across = cells.cells[e];
+          across[d] += side;
+          if (cells.find(across) >= 0) continue;
+          const int other = parts[larger].find({across[0] >> steps, across[1] >> steps, across[2] >> steps});
+          if (other < 0 || !(badly_filled(cells, e) || badly_filled(parts[larger], other))) continue;
+          faces.push_back({e, side < 0 ? across : cells.cells[e], d});
+        }
+  }
+  return faces;
+}
+
+/// The lists of all parts one after the other.
+void join_parts(BodyMesh& mesh) {
+  int level = 0;
+  for (const BodyMesh& part : mesh.parts) {
+    mesh.nodes.insert(mesh.nodes.end(), part.nodes.begin(), part.nodes.end());
+    mesh.node_levels.insert(mesh.node_levels.end(), part.num_nodes, static_cast<signed char>(level++));
+    mesh.cell_nodes.insert(mesh.cell_nodes.end(), part.cell_nodes.begin(), part.cell_nodes.end());
+  }
+}
+
+}  // namespace
+
+bool is_ghost_face(const BodyMesh& mesh, int e, int f) {
+  return badly_filled(*mesh.cut_cells, e) || badly_filled(*mesh.cut_cells, f);
+}
+
+std::vector<Index3> virtual_cells(const BodyMesh& part) {
+  std::vector<Index3> cells;
+  for (const LevelFace& face : part.level_faces) {
+    cells.push_back(face.lower);
+    if (face.lower == part.cut_cells->cells[face.cell]) ++cells.back()[face.direction];
+  }
+  return cells;
+}
+
+BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
+  BodyMesh mesh = empty_mesh(cut_cells, material, scales, first_node);
+  const auto number = [](BodyMesh& part) {
+    ElementNodes<1> nodes = number_element_nodes<1>(*part.cut_cells, part.first_node, virtual_cells(part));
+    part.num_nodes = static_cast<int>(nodes.numbers.size());
+    part.node_numbers = std::move(nodes.numbers);
+    part.nodes = std::move(nodes.places);
+    part.cell_nodes = std::move(nodes.of_cell);
+  };
+  if (cut_cells.parts.empty()) {
+    number(mesh);
+    return mesh;
+  }
+  for (std::size_t p = 0; p < cut_cells.parts.size(); ++p) {
+    mesh.parts.push_back(empty_mesh(cut_cells.parts[p], material, scales, first_node + mesh.num_nodes));
+    mesh.parts.back().level_faces = find_level_faces(cut_cells.parts, p);
+    number(mesh.parts.back());
+    mesh.num_nodes += mesh.parts.back().num_nodes;
+  }
+  mesh.constraints = constrain_nodes(mesh.parts);
+  mesh.constraint_of_node.assign(mesh.num_nodes, -1);
+  for (std::size_t c = 0; c < mesh.constraints.size(); ++c)
+    mesh.constraint_of_node[mesh.constraints[c].node - first_node] = static_cast<int>(c);
+  if (!cut_cells.cells.empty()) join_parts(mesh);
   return mesh;
 }
 

@@ -4,6 +4,10 @@
 #include <map>
 #include <tuple>
 
+#include "kernels/mesh/hanging_nodes.hpp"
+#include "kernels/mesh/host_copy.hpp"
+#include "kernels/mesh/sparse_rows.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -46,48 +50,97 @@ void merge(std::vector<SupportTerm>& terms) {
 
 }  // namespace
 
+namespace {
+
+const Moments& moments_of(const CutCells& cells, int active) {
+  const int cut = cells.cut_of_active[active];
+  return cut < 0 ? full_cell_moments() : cells.moments[cut];
+}
+
+/// Children of a cell, -1 where there is none.
+std::array<int, 8> children_of(const CutCells& fine, const Index3& c) {
+  std::array<int, 8> children;
+  for (int a = 0; a < 8; ++a) children[a] = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
+  return children;
+}
+
+/// The cells that are numbered: `fine` are those that they come from, one level below; `same` (or nullptr) those that
+/// some of them are.
+void fill_cells(const CutCells& fine, const CutCells* same, CutCells& coarse) {
+  coarse.numbers.number();
+  coarse.cells.reserve(coarse.numbers.size());
+  coarse.numbers.each([&](const Index3& c) { coarse.cells.push_back(c); });
+  coarse.cut_of_active.assign(coarse.cells.size(), -1);
+  const auto as_before = [&](const Index3& c) { return same ? same->find(c) : -1; };
+  for (std::size_t e = 0; e < coarse.cells.size(); ++e) {
+    bool full = true;
+    if (const int before = as_before(coarse.cells[e]); before >= 0) {
+      full = same->cut_of_active[before] < 0;
+    } else {
+      for (const int child : children_of(fine, coarse.cells[e]))
+        full = full && child >= 0 && fine.cut_of_active[child] < 0;
+    }
+    if (full) continue;
+    coarse.cut_of_active[e] = static_cast<int>(coarse.active_of_cut.size());
+    coarse.active_of_cut.push_back(static_cast<int>(e));
+  }
+  std::vector<Moments> all(coarse.active_of_cut.size());
+  Kokkos::parallel_for("cgcontact::coarsen::moments",
+                       Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, all.size()), [&](const int cut) {
+                         const Index3& c = coarse.cells[coarse.active_of_cut[cut]];
+                         if (const int before = as_before(c); before >= 0) {
+                           all[cut] = moments_of(*same, before);
+                           return;
+                         }
+                         std::array<const Moments*, 8> children{};
+                         const std::array<int, 8> numbers = children_of(fine, c);
+                         for (int a = 0; a < 8; ++a)
+                           if (numbers[a] >= 0) children[a] = &moments_of(fine, numbers[a]);
+                         all[cut] = coarse_moments(children);
+                       });
+  coarse.moments = MomentList(std::move(all));
+}
+
+/// A body of several levels by CellTree::coarsened.
+CutCells coarse_tree_cells(const CutCells& fine) {
+  const CellTree tree = fine.tree->coarsened();
+  std::vector<CutCells> parts(fine.parts.size() - 1);
+  for (int l = 0; l < static_cast<int>(parts.size()); ++l) {
+    CutCells& part = parts[l];
+    part.grid = fine.parts[l].grid;
+    part.numbers = GridNumbers(part.grid.num_cells);
+    for (const Index3& c : fine.parts[l].cells)
+      if (tree.is_leaf(l, c)) part.numbers.insert(c);
+    for (const Index3& c : fine.parts[l + 1].cells)
+      if (tree.is_leaf(l, parent(c))) part.numbers.insert(parent(c));
+    fill_cells(fine.parts[l + 1], &fine.parts[l], part);
+  }
+  if (parts.size() == 1) return std::move(parts.front());
+  CutCells coarse;
+  coarse.grid = fine.grid;
+  coarse.grid.num_levels = static_cast<int>(parts.size());
+  coarse.parts = std::move(parts);
+  coarse.tree = std::make_shared<const CellTree>(tree);
+  return coarse;
+}
+
+}  // namespace
+
 CutCells coarse_cut_cells(const CutCells& fine) {
+  if (!fine.parts.empty()) return coarse_tree_cells(fine);
   CutCells coarse;
   coarse.grid = fine.grid;
   coarse.grid.cell_size *= 2;
   for (int& n : coarse.grid.num_cells) n = (n + 1) / 2;
   coarse.numbers = GridNumbers(coarse.grid.num_cells);
   for (const Index3& c : fine.cells) coarse.numbers.insert(parent(c));
-  coarse.numbers.number();
-  coarse.cells.reserve(coarse.numbers.size());
-  coarse.numbers.each([&](const Index3& c) { coarse.cells.push_back(c); });
-  coarse.cut_of_active.assign(coarse.cells.size(), -1);
-  for (std::size_t e = 0; e < coarse.cells.size(); ++e) {
-    bool full = true;
-    for (int a = 0; a < 8 && full; ++a) {
-      const Index3& c = coarse.cells[e];
-      const int child = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
-      full = child >= 0 && fine.cut_of_active[child] < 0;
-    }
-    if (full) continue;
-    coarse.cut_of_active[e] = static_cast<int>(coarse.active_of_cut.size());
-    coarse.active_of_cut.push_back(static_cast<int>(e));
-  }
-  coarse.moments.resize(coarse.active_of_cut.size());
-  Kokkos::parallel_for(
-      "cgcontact::coarsen::moments", Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, coarse.moments.size()),
-      [&](const int cut) {
-        const Index3& c = coarse.cells[coarse.active_of_cut[cut]];
-        std::array<const Moments*, 8> children{};
-        for (int a = 0; a < 8; ++a) {
-          const int child = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
-          if (child < 0) continue;
-          const int child_cut = fine.cut_of_active[child];
-          children[a] = child_cut < 0 ? &full_cell_moments() : &fine.moments[child_cut];
-        }
-        coarse.moments[cut] = coarse_moments(children);
-      });
+  fill_cells(fine, nullptr, coarse);
   return coarse;
 }
 
 bool is_coarsest(const CutCells& cells) {
   const Index3& n = cells.grid.num_cells;
-  return std::max({n[0], n[1], n[2]}) <= 2;
+  return cells.parts.empty() && std::max({n[0], n[1], n[2]}) <= 2;
 }
 
 CutCells next_cut_cells(const CutCells& fine) {
@@ -102,20 +155,40 @@ CutCells next_cut_cells(const CutCells& fine) {
   return same;
 }
 
-bool is_coarsened(const CutCells& fine, const CutCells& coarse) { return coarse.grid.cell_size > fine.grid.cell_size; }
-
-std::vector<SupportTerm> coarse_supports(const CutCells& fine, const CutCells& coarse,
-                                         const std::vector<SupportTerm>& terms) {
-  if (!is_coarsened(fine, coarse)) return terms;
-  std::vector<SupportTerm> moved = terms;
-  std::vector<int> begin(coarse.cells.size() + 1, 0);
-  for (SupportTerm& t : moved) {
-    const Index3& c = fine.cells[t.cell];
-    for (int d = 0; d < 3; ++d) t.xi[d] = 0.5 * (t.xi[d] + 2 * (c[d] % 2) - 1);
-    t.cell = coarse.find(parent(c));
-    t.stiffness *= 0.5;
-    ++begin[t.cell + 1];
+CoarseCells::CoarseCells(const ElasticSystem& fine, const ElasticSystem& coarse)
+    : fine_(fine.parts()), coarse_(coarse.parts()) {
+  int first = 0;  // coarse part of the body
+  for (std::size_t b = 0; b < fine.meshes.size(); ++b) {
+    const int fine_parts = std::max<int>(1, static_cast<int>(fine.meshes[b].parts.size()));
+    const int coarse_parts = std::max<int>(1, static_cast<int>(coarse.meshes[b].parts.size()));
+    for (int p = 0; p < fine_parts; ++p) {
+      const Grid& grid = fine_[own_.size()]->cut_cells->grid;
+      own_.push_back(-1);
+      larger_.push_back(-1);
+      for (int q = first; q < first + coarse_parts; ++q) {
+        const int steps = halvings(coarse_[q]->cut_cells->grid, grid);
+        if (steps == 0) own_.back() = q;
+        if (steps == 1) larger_.back() = q;
+      }
+    }
+    first += coarse_parts;
   }
+}
+
+CoarseCells::Place CoarseCells::of(int part, int cell) const {
+  const Index3& c = fine_[part]->cut_cells->cells[cell];
+  if (larger_[part] >= 0)
+    if (const int larger = coarse_[larger_[part]]->cut_cells->find(parent(c)); larger >= 0)
+      return {larger_[part], larger, true};
+  return {own_[part], own_[part] < 0 ? -1 : coarse_[own_[part]]->cut_cells->find(c), false};
+}
+
+namespace {
+
+/// At most 27 terms per cell and direction.
+std::vector<SupportTerm> merge_points(const std::vector<SupportTerm>& moved, std::size_t num_cells) {
+  std::vector<int> begin(num_cells + 1, 0);
+  for (const SupportTerm& t : moved) ++begin[t.cell + 1];
   for (std::size_t e = 1; e < begin.size(); ++e) begin[e] += begin[e - 1];
   std::vector<int> order(moved.size()), position(begin.begin(), begin.end() - 1);
   for (std::size_t t = 0; t < moved.size(); ++t) order[position[moved[t].cell]++] = static_cast<int>(t);
@@ -146,15 +219,98 @@ std::vector<SupportTerm> coarse_supports(const CutCells& fine, const CutCells& c
   return result;
 }
 
+}  // namespace
+
+std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse) {
+  const CoarseCells cells(fine, coarse);
+  const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
+  std::vector<std::vector<SupportTerm>> moved(coarse_parts.size());
+  std::vector<char> larger(coarse_parts.size(), 0);
+  for (std::size_t p = 0; p < fine_parts.size(); ++p)
+    for (SupportTerm t : fine.supports[p]) {
+      const Index3& c = fine_parts[p]->cut_cells->cells[t.cell];
+      const CoarseCells::Place place = cells.of(static_cast<int>(p), t.cell);
+      if (place.larger) {
+        for (int d = 0; d < 3; ++d) t.xi[d] = 0.5 * (t.xi[d] + 2 * (c[d] % 2) - 1);
+        t.stiffness *= 0.5;
+        larger[place.part] = 1;
+      }
+      t.cell = place.cell;
+      moved[place.part].push_back(t);
+    }
+  for (std::size_t q = 0; q < moved.size(); ++q)
+    if (larger[q]) moved[q] = merge_points(moved[q], coarse_parts[q]->cut_cells->cells.size());
+  return moved;
+}
+
+namespace {
+
+/// A node of one level from the nodes of cells of twice the size: place (in small cells) -> nodes of the larger part.
+SparseRow interpolate_place(const BodyMesh& larger, const Index3& place) {
+  SparseRow row;
+  for (int a = 0; a < 8; ++a) {
+    Index3 p;
+    double weight = 1;
+    for (int d = 0; d < 3; ++d) {
+      const int side = a >> d & 1, odd = place[d] & 1;
+      p[d] = (place[d] + (side ? odd : 0)) >> 1;
+      weight *= odd ? 0.5 : side ? 0 : 1;
+    }
+    if (weight > 0) row.emplace_back(larger.find_node(p), weight);
+  }
+  return row;
+}
+
+Transfer::Rows rows_to_views(const CompressedRows& rows) {
+  return {copy_to_view<IntView>("cgcontact::coarsen::begin", rows.begin),
+          copy_to_view<IntView>("cgcontact::coarsen::node", rows.number),
+          copy_to_view<RealView>("cgcontact::coarsen::weight", rows.coefficient)};
+}
+
+/// Each free fine node from the coarse cell that one of its cells goes to.
+Transfer make_row_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
+  const CoarseCells cells(fine, coarse);
+  const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
+  std::vector<SparseRow> rows(fine.num_nodes), columns(coarse.num_nodes);
+  for (std::size_t p = 0; p < fine_parts.size(); ++p) {
+    const BodyMesh& part = *fine_parts[p];
+    for (int e = 0; e < static_cast<int>(part.cell_nodes.size()); ++e) {
+      const CoarseCells::Place place = cells.of(static_cast<int>(p), e);
+      const BodyMesh& to = *coarse_parts[place.part];
+      for (const int node : part.cell_nodes[e]) {
+        if (!rows[node].empty()) continue;
+        if (!fine.constraint_of_node.empty() && fine.constraint_of_node[node] >= 0) continue;
+        const Index3& at = part.nodes[node - part.first_node];
+        rows[node] = place.larger ? interpolate_place(to, at) : SparseRow{{to.find_node(at), 1.0}};
+      }
+    }
+  }
+  CompressedRows down, up;
+  for (int n = 0; n < fine.num_nodes; ++n) {
+    down.add(rows[n]);
+    for (const auto& [node, weight] : rows[n]) columns[node].emplace_back(n, weight);
+  }
+  for (const SparseRow& column : columns) up.add(column);
+  Transfer transfer;
+  transfer.by_rows = true;
+  transfer.parent_rows = rows_to_views(down);
+  transfer.child_rows = rows_to_views(up);
+  return transfer;
+}
+
+}  // namespace
+
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
+  if (!fine.constraints.empty()) return make_row_transfer(fine, coarse);
   Transfer transfer;
   transfer.parents = decltype(transfer.parents)("cgcontact::coarsen::parents", fine.num_nodes);
   transfer.children = decltype(transfer.children)("cgcontact::coarsen::children", coarse.num_nodes);
   auto parents = Kokkos::create_mirror_view(transfer.parents);
   auto children = Kokkos::create_mirror_view(transfer.children);
-  for (std::size_t b = 0; b < fine.meshes.size(); ++b) {
-    const BodyMesh &f = fine.meshes[b], &c = coarse.meshes[b];
-    if (!is_coarsened(*f.cut_cells, *c.cut_cells)) {
+  const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
+  for (std::size_t b = 0; b < fine_parts.size(); ++b) {
+    const BodyMesh &f = *fine_parts[b], &c = *coarse_parts[b];
+    if (halvings(c.cut_cells->grid, f.cut_cells->grid) == 0) {
       for (int n = 0; n < f.num_nodes; ++n) {
         for (int a = 0; a < 8; ++a) parents(f.first_node + n, a) = c.first_node + n;
         for (int a = 0; a < 27; ++a) children(c.first_node + n, a) = a == 13 ? f.first_node + n : -1;
@@ -188,25 +344,51 @@ Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
   return transfer;
 }
 
+namespace {
+
+/// The rows of P on the host.
+class HostParents {
+ public:
+  explicit HostParents(const Transfer& transfer)
+      : by_rows_(transfer.by_rows),
+        parents_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parents)),
+        begin_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.begin)),
+        node_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.node)),
+        weight_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.weight)) {}
+
+  template <class Use>
+  void each(int node, const Use& use) const {
+    if (by_rows_)
+      for (int e = begin_(node); e < begin_(node + 1); ++e) use(node_(e), weight_(e));
+    else
+      for (int a = 0; a < 8; ++a) use(parents_(node, a), 0.125);
+  }
+
+ private:
+  bool by_rows_;
+  decltype(Transfer::parents)::HostMirror parents_;
+  IntView::HostMirror begin_, node_;
+  RealView::HostMirror weight_;
+};
+
+}  // namespace
+
 CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, const Transfer& transfer,
                        const std::vector<GroupRow>& rows, const std::vector<double>& stiffness,
                        const std::vector<double>& full_stiffness) {
   CoarseRows result;
-  auto parents = Kokkos::create_mirror_view(transfer.parents);
-  Kokkos::deep_copy(parents, transfer.parents);
-  // Members of one coarse row: same body, coarse cell and family, in order of first appearance.
+  const CoarseCells cells(fine, coarse);
+  // Members of one coarse row: same part, coarse cell and family, in order of first appearance.
   std::map<std::tuple<int, int, int>, int> index;
   std::vector<std::vector<int>> members;
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    const CutCells &from = *fine.meshes[rows[r].body].cut_cells, &to = *coarse.meshes[rows[r].body].cut_cells;
-    const bool larger = is_coarsened(from, to);
-    const int cell = larger ? to.find(parent(from.cells[rows[r].cell])) : rows[r].cell;
-    const double factor = larger ? 0.5 : 1.0;
+    const CoarseCells::Place place = cells.of(rows[r].part, rows[r].cell);
+    const double factor = place.larger ? 0.5 : 1.0;
     const auto [entry, is_new] =
-        index.emplace(std::make_tuple(rows[r].body, cell, rows[r].family), static_cast<int>(members.size()));
+        index.emplace(std::make_tuple(place.part, place.cell, rows[r].family), static_cast<int>(members.size()));
     if (is_new) {
       members.emplace_back();
-      result.rows.push_back({{}, rows[r].body, cell, rows[r].family});
+      result.rows.push_back({{}, place.part, place.cell, rows[r].family});
       result.stiffness.push_back(0);
       result.full_stiffness.push_back(0);
     }
@@ -214,6 +396,7 @@ CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, c
     result.stiffness[entry->second] += factor * stiffness[r];
     result.full_stiffness[entry->second] += factor * full_stiffness[r];
   }
+  const HostParents parents(transfer);
   std::vector<std::pair<int, double>> entries;
   for (std::size_t c = 0; c < members.size(); ++c) {
     const bool closed = result.stiffness[c] > 0;
@@ -224,8 +407,9 @@ CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, c
       const double weight = (closed ? stiffness[r] : full_stiffness[r]) / sum;
       if (weight == 0) continue;
       for (const auto& [dof, value] : rows[r].entries)
-        for (int a = 0; a < 8; ++a)
-          entries.emplace_back(dof_of(parents(node_of_dof(dof), a), component_of_dof(dof)), 0.125 * weight * value);
+        parents.each(node_of_dof(dof), [&, dof = dof, value = value](int node, double share) {
+          entries.emplace_back(dof_of(node, component_of_dof(dof)), share * weight * value);
+        });
     }
     std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [dof, value] : entries) {

@@ -8,34 +8,55 @@
 
 namespace cgcontact {
 
-/// Cells of twice the size with the sum of their children's moments. No boundary points, no solid.
+/// Cells of twice the size with the sum of their children's moments; of a body of several levels, CellTree::coarsened:
+/// cells that are not put together stay as they are. No boundary points, no solid.
 CutCells coarse_cut_cells(const CutCells& fine);
 
-/// Two cells or less in every direction: such a body is carried over to the next level as it is.
+/// One level, two cells or less in every direction: such a body is carried over to the next level as it is.
 bool is_coarsest(const CutCells& cells);
 
 /// The next level of a body: coarse_cut_cells, or the same cells again (no boundary points, no solid).
 CutCells next_cut_cells(const CutCells& fine);
 
-/// Whether a level has larger cells of a body than the one before.
-bool is_coarsened(const CutCells& fine, const CutCells& coarse);
+/// From the parts of a system to those of the next coarser one: where a cell goes.
+class CoarseCells {
+ public:
+  CoarseCells(const ElasticSystem& fine, const ElasticSystem& coarse);
 
-/// Support points of one body in their coarse cells, with half the stiffness; at most 27 per cell and direction.
-/// Unchanged where the body is carried over.
-std::vector<SupportTerm> coarse_supports(const CutCells& fine, const CutCells& coarse,
-                                         const std::vector<SupportTerm>& terms);
+  struct Place {
+    int part, cell;
+    bool larger;  ///< its parent, otherwise the cell as it is
+  };
+  Place of(int part, int cell) const;
+
+ private:
+  std::vector<const BodyMesh*> fine_, coarse_;
+  std::vector<int> own_;     ///< of each fine part: the coarse part with cells as large, -1: none
+  std::vector<int> larger_;  ///< that with cells of twice the size, -1: none
+};
+
+/// Support points in their coarse cells, of all parts, with half the stiffness in a larger cell; at most 27 per cell and
+/// direction. Unchanged where the body is carried over.
+std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse);
 
 /// Trilinear prolongation P: x_fine(n) = 1/8 sum_a x_coarse(parents(n, a)), parents repeated where n lies on a coarse
 /// plane; children: the fine nodes around a coarse node, offset (a, b, c) - 1 at (a * 3 + b) * 3 + c, or -1.
 /// The identity on bodies that are carried over.
+/// Where nodes are constrained, P and its transpose are rows instead, which are empty at constrained nodes.
 struct Transfer {
   Kokkos::View<int* [8], Kokkos::LayoutRight, MemSpace> parents;
   Kokkos::View<int* [27], Kokkos::LayoutRight, MemSpace> children;
+  struct Rows {
+    IntView begin, node;  ///< (nodes + 1), (entries)
+    RealView weight;
+  };
+  bool by_rows = false;
+  Rows parent_rows, child_rows;
 };
 
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse);
 
-/// Rows restricted by P^T and merged per coarse cell of the primary body: mean of the rows weighted with `stiffness`
+/// Rows restricted by P^T and merged per coarse cell of the coarser body: mean of the rows weighted with `stiffness`
 /// (with `full_stiffness` where all members are open). members: coarse row of each fine row. Stiffnesses are summed,
 /// and halved where that body has been coarsened.
 struct CoarseRows {
@@ -46,10 +67,30 @@ CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, c
                        const std::vector<GroupRow>& rows, const std::vector<double>& stiffness,
                        const std::vector<double>& full_stiffness);
 
-/// x_fine += P x_coarse.
-template <class Exec, class X, class Y>
-void prolongate_add(const Exec& exec, const Transfer& transfer, const X& coarse, const Y& fine) {
+/// y(n) (+)= sum of weight * x(node).
+template <bool add, class Exec, class X, class Y>
+void apply_transfer_rows(const Exec& exec, const Transfer::Rows& rows, const X& x, const Y& y) {
   using Real = typename Y::non_const_value_type;
+  Kokkos::parallel_for(
+      "cgcontact::coarsen::rows", Kokkos::RangePolicy<Exec>(exec, 0, rows.begin.extent(0) - 1),
+      KOKKOS_LAMBDA(const int n) {
+        Real sum[3] = {0, 0, 0};
+        for (int e = rows.begin(n); e < rows.begin(n + 1); ++e)
+          for (int i = 0; i < 3; ++i) sum[i] += static_cast<Real>(rows.weight(e)) * x(dof_of(rows.node(e), i));
+        for (int i = 0; i < 3; ++i) y(dof_of(n, i)) = add ? y(dof_of(n, i)) + sum[i] : sum[i];
+      });
+}
+
+/// x_fine += P x_coarse, both consistent (DofMap).
+template <class Exec, class X, class Y>
+void prolongate_add(const Exec& exec, const Transfer& transfer, const DofMap& fine_dofs, const X& coarse,
+                    const Y& fine) {
+  using Real = typename Y::non_const_value_type;
+  if (transfer.by_rows) {
+    apply_transfer_rows<true>(exec, transfer.parent_rows, coarse, fine);
+    apply_constraints(exec, fine_dofs, fine);
+    return;
+  }
   const auto parents = transfer.parents;
   Kokkos::parallel_for(
       "cgcontact::coarsen::prolongate", Kokkos::RangePolicy<Exec>(exec, 0, parents.extent(0)),
@@ -63,10 +104,16 @@ void prolongate_add(const Exec& exec, const Transfer& transfer, const X& coarse,
       });
 }
 
-/// x_coarse = P^T x_fine.
+/// x_coarse = P^T x_fine, both zero at constrained nodes.
 template <class Exec, class X, class Y>
-void restrict_to(const Exec& exec, const Transfer& transfer, const X& fine, const Y& coarse) {
+void restrict_to(const Exec& exec, const Transfer& transfer, const DofMap& coarse_dofs, const X& fine,
+                 const Y& coarse) {
   using Real = typename Y::non_const_value_type;
+  if (transfer.by_rows) {
+    apply_transfer_rows<false>(exec, transfer.child_rows, fine, coarse);
+    apply_constraints_transposed(exec, coarse_dofs, coarse);
+    return;
+  }
   const auto children = transfer.children;
   Kokkos::parallel_for(
       "cgcontact::coarsen::restrict", Kokkos::RangePolicy<Exec>(exec, 0, children.extent(0)),

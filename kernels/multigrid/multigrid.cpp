@@ -98,9 +98,7 @@ struct Multigrid::Impl {
       }
       to->own_system = make_elastic_system(cells, materials, fine.scales, settings.coarse_ghost * fine.ghost_penalty);
       to->system = &to->own_system;
-      for (std::size_t b = 0; b < cells.size(); ++b)
-        add_support_terms(to->own_system, static_cast<int>(b),
-                          coarse_supports(*from.system->meshes[b].cut_cells, *cells[b], from.system->supports[b]));
+      to->own_system.supports = coarse_supports(*from.system, to->own_system);
       from.transfer = make_transfer(*from.system, *to->system);
       levels.push_back(std::move(to));
     }
@@ -161,11 +159,13 @@ struct Multigrid::Impl {
       host(i) = static_cast<Real>(state / 4294967296.0 - 0.5);
     }
     Kokkos::deep_copy(r, host);
+    apply_constraints_transposed(exec, level.system->dofs, r);
     std::vector<double> alpha, beta;
     double rz = 0;
     LevelVector ignored("cgcontact::multigrid::ignored", n);
     for (int k = 0; k < lanczos_steps; ++k) {
       level.smoother->step(exec, r, 1, 0, z, ignored, true);
+      apply_constraints(exec, level.system->dofs, z);
       const double next = dot(exec, r, z);
       if (k > 0) beta.push_back(next / rz);
       const Real b = k > 0 ? static_cast<Real>(next / rz) : Real(0);
@@ -205,6 +205,7 @@ struct Multigrid::Impl {
       }
       level.smoother->step(exec, from_b ? level.b : level.r, static_cast<Real>(alpha), static_cast<Real>(beta), level.d,
                            level.x, from_b);
+      apply_constraints(exec, level.system->dofs, level.x);
     }
   }
 
@@ -215,6 +216,7 @@ struct Multigrid::Impl {
     coarsest->apply(*coarsest_b, *coarsest_x);
     const auto x = Kokkos::subview(coarsest_x->getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
     Kokkos::deep_copy(exec, level.x, x);
+    apply_constraints(exec, level.system->dofs, level.x);
   }
 
   /// y += a x.
@@ -254,9 +256,9 @@ struct Multigrid::Impl {
     const Level& next = *levels[l + 1];
     smooth(level, true);
     level.op->residual(exec, level.b, level.x, level.r);
-    restrict_to(exec, level.transfer, level.r, next.b);
+    restrict_to(exec, level.transfer, next.system->dofs, level.r, next.b);
     solve_coarse(l + 1);
-    prolongate_add(exec, level.transfer, next.x, level.x);
+    prolongate_add(exec, level.transfer, level.system->dofs, next.x, level.x);
     smooth(level, false);
   }
 };

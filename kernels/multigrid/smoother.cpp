@@ -21,8 +21,9 @@ constexpr int runs_at_once = 16;
 template <class Real>
 SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Real>& columns) {
   SupportRows result;
-  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-    const BodyMesh& mesh = system.meshes[b];
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    const BodyMesh& mesh = *parts[b];
     std::vector<SupportTerm> terms;
     for (const SupportTerm& t : system.supports[b])
       if (t.thin && std::none_of(mesh.cell_nodes[t.cell].begin(), mesh.cell_nodes[t.cell].end(),
@@ -52,13 +53,13 @@ SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Rea
       }
       for (std::size_t r = 0; r < direction.size(); ++r) {
         GroupRow row;
-        row.body = static_cast<int>(b);
+        row.part = static_cast<int>(b);
         row.cell = terms[first].cell;
         for (int a = 0; a < 8; ++a)
           for (int i = 0; i < 3; ++i)
             if (sum[r][dof_of(a, i)] != 0)
               row.entries.emplace_back(dof_of(mesh.cell_nodes[row.cell][a], i), sum[r][dof_of(a, i)] / stiffness[r]);
-        std::sort(row.entries.begin(), row.entries.end());
+        resolve_constraints(system, row.entries);
         result.rows.push_back(std::move(row));
         result.stiffness.push_back(stiffness[r]);
       }

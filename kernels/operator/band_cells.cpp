@@ -79,11 +79,11 @@ bool counts_as_full(const CutCells& cut_cells, int active) {
   return true;
 }
 
-SlabPartition make_slabs(const std::vector<BodyMesh>& meshes) {
+SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts) {
   constexpr int most_slabs = 32;
   SlabPartition result;
-  for (const BodyMesh& mesh : meshes) {
-    const CutCells& cc = *mesh.cut_cells;
+  for (const BodyMesh* mesh : parts) {
+    const CutCells& cc = *mesh->cut_cells;
     SlabPartition::Body body;
     Index3 low = cc.grid.num_cells, high = {0, 0, 0};
     for (const Index3& c : cc.cells)
@@ -93,7 +93,9 @@ SlabPartition make_slabs(const std::vector<BodyMesh>& meshes) {
       }
     for (int d = 1; d < 3; ++d)
       if (high[d] - low[d] >= high[body.axis] - low[body.axis]) body.axis = d;
-    // About equal numbers of cut cells, at least two layers: a ghost face reaches over one layer more.
+    // About equal numbers of cut cells, at least two layers: a ghost face reaches over one layer more, one towards larger
+    // cells in both directions.
+    const int least_layers = mesh->level_faces.empty() ? 2 : 3;
     std::vector<double> weight(cc.grid.num_cells[body.axis], 0.0);
     double total = 0;
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
@@ -106,7 +108,7 @@ SlabPartition make_slabs(const std::vector<BodyMesh>& meshes) {
     int layers = 0, colour = 0;
     double sum = 0, share = total / most_slabs;
     for (int layer = low[body.axis]; layer < high[body.axis]; ++layer) {
-      if (layers >= 2 && sum >= share && high[body.axis] - layer >= 2) {
+      if (layers >= least_layers && sum >= share && high[body.axis] - layer >= least_layers) {
         result.colour_of_slab.push_back(colour);
         ++slab;
         colour = 1 - colour;
@@ -137,10 +139,11 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
   BandCells<Real> result;
   result.far = sizeof(Real) * system.num_dofs() > cache;
   std::vector<BandCell> list;
-  std::vector<std::map<int, SupportMoments>> supports(system.meshes.size());
+  const std::vector<const BodyMesh*> parts = system.parts();
+  std::vector<std::map<int, SupportMoments>> supports(parts.size());
   std::vector<typename BandCells<Real>::Law> laws;
-  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-    const BodyMesh& mesh = system.meshes[b];
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    const BodyMesh& mesh = *parts[b];
     const CutCells& cc = *mesh.cut_cells;
     typename BandCells<Real>::Law law;
     law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
@@ -224,7 +227,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
                          for (int l = 0; l < L; ++l) {
                            const bool used = l < batch.count;
                            const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
-                           const BodyMesh& mesh = system.meshes[cell.body];
+                           const BodyMesh& mesh = *parts[cell.body];
                            for (int pair = 0; pair < 4; ++pair)
                              nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
                            if (!used) continue;  // its moments stay zero, its forces are dropped

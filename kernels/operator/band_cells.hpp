@@ -28,7 +28,7 @@ struct SlabPartition {
   std::vector<int> colour_of_slab;  ///< all bodies
   int slab_of(int body, const Index3& cell) const { return bodies[body].slab_of_layer[cell[bodies[body].axis]]; }
 };
-SlabPartition make_slabs(const std::vector<BodyMesh>& meshes);
+SlabPartition make_slabs(const std::vector<const BodyMesh*>& parts);
 
 /// Interior cells, and cells on a face that lies on a grid plane: "cut" by name, with the full cell's moments.
 bool counts_as_full(const CutCells& cut_cells, int active);

@@ -13,7 +13,8 @@ namespace {
 /// cut cell takes back is then never much larger than what remains.
 std::vector<char> classify(const ElasticSystem& system) {
   std::vector<char> by_stencil(system.num_nodes, 0);
-  for (const BodyMesh& mesh : system.meshes) {
+  for (const BodyMesh* part : system.parts()) {
+    const BodyMesh& mesh = *part;
     const CutCells& cc = *mesh.cut_cells;
     std::vector<char> is_full(cc.cells.size());
     parallel_for("cgcontact::fast_operator::full_cells", cc.cells.size(), 4096,
@@ -70,12 +71,13 @@ Kokkos::RangePolicy<ExecSpace, Dynamic> one_by_one(const ExecSpace& exec, int n)
 }  // namespace
 
 template <class Real>
-FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(system.num_nodes) {
-  for (const BodyMesh& mesh : system.meshes)
-    if (mesh.cut_cells->grid.num_levels != 1) throw std::logic_error("fast operator: a grid has more than one level");
+FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(system.num_nodes), dofs_(system.dofs) {
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (const BodyMesh* part : parts)
+    if (part->cut_cells->grid.num_levels != 1) throw std::logic_error("fast operator: a part has more than one level");
   const std::vector<char> by_stencil = classify(system);
-  const SlabPartition slabs = make_slabs(system.meshes);
-  tiles_ = make_stencil_tiles<Real>(system.meshes, by_stencil);
+  const SlabPartition slabs = make_slabs(parts);
+  tiles_ = make_stencil_tiles<Real>(parts, by_stencil);
   cells_ = make_band_cells<Real>(system, by_stencil, slabs);
   ghosts_ = make_ghost_chains<Real>(system, slabs);
   other_nodes_ =
@@ -94,9 +96,10 @@ FastOperator<Real>::FastOperator(const ElasticSystem& system) : num_nodes_(syste
   }
   std::vector<Real> diagonal;
   std::vector<int> first_node;
-  stencil_next_ = decltype(stencil_next_)("cgcontact::fast_operator::next", system.meshes.size());
+  stencil_next_ = decltype(stencil_next_)("cgcontact::fast_operator::next", parts.size());
   auto next = Kokkos::create_mirror_view(stencil_next_);
-  for (const BodyMesh& mesh : system.meshes) {
+  for (const BodyMesh* part : parts) {
+    const BodyMesh& mesh = *part;
     const StencilCoefficients<double> stencil(mesh, 1);
     for (int c = 0; c < 3; ++c) {
       next(diagonal.size(), 0, c) = static_cast<Real>(stencil.outer[c][3]);
@@ -212,6 +215,7 @@ void FastOperator<Real>::apply(const ExecSpace& exec, const ConstVectorView& x, 
   stencil<false>(exec, x.data(), nullptr, y.data());
   band<false>(exec, x.data(), y.data(), true, true);
   groups(exec, x.data(), y.data(), Real(1));
+  apply_constraints_transposed(exec, dofs_, y);
 }
 
 template <class Real>
@@ -220,6 +224,7 @@ void FastOperator<Real>::residual(const ExecSpace& exec, const ConstVectorView& 
   stencil<true>(exec, x.data(), b.data(), r.data());
   band<true>(exec, x.data(), r.data(), true, true);
   groups(exec, x.data(), r.data(), Real(-1));
+  apply_constraints_transposed(exec, dofs_, r);
 }
 
 template <class Real>
@@ -283,6 +288,26 @@ void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView&
           ghost::add_diagonal_blocks(ghosts, slabs(s), blocks, columns);
         });
   }
+  gather_constrained_blocks(exec, blocks);
+}
+
+template <class Real>
+void FastOperator<Real>::gather_constrained_blocks(const ExecSpace& exec, const BlockView& blocks) const {
+  const ConstraintRows rows = dofs_.constraints();
+  if (rows.num_nodes() == 0) return;
+  Kokkos::parallel_for(
+      "cgcontact::fast_operator::gather_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, rows.num_masters()),
+      KOKKOS_LAMBDA(const int m) {
+        for (int e = rows.master_begin(m); e < rows.master_begin(m + 1); ++e) {
+          const Real weight = static_cast<Real>(rows.master_weight(e) * rows.master_weight(e));
+          for (int p = 0; p < 6; ++p) blocks(rows.master_node(m), p) += weight * blocks(rows.constrained(e), p);
+        }
+      });
+  Kokkos::parallel_for(
+      "cgcontact::fast_operator::constrained_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, rows.num_nodes()),
+      KOKKOS_LAMBDA(const int c) {
+        for (int p = 0; p < 6; ++p) blocks(rows.node(c), p) = p < 3 ? Real(1) : Real(0);
+      });
 }
 
 template class FastOperator<double>;

@@ -30,7 +30,7 @@ class FastOperator {
     std::size_t bytes = 0;
   };
 
-  /// Reads meshes, supports, ghost penalty and groups; keeps nothing of the system. soft: on coarse levels.
+  /// Reads meshes, supports, ghost penalty and groups; keeps nothing of the system.
   explicit FastOperator(const ElasticSystem& system);
 
   int num_dofs() const { return dof_of(num_nodes_); }
@@ -39,7 +39,7 @@ class FastOperator {
   /// Takes over rows and stiffnesses.
   void set_groups(const GroupRows& groups);
 
-  /// y = A x.
+  /// y = A x. x is consistent, b, y and r are zero at constrained nodes (DofMap).
   void apply(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
   /// r = b - A x. r may be b.
   void residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x, const VectorView& r) const;
@@ -49,7 +49,9 @@ class FastOperator {
   void add_band(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y, bool cells, bool ghosts) const;
   void add_groups(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
 
-  /// Symmetric 3x3 block of each node (xx, yy, zz, xy, yz, zx) of everything but the contact groups.
+  /// Symmetric 3x3 block of each node (xx, yy, zz, xy, yz, zx) of everything but the contact groups. Masters have the
+  /// blocks of the nodes that they constrain with the square of the weights on top (what couples two of those nodes is
+  /// left out: enough for smoothing), constrained nodes the identity.
   void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks) const;
   /// The same, and the blocks between different nodes of a column (into zero matrices).
   void diagonal_blocks(const ExecSpace& exec, const BlockView& blocks, const NodeColumns<Real>& columns) const;
@@ -61,12 +63,15 @@ class FastOperator {
   void band(const ExecSpace& exec, const Real* x, Real* y, bool cells, bool ghosts) const;
   void groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const;
 
+  void gather_constrained_blocks(const ExecSpace& exec, const BlockView& blocks) const;
+
   struct Groups {
     IntView row_begin, row_dof, dof_begin, dof_list, column_group;
     VectorView row_value, column_value, stiffness, scratch;
   };
 
   int num_nodes_ = 0;
+  DofMap dofs_;
   StencilTiles<Real> tiles_;
   BandCells<Real> cells_;
   GhostChains<Real> ghosts_;

@@ -22,12 +22,15 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
   using Chain = typename GhostChains<Real>::Chain;
   GhostChains<Real> result;
   struct Start {
-    int slab, body, direction, cell, faces, place;
+    int slab, body, direction;
+    Index3 lower;  ///< the first cell
+    int faces, place;
   };
   std::vector<Start> starts;
-  std::vector<double> factor;  // of each body
-  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-    const BodyMesh& mesh = system.meshes[b];
+  std::vector<double> factor;  // of each part
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    const BodyMesh& mesh = *parts[b];
     const CutCells& cc = *mesh.cut_cells;
     const int body = static_cast<int>(b);
     factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.h_of_level(0) /
@@ -49,11 +52,17 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
         const int before = cc.find(lower);
         if (before >= 0 && across(before, d) >= 0 && slabs.slab_of(body, lower) == slab) continue;
         // Chains side by side along x share nodes: even ones first, odd ones later.
-        Start start{slab, body, d, e, 1, d == 0 ? c[2] : 2 * c[2] + (c[0] & 1)};
+        Start start{slab, body, d, c, 1, d == 0 ? c[2] : 2 * c[2] + (c[0] & 1)};
         while (slabs.slab_of(body, cc.cells[f]) == slab && (f = across(f, d)) >= 0) ++start.faces;
         result.num_faces += start.faces;
         starts.push_back(start);
       }
+    for (const LevelFace& face : mesh.level_faces) {
+      const Index3& c = face.lower;
+      starts.push_back({slabs.slab_of(body, cc.cells[face.cell]), body, face.direction, c, 1,
+                        face.direction == 0 ? c[2] : 2 * c[2] + (c[0] & 1)});
+      ++result.num_faces;
+    }
   }
   std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) {
     return std::make_tuple(a.slab, a.direction, a.faces > 1, a.place) <
@@ -62,22 +71,22 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
   std::vector<Chain> chains;
   std::vector<int> row, chunk_begin(slabs.colour_of_slab.size() + 1, 0);
   for (const Start& s : starts) {
-    const BodyMesh& mesh = system.meshes[s.body];
-    const CutCells& cc = *mesh.cut_cells;
+    const BodyMesh& mesh = *parts[s.body];
     chains.push_back({s.direction, s.faces, static_cast<int>(row.size()), static_cast<Real>(factor[s.body])});
     ++chunk_begin[s.slab + 1];
     if (s.direction == 0) {
-      for (int t = 0; t < 4; ++t) row.push_back(mesh.cell_nodes[s.cell][2 * t]);
+      for (int t = 0; t < 4; ++t)
+        row.push_back(mesh.find_node({s.lower[0], s.lower[1] + (t & 1), s.lower[2] + (t >> 1)}));
       continue;
     }
-    const int across = 1 << s.direction, other = s.direction == 1 ? 4 : 2;
-    Index3 c = cc.cells[s.cell];
-    for (int layer = 0; layer < s.faces + 2; ++layer) {
-      const int side = layer == s.faces + 1 ? across : 0;  // the last layer: upper nodes of the last cell
-      const auto& nodes = mesh.cell_nodes[cc.find(c)];
-      for (int t = 0; t < 2; ++t) row.push_back(nodes[side + t * other]);
-      if (layer < s.faces) ++c[s.direction];
-    }
+    const int other = s.direction == 1 ? 2 : 1;
+    Index3 place = s.lower;
+    for (int layer = 0; layer < s.faces + 2; ++layer, ++place[s.direction])
+      for (int t = 0; t < 2; ++t) {
+        Index3 first = place;
+        first[other] += t;
+        row.push_back(mesh.find_node(first));
+      }
   }
   for (std::size_t s = 1; s < chunk_begin.size(); ++s) chunk_begin[s] += chunk_begin[s - 1];
   using ChainView = Kokkos::View<Chain*, MemSpace>;

@@ -22,8 +22,12 @@ NodeColumns<Real> make_node_columns(const ElasticSystem& system) {
     std::array<int, longest> nodes;
   };
   std::vector<Line> lines[longest + 1];
-  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-    const BodyMesh& mesh = system.meshes[b];
+  const std::vector<const BodyMesh*> parts = system.parts();
+  const auto is_constrained = [&](int node) {
+    return !system.constraint_of_node.empty() && system.constraint_of_node[node] >= 0;
+  };
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    const BodyMesh& mesh = *parts[b];
     for (int d = 2; d >= 0; --d)
       for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
         Index3 place = mesh.nodes[n];
@@ -48,7 +52,7 @@ NodeColumns<Real> make_node_columns(const ElasticSystem& system) {
     result.size_begin[size] = static_cast<int>(columns.size());
     for (const Line& line : lines[size]) {
       bool free = true;
-      for (int p = 0; p < size; ++p) free &= column_of_node[line.nodes[p]] < 0;
+      for (int p = 0; p < size; ++p) free &= column_of_node[line.nodes[p]] < 0 && !is_constrained(line.nodes[p]);
       if (!free) continue;
       for (int p = 0; p < size; ++p) {
         column_of_node[line.nodes[p]] = static_cast<int>(columns.size());

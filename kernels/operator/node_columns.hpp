@@ -36,7 +36,8 @@ struct NodeColumns {
   std::size_t bytes() const;
 };
 
-/// A node belongs to the shortest grid line through it, if that has not lost a node to a shorter one. Matrices are
+/// A node belongs to the shortest grid line through it, if that has not lost a node to a shorter one and none of its
+/// nodes is constrained. Matrices are
 /// zero.
 template <class Real>
 NodeColumns<Real> make_node_columns(const ElasticSystem& system);

@@ -160,14 +160,14 @@ std::size_t StencilTiles<Real>::bytes() const {
 }
 
 template <class Real>
-StencilTiles<Real> make_stencil_tiles(const std::vector<BodyMesh>& meshes, const std::vector<char>& by_stencil) {
+StencilTiles<Real> make_stencil_tiles(const std::vector<const BodyMesh*>& parts, const std::vector<char>& by_stencil) {
   Records records;
   records.tile_plane.push_back(0);
   std::vector<StencilCoefficients<Real>> plus, minus;
-  for (std::size_t b = 0; b < meshes.size(); ++b) {
-    TileMaker<Real>(meshes[b], by_stencil, records).run(static_cast<int>(b));
-    plus.emplace_back(meshes[b], 1.0);
-    minus.emplace_back(meshes[b], -1.0);
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    TileMaker<Real>(*parts[b], by_stencil, records).run(static_cast<int>(b));
+    plus.emplace_back(*parts[b], 1.0);
+    minus.emplace_back(*parts[b], -1.0);
   }
   StencilTiles<Real> tiles;
   for (const auto& run : records.runs) tiles.num_nodes += run[3];
@@ -187,7 +187,7 @@ template struct StencilCoefficients<double>;
 template struct StencilCoefficients<float>;
 template struct StencilTiles<double>;
 template struct StencilTiles<float>;
-template StencilTiles<double> make_stencil_tiles(const std::vector<BodyMesh>&, const std::vector<char>&);
-template StencilTiles<float> make_stencil_tiles(const std::vector<BodyMesh>&, const std::vector<char>&);
+template StencilTiles<double> make_stencil_tiles(const std::vector<const BodyMesh*>&, const std::vector<char>&);
+template StencilTiles<float> make_stencil_tiles(const std::vector<const BodyMesh*>&, const std::vector<char>&);
 
 }  // namespace cgcontact

@@ -61,7 +61,7 @@ struct StencilTiles {
 
 /// One flag per node of all bodies: computed by the stencil.
 template <class Real>
-StencilTiles<Real> make_stencil_tiles(const std::vector<BodyMesh>& meshes, const std::vector<char>& by_stencil);
+StencilTiles<Real> make_stencil_tiles(const std::vector<const BodyMesh*>& parts, const std::vector<char>& by_stencil);
 
 namespace stencil {
 

@@ -8,30 +8,81 @@
 #include "kernels/mesh/sparse_rows.hpp"
 
 namespace cgcontact {
+std::vector<const BodyMesh*> ElasticSystem::parts() const {
+  std::vector<const BodyMesh*> all;
+  for (const BodyMesh& mesh : meshes) {
+    if (mesh.parts.empty()) all.push_back(&mesh);
+    for (const BodyMesh& part : mesh.parts) all.push_back(&part);
+  }
+  return all;
+}
+
+std::pair<int, int> ElasticSystem::part_of(int body, int cell) const {
+  int part = 0;
+  for (int b = 0; b < body; ++b) part += std::max<int>(1, static_cast<int>(meshes[b].parts.size()));
+  if (meshes[body].parts.empty()) return {part, cell};
+  const CutCells& cells = *meshes[body].cut_cells;
+  return {part + cells.level(cell), cell - cells.first_of_part[cells.level(cell)]};
+}
+
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty) {
   ElasticSystem system;
   system.ghost_penalty = ghost_penalty;
   system.materials = materials;
   system.scales = scales;
-  system.supports.resize(bodies.size());
+  long long num_nodes = 0;
+  system.meshes.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     system.meshes.push_back(make_body_mesh(*bodies[b], materials[b], scales, system.num_nodes));
-    system.dofs = DofMap(static_cast<long long>(system.num_nodes) + system.meshes.back().num_nodes);
-    system.num_nodes = system.dofs.num_nodes();
+    num_nodes += system.meshes.back().num_nodes;
+    system.num_nodes = DofMap(num_nodes).num_nodes();  // checked
+    const std::vector<NodeConstraint>& own = system.meshes.back().constraints;
+    system.constraints.insert(system.constraints.end(), own.begin(), own.end());
   }
+  system.dofs = DofMap(num_nodes, system.constraints);
+  if (!system.constraints.empty()) system.constraint_of_node.assign(system.num_nodes, -1);
+  for (std::size_t c = 0; c < system.constraints.size(); ++c)
+    system.constraint_of_node[system.constraints[c].node] = static_cast<int>(c);
+  system.supports.resize(system.parts().size());
   return system;
 }
 
+void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int, double>>& entries) {
+  std::vector<std::pair<int, double>> resolved;
+  for (const auto& [dof, value] : entries) {
+    const int node = node_of_dof(dof), component = component_of_dof(dof);
+    const int c = system.constraint_of_node.empty() ? -1 : system.constraint_of_node[node];
+    if (c < 0) {
+      resolved.emplace_back(dof, value);
+      continue;
+    }
+    for (const auto& [master, weight] : system.constraints[c].masters)
+      resolved.emplace_back(dof_of(master, component), weight * value);
+  }
+  std::stable_sort(resolved.begin(), resolved.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  entries.clear();
+  for (const auto& [dof, value] : resolved)
+    if (!entries.empty() && entries.back().first == dof)
+      entries.back().second += value;
+    else
+      entries.emplace_back(dof, value);
+}
+
 void add_support_terms(ElasticSystem& system, int body, const std::vector<SupportTerm>& terms) {
-  for (const SupportTerm& t : terms)
-    if (system.meshes[body].cut_cells->cut_of_active[t.cell] < 0)
+  for (SupportTerm t : terms) {
+    const auto [part, cell] = system.part_of(body, t.cell);
+    t.cell = cell;
+    if (system.parts()[part]->cut_cells->cut_of_active[cell] < 0)
       throw std::logic_error("support point in an interior cell");
-  system.supports[body].insert(system.supports[body].end(), terms.begin(), terms.end());
+    system.supports[part].push_back(t);
+  }
 }
 
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows) {
   system.group_rows = std::move(rows);
+  if (!system.constraints.empty())
+    for (GroupRow& row : system.group_rows) resolve_constraints(system, row.entries);
   const auto [rows_of_groups, rows_of_dofs] = compress_rows(
       system.group_rows.size(), [&](std::size_t g) -> const SparseRow& { return system.group_rows[g].entries; },
       [](std::size_t g) { return static_cast<int>(g); });

@@ -1,6 +1,7 @@
 /// All bodies' stiffness, ghost penalty, supports and contact terms as one linear system (dimensionless, Scales).
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "kernels/mesh/dof_map.hpp"
@@ -20,7 +21,7 @@ struct SupportTerm {
 /// One contact group: mean normal gap over a boundary piece of the coarser body's cell, as a sparse row on the DoFs.
 struct GroupRow {
   std::vector<std::pair<int, double>> entries;  ///< (DoF, coefficient), sorted by DoF
-  int body = 0, cell = 0;                       ///< active cell of the coarser body that the piece lies in
+  int part = 0, cell = 0;                       ///< cell of a part of the coarser body that the piece lies in
   int family = 0;                               ///< rows of one family may be merged on coarser grids
 };
 
@@ -36,8 +37,8 @@ struct GroupRows {
 };
 
 struct ElasticSystem {
-  std::vector<BodyMesh> meshes;
-  std::vector<std::vector<SupportTerm>> supports;  ///< per body
+  std::vector<BodyMesh> meshes;                    ///< of each body
+  std::vector<std::vector<SupportTerm>> supports;  ///< of each part, with its cells
   double ghost_penalty = 0;
   std::vector<Material> materials;
   Scales scales;
@@ -46,6 +47,14 @@ struct ElasticSystem {
   std::vector<double> full_group_stiffness;  ///< of each group when closed
   int num_nodes = 0;                         ///< DofMap::num_nodes
   DofMap dofs;
+  /// Of all bodies, ascending in node; of each node the index of its constraint or -1 (empty: no node is constrained).
+  std::vector<NodeConstraint> constraints;
+  std::vector<int> constraint_of_node;
+
+  /// What the kernels run on, one after the other: bodies of one level, and the parts of the others.
+  std::vector<const BodyMesh*> parts() const;
+  /// Part that holds an active cell of a body, and the cell's number there.
+  std::pair<int, int> part_of(int body, int cell) const;
 
   int num_dofs() const { return dofs.num_dofs(); }
 };
@@ -54,10 +63,14 @@ struct ElasticSystem {
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty);
 
-/// Adds support terms to a body; support points lie in cut cells only.
+/// Entries of a row (DoF, coefficient) in any order, on the masters of constrained nodes instead of them; sorted by DoF,
+/// each once.
+void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int, double>>& entries);
+
+/// Adds support terms to a body; support points lie in cut cells only. cell: of the body.
 void add_support_terms(ElasticSystem& system, int body, const std::vector<SupportTerm>& terms);
 
-/// Sets the rows of the contact groups; stiffnesses start at zero.
+/// Sets the rows of the contact groups, their constraints resolved; stiffnesses start at zero.
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows);
 
 /// Present stiffness of each group.

@@ -67,6 +67,21 @@ std::vector<ColouredFace<degree>> ghost_faces(const BodyMesh& mesh, const CellNo
         }
       faces.push_back(face);
     }
+  if constexpr (degree == 1)
+    for (const LevelFace& level_face : mesh.level_faces) {
+      const int d = level_face.direction, t1 = (d + 1) % 3, t2 = (d + 2) % 3;
+      const Index3& c = level_face.lower;
+      ColouredFace<degree> face;
+      face.colour = ((d * 3 + (c[d] + 1) % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);
+      for (int n = 0; n < GhostFace<degree>::num_nodes; ++n) {
+        Index3 place = c;
+        place[d] += n / Element::nodes_per_face;
+        place[t1] += n & 1;
+        place[t2] += n >> 1 & 1;
+        face.nodes[n] = mesh.find_node(place);
+      }
+      faces.push_back(face);
+    }
   return faces;
 }
 

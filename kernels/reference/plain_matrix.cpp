@@ -21,8 +21,8 @@ using HostFaces = decltype(Kokkos::create_mirror_view(FaceNodesView()));
 /// Ghost faces of every body.
 std::vector<HostFaces> ghost_faces(const ElasticSystem& system) {
   std::vector<HostFaces> faces;
-  for (const BodyMesh& mesh : system.meshes) {
-    const FaceNodesView nodes = colour_mesh(mesh).nodes_of_face;
+  for (const BodyMesh* part : system.parts()) {
+    const FaceNodesView nodes = colour_mesh(*part).nodes_of_face;
     faces.push_back(Kokkos::create_mirror_view(nodes));
     Kokkos::deep_copy(faces.back(), nodes);
   }
@@ -40,8 +40,9 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
     list.erase(std::unique(list.begin(), list.end()), list.end());
     list.shrink_to_fit();
   };
-  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-    const BodyMesh& mesh = system.meshes[b];
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    const BodyMesh& mesh = *parts[b];
     for (const auto& nodes : mesh.cell_nodes) connect(nodes, 8);
     const auto& faces = ghost_faces[b];
     for (std::size_t f = 0; f < faces.extent(0); ++f) connect(&faces(f, 0), 12);
@@ -61,8 +62,9 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
 }
 
 void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_faces, BlockMatrix& A) {
-  for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-    const BodyMesh& mesh = system.meshes[b];
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    const BodyMesh& mesh = *parts[b];
     const CellMatrixView matrices = make_cell_matrices(mesh, system.supports[b]);
     const GhostMatrix ghost = make_ghost_matrix(mesh, system.ghost_penalty);
     auto K = Kokkos::create_mirror_view(matrices);

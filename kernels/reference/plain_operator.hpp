@@ -1,5 +1,5 @@
 /// The reference twin of the fast operator: element matrices and plain kernels, for elements of degree 1 or 2. Degree 1
-/// works on the system's own nodes; degree 2 has nodes of its own (nodes(body)), and no contact groups yet, whose rows
+/// works on the system's own nodes; degree 2 has nodes of its own (nodes(part)), and no contact groups yet, whose rows
 /// are those of trilinear nodes.
 #pragma once
 
@@ -17,28 +17,32 @@ class PlainOperator {
     if (degree != 1 && !system.group_rows.empty())
       throw std::logic_error("plain operator: contact groups are rows of trilinear elements");
     int num_nodes = 0;
-    for (std::size_t b = 0; b < system.meshes.size(); ++b) {
-      nodes_.push_back(number_element_nodes<degree>(*system.meshes[b].cut_cells, num_nodes));
+    if (degree != 1 && !system.constraints.empty())
+      throw std::logic_error("plain operator: nodes are constrained for trilinear elements only");
+    const std::vector<const BodyMesh*> parts = system.parts();
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      nodes_.push_back(number_element_nodes<degree>(*parts[p]->cut_cells, num_nodes, virtual_cells(*parts[p])));
       num_nodes += static_cast<int>(nodes_.back().places.size());
-      meshes_.push_back(colour_mesh<degree>(system.meshes[b], nodes_.back().of_cell));
-      matrices_.push_back(make_cell_matrices<degree>(system.meshes[b], system.supports[b]));
-      ghosts_.push_back(make_ghost_matrix<degree>(system.meshes[b], system.ghost_penalty));
+      meshes_.push_back(colour_mesh<degree>(*parts[p], nodes_.back().of_cell));
+      matrices_.push_back(make_cell_matrices<degree>(*parts[p], system.supports[p]));
+      ghosts_.push_back(make_ghost_matrix<degree>(*parts[p], system.ghost_penalty));
     }
-    dofs_ = DofMap(num_nodes);
+    dofs_ = DofMap(num_nodes, system.constraints);
   }
 
   const DofMap& dofs() const { return dofs_; }
-  const ElementNodes<degree>& nodes(std::size_t body) const { return nodes_[body]; }
+  const ElementNodes<degree>& nodes(std::size_t part) const { return nodes_[part]; }
 
-  /// y = A x, with the present stiffness of the contact groups.
+  /// y = A x, with the present stiffness of the contact groups. x is consistent, y is zero at constrained nodes.
   template <class Exec, class X, class Y>
   void apply(const Exec& exec, const X& x, const Y& y) const {
     Kokkos::deep_copy(exec, y, 0.0);
-    for (std::size_t b = 0; b < system_.meshes.size(); ++b) {
-      apply_cells<degree>(exec, meshes_[b], matrices_[b], x, y);
-      apply_ghost_faces<degree>(exec, meshes_[b], ghosts_[b], x, y);
+    for (std::size_t p = 0; p < meshes_.size(); ++p) {
+      apply_cells<degree>(exec, meshes_[p], matrices_[p], x, y);
+      apply_ghost_faces<degree>(exec, meshes_[p], ghosts_[p], x, y);
     }
     apply_groups(exec, system_.groups, x, y);
+    apply_constraints_transposed(exec, dofs_, y);
   }
 
  private:

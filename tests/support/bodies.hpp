@@ -22,11 +22,22 @@ inline Grid odd_grid(int n, double angle, double length = 1.0) {
   return grid;
 }
 
-inline CutCells cut(const Solid& solid, const Grid& grid) {
-  return make_cut_cells(
-      solid.transformed(grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size,
-                        1 / grid.cell_size),
-      grid);
+inline Solid in_grid(const Solid& solid, const Grid& grid) {
+  return solid.transformed(grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size,
+                           1 / grid.cell_size);
+}
+
+inline CutCells cut(const Solid& solid, const Grid& grid) { return make_cut_cells(in_grid(solid, grid), grid); }
+
+/// Cells refined towards a point (global axes): no larger than `finest` cells of the grid there, growing by `slope`.
+inline CutCells cut_refined(const Solid& solid, const Grid& grid, const Vec3& point, double finest, double slope = 0.4,
+                            int most_levels = 12) {
+  const Solid placed = in_grid(solid, grid);
+  const Vec3 centre = grid.to_grid(point);
+  const auto wanted = [&](const Vec3& low, const Vec3& high) {
+    return std::max(finest, slope * (centre - centre.cwiseMax(low).cwiseMin(high)).norm());
+  };
+  return make_cut_cells(placed, grid, {}, {}, refine_cells(placed.geometry(), grid, wanted, most_levels));
 }
 
 /// Nodal values of a displacement field given in global axes, stored in grid axes.
@@ -37,7 +48,7 @@ RealView nodal_field(const ElasticSystem& system, const Field& field) {
     for (int n = 0; n < mesh.num_nodes; ++n) {
       const Grid& grid = mesh.cut_cells->grid;
       const Vec3 value =
-          grid.rotation.transpose() * field(grid.to_global(Vec3(mesh.nodes[n][0], mesh.nodes[n][1], mesh.nodes[n][2])));
+          grid.rotation.transpose() * field(grid.to_global(mesh.node_position(n)));
       for (int i = 0; i < 3; ++i) u(dof_of(mesh.first_node + n, i)) = value[i];
     }
   return u;

@@ -39,9 +39,9 @@ TEST(Coarsening, StiffnessIsTheGalerkinProduct) {
     const RealView x = test::random_vector(levels.coarse.num_dofs(), 3);
     RealView Px("Px", levels.fine.num_dofs()), APx("APx", levels.fine.num_dofs());
     RealView galerkin("galerkin", levels.coarse.num_dofs()), coarse("coarse", levels.coarse.num_dofs());
-    prolongate_add(ExecSpace(), levels.transfer, x, Px);
+    prolongate_add(ExecSpace(), levels.transfer, levels.fine.dofs, x, Px);
     PlainOperator(levels.fine).apply(ExecSpace(), Px, APx);
-    restrict_to(ExecSpace(), levels.transfer, APx, galerkin);
+    restrict_to(ExecSpace(), levels.transfer, levels.coarse.dofs, APx, galerkin);
     PlainOperator(levels.coarse).apply(ExecSpace(), x, coarse);
     for (std::size_t i = 0; i < x.extent(0); ++i) galerkin(i) -= coarse(i);
     EXPECT_LT(norm(galerkin), 1e-13 * norm(coarse));
@@ -53,19 +53,19 @@ TEST(Coarsening, TransfersAreAdjointAndKeepLinearFields) {
   const RealView c = test::random_vector(levels.coarse.num_dofs(), 4),
                  f = test::random_vector(levels.fine.num_dofs(), 5);
   RealView Pc("Pc", levels.fine.num_dofs()), Rf("Rf", levels.coarse.num_dofs());
-  prolongate_add(ExecSpace(), levels.transfer, c, Pc);
-  restrict_to(ExecSpace(), levels.transfer, f, Rf);
+  prolongate_add(ExecSpace(), levels.transfer, levels.fine.dofs, c, Pc);
+  restrict_to(ExecSpace(), levels.transfer, levels.coarse.dofs, f, Rf);
   EXPECT_NEAR(dot(Pc, f), dot(c, Rf), 1e-13 * norm(Pc) * norm(f));
   const auto linear = [](const Vec3& x) { return Vec3(1 + x[0] - 2 * x[1], x[2], 3 * x[1] + x[0]); };
   const RealView coarse = test::nodal_field(levels.coarse, linear), exact = test::nodal_field(levels.fine, linear);
   RealView fine("fine", levels.fine.num_dofs());
-  prolongate_add(ExecSpace(), levels.transfer, coarse, fine);
+  prolongate_add(ExecSpace(), levels.transfer, levels.fine.dofs, coarse, fine);
   for (std::size_t i = 0; i < fine.extent(0); ++i) fine(i) -= exact(i);
   EXPECT_LT(norm(fine), 1e-13 * norm(exact));
 }
 
 TEST(Coarsening, SupportsKeepTheirPointsAndHalveTheirStiffness) {
-  const TwoLevels levels(block(), 9, 0.3, 0.01);
+  TwoLevels levels(block(), 9, 0.3, 0.01);
   std::vector<SupportTerm> terms;
   const BoundaryPoints& points = levels.fine_cells.boundary;
   for (std::size_t p = 0; p < points.size(); p += 7) {
@@ -73,7 +73,8 @@ TEST(Coarsening, SupportsKeepTheirPointsAndHalveTheirStiffness) {
     terms.push_back(
         {points.cell[p], 2 * (points.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones(), Vec3::UnitX(), 2});
   }
-  const auto coarse = coarse_supports(levels.fine_cells, levels.coarse_cells, terms);
+  add_support_terms(levels.fine, 0, terms);
+  const auto coarse = coarse_supports(levels.fine, levels.coarse)[0];
   for (std::size_t t = 0; t < terms.size(); ++t) {
     const Index3& c = levels.coarse_cells.cells[coarse[t].cell];
     const Vec3 position = 2 * (Vec3(c[0], c[1], c[2]) + 0.5 * (coarse[t].xi + Vec3::Ones()));
@@ -153,13 +154,11 @@ TEST(Coarsening, SupportsAreTheGalerkinProduct) {
   ElasticSystem fine = plate.system;
   CutCells cells[2] = {coarse_cut_cells(plate.cells), {}};
   cells[1] = coarse_cut_cells(cells[0]);
-  const CutCells* before = &plate.cells;
   RealView x = test::random_vector(make_elastic_system({&cells[1]}, fine.materials, fine.scales, 0).num_dofs(), 3);
   std::vector<ElasticSystem> systems{fine};
   for (const CutCells& coarse : cells) {
     systems.push_back(make_elastic_system({&coarse}, fine.materials, fine.scales, 0));
-    add_support_terms(systems.back(), 0, coarse_supports(*before, coarse, systems[systems.size() - 2].supports[0]));
-    before = &coarse;
+    systems.back().supports = coarse_supports(systems[systems.size() - 2], systems.back());
   }
   EXPECT_LT(systems[2].supports[0].size(), systems[0].supports[0].size());
   const auto supports_only = [](const ElasticSystem& system, const RealView& u) {
@@ -173,11 +172,11 @@ TEST(Coarsening, SupportsAreTheGalerkinProduct) {
   };
   const Transfer first = make_transfer(systems[0], systems[1]), second = make_transfer(systems[1], systems[2]);
   RealView x1("x1", systems[1].num_dofs()), x0("x0", systems[0].num_dofs());
-  prolongate_add(ExecSpace(), second, x, x1);
-  prolongate_add(ExecSpace(), first, x1, x0);
+  prolongate_add(ExecSpace(), second, systems[1].dofs, x, x1);
+  prolongate_add(ExecSpace(), first, systems[0].dofs, x1, x0);
   RealView r1("r1", systems[1].num_dofs()), r2("r2", systems[2].num_dofs());
-  restrict_to(ExecSpace(), first, supports_only(systems[0], x0), r1);
-  restrict_to(ExecSpace(), second, r1, r2);
+  restrict_to(ExecSpace(), first, systems[1].dofs, supports_only(systems[0], x0), r1);
+  restrict_to(ExecSpace(), second, systems[2].dofs, r1, r2);
   const RealView coarse = supports_only(systems[2], x);
   for (std::size_t i = 0; i < r2.extent(0); ++i) r2(i) -= 4 * coarse(i);  // kappa E / h of the coarse h
   EXPECT_LT(norm(r2), 1e-12 * norm(coarse) * 4);

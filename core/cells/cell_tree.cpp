@@ -1,0 +1,80 @@
+#include "core/cells/cell_tree.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/base/errors.hpp"
+#include "core/geometry/body_geometry.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Calls use(neighbour) for the cells of the 3 x 3 x 3 block that are in the grid.
+template <class Use>
+void each_around(const Index3& cell, const Index3& extent, const Use& use) {
+  for (int n = 0; n < 27; ++n) {
+    const Index3 c{cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1};
+    bool in_grid = true;
+    for (int d = 0; d < 3; ++d) in_grid &= c[d] >= 0 && c[d] < extent[d];
+    if (in_grid) use(c);
+  }
+}
+
+}  // namespace
+
+CellTree::CellTree(const Index3& num_cells, const std::vector<std::vector<Index3>>& refined) : num_cells_(num_cells) {
+  int levels = static_cast<int>(refined.size());
+  while (levels > 0 && refined[levels - 1].empty()) --levels;
+  for (const int n : num_cells)
+    if (levels > 0 && static_cast<double>(n) * std::pow(2.0, levels) > std::numeric_limits<int>::max())
+      throw InputError(fmt::format("{} cells and {} levels of refinement are more than 32-bit numbers hold", n, levels));
+  refined_.resize(levels);
+  for (int l = levels - 1; l >= 0; --l) {
+    refined_[l] = GridNumbers(cells_of_level(num_cells, l));
+    for (const Index3& cell : refined[l]) refined_[l].insert(cell);
+    if (l + 1 < levels)
+      refined_[l + 1].each([&](const Index3& cell) {
+        each_around(cell, cells_of_level(num_cells, l + 1),
+                    [&](const Index3& c) { refined_[l].insert({c[0] >> 1, c[1] >> 1, c[2] >> 1}); });
+      });
+    refined_[l].number();
+  }
+}
+
+CellTree CellTree::coarsened() const {
+  std::vector<std::vector<Index3>> refined(num_levels() > 2 ? num_levels() - 2 : 0);
+  for (std::size_t l = 0; l < refined.size(); ++l)
+    refined_[l + 1].each([&](const Index3& c) { refined[l].push_back({c[0] >> 1, c[1] >> 1, c[2] >> 1}); });
+  return CellTree(num_cells_, refined);
+}
+
+Index3 CellTree::clamped(int level, Index3 cell) const {
+  const Index3 extent = cells_of_level(num_cells_, level);
+  for (int d = 0; d < 3; ++d) cell[d] = std::clamp(cell[d], 0, extent[d] - 1);
+  return cell;
+}
+
+CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
+                      const std::function<double(const Vec3&, const Vec3&)>& wanted, int most_levels) {
+  std::vector<std::vector<Index3>> refined(most_levels - 1);
+  const std::function<void(int, const Index3&)> visit = [&](int level, const Index3& cell) {
+    if (level + 1 >= most_levels) return;
+    const double size = std::ldexp(1.0, -level);
+    const Vec3 low = size * Vec3(cell[0], cell[1], cell[2]), high = low + Vec3::Constant(size);
+    if (!(wanted(low, high) < 0.999 * size)) return;
+    std::vector<signed char> sides(body.surfaces().size(), -1);
+    if (body.side_of_block(0.5 * (low + high), Vec3::Constant(0.5 * size), sides) == 0) return;
+    refined[level].push_back(cell);
+    for (int a = 0; a < 8; ++a)
+      visit(level + 1, {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)});
+  };
+  for (int k = 0; k < grid.num_cells[2]; ++k)
+    for (int j = 0; j < grid.num_cells[1]; ++j)
+      for (int i = 0; i < grid.num_cells[0]; ++i) visit(0, {i, j, k});
+  return CellTree(grid.num_cells, refined);
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,59 @@
+/// Which cells of a grid are divided into eight: the levels of a locally refined grid, balanced so that cells which
+/// touch, if only in a corner, differ by one level at most. The tree knows no body: leaves may be outside of it.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/cells/grid.hpp"
+#include "core/cells/grid_numbers.hpp"
+
+namespace cgcontact {
+
+class BodyGeometry;
+
+class CellTree {
+ public:
+  /// One level: no cell is refined.
+  CellTree() = default;
+
+  /// refined[l]: cells of level l (size 2^-l) to be divided, inside of the grid. Divides more where the balance asks for
+  /// it: the parents of the 3 x 3 x 3 block round each of them exist only if divided. Throws InputError if a level has
+  /// more cells per direction than 32-bit numbers hold.
+  CellTree(const Index3& num_cells, const std::vector<std::vector<Index3>>& refined);
+
+  int num_levels() const { return static_cast<int>(refined_.size()) + 1; }
+  /// Is a cell of a level divided? Cells outside of the grid count as the nearest one inside.
+  bool is_refined(int level, const Index3& cell) const {
+    return level < static_cast<int>(refined_.size()) && refined_[level].find(clamped(level, cell)) >= 0;
+  }
+  /// Is a cell of a level a leaf? As above outside of the grid.
+  bool is_leaf(int level, const Index3& cell) const {
+    if (refined_.empty()) return level == 0;
+    return !is_refined(level, cell) &&
+           (level == 0 || is_refined(level - 1, {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1}));
+  }
+  /// The tree with every cell whose parts are all leaves put together again, for as far as the balance allows: one level
+  /// less.
+  CellTree coarsened() const;
+  /// The divided cells of a level.
+  const GridNumbers& refined(int level) const { return refined_[level]; }
+
+ private:
+  Index3 clamped(int level, Index3 cell) const;
+
+  Index3 num_cells_{0, 0, 0};
+  std::vector<GridNumbers> refined_;  ///< of every level but the last; none is empty
+};
+
+/// Number of cells per direction of a level.
+inline Index3 cells_of_level(const Index3& num_cells, int level) {
+  return {num_cells[0] << level, num_cells[1] << level, num_cells[2] << level};
+}
+
+/// Divides cells which the body touches for as long as they are larger than what is wanted somewhere in them.
+/// body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid coordinates. most_levels >= 1.
+CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
+                      const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int most_levels);
+
+}  // namespace cgcontact

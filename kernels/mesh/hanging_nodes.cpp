@@ -1,0 +1,116 @@
+#include "kernels/mesh/hanging_nodes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "kernels/mesh/sparse_rows.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Is a node of the part a corner of one of its active cells?
+bool is_corner(const BodyMesh& part, const Index3& place) {
+  for (int a = 0; a < 8; ++a)
+    if (part.cut_cells->find({place[0] - (a & 1), place[1] - (a >> 1 & 1), place[2] - (a >> 2)}) >= 0) return true;
+  return false;
+}
+
+/// Active cell of a part that has a point in or on it; `twice`: its place in half cells of the part. -1: none.
+int cell_around(const BodyMesh& part, const Index3& twice) {
+  for (int a = 0; a < 8; ++a) {
+    Index3 cell;
+    bool twin = false;  // inside of a layer of cells there is one cell, not two
+    for (int d = 0; d < 3; ++d) {
+      const int lower = a >> d & 1;
+      twin = twin || (lower && (twice[d] & 1));
+      cell[d] = (twice[d] >> 1) - lower;
+    }
+    if (twin) continue;
+    if (const int found = part.cut_cells->find(cell); found >= 0) return found;
+  }
+  return -1;
+}
+
+class Constrainer {
+ public:
+  explicit Constrainer(const std::vector<BodyMesh>& parts) : parts_(parts) {
+    of_node_.assign(parts.back().first_node + parts.back().num_nodes - parts.front().first_node, -1);
+  }
+
+  std::vector<NodeConstraint> run() {
+    for (std::size_t p = 1; p < parts_.size(); ++p)
+      for (int n = 0; n < parts_[p].num_nodes; ++n) constrain(p, n);
+    return std::move(constraints_);
+  }
+
+ private:
+  void constrain(std::size_t p, int n) {
+    const BodyMesh& part = parts_[p];
+    const Index3& place = part.nodes[n];
+    const bool own = is_corner(part, place);
+    for (std::size_t q = 0; q < p; ++q) {
+      const int steps = halvings(parts_[q].cut_cells->grid, part.cut_cells->grid), size = 1 << steps;
+      if (place[0] % size == 0 && place[1] % size == 0 && place[2] % size == 0) {
+        const Index3 at{place[0] >> steps, place[1] >> steps, place[2] >> steps};
+        if (const int node = parts_[q].find_node(at); node >= 0 && is_corner(parts_[q], at))
+          return add(part.first_node + n, {{node, 1.0}});
+      }
+      if (steps != 1) continue;
+      if (const int cell = cell_around(parts_[q], place); cell >= 0)
+        return add(part.first_node + n, corners(parts_[q], cell, place));
+    }
+    if (!own) throw std::logic_error("a node of a virtual cell lies in no cell");
+  }
+
+  /// Interpolation at a place (in half cells) of a cell: the mean of the corners on the smallest side it lies on.
+  static SparseRow corners(const BodyMesh& part, int cell, const Index3& twice) {
+    const Index3& c = part.cut_cells->cells[cell];
+    SparseRow row;
+    for (int a = 0; a < 8; ++a) {
+      double weight = 1;
+      for (int d = 0; d < 3; ++d) {
+        const int at = twice[d] - 2 * c[d], side = a >> d & 1;  // 0, 1, 2: along the cell
+        weight *= at == 1 ? 0.5 : at == 2 * side ? 1 : 0;
+      }
+      if (weight > 0) row.emplace_back(part.cell_nodes[cell][a], weight);
+    }
+    return row;
+  }
+
+  void add(int node, const SparseRow& row) {
+    NodeConstraint constraint{node, {}};
+    for (const auto& [master, weight] : row) {
+      const int c = of_node_[master - parts_.front().first_node];
+      if (c < 0) {
+        constraint.masters.emplace_back(master, weight);
+        continue;
+      }
+      for (const auto& [next, share] : constraints_[c].masters) constraint.masters.emplace_back(next, weight * share);
+    }
+    std::sort(constraint.masters.begin(), constraint.masters.end());
+    SparseRow merged;
+    for (const auto& [master, weight] : constraint.masters)
+      if (!merged.empty() && merged.back().first == master)
+        merged.back().second += weight;
+      else
+        merged.emplace_back(master, weight);
+    constraint.masters = std::move(merged);
+    of_node_[node - parts_.front().first_node] = static_cast<int>(constraints_.size());
+    constraints_.push_back(std::move(constraint));
+  }
+
+  const std::vector<BodyMesh>& parts_;
+  std::vector<NodeConstraint> constraints_;
+  std::vector<int> of_node_;
+};
+
+}  // namespace
+
+int halvings(const Grid& larger, const Grid& smaller) {
+  return static_cast<int>(std::lround(std::log2(larger.cell_size / smaller.cell_size)));
+}
+
+std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& parts) { return Constrainer(parts).run(); }
+
+}  // namespace cgcontact

@@ -1,0 +1,20 @@
+/// The constraints of the nodes where cells of different size meet. With cells that differ by one level at most, corners
+/// included (CellTree), no master is constrained itself.
+#pragma once
+
+#include <vector>
+
+#include "kernels/mesh/mesh.hpp"
+
+namespace cgcontact {
+
+/// How often a cell of one grid must be halved to be as large as one of the other; both descend from the same grid.
+int halvings(const Grid& larger, const Grid& smaller);
+
+/// Constraints of the nodes of a body's parts, whose cells descend in size (or are equal), ascending in node:
+///   a node that a part before also has is that node;
+///   a node on an edge or a face of a larger cell is the mean of that edge's or face's corners;
+///   a node of a virtual child is interpolated in the larger cell.
+std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& parts);
+
+}  // namespace cgcontact
