@@ -291,6 +291,7 @@ void Multigrid::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp, 
   Kokkos::parallel_for(
       "cgcontact::multigrid::out", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
       KOKKOS_LAMBDA(const int i) { z(i) = scale * x(i); });
+  apply_constraints(exec, level.system->dofs, z);  // again, to the precision of CG
   exec.fence();
 }
 

@@ -1,0 +1,194 @@
+/// Locally refined grids: balance of the tree, cut cells of several levels.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/base/errors.hpp"
+#include "cut_cells_checks.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Cells of level `to` that are the part of a cell or contain it.
+Index3 part_of(const Index3& c, int steps) { return {c[0] >> steps, c[1] >> steps, c[2] >> steps}; }
+
+/// All leaves of a tree: (level, place).
+std::vector<std::pair<int, Index3>> leaves(const CellTree& tree, const Index3& num_cells) {
+  std::vector<std::pair<int, Index3>> found;
+  for (int l = 0; l < tree.num_levels(); ++l)
+    for (int k = 0; k < num_cells[2] << l; ++k)
+      for (int j = 0; j < num_cells[1] << l; ++j)
+        for (int i = 0; i < num_cells[0] << l; ++i)
+          if (tree.is_leaf(l, {i, j, k})) found.push_back({l, {i, j, k}});
+  return found;
+}
+
+/// A cell and the 26 around it: is each covered by a leaf of a level that differs by one at most?
+void expect_balanced(const CellTree& tree, const Index3& num_cells) {
+  for (const auto& [l, c] : leaves(tree, num_cells))
+    for (int n = 0; n < 27; ++n) {
+      const Index3 other{c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1};
+      bool in_grid = true;
+      for (int d = 0; d < 3; ++d) in_grid &= other[d] >= 0 && other[d] < num_cells[d] << l;
+      if (!in_grid) continue;
+      bool covered = tree.is_refined(l, other) || tree.is_leaf(l, other);
+      covered = covered || (l > 0 && tree.is_leaf(l - 1, part_of(other, 1)));
+      ASSERT_TRUE(covered) << "level " << l << ": the neighbour is larger by two levels";
+    }
+}
+
+double covered_volume(const CellTree& tree, const Index3& num_cells) {
+  double volume = 0;
+  for (const auto& leaf : leaves(tree, num_cells)) volume += std::pow(0.125, leaf.first);
+  return volume;
+}
+
+TEST(CellTree, IsBalancedAndCoversTheGridOnce) {
+  const Index3 n{3, 2, 4};
+  std::vector<std::vector<Index3>> refined(5);
+  refined[4] = {{33, 17, 9}};  // one cell of level 4 and what that needs
+  refined[2] = {{0, 0, 15}};
+  const CellTree tree(n, refined);
+  EXPECT_EQ(tree.num_levels(), 6);
+  EXPECT_TRUE(tree.is_refined(0, {2, 1, 0}));
+  EXPECT_NEAR(covered_volume(tree, n), 24, 1e-12);
+  expect_balanced(tree, n);
+}
+
+TEST(CellTree, CoarsenedIsBalancedAndEndsAtTheGrid) {
+  const Index3 n{2, 2, 2};
+  std::vector<std::vector<Index3>> refined(4);
+  refined[3] = {{0, 3, 5}, {1, 3, 5}};
+  CellTree tree(n, refined);
+  std::size_t before = leaves(tree, n).size();
+  for (int levels = 5; levels > 1; --levels) {
+    ASSERT_EQ(tree.num_levels(), levels);
+    tree = tree.coarsened();
+    const std::size_t now = leaves(tree, n).size();
+    EXPECT_LT(now, before);
+    before = now;
+    EXPECT_NEAR(covered_volume(tree, n), 8, 1e-12);
+    expect_balanced(tree, n);
+  }
+  EXPECT_EQ(before, 8u) << "the grid";
+}
+
+TEST(CellTree, RefusesMoreThanNumbersHold) {
+  std::vector<std::vector<Index3>> refined(30);
+  refined[29] = {{0, 0, 0}};
+  EXPECT_THROW(CellTree({5, 5, 5}, refined), InputError);
+}
+
+/// A body in its grid, refined towards a point.
+CutCells refined_cells(const Solid& solid, const Grid& grid, const Vec3& point, double finest, double slope,
+                       int levels) {
+  const auto wanted = [&](const Vec3& low, const Vec3& high) {
+    return std::max(finest, slope * (point - point.cwiseMax(low).cwiseMin(high)).norm());
+  };
+  return make_cut_cells(solid, grid, {}, {}, refine_cells(solid.geometry(), grid, wanted, levels));
+}
+
+/// Volume in cells of level 0, from the cells of all levels.
+double volume(const CutCells& cells) {
+  double sum = 0;
+  for (int a = 0; a < static_cast<int>(cells.cells.size()); ++a)
+    sum += std::pow(cells.size(a), 3) * cells.volume_fraction(a);
+  return sum;
+}
+
+double area(const CutCells& cells) {
+  double sum = 0;
+  for (const double w : cells.boundary.weight) sum += w;
+  return sum;
+}
+
+void expect_consistent(const CutCells& cells) {
+  ASSERT_EQ(cells.parts.size(), static_cast<std::size_t>(cells.num_levels()));
+  for (int a = 0; a < static_cast<int>(cells.cells.size()); ++a) {
+    EXPECT_EQ(cells.find(cells.level(a), cells.cells[a]), a);
+    const Vec3 middle = grid_position(cells, a, Vec3::Zero());
+    EXPECT_EQ(cells.locate(middle), a);
+    EXPECT_LT(cell_coordinates(cells, a, middle).norm(), 1e-12);
+    const CutCells& part = cells.parts[cells.level(a)];
+    const int own = a - cells.first_of_part[cells.level(a)];
+    EXPECT_EQ(part.volume_fraction(own), cells.volume_fraction(a));
+  }
+  for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
+    const Vec3 xi = cell_coordinates(cells, cells.boundary.cell[i], cells.boundary.position[i]);
+    EXPECT_LT(xi.lpNorm<Eigen::Infinity>(), 1 + 1e-9) << "a point outside of its cell";
+  }
+}
+
+TEST(RefinedCutCells, BallHasItsVolumeAndArea) {
+  const Solid ball = Solid::sphere({4.1, 3.9, 4.2}, 3.3, "ball");
+  Grid grid;
+  grid.num_cells = {8, 8, 8};
+  const CutCells cells = refined_cells(ball, grid, {4.1, 3.9, 7.5}, 1. / 16, 0.5, 6);
+  EXPECT_EQ(cells.num_levels(), 5);
+  // Cells of level 0 are a third of the radius: their curved pieces are integrated to 1e-7.
+  EXPECT_NEAR(volume(cells), 4. / 3 * M_PI * std::pow(3.3, 3), 1e-5);
+  EXPECT_NEAR(area(cells), 4 * M_PI * 3.3 * 3.3, 1e-5);
+  expect_consistent(cells);
+}
+
+TEST(RefinedCutCells, BoxIsExactInAnyPosition) {
+  for (const double angle : {0.0, 0.4}) {
+    const Solid box = Solid::box({-1.5, -1.2, -1}, {1.6, 1.1, 1.3}, "box")
+                          .transformed(rotation({1, 2, 3}, angle), Vec3(4.03, 4.01, 3.96));
+    Grid grid;
+    grid.num_cells = {8, 8, 8};
+    const Vec3 corner = rotation({1, 2, 3}, angle) * Vec3(1.6, 1.1, 1.3) + Vec3(4.03, 4.01, 3.96);
+    const CutCells cells = refined_cells(box, grid, corner, 1. / 64, 0.4, 7);
+    EXPECT_EQ(cells.num_levels(), 7);
+    EXPECT_NEAR(volume(cells), 3.1 * 2.3 * 2.3, 1e-12);
+    EXPECT_NEAR(area(cells), 2 * (3.1 * 2.3 + 3.1 * 2.3 + 2.3 * 2.3), 1e-11);
+    expect_consistent(cells);
+    // The same pieces again, cell by cell, also divided by planes that are those of no grid.
+    std::vector<Plane> dividers;
+    for (int d = 0; d < 3; ++d)
+      for (double at = 0.37; at < 8; at += 0.61) dividers.push_back({Vec3::Unit(d), at});
+    EXPECT_NEAR(area_by_cells(cells, dividers, 2), area(cells), 1e-11);
+  }
+}
+
+/// Faces on grid planes of all levels, also by a rounding beyond them, and on the border of the grid: pieces in cells
+/// without volume go to active cells, none of them larger than its cell.
+TEST(RefinedCutCells, FacesOnGridPlanes) {
+  for (const double off : {0.0, 1e-14, -1e-14, 3e-13, -3e-13}) {
+    const Solid box = Solid::box(Vec3(1, 1, 0), Vec3(4 + off, 3.5 - off, 2 + off), "box");
+    Grid grid;
+    grid.num_cells = {5, 5, 3};
+    for (const Vec3& point : {Vec3(4, 2, 1), Vec3(1, 1, 0), Vec3(2.3, 3.5, 2)}) {
+      const CutCells cells = refined_cells(box, grid, point, 1. / 8, 0.5, 5);
+      ASSERT_EQ(cells.num_levels(), 4);
+      EXPECT_NEAR(volume(cells), 3 * 2.5 * 2, 1e-11) << off;
+      EXPECT_NEAR(area(cells), 2 * (3 * 2.5 + 3 * 2 + 2.5 * 2), 1e-11) << off;
+      EXPECT_NEAR(area_by_cells(cells, {}, 2), area(cells), 1e-11);
+      expect_consistent(cells);
+    }
+  }
+}
+
+/// Cells of one size by a tree that refines everything once: those of the grid of half the size.
+TEST(RefinedCutCells, UniformTreeIsTheFinerGrid) {
+  const Solid ball = Solid::sphere({3.1, 2.9, 3.2}, 2.3, "ball");
+  Grid grid;
+  grid.num_cells = {6, 6, 6};
+  const CutCells refined = refined_cells(ball, grid, {3, 3, 3}, 0.5, 0, 2);
+  Grid half = grid;
+  half.cell_size = 0.5;
+  half.num_cells = {12, 12, 12};
+  const CutCells uniform = make_cut_cells(ball.transformed(Mat3::Identity(), Vec3::Zero(), 2), half);
+  ASSERT_EQ(refined.cells.size(), uniform.cells.size());
+  EXPECT_EQ(refined.cells, uniform.cells);
+  ASSERT_EQ(refined.moments.size(), uniform.moments.size());
+  for (std::size_t c = 0; c < uniform.moments.size(); ++c) EXPECT_EQ(refined.moments[c], uniform.moments[c]);
+  ASSERT_EQ(refined.boundary.size(), uniform.boundary.size());
+  for (std::size_t i = 0; i < uniform.boundary.size(); ++i) {
+    EXPECT_EQ(Vec3(2 * refined.boundary.position[i]), uniform.boundary.position[i]);
+    EXPECT_EQ(4 * refined.boundary.weight[i], uniform.boundary.weight[i]);
+  }
+}
+
+}  // namespace
+}  // namespace cgcontact
