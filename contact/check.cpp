@@ -12,12 +12,6 @@
 namespace cgcontact {
 namespace {
 
-double volume(const CutCells& cc) {
-  double sum = 0;
-  for (std::size_t e = 0; e < cc.cells.size(); ++e) sum += cc.volume_fraction(static_cast<int>(e));
-  return sum * std::pow(cc.grid.cell_size, 3);
-}
-
 std::string describe_body(const BodyModel& body) {
   const CutCells& cc = body.cut_cells;
   std::map<std::string, double> area;
@@ -30,9 +24,9 @@ std::string describe_body(const BodyModel& body) {
   std::string text = fmt::format(
       "body \"{}\": E = {:g} Pa, nu = {:g}, volume {:.10g} m3, surface {:.10g} m2\n"
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",
-      body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio, volume(cc), total_area,
-      cc.grid.num_cells[0], cc.grid.num_cells[1], cc.grid.num_cells[2], cc.grid.cell_size, active, cut,
-      dofs_per_node * static_cast<long long>(size_of(cc).nodes));
+      body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio,
+      volume(cc) * std::pow(cc.grid.cell_size, 3), total_area, cc.grid.num_cells[0], cc.grid.num_cells[1],
+      cc.grid.num_cells[2], cc.grid.cell_size, active, cut, dofs_per_node * static_cast<long long>(size_of(cc).nodes));
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   for (const FaceSpec& spec : body.spec->faces) {

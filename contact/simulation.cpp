@@ -29,11 +29,15 @@ constexpr double nearly_one = 0.99;
 /// A pair that has to see farther is solved again; so many times at most.
 constexpr int most_extensions = 5;
 
-/// The shortest side of the bounding box along the grid's axes, cells.
-double thickness_on_grid(const BodySpec& body) {
+/// The shortest side of the bounding box along the grid's axes, and twice the volume over the free area: in the
+/// body's smallest cells.
+std::pair<double, double> thickness_in_cells(const BodyModel& body) {
   Vec3 min, max;
-  body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max);
-  return (max - min).minCoeff() / body.cell_size;
+  body.spec->solid.transformed(body.spec->grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max);
+  int finest = 0;
+  for (int c = 0; c < static_cast<int>(body.cut_cells.cells.size()); ++c)
+    finest = std::max(finest, body.cut_cells.level(c));
+  return {(max - min).minCoeff() / body.cut_cells.grid.cell_size_of(finest), std::ldexp(body.free_thickness, finest)};
 }
 
 /// Wall time of named phases; a phase that comes again adds to its time.
@@ -168,7 +172,7 @@ void Simulation::place_on_grids() {
   check_memory(state.scene, p);
   state.bodies = std::move(p.bodies);
   for (const BodyModel& body : state.bodies)
-    if (const double thickness = thickness_on_grid(*body.spec); thickness < nearly_one && body.free_thickness < 1)
+    if (const auto [thickness, free_thickness] = thickness_in_cells(body); thickness < nearly_one && free_thickness < 1)
       results.warnings.push_back(
           fmt::format("body \"{}\": its bounding box is {:.2g} cells thin: bending and the stress "
                       "across it are not resolved, smaller cells are needed",

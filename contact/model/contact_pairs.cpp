@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t grain = 512;
 /// Relative difference of cell sizes that is rounding.
 constexpr double equal_cells = 1e-12;
-/// Cells of the coarser body, squared: automatic pairs that see each other over less than that do so by rounding.
+/// Faces of the larger cells: automatic pairs that see each other over less than that do so by rounding.
 constexpr double least_area = 1e-9;
 /// Ends of the other body's faces in a cell at which the contact is divided; where there are more (threads, scans) it
 /// ends within a quadrature point.
@@ -85,11 +85,10 @@ std::vector<std::pair<int, int>> cells_with_face(const BodyModel& body, const Fa
   return cells;
 }
 
-/// One group: its points and their sums.
-struct GroupPoints {
+/// Points of one cell and surface of the primary body.
+struct SurfacePoints {
   int surface = 0;
   std::vector<ContactPoint> points;
-  double area = 0, distance = 0, h = 1e300;
   FacingNormals normals;
 };
 
@@ -98,8 +97,8 @@ constexpr double least_cosine = 0.1;
 
 /// Points of one cell and surface that have an opposite along `direction`, or along their normals if that is zero.
 /// `borders`: of the opposite face, as seen from the surface.
-GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface,
-                       const std::vector<Plane>& borders, const Vec3& direction, int order) {
+SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPair& pair, int cell, int surface,
+                          const std::vector<Plane>& borders, const Vec3& direction, int order) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
   const Index3& place = primary.cut_cells.cells[cell];
@@ -109,8 +108,8 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
   if (ends.size() <= most_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
   BoundaryPoints points;
   boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, order, points);
-  GroupPoints group;
-  group.surface = surface;
+  SurfacePoints found;
+  found.surface = surface;
   const auto& names = primary.cut_cells.solid.surfaces()[surface].names;
   for (std::size_t q = 0; q < points.size(); ++q) {
     ContactPoint point;
@@ -136,31 +135,66 @@ GroupPoints find_group(const std::vector<BodyModel>& bodies, const ContactPair& 
     point.weight = cosine * points.weight[q] * grid.cell_size * grid.cell_size;
     // Coincident faces: a distance of rounding is none.
     point.distance = std::abs(opposite->distance) > 1e-12 * primary.cut_cells.h(cell) ? opposite->distance : 0.0;
-    group.h = std::min({group.h, primary.cut_cells.h(cell), secondary.cut_cells.h(opposite->cell)});
-    group.area += point.weight;
-    group.distance += point.weight * point.distance;
-    group.normals.add(point.weight, point.x, point.normal, opposite->normal);
-    group.points.push_back(point);
+    found.normals.add(point.weight, point.x, point.normal, opposite->normal);
+    found.points.push_back(point);
   }
-  if (group.area > 0) group.distance /= group.area;
-  return group;
+  return found;
 }
 
 /// Appends the points of a group that has any area.
-void add_group(const GroupPoints& found, ContactPair& pair) {
-  if (!(found.area > 0)) return;
-  ContactGroup group;
+void add_group(const std::vector<BodyModel>& bodies, ContactGroup group, const std::vector<const ContactPoint*>& points,
+               ContactPair& pair) {
   group.first_point = static_cast<int>(pair.points.size());
-  group.surface = found.surface;
-  group.area = found.area;
-  group.h = found.h;
-  group.distance = found.distance;
-  for (ContactPoint point : found.points) {
-    point.group = static_cast<int>(pair.groups.size());
-    pair.points.push_back(point);
+  group.last_point = group.first_point + static_cast<int>(points.size());
+  group.larger_cell = bodies[group.body].cut_cells.h(group.cell);
+  group.h = 1e300;
+  for (const ContactPoint* point : points) {
+    group.area += point->weight;
+    group.distance += point->weight * point->distance;
+    group.h = std::min({group.h, bodies[pair.primary].cut_cells.h(point->primary_cell),
+                        bodies[pair.secondary].cut_cells.h(point->secondary_cell)});
   }
-  group.last_point = static_cast<int>(pair.points.size());
+  if (!(group.area > 0)) return;
+  group.distance /= group.area;
+  for (const ContactPoint* point : points) {
+    pair.points.push_back(*point);
+    pair.points.back().group = static_cast<int>(pair.groups.size());
+  }
   pair.groups.push_back(group);
+}
+
+/// Groups of all points: pieces of the primary body's surface in its cells, or under a cell of the other body where
+/// that is larger.
+void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfacePoints>& found, ContactPair& pair) {
+  std::map<std::array<int, 3>, std::size_t> number;  // body, cell, surface
+  std::vector<ContactGroup> groups;
+  std::vector<std::vector<const ContactPoint*>> points;
+  for (const SurfacePoints& part : found)
+    for (const ContactPoint& point : part.points) {
+      ContactGroup group;
+      group.surface = part.surface;
+      group.body = pair.primary;
+      group.cell = point.primary_cell;
+      if (bodies[pair.secondary].cut_cells.h(point.secondary_cell) >
+          (1 + equal_cells) * bodies[pair.primary].cut_cells.h(point.primary_cell)) {
+        group.body = pair.secondary;
+        group.cell = point.secondary_cell;
+      }
+      const auto [place, is_new] = number.try_emplace({group.body, group.cell, group.surface}, groups.size());
+      if (is_new) {
+        groups.push_back(group);
+        points.emplace_back();
+      }
+      points[place->second].push_back(&point);
+    }
+  for (std::size_t g = 0; g < groups.size(); ++g) add_group(bodies, groups[g], points[g], pair);
+}
+
+/// Size of the largest cells of a body on a face, m; 0: it has none.
+double largest_cell(const BodyModel& body, const FaceSpec& face) {
+  double largest = 0;
+  for (const auto& [cell, surface] : cells_with_face(body, face)) largest = std::max(largest, body.cut_cells.h(cell));
+  return largest;
 }
 
 /// Marks the default boundary points of one side that face the other body, those nearer to another pair's excepted.
@@ -208,7 +242,7 @@ Reach find_reach(const ContactOptions& options, const ContactPair& pair, const s
                  double wider) {
   if (pair.spec->search_distance > 0) return {pair.spec->search_distance, pair.spec->search_distance};
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
-  const double base = std::max(options.reach_in_cells * primary.cut_cells.grid.cell_size,
+  const double base = std::max(options.reach_in_cells * pair.largest_cell,
                                options.reach_in_extents * std::min(longest_extent(primary), longest_extent(secondary)));
   Reach reach{std::max(base, wider), overlap_limit(options, bodies, pair.primary, pair.secondary)};
   if (!pair.spec->automatic) reach.ahead = std::max(wider, base + closest_distance(bodies, pair));
@@ -218,18 +252,19 @@ Reach find_reach(const ContactOptions& options, const ContactPair& pair, const s
 ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::vector<BodyModel>& bodies, double wider) {
   ContactPair pair;
   pair.spec = &spec;
-  const auto h = [&](int b) { return bodies[b].cut_cells.grid.cell_size; };
   const int a = spec.first.body, b = spec.second.body;
+  const double of_a = largest_cell(bodies[a], spec.first.face), of_b = largest_cell(bodies[b], spec.second.face);
   // Equal cells: by name, so that the order of the bodies in the scene does not matter.
-  const bool equal = std::abs(h(a) - h(b)) < equal_cells * h(a);
-  pair.primary = (equal ? scene.bodies[b].name < scene.bodies[a].name : h(b) > h(a)) ? b : a;
+  const bool equal = std::abs(of_a - of_b) < equal_cells * of_a;
+  pair.primary = (equal ? scene.bodies[b].name < scene.bodies[a].name : of_b > of_a) ? b : a;
   pair.secondary = pair.primary == a ? b : a;
+  pair.largest_cell = pair.primary == a ? of_a : of_b;
   const double E1 = stabilising_modulus(scene.bodies[a].material), E2 = stabilising_modulus(scene.bodies[b].material);
   pair.modulus = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2);
   pair.reach = find_reach(scene.contact, pair, bodies, wider);
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
-  std::vector<GroupPoints> groups(places.size());
+  std::vector<SurfacePoints> found(places.size());
   const CutCells &own = bodies[pair.primary].cut_cells, &other = bodies[pair.secondary].cut_cells;
   const FaceSpec& opposite = pair.face(pair.secondary);
   const std::vector<Plane> dividers = box_dividers(other, opposite);
@@ -238,7 +273,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   for (auto& [surface, planes] : borders) planes = opposite_borders(own, surface, other, opposite, dividers);
   const auto find = [&](std::size_t i, const Vec3& direction) {
     const auto [cell, surface] = places[i];
-    groups[i] = find_group(bodies, pair, cell, surface, borders.at(surface), direction, scene.contact.quadrature_order);
+    found[i] = find_points(bodies, pair, cell, surface, borders.at(surface), direction, scene.contact.quadrature_order);
   };
   parallel_for("cgcontact::contact_pairs::groups", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
   std::vector<Index3> cells;
@@ -247,13 +282,13 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   for (std::size_t i = 0; i < places.size(); ++i) {
     cells.push_back(own.cells[places[i].first]);
     surfaces.push_back(places[i].second);
-    normals.push_back(groups[i].normals);
+    normals.push_back(found[i].normals);
   }
   const std::vector<Vec3> directions = press_directions(cells, surfaces, normals);
   parallel_for("cgcontact::contact_pairs::edges", places.size(), 8, [&](std::size_t i) {
     if (!directions[i].isZero()) find(i, directions[i]);
   });
-  for (const GroupPoints& group : groups) add_group(group, pair);
+  add_groups(bodies, found, pair);
   set_interference(pair, spec.interference);
   return pair;
 }
@@ -269,10 +304,13 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
     for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
       if (a == b || box_distance(bodies[a], bodies[b]) > 0) continue;
       const CutCells& other = bodies[b].cut_cells;
-      const double limit = overlap(a, b) + 0.5 * std::min(bodies[a].cut_cells.grid.cell_size, other.grid.cell_size);
+      const CutCells& own = bodies[a].cut_cells;
       parallel_for("cgcontact::contact_pairs::overlap", bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
         const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
         if (!other.solid.contains(g)) return;
+        const int cell = other.locate(g);
+        const double h = own.h(own.boundary.cell[p]), smaller = cell < 0 ? h : std::min(h, other.h(cell));
+        const double limit = overlap(a, b) + 0.5 * smaller;
         const double depth = other.solid.distance_to_surfaces(g) * other.grid.cell_size;
         if (depth > limit)
           throw InputError(
@@ -327,8 +365,8 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
               : "faces that see each other along the normal");
   const auto sees_nothing = [&](const ContactPair& pair) {
     double area = 0;
-    for (const ContactGroup& group : pair.groups) area += group.area;
-    return pair.spec->automatic && area < least_area * std::pow(bodies[pair.primary].cut_cells.grid.cell_size, 2);
+    for (const ContactGroup& group : pair.groups) area += group.area / std::pow(group.larger_cell, 2);
+    return pair.spec->automatic && area < least_area;
   };
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
   std::vector<std::vector<double>> nearest;
@@ -395,9 +433,8 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
         add(pair.primary, point.primary_cell, point.primary_xi, -direction);
         add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
       }
-      const ContactPoint& first = pair.points[group.first_point];
       GroupRow row = sum_by_dof(std::move(entries));
-      std::tie(row.part, row.cell) = system.part_of(pair.primary, first.primary_cell);
+      std::tie(row.part, row.cell) = system.part_of(group.body, group.cell);
       row.family = static_cast<int>(k * max_surfaces + group.surface);
       rows.push_back(std::move(row));
     }
@@ -421,13 +458,14 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
       const int index = static_cast<int>(p);
       const double pressure =
           q.active && !group_force.empty() ? group_force[first_group + q.group] / closed_area[q.group] : 0.0;
-      const double spread = group_force.empty() ? 0.0 : group_force[first_group + q.group] / pair.groups[q.group].area;
+      const ContactGroup& group = pair.groups[q.group];
+      const double spread = group_force.empty() ? 0.0 : group_force[first_group + q.group] / group.area;
       primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
-                                        pair.secondary, q.secondary_cell, q.secondary_position, q.distance, q.active,
-                                        pressure, spread, true});
+                                        pair.secondary, q.secondary_cell, q.secondary_position, group.larger_cell,
+                                        q.distance, q.active, pressure, spread, true});
       secondary.boundary.links.push_back({q.secondary_cell, index, q.secondary_position, -(to_secondary * q.normal),
-                                          q.weight, pair.primary, q.primary_cell, q.primary_position, q.distance,
-                                          q.active, pressure, spread});
+                                          q.weight, pair.primary, q.primary_cell, q.primary_position, group.larger_cell,
+                                          q.distance, q.active, pressure, spread});
     }
     first_group += pair.groups.size();
   }

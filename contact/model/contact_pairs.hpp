@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// A quadrature point of a pair, on the coarser body ("primary"), split at both grids.
+/// A quadrature point of a pair, on the surface of the primary body, split at both grids.
 struct ContactPoint {
   int group = 0;
   int primary_cell = 0, secondary_cell = 0;
@@ -19,11 +19,13 @@ struct ContactPoint {
   bool active = true;
 };
 
-/// Points of one cell and surface of the primary body: the gap is projected on one constant per group
-/// (docs/theory.md).
+/// Points of one surface of the primary body in one cell, the larger one of the two that meet there: the gap is
+/// projected on one constant per group (docs/theory.md).
 struct ContactGroup {
   int first_point = 0, last_point = 0;
   int surface = 0;         ///< of the primary body
+  int body = 0, cell = 0;  ///< the larger cell: the primary body's, or the secondary's where these are larger
+  double larger_cell = 0;  ///< m, its size
   double area = 0;         ///< m^2
   double h = 0;            ///< m, smallest of the cells of both bodies that its points lie in
   double distance = 0;     ///< m, mean of its points
@@ -32,9 +34,10 @@ struct ContactGroup {
 
 struct ContactPair {
   const ContactSpec* spec = nullptr;
-  int primary = 0, secondary = 0;  ///< bodies; the primary has the larger cells
+  int primary = 0, secondary = 0;  ///< bodies; the primary has the largest cells at the face
   double modulus = 0;              ///< kappa E: of the harmonic mean of both stabilising moduli, Pa
   Reach reach;
+  double largest_cell = 0;  ///< m, at the faces; where a point sees nothing opposite, a cell is at most that
   double interference = 0;  ///< m, in the present step
   std::vector<ContactPoint> points;
   std::vector<ContactGroup> groups;

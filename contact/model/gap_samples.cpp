@@ -15,7 +15,7 @@ constexpr double resolved_part = 0.1;
 constexpr double least_depth = 1e-5;
 constexpr int most_levels = 14;
 constexpr std::size_t most_leaves = 8192;
-/// Cells, from a surface into the body: less than the thinnest cells that are kept.
+/// Grid coordinates, from a surface into the body: less than the thinnest cells that are kept.
 constexpr double inward_step = 1e-12;
 /// Cosine between the group's mean normal and surfaces that face it.
 constexpr double least_cosine = 0.1;
@@ -45,24 +45,26 @@ Vec3 height_gradient(const Vec3& m, const Vec3& n) { return -(m - m.dot(n) * n) 
 class Sampler {
  public:
   Sampler(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
-      : bodies_(bodies), pair_(pair), group_(group), primary_(bodies[pair.primary]) {
-    const Grid& grid = primary_.cut_cells.grid;
-    cell_ = pair.points[group.first_point].primary_cell;
+      : bodies_(bodies),
+        pair_(pair),
+        group_(group),
+        primary_(bodies[pair.primary]),
+        cells_(bodies[group.body].cut_cells) {
+    const Grid& grid = cells_.grid;
     Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
     for (int q = group.first_point; q < group.last_point; ++q) {
       normal += pair.points[q].weight * pair.points[q].normal;
       mean += pair.points[q].weight / group.area * pair.points[q].x;
     }
     normal_ = normal.normalized();
-    const Index3& c = primary_.cut_cells.cells[cell_];
-    const Vec3 middle = grid.to_global(Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5));
+    const Vec3 middle = global_position(cells_, group.cell, Vec3::Zero());
     centre_ = middle + (mean - middle).dot(normal_) * normal_;
     // Along the grid, so that leaves end where the cell does if its face is parallel to a grid plane.
     Eigen::Index across;
     (grid.rotation.transpose() * normal_).cwiseAbs().minCoeff(&across);
     along_s_ = (grid.rotation.col(across) - grid.rotation.col(across).dot(normal_) * normal_).normalized();
     along_t_ = normal_.cross(along_s_);
-    side_ = 2 * primary_.cut_cells.h(cell_);  // covers the cell in any direction
+    side_ = 2 * group.larger_cell;  // covers the cell in any direction
   }
 
   Leaf leaf(double s, double t, double size) const {
@@ -84,16 +86,14 @@ class Sampler {
   double side() const { return side_; }
   /// May the leaf lie in the group's cell?
   bool may_hold(const Leaf& leaf) const {
-    const Grid& grid = primary_.cut_cells.grid;
-    const Index3& c = primary_.cut_cells.cells[cell_];
-    const double reach = leaf.size / std::sqrt(2.0) / grid.cell_size;
+    const Grid& grid = cells_.grid;
+    const double reach = leaf.size / std::sqrt(2.0) / group_.larger_cell;  // all in cells
     // A surface may lie above or below the plane: the distance across it does not count.
     const Vec3 normal = grid.rotation.transpose() * normal_;
-    const Vec3 x = grid.to_grid(centre_ + leaf.s * along_s_ + leaf.t * along_t_);
-    for (int k = 0; k < 3; ++k) {
-      const double slack = reach + std::sqrt(3.0) * std::abs(normal[k]);
-      if (x[k] < c[k] - slack || x[k] > c[k] + 1 + slack) return false;
-    }
+    const Vec3 xi =
+        cell_coordinates(cells_, group_.cell, grid.to_grid(centre_ + leaf.s * along_s_ + leaf.t * along_t_));
+    for (int k = 0; k < 3; ++k)
+      if (std::abs(xi[k]) > 1 + 2 * (reach + std::sqrt(3.0) * std::abs(normal[k]))) return false;
     return true;
   }
 
@@ -118,14 +118,15 @@ class Sampler {
                .contains(solid.surfaces()[c.surface].names, grid.to_global(y), grid.rotation * c.normal))
         continue;
       own = c;
-      inside = c.surface == group_.surface && primary_.cut_cells.locate(y - inward_step * c.normal) == cell_;
+      inside = c.surface == group_.surface &&
+               (group_.body != pair_.primary || primary_.cut_cells.locate(y - inward_step * c.normal) == group_.cell);
     }
     if (!own) return result;
     result.x = grid.to_global(start + own->t * direction);
     const auto opposite = find_opposite(bodies_, pair_, pair_.primary, result.x, normal_);
     if (!opposite) return result;
     result.hit = true;
-    result.inside = inside;
+    result.inside = inside && (group_.body == pair_.primary || opposite->cell == group_.cell);
     result.distance = opposite->distance;
     result.slope =
         (height_gradient(opposite->normal, normal_) - height_gradient(grid.rotation * own->normal, normal_)).norm();
@@ -136,7 +137,7 @@ class Sampler {
   const ContactPair& pair_;
   const ContactGroup& group_;
   const BodyModel& primary_;
-  int cell_ = 0;
+  const CutCells& cells_;  ///< of the body that the group's cell is of
   Vec3 normal_, centre_, along_s_, along_t_;
   double side_ = 0;
 };
@@ -146,7 +147,6 @@ class Sampler {
 std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
                                   const ContactGroup& group, double limit) {
   const Sampler sampler(bodies, pair, group);
-  const double h = bodies[pair.primary].cut_cells.h(pair.points[group.first_point].primary_cell);
   std::vector<Leaf> leaves;
   const double first = sampler.side() / first_leaves;
   for (int i = 0; i < first_leaves; ++i)
@@ -160,7 +160,7 @@ std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const Co
   };
   for (const Leaf& leaf : leaves) look(leaf);
   for (int level = 0; level < most_levels; ++level) {
-    const double depth = std::max(limit - smallest, least_depth * h);
+    const double depth = std::max(limit - smallest, least_depth * group.larger_cell);
     const auto fine = [&](const Leaf& leaf) {
       return leaf.lower_bound >= limit || !sampler.may_hold(leaf) || leaf.change <= resolved_part * depth;
     };

@@ -77,15 +77,15 @@ void each_body_force(const BodyModel& body, const UseForce& use) {
 
 void measure_thickness(BodyModel& model) {
   const CutCells& cc = model.cut_cells;
-  double volume = 0, area = 0, free_area = 0;
-  for (std::size_t e = 0; e < cc.cells.size(); ++e) volume += cc.volume_fraction(static_cast<int>(e));
+  double area = 0, free_area = 0;
   for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
     area += cc.boundary.weight[p];
     if (!model.boundary.conditions[model.boundary.condition_of_point[p]].is_support())
       free_area += cc.boundary.weight[p];
   }
-  model.thickness = 2 * volume / area;
-  model.free_thickness = free_area > 0 ? 2 * volume / free_area : 1e9;
+  const double twice = 2 * volume(cc);
+  model.thickness = twice / area;
+  model.free_thickness = free_area > 0 ? twice / free_area : 1e9;
 }
 
 std::string in_quotes(const std::string& name) { return "\"" + name + "\""; }
@@ -173,13 +173,20 @@ void set_loads(const Scene& scene, double factor, BodyModel& model) {
     };
 }
 
+double volume(const CutCells& cc) {
+  double sum = 0;
+  for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e)
+    sum += cc.volume_fraction(e) * std::ldexp(1.0, -3 * cc.level(e));
+  return sum;
+}
+
 double stabilising_modulus(const Material& material) {
   const auto p_wave = [](double nu) { return (1 - nu) / ((1 + nu) * (1 - 2 * nu)); };
   return material.youngs_modulus * std::max(1.0, p_wave(material.poisson_ratio) / p_wave(0.3));
 }
 
 double support_stiffness(const Scene& scene, const BodyModel& body, int cell) {
-  const double kappa = (body.is_thin() ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
+  const double kappa = (body.is_thin(cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
   return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(cell);
 }
 

@@ -2,6 +2,7 @@
 /// loads.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <tuple>
@@ -20,15 +21,19 @@ struct PointConditions {
   bool operator<(const PointConditions& o) const { return std::tie(supports, loads) < std::tie(o.supports, o.loads); }
 };
 
+/// Of a body, unit of the grid coordinates.
+double volume(const CutCells& cut_cells);
+
 /// One body on its grid.
 struct BodyModel {
   const BodySpec* spec = nullptr;
   CutCells cut_cells;
   BoundaryData boundary;
   std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
-  double thickness = 0;                     ///< cells: twice the volume over the area
+  double thickness = 0;                     ///< twice the volume over the area, unit of the grid coordinates
   double free_thickness = 0;                ///< the same over the area that no support holds
-  bool is_thin() const { return thickness < 2; }
+  /// Less than two cells thick, of that cell's size.
+  bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
   Vec3 normal(int boundary_point) const { return cut_cells.grid.rotation * cut_cells.boundary.normal[boundary_point]; }
   /// m^2

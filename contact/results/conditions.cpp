@@ -60,19 +60,15 @@ LoadFigures load_figures(const SolvedState& state, const LoadSpec& load, double 
   return figures;
 }
 
-double volume(const CutCells& cells) {
-  double sum = 0;
-  for (std::size_t e = 0; e < cells.cells.size(); ++e) sum += cells.volume_fraction(static_cast<int>(e));
-  return sum * std::pow(cells.grid.cell_size, 3);
-}
-
 /// Body forces are what of the load on a body its faces do not carry.
 void add_body_forces(const SolvedState& state, Results& results) {
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     const BodySpec& body = *state.bodies[b].spec;
     const auto is_zero = [](const Expression& component) { return component.is_zero(); };
     if (std::all_of(body.body_force.begin(), body.body_force.end(), is_zero)) continue;
-    LoadFigures figures{body.name, "body force", state.outer.load_of_body[b], volume(state.bodies[b].cut_cells), true};
+    const CutCells& cells = state.bodies[b].cut_cells;
+    LoadFigures figures{body.name, "body force", state.outer.load_of_body[b],
+                        volume(cells) * std::pow(cells.grid.cell_size, 3), true};
     for (std::size_t l = 0; l < state.scene.loads.size(); ++l)
       if (state.scene.loads[l].face.body == static_cast<int>(b)) figures.force -= results.loads[l].force;
     results.loads.push_back(figures);

@@ -60,13 +60,16 @@ bool carries_pressure(const SolvedState& state, int body, int cell, int pair, co
   return states.presses(state.system.meshes[body], cell, pair, surface);
 }
 
-/// Gap after deformation and the other body's pressure, seen from x along n; infinite and NaN if nothing is opposite.
+/// Gap after deformation, the other body's pressure and the larger cell, seen from x along n; infinite and NaN if
+/// nothing is opposite.
 void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow& row) {
   const ContactPair& pair = state.pairs[row.pair];
   const int other = pair.other(row.body);
   const auto opposite = find_opposite(state.bodies, pair, row.body, row.x, row.normal);
   row.gap = row.distance = std::numeric_limits<double>::infinity();
   row.pressure_opposite = std::numeric_limits<double>::quiet_NaN();
+  const double own = state.bodies[row.body].cut_cells.h(cell);
+  row.larger_cell = opposite ? std::max(own, state.bodies[other].cut_cells.h(opposite->cell)) : pair.largest_cell;
   if (!opposite) return;
   const Vec3 other_xi = cell_coordinates(state.bodies[other].cut_cells, opposite->cell, opposite->position);
   const Vec3 relative = displacement(state, other, opposite->cell, other_xi) - displacement(state, row.body, cell, xi);
@@ -78,10 +81,8 @@ void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow&
           : 0.0;
 }
 
-/// Open for certain: nothing lies opposite, or more than one of the larger cells away.
-bool is_far_from_contact(const SolvedState& state, const ContactRow& row) {
-  return !(row.gap < state.bodies[state.pairs[row.pair].primary].cut_cells.grid.cell_size);
-}
+/// Open for certain: nothing lies opposite, or more than the larger one of both cells away.
+bool is_far_from_contact(const ContactRow& row) { return !(row.gap < row.larger_cell); }
 
 /// What patches with closed points leave at open ones, where they carry nothing, is rounding: zero.
 void clear_rounding(const SolvedState& state, std::vector<ContactRow>& rows) {
@@ -110,7 +111,7 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
   row.pressure_spr = pressure(row.stress_spr, n);
   row.pressure_sprc = pressure(row.stress_sprc, n);
   look_across(state, cell, xi, row);
-  const bool far = is_far_from_contact(state, row);
+  const bool far = is_far_from_contact(row);
   const ContactLink* link = nearest_link(model, cell, position, model.cut_cells.grid.rotation.transpose() * n, pair);
   row.active = link && link->active && !far;
   row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;

@@ -23,8 +23,9 @@ double far(const SolvedState& state, int a, int b) {
 /// A contact as the solve saw it: of an automatic pair out of reach nothing but the bodies is left.
 ContactPair pair_of(const SolvedState& state, const ContactSpec& spec) {
   for (const ContactPair& pair : state.pairs)
-    if (pair.spec == &spec) return {pair.spec, pair.primary, pair.secondary, 0, pair.reach, pair.interference, {}, {}};
-  return {&spec, spec.first.body, spec.second.body, 0, {}, spec.interference, {}, {}};
+    if (pair.spec == &spec)
+      return {pair.spec, pair.primary, pair.secondary, 0, pair.reach, 0, pair.interference, {}, {}};
+  return {&spec, spec.first.body, spec.second.body, 0, {}, 0, spec.interference, {}, {}};
 }
 
 /// Largest initial distance of the points beyond the pair's reach that lie inside the other body now, m; or 0.
@@ -72,17 +73,16 @@ double gap_change(const SolvedState& state, const ContactPair& pair, const Conta
 /// The deepest overlap of the deformed faces that no boundary point of theirs lies in: at an edge or a tip.
 std::optional<MissedOverlap> overlap_between_points(const SolvedState& state, std::size_t p) {
   const ContactPair& pair = state.pairs[p];
-  const double h = state.bodies[pair.primary].cut_cells.grid.cell_size;
   std::vector<std::optional<MissedOverlap>> deepest(pair.groups.size());
   parallel_for("cgcontact::missed_contact::between_points", deepest.size(), 1, [&](std::size_t g) {
     const ContactGroup& group = pair.groups[g];
     double nearest = pair.points[group.first_point].distance;
     for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points[q].distance);
     const double limit = pair.interference - gap_change(state, pair, group);
-    if (nearest > limit + h) return;
+    if (nearest > limit + group.larger_cell) return;
     for (const GapSample& sample : sample_gap(state.bodies, pair, group, limit))
       if (!deepest[g] || limit - sample.distance > deepest[g]->depth)
-        deepest[g] = MissedOverlap{static_cast<int>(p), limit - sample.distance, sample.x};
+        deepest[g] = MissedOverlap{static_cast<int>(p), limit - sample.distance, sample.x, group.larger_cell};
   });
   std::optional<MissedOverlap> all;
   for (const auto& found : deepest)
@@ -108,13 +108,14 @@ std::vector<MissedOverlap> missed_overlaps(const SolvedState& state, const Resul
   std::vector<MissedOverlap> overlaps;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     if (results.pairs[p].active_points > 0) continue;
-    const double h = state.bodies[state.pairs[p].primary].cut_cells.grid.cell_size;  // the coarser body
     const ContactRow* deepest = nullptr;
     for (const ContactRow& row : results.contact_rows)
-      if (row.pair == static_cast<int>(p) && row.gap < (deepest ? deepest->gap : -least_overlap * h)) deepest = &row;
+      if (row.pair == static_cast<int>(p) && row.gap < (deepest ? deepest->gap : -least_overlap * row.larger_cell))
+        deepest = &row;
     if (deepest)
-      overlaps.push_back({static_cast<int>(p), -deepest->gap, deepest->x});
-    else if (const auto between = overlap_between_points(state, p); between && between->depth > least_overlap * h)
+      overlaps.push_back({static_cast<int>(p), -deepest->gap, deepest->x, deepest->larger_cell});
+    else if (const auto between = overlap_between_points(state, p);
+             between && between->depth > least_overlap * between->cell)
       overlaps.push_back(*between);
   }
   return overlaps;

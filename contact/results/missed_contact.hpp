@@ -15,6 +15,7 @@ struct MissedOverlap {
   int pair = 0;
   double depth = 0;       ///< m, of the deformed bodies
   Vec3 x = Vec3::Zero();  ///< m
+  double cell = 0;        ///< m, size of the larger cell there
 };
 
 /// One for each pair of the results without a closed point whose faces overlap all the same: contact is decided by the

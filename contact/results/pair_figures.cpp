@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace cgcontact {
 namespace {
@@ -27,15 +28,18 @@ bool holds(const TractionCondition& condition, const Vec3& n) {
   return held;
 }
 
-/// Active cells of a body within a cell of the coarser body from closed points of a pair.
+/// Active cells of a body within a cell, the larger one of both bodies' there, from closed points of a pair.
 std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair& pair, int body) {
   const CutCells& cut_cells = state.bodies[body].cut_cells;
-  std::vector<Index3> closed;
-  for (const ContactPoint& q : pair.points)
-    if (q.active) closed.push_back(cut_cells.cells[body == pair.primary ? q.primary_cell : q.secondary_cell]);
-  const double ratio = state.bodies[pair.primary].cut_cells.grid.cell_size / cut_cells.grid.cell_size;
+  std::map<int, std::vector<Index3>> closed;  // by the number of cells
+  for (const ContactPoint& q : pair.points) {
+    if (!q.active) continue;
+    const int cell = body == pair.primary ? q.primary_cell : q.secondary_cell;
+    const double ratio = pair.groups[q.group].larger_cell / cut_cells.h(cell);
+    closed[static_cast<int>(std::ceil(ratio - 1e-9))].push_back(cut_cells.cells[cell]);
+  }
   std::vector<char> near(cut_cells.cells.size(), 0);
-  mark_around(cut_cells, std::move(closed), static_cast<int>(std::ceil(ratio - 1e-9)), near);
+  for (auto& [reach, cells] : closed) mark_around(cut_cells, std::move(cells), reach, near);
   return near;
 }
 
@@ -131,8 +135,7 @@ void mark_touching_rows(const SolvedState& state, const std::vector<int>& bounda
     const ContactPair& pair = state.pairs[row.pair];
     const BoundaryData& boundary = state.bodies[row.body].boundary;
     const TractionCondition& condition = boundary.conditions[boundary.condition_of_point[boundary_point[i]]];
-    const double coarser = state.bodies[pair.primary].cut_cells.grid.cell_size;
-    const bool beside = !condition.traction && row.gap < coarser &&
+    const bool beside = !condition.traction && row.gap < row.larger_cell &&
                         near[2 * static_cast<std::size_t>(row.pair) + (row.body == pair.primary ? 0 : 1)][row.cell];
     row.touching = (row.active || beside) && !holds(condition, row.normal);
   }

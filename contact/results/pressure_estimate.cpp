@@ -12,10 +12,10 @@
 namespace cgcontact {
 namespace {
 
-/// Width of the Gaussian of the local mean, cells of the coarser body of the pair; beyond three widths nothing counts.
+/// Width of the Gaussian of the local mean, the larger cell there; beyond three widths nothing counts.
 constexpr double mean_width = 1, mean_reach = 3;
 
-/// So near to an edge, cells of the coarser body, the solution's zone of whole groups spoils the transmitted pressure.
+/// So near to an edge, the larger cell there, the solution's zone of whole groups spoils the transmitted pressure.
 constexpr double edge_reach = 1.5;
 
 /// Where a contact zone ends inside the faces its ends lie at whole contact groups, and the force is up to that many
@@ -34,14 +34,14 @@ struct EdgeAtRow {
 /// The mean of transmitted less recovered pressure around a place. The rows of a cell count as one, at their centroid.
 class LocalMean {
  public:
-  /// width: m; edges: of the rows, those nearer than `reach` (m) do not count.
-  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair, double width,
-            double reach)
-      : width_(width), buckets_(mean_reach * width) {
+  /// largest: m, of the rows' larger cells; edges: of the rows, those nearer than edge_reach do not count.
+  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair, double largest)
+      : buckets_(mean_reach * mean_width * largest) {
     std::map<std::tuple<int, int>, Source> cells;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const ContactRow& r = rows[i];
-      if (r.pair != pair || !std::isfinite(r.pressure_transmitted) || edges[i].inside < reach) continue;
+      if (r.pair != pair || !std::isfinite(r.pressure_transmitted) || edges[i].inside < edge_reach * r.larger_cell)
+        continue;
       Source& s = cells[{r.body, r.cell}];
       s.area += r.weight;
       s.centroid += r.weight * r.x;
@@ -54,12 +54,14 @@ class LocalMean {
     }
   }
 
-  /// Pa.
-  double at(const Vec3& x) const {
+  /// Around a row, Pa.
+  double at(const ContactRow& row) const {
+    const Vec3& x = row.x;
+    const double width = mean_width * row.larger_cell;
     double sum = 0, total = 0;
     buckets_.each_near(x, [&](int i) {
       const Source& s = sources_[i];
-      const double weight = std::exp(-0.5 * (s.centroid - x).squaredNorm() / (width_ * width_));
+      const double weight = std::exp(-0.5 * (s.centroid - x).squaredNorm() / (width * width));
       sum += weight * s.force;
       total += weight * s.area;
     });
@@ -72,7 +74,6 @@ class LocalMean {
     Vec3 centroid = Vec3::Zero();
   };
 
-  double width_;
   std::vector<Source> sources_;
   PointBuckets buckets_;
 };
@@ -105,12 +106,11 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const ContactPair& pair = state.pairs[p];
-    const double h = state.bodies[pair.primary].cut_cells.grid.cell_size;  // the coarser body
     std::vector<EdgeAtRow> edges(rows.size());
     parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
       if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(state, rows[i]);
     });
-    const LocalMean mean(rows, edges, static_cast<int>(p), mean_width * h, edge_reach * h);
+    const LocalMean mean(rows, edges, static_cast<int>(p), pair.largest_cell);
     const double force_error = std::pow(results.estimated_error_relative, 2);
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     const bool resolved = verdict.state != Verdict::State::not_resolved;
@@ -120,7 +120,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
       ContactRow& row = rows[i];
       if (row.pair != static_cast<int>(p)) return;
       const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
-      const double common = std::hypot(mean.at(row.x), force_error * row.pressure_sprc);
+      const double common = std::hypot(mean.at(row), force_error * row.pressure_sprc);
       row.pressure_error =
           std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
     });

@@ -37,7 +37,7 @@ std::optional<ContactRow> project_to_face(const SolvedState& state, const Result
     if (r.body == body && (pair < 0 || r.pair == pair) &&
         (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm()))
       nearest = &r;
-  if (!nearest || (nearest->x - x).norm() > grid.cell_size) return std::nullopt;
+  if (!nearest || (nearest->x - x).norm() > model.cut_cells.h(nearest->cell)) return std::nullopt;
   const Vec3 g = grid.to_grid(x), row_normal = grid.rotation.transpose() * nearest->normal;
   const Solid& solid = model.cut_cells.solid;
   const Surface surface = solid.surfaces()[solid.surface_at(grid.to_grid(nearest->x), row_normal)].near(g);

@@ -1,6 +1,8 @@
 #include "contact/results/thickness_at_contact.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace cgcontact {
@@ -11,24 +13,31 @@ constexpr int reach = 3;
 
 }  // namespace
 
-double thickness_at_contact(const SolvedState& state, const ContactPair& pair, int body) {
+Thickness thickness_at_contact(const SolvedState& state, const ContactPair& pair, int body) {
   const BodyModel& model = state.bodies[body];
   const CutCells& cells = model.cut_cells;
   std::vector<Index3> closed;
-  for (const ContactPoint& q : pair.points)
-    if (q.active) closed.push_back(cells.cells[body == pair.primary ? q.primary_cell : q.secondary_cell]);
+  int largest = cells.grid.num_levels - 1;  // level
+  for (const ContactPoint& q : pair.points) {
+    if (!q.active) continue;
+    const int cell = body == pair.primary ? q.primary_cell : q.secondary_cell;
+    closed.push_back(cells.cells[cell]);
+    largest = std::min(largest, cells.level(cell));
+  }
   std::vector<char> near(cells.cells.size(), 0);
   mark_around(cells, std::move(closed), reach, near);
   double volume = 0;
-  for (std::size_t e = 0; e < near.size(); ++e)
-    if (near[e]) volume += cells.volume_fraction(static_cast<int>(e));
+  for (int e = 0; e < static_cast<int>(near.size()); ++e)
+    if (near[e]) volume += cells.volume_fraction(e) * std::ldexp(1.0, -3 * cells.level(e));
   Mat3 facing = Mat3::Zero();  // area times the squares of the normals' components
   const BoundaryPoints& boundary = cells.boundary;
   for (std::size_t p = 0; p < boundary.size(); ++p)
     if (near[boundary.cell[p]] && !model.boundary.conditions[model.boundary.condition_of_point[p]].is_support())
       facing += boundary.weight[p] * boundary.normal[p] * boundary.normal[p].transpose();
   const double area = Eigen::SelfAdjointEigenSolver<Mat3>(facing).eigenvalues()[2];
-  return area > 0 ? 2 * volume / area : std::numeric_limits<double>::infinity();
+  const double cell = cells.grid.cell_size_of(largest);
+  if (!(area > 0)) return {std::numeric_limits<double>::infinity(), cell};
+  return {std::ldexp(2 * volume / area, largest), cell};
 }
 
 }  // namespace cgcontact

@@ -29,15 +29,11 @@ struct Judged {
   double thickness = 0;  // of that body, its cells
 };
 
-double coarser_cell(const SolvedState& state, int pair) {
-  return state.bodies[state.pairs[pair].primary].cut_cells.grid.cell_size;
-}
-
 /// Is one of the bodies thinner than its cells where they touch?
 void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& j) {
   for (const int body : {pair.primary, pair.secondary}) {
-    const double thickness = thickness_at_contact(state, pair, body);
-    const double needed = state.bodies[body].cut_cells.grid.cell_size * thickness / wanted_thickness;
+    const auto [thickness, cell] = thickness_at_contact(state, pair, body);
+    const double needed = cell * thickness / wanted_thickness;
     if (thickness >= least_thickness) continue;
     j.thin_body = body;
     j.thickness = thickness;
@@ -52,7 +48,6 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
   std::vector<Judged> judged;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const PairFigures& figures = results.pairs[p];
-    const double h = coarser_cell(state, static_cast<int>(p));
     Judged j;
     j.pair.name = figures.name;
     // The resultant of a closed zone (a shrink fit) is zero.
@@ -60,27 +55,28 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
     if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
       j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across ? State::not_resolved : State::resolved;
-      if (j.pair.state == State::not_resolved) j.pair.cell_size_needed = h * *widths[p].cells / wanted_cells_across;
+      if (j.pair.state == State::not_resolved)
+        j.pair.cell_size_needed = widths[p].cell * *widths[p].cells / wanted_cells_across;
       judge_thickness(state, state.pairs[p], j);
     }
     for (const MissedOverlap& overlap : missed) {
       if (overlap.pair != static_cast<int>(p)) continue;
       j.missed = &overlap;
       j.pair.state = State::contact_missed;
-      j.pair.cell_size_needed = h * cells_of_missed_zone / wanted_cells_across;
+      j.pair.cell_size_needed = overlap.cell * cells_of_missed_zone / wanted_cells_across;
     }
     judged.push_back(j);
   }
   return judged;
 }
 
-std::string missed_text(const SolvedState& state, const Judged& j) {
+std::string missed_text(const Judged& j) {
   const Vec3& x = j.missed->x;
   return fmt::format(
       "contact \"{}\": no force is transmitted although the faces overlap by up to {:.2g} m at ({:.4g}, {:.4g}, "
       "{:.4g}) "
       "m: the contact zone is smaller than a cell ({:.3g} m), cells of {:.2g} m or less are needed",
-      j.pair.name, j.missed->depth, x[0], x[1], x[2], coarser_cell(state, j.missed->pair), *j.pair.cell_size_needed);
+      j.pair.name, j.missed->depth, x[0], x[1], x[2], j.missed->cell, *j.pair.cell_size_needed);
 }
 
 std::string unresolved_text(const SolvedState& state, const Judged& j) {
@@ -127,7 +123,7 @@ Verdict judge(const SolvedState& state, const Results& results) {
     verdict.text = state.outer.diagnosis;
   } else if (const auto lost = find(State::contact_missed, 0); lost != end) {
     verdict.state = State::contact_missed;
-    verdict.text = missed_text(state, *lost);
+    verdict.text = missed_text(*lost);
   } else if (const auto coarse = find(State::not_resolved, relevant_part * largest); coarse != end) {
     verdict.state = State::not_resolved;
     verdict.text = unresolved_text(state, *coarse);

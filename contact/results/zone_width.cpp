@@ -32,8 +32,7 @@ constexpr std::size_t grain = 1024;
 /// The closed cells of one pair (images too), joined to zones, and the open points around them.
 class PairZones {
  public:
-  PairZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed_cells, int pair)
-      : h_(zone.cell_size()) {
+  PairZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed_cells, int pair) {
     for (const TransmittedForce& cell : closed_cells)
       if (cell.pair == pair) cells_.push_back(&cell);
     connect();
@@ -42,12 +41,16 @@ class PairZones {
         if (f.pair == pair) add(f);
   }
 
-  /// Cells; infinite: no open point bounds a zone that matters.
-  double least_width() const {
-    double total = 0, least = std::numeric_limits<double>::infinity();
+  /// None: no open point bounds a zone that matters.
+  ZoneWidth least_width() const {
+    double total = 0;
+    ZoneWidth least;
     for (const auto& [name, zone] : zones_) total += zone.force;
-    for (const auto& [name, zone] : zones_)
-      if (zone.force > relevant_part * total) least = std::min(least, width(zone));
+    for (const auto& [name, zone] : zones_) {
+      if (!(zone.force > relevant_part * total)) continue;
+      const ZoneWidth here = width(zone);
+      if (here.cells && (!least.cells || *here.cells < *least.cells)) least = here;
+    }
     return least;
   }
 
@@ -63,16 +66,19 @@ class PairZones {
   };
 
   void connect() {
-    PointBuckets near(connected * h_);
+    double largest = 0;
+    for (const TransmittedForce* cell : cells_) largest = std::max(largest, cell->cell_size);
+    PointBuckets near(connected * largest);
     for (std::size_t i = 0; i < cells_.size(); ++i) near.add(cells_[i]->position, static_cast<int>(i));
     std::vector<int> zone(cells_.size(), -1), members;
     for (std::size_t i = 0; i < cells_.size(); ++i) {
       if (zone[i] < 0) {
         members.assign(1, zone[i] = static_cast<int>(i));
         for (std::size_t next = 0; next < members.size(); ++next) {
-          const Vec3 x = cells_[members[next]]->position;
-          near.each_near(x, [&](int k) {
-            if (zone[k] >= 0 || (cells_[k]->position - x).norm() > connected * h_) return;
+          const TransmittedForce& from = *cells_[members[next]];
+          near.each_near(from.position, [&](int k) {
+            const double reach = connected * std::max(cells_[k]->cell_size, from.cell_size);
+            if (zone[k] >= 0 || (cells_[k]->position - from.position).norm() > reach) return;
             zone[k] = static_cast<int>(i);
             members.push_back(k);
           });
@@ -92,13 +98,13 @@ class PairZones {
     if (!f.image) zone.force += f.force;
   }
 
-  double width(const Zone& zone) const {
+  ZoneWidth width(const Zone& zone) const {
     std::vector<const TransmittedForce*> inner;
     for (const TransmittedForce* f : zone.closed)
       if (!f->image) inner.push_back(f);
     const Middle middle = farthest_from_open(inner);
-    if (!middle.open) return std::numeric_limits<double>::infinity();
-    return refined(zone, middle);
+    if (!middle.open) return {};
+    return {refined(zone, middle), middle.closed->cell_size};
   }
 
   /// Of these points the one that is farthest from the open ones whose normals go its way (of equals the first). Most
@@ -139,7 +145,7 @@ class PairZones {
 
   /// Under Hertz's line and round contacts the forces in a slice through the middle spread by a quarter of the width.
   double refined(const Zone& zone, const Middle& middle) const {
-    const double counted = 2 * middle.distance / h_;
+    const double h = middle.closed->cell_size, counted = 2 * middle.distance / h;
     const Vec3 &place = middle.closed->position, &normal = middle.closed->normal;
     Vec3 across = middle.open->position - place;
     across -= across.dot(normal) * normal;
@@ -148,7 +154,7 @@ class PairZones {
     const Vec3 along = normal.cross(across);
     double force = 0, first = 0, second = 0;
     for (const TransmittedForce* f : zone.closed) {
-      const Vec3 d = (f->position - place) / h_;
+      const Vec3 d = (f->position - place) / h;
       if (std::abs(along.dot(d)) > slice || std::abs(across.dot(d)) > counted + 1) continue;
       const double x = across.dot(d);
       force += f->spread_force;
@@ -161,7 +167,6 @@ class PairZones {
     return std::clamp(spread, std::max(counted - narrower, 0.5 * counted), counted + wider);
   }
 
-  double h_;
   std::vector<const TransmittedForce*> cells_, open_;
   std::map<std::array<int, 2>, int> zone_of_;  // cell, image
   std::map<int, Zone> zones_;
@@ -181,14 +186,14 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
     for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
     const std::vector<TransmittedForce> closed = zone.closed_cells();
     for (const int p : pairs) {
-      const double cells = PairZones(zone, closed, p).least_width();
-      if (std::isfinite(cells)) widths[p].cells = std::max(cells, narrowest);
+      const ZoneWidth least = PairZones(zone, closed, p).least_width();
+      if (least.cells) widths[p] = {std::max(*least.cells, narrowest), least.cell};
     }
   }
-  for (std::size_t p = 0; p < state.pairs.size() && p < state.outer.small_zone_width.size(); ++p)
-    if (const double width = state.outer.small_zone_width[p]; width > 0)
-      widths[p].cells = std::min(widths[p].cells.value_or(1e300),
-                                 width / state.bodies[state.pairs[p].primary].cut_cells.grid.cell_size);
+  for (std::size_t p = 0; p < state.pairs.size() && p < state.outer.small_zone_width.size(); ++p) {
+    const auto [width, cell] = state.outer.small_zone_width[p];
+    if (width > 0 && width / cell < widths[p].cells.value_or(1e300)) widths[p] = {width / cell, cell};
+  }
   return widths;
 }
 

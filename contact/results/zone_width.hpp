@@ -9,9 +9,10 @@
 namespace cgcontact {
 
 struct ZoneWidth {
-  /// Cells of the coarser body across the narrowest zone that carries a relevant part of the pair's force, where that
-  /// zone is widest. None: no contact, or no open points beside it (the zone ends where a face ends).
+  /// Cells (the larger ones of both bodies there) across the narrowest zone that carries a relevant part of the pair's
+  /// force, where that zone is widest. None: no contact, or no open points beside it (the zone ends where a face ends).
   std::optional<double> cells;
+  double cell = 0;  ///< m, the size of these
 };
 
 /// One per pair. A zone is a connected set of closed cells; planes of symmetry of both bodies complete it. Its width is

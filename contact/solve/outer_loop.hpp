@@ -11,6 +11,7 @@
 
 #include "contact/solve/outer_problem.hpp"
 #include "contact/solve/rigid_part.hpp"
+#include "contact/solve/small_zones.hpp"
 
 namespace cgcontact {
 
@@ -30,10 +31,10 @@ struct OuterResult {
   std::vector<long long> active_points;  ///< closed, after each iteration
   std::vector<Vec3> load_of_body;        ///< resultant of loads and body forces, N
   int preconditioner_setups = 0;
-  std::vector<double> support_stress;    ///< lambda of each support point, Pa
-  std::vector<double> group_force;       ///< force of each contact group, Scales::stress * Scales::length^2
-  std::vector<int> small_zone_groups;    ///< of each pair: that press by a zone smaller than the cells
-  std::vector<double> small_zone_width;  ///< of each pair: of such zones, m
+  std::vector<double> support_stress;               ///< lambda of each support point, Pa
+  std::vector<double> group_force;                  ///< force of each contact group, Scales::stress * Scales::length^2
+  std::vector<int> small_zone_groups;               ///< of each pair: that press by a zone smaller than the cells
+  std::vector<SmallZones::Width> small_zone_width;  ///< of each pair: of such zones
   bool converged = false;
   std::string diagnosis;
 };

@@ -122,14 +122,18 @@ int SmallZones::count(int pair) const {
   return sum;
 }
 
-double SmallZones::width(int pair) const {
-  double sum = 0, force = 0;
+SmallZones::Width SmallZones::width(int pair) const {
+  double sum = 0, force = 0, largest = 0;
+  Width mean;
   for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g) {
-    if (!groups_[g].small) continue;
-    sum += groups_[g].force * groups_[g].width;
-    force += groups_[g].force;
+    const State& state = groups_[g];
+    if (!state.small) continue;
+    sum += state.force * state.width;
+    force += state.force;
+    if (state.force > largest) largest = state.force, mean.cell = group(pair, g).larger_cell;
   }
-  return force > 0 ? sum / force : 0.0;
+  if (force > 0) mean.width = sum / force;
+  return mean;
 }
 
 ZoneSpring SmallZones::spring(std::size_t g) const {
@@ -250,7 +254,6 @@ struct SmallZones::Neighbours {
 };
 
 SmallZones::Neighbours SmallZones::neighbours(std::size_t pair, const Zone& zone) const {
-  const double h = cell_size(pair);
   std::vector<Vec3> centres;
   for (const std::size_t k : zone.groups) {
     const ContactGroup& g = group(pair, k);
@@ -266,6 +269,7 @@ SmallZones::Neighbours SmallZones::neighbours(std::size_t pair, const Zone& zone
     for (unsigned k = 0; k < images.size(); ++k)
       for (std::size_t i = 0; i < centres.size(); ++i) {
         const double distance = (centres[i] - images[k]).norm();
+        const double h = std::max(group(pair, zone.groups[i]).larger_cell, group(pair, zone.groups[j]).larger_cell);
         if (distance <= zone_reach * h) found.of_group[i].push_back({j, k, distance});
       }
   }
@@ -276,9 +280,10 @@ SmallZones::Neighbours SmallZones::neighbours(std::size_t pair, const Zone& zone
 SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const std::vector<double>& gap_change,
                                      const std::vector<double>& forces, bool decide) const {
   const std::size_t n = zone.groups.size();
-  const double h = cell_size(pair), modulus = effective_modulus(pair);
+  const double modulus = effective_modulus(pair);
   const Neighbours near = neighbours(pair, zone);
   const auto compliance = [&](const Neighbours::Image& image) {
+    const double h = group(pair, zone.groups[image.group]).larger_cell;
     return std::min(own_displacement / h, 1 / (M_PI * std::max(image.distance, 1e-6 * h))) / modulus;
   };
   const auto approach_of_cells = [&](std::size_t i, const auto& force_of) {
@@ -331,7 +336,7 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
 double SmallZones::approach(std::size_t pair, std::size_t g, const std::vector<double>& gap_change,
                             const std::vector<double>& group_force) const {
   return pairs_[pair].interference - gap_change[g] +
-         own_displacement / (effective_modulus(pair) * cell_size(pair)) * std::max(group_force[g], 0.0);
+         own_displacement / (effective_modulus(pair) * group(pair, g).larger_cell) * std::max(group_force[g], 0.0);
 }
 
 double SmallZones::nearest_distance(std::size_t pair, std::size_t g) const {
@@ -348,8 +353,8 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair) {
     if (led_[pair] != Led::squeezed) continue;
     for (std::size_t g = first_[pair]; g < first_[pair] + pairs_[pair].groups.size(); ++g)
-      deepest = std::max(
-          deepest, std::min(cell_size(pair), approach(pair, g, gap_change, group_force) - nearest_distance(pair, g)));
+      deepest = std::max(deepest, std::min(group(pair, g).larger_cell,
+                                           approach(pair, g, gap_change, group_force) - nearest_distance(pair, g)));
   }
   return deepest;
 }
@@ -358,14 +363,14 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
 void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_change,
                              const std::vector<double>& group_force) {
   const ContactPair& p = pairs_[pair];
-  const double h = cell_size(pair);
   const double deeper = led_[pair] == Led::squeezed ? squeeze_ : 0;
   const std::vector<char> resolved = near_resolved(pair);
   std::vector<std::size_t> candidates;
   for (std::size_t k = 0; k < p.groups.size(); ++k) {
     if (resolved[k]) continue;
     const std::size_t g = first_[pair] + k;
-    if (nearest_distance(pair, g) - approach(pair, g, gap_change, group_force) < h) candidates.push_back(g);
+    if (nearest_distance(pair, g) - approach(pair, g, gap_change, group_force) < p.groups[k].larger_cell)
+      candidates.push_back(g);
   }
   parallel_for("cgcontact::small_zones::sample_candidates", candidates.size(), 1, [&](std::size_t i) {
     const std::size_t g = candidates[i];

@@ -53,8 +53,11 @@ class SmallZones {
   ZoneSpring spring(std::size_t group) const;
   /// Groups of a pair that are in small zones and carry force.
   int count(int pair) const;
-  /// Mean width of a pair's small zones, by their forces, m; 0 without any.
-  double width(int pair) const;
+  struct Width {
+    double width = 0, cell = 0;  ///< m; size of the cell that transmits most
+  };
+  /// Mean width of a pair's small zones, by their forces; 0 without any.
+  Width width(int pair) const;
   /// Of the forces in the last update, relative to all of small zones.
   double relative_change() const { return relative_change_; }
 
@@ -84,7 +87,6 @@ class SmallZones {
   double approach(std::size_t pair, std::size_t g, const std::vector<double>& gap_change,
                   const std::vector<double>& group_force) const;
   double effective_modulus(std::size_t pair) const;
-  double cell_size(std::size_t pair) const { return bodies_[pairs_[pair].primary].cut_cells.grid.cell_size; }
   const ContactGroup& group(std::size_t pair, std::size_t g) const { return pairs_[pair].groups[g - first_[pair]]; }
   const ContactPoint& first_point(std::size_t pair, std::size_t g) const {
     return pairs_[pair].points[group(pair, g).first_point];

@@ -40,7 +40,8 @@ struct BodyExtremes {
 struct ContactRow {
   int body = 0;
   int pair = 0;
-  int cell = 0;                                  ///< active cell of the body
+  int cell = 0;            ///< active cell of the body
+  double larger_cell = 0;  ///< m, size of the larger cell of the two that meet; nothing opposite: at most there
   Vec3 x = Vec3::Zero(), normal = Vec3::Zero();  ///< m; outward
   double weight = 0;                             ///< m^2
   double gap = 0;                                ///< m, after deformation, positive when open

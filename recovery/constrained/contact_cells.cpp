@@ -43,6 +43,7 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
   const auto add_point = [&](const ContactLink& link, ContactPiece& piece, PieceLists& lists) {
     if (piece.num_points++ == 0) piece.low = piece.high = link.position;
     piece.area += link.weight;
+    piece.larger_cell = std::max(piece.larger_cell, link.larger_cell);
     if (link.active) piece.closed_area += link.weight;
     piece.position += link.weight * link.position;
     piece.other_position += link.weight * link.other_position;
@@ -69,6 +70,7 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
         continue;
       ContactPiece piece;
       piece.pair = pair;
+      piece.cell_size = bodies[index].mesh->cut_cells->h(cell);
       piece.other_body = boundary.links[l].other_body;
       piece.first_point = static_cast<int>(lists.points.size());
       piece.first_under = static_cast<int>(lists.under.size());

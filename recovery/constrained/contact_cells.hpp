@@ -15,7 +15,8 @@ struct PatchContactPoint {
 /// The contact points of one pair in one cell.
 struct ContactPiece {
   int pair = -1, other_body = -1;
-  double area = 0, closed_area = 0;  ///< m^2
+  double area = 0, closed_area = 0;       ///< m^2
+  double cell_size = 0, larger_cell = 0;  ///< m: of the cell, and the largest that meets it
   /// Sums over the points by their area: places (grid coordinates of each body), outward normals.
   Vec3 position = Vec3::Zero(), other_position = Vec3::Zero(), normal = Vec3::Zero();
   Vec3 low, high;                       ///< box around the points

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/base/parallel.hpp"
 #include "kernels/mesh/mesh.hpp"
@@ -13,11 +14,11 @@ namespace {
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 128;
 
-/// What the force of a node that has half a cell's face of the coarser body or more may be off, part of the pressure
+/// What the force of a node that has half a face of the larger cells there or more may be off, part of the pressure
 /// around: the forces of single groups scatter by that much. With less, by the root of the area more.
 constexpr double node_scatter = 0.05, half_cell = 0.5;
-/// Width (standard deviation, cells of the coarser body) of the mean, what it may be off without any change, and from
-/// where on all of it is changed. Smooth contacts are within (docs/recovery.md).
+/// Width (standard deviation; the larger one of both bodies' cells there) of the mean, what it may be off without any
+/// change, and from where on all of it is changed. Smooth contacts are within (docs/recovery.md).
 constexpr double mean_width = 1, mean_exact = 0.03, mean_wrong = 0.06;
 /// The total may be farther off than that of the plain recovery by that part of the force.
 constexpr double total_exact = 0.003;
@@ -88,7 +89,7 @@ double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant
 /// The pieces of the face of one pair by cell: products of the shape functions of the cell's nodes.
 class PairFace {
  public:
-  PairFace(const BodyMesh& mesh, double area_unit) : mesh_(mesh), area_unit_(area_unit) {}
+  explicit PairFace(const BodyMesh& mesh) : mesh_(mesh), area_unit_(std::pow(mesh.cut_cells->grid.cell_size, 2)) {}
 
   int add_node(int node) {
     const auto [found, is_new] = number_.try_emplace(node, static_cast<int>(nodes.size()));
@@ -120,6 +121,7 @@ class PairFace {
     resize();
     weight *= area_unit_;
     for (int a = 0; a < 8; ++a) {
+      cell_size[number[a]] = std::max(cell_size[number[a]], mesh_.cut_cells->h(cell));
       area[number[a]] += weight * N[a];
       carried[number[a]] += weight * N[a] * pressure;
       carried_plain[number[a]] += weight * N[a] * plain;
@@ -133,6 +135,7 @@ class PairFace {
     shapes(cell, x, number, N);
     resize();
     for (int a = 0; a < 8; ++a) {
+      cell_size[number[a]] = std::max(cell_size[number[a]], mesh_.cut_cells->h(cell));
       covered[number[a]] += N[a] * weight;
       transmitted[number[a]] += N[a] * weight * pressure;
     }
@@ -145,15 +148,44 @@ class PairFace {
     return whole > 0 ? force / whole : 0.0;
   }
 
-  /// Spreads forces over the nodes of the cells around, as often as given, among the nodes marked: their sum stays.
-  void smooth(const std::vector<char>& marked, int passes, std::vector<double>& force) const {
+  /// After the points: a contact point that the face has, with the size of the larger cell there, m.
+  void add_size(int cell, double larger_cell) {
+    for (const int node : mesh_.cell_nodes[cell])
+      if (const auto found = number_.find(node - mesh_.first_node); found != number_.end()) {
+        double& ratio = larger[found->second];
+        ratio = std::max(ratio, larger_cell / mesh_.cut_cells->h(cell));
+      }
+  }
+
+  /// Nodes beside no contact point take the ratio from those around.
+  void spread_sizes() {
+    for (bool any = true; any;) {
+      any = false;
+      std::vector<double> next = larger;
+      for (const CellFace& c : cells_)
+        for (int a = 0; a < 8; ++a)
+          for (int b = 0; b < 8; ++b)
+            if (larger[c.node[a]] == 0 && larger[c.node[b]] > next[c.node[a]]) {
+              next[c.node[a]] = larger[c.node[b]];
+              any = true;
+            }
+      larger.swap(next);
+    }
+  }
+
+  /// Spreads forces over the nodes of the cells around, as often as given for each, among the nodes marked: their sum
+  /// stays.
+  void smooth(const std::vector<char>& marked, const std::vector<int>& passes, std::vector<double>& force) const {
     std::vector<double> sum(nodes.size(), 0.0), next;
     each_product(marked, [&](int, int n, double mass) { sum[n] += mass; });
-    for (int pass = 0; pass < passes; ++pass) {
+    const int most = passes.empty() ? 0 : *std::max_element(passes.begin(), passes.end());
+    for (int pass = 0; pass < most; ++pass) {
       next.assign(nodes.size(), 0.0);
       each_product(marked, [&](int m, int n, double mass) {
-        if (sum[n] > 0) next[m] += mass / sum[n] * force[n];
+        if (pass < passes[n] && sum[n] > 0) next[m] += mass / sum[n] * force[n];
       });
+      for (std::size_t n = 0; n < nodes.size(); ++n)
+        if (pass >= passes[n]) next[n] += force[n];
       force.swap(next);
     }
   }
@@ -193,14 +225,28 @@ class PairFace {
     }
   }
 
+  /// As often as smooth() has to spread the force of each node for a mean of that width, the larger cells there.
+  std::vector<int> passes_of_mean(double width) const {
+    std::vector<int> passes;
+    for (const double ratio : larger)
+      passes.push_back(static_cast<int>(std::lround(std::pow(width * std::max(1.0, ratio), 2) / pass_variance + 1e-6)));
+    return passes;
+  }
+
+  /// m^2, of a face of the larger cells at a node.
+  double area_of_cell(std::size_t n) const { return std::pow(std::max(1.0, larger[n]) * cell_size[n], 2); }
+
   void resize() {
-    for (auto* values : {&area, &covered, &carried, &carried_plain, &transmitted}) values->resize(nodes.size(), 0.0);
+    for (auto* values : {&area, &covered, &carried, &carried_plain, &transmitted, &cell_size, &larger})
+      values->resize(nodes.size(), 0.0);
   }
   bool empty() const { return cells_.empty(); }
 
   std::vector<int> nodes;                                   ///< of the body
   std::vector<double> area, covered;                        ///< m^2, of the boundary points and of the contact points
   std::vector<double> carried, carried_plain, transmitted;  ///< Scales::stress m^2
+  std::vector<double> cell_size;                            ///< m, of the largest cell of the body at the face
+  std::vector<double> larger;  ///< cells of the other body over the body's own, at least 1; 0: not known
 
  private:
   struct CellFace {
@@ -228,8 +274,8 @@ class PairFace {
 };
 
 /// The pressure, at the nodes, that is to be added.
-std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term,
-                                     double area_of_cell, int passes) {
+std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term) {
+  const std::vector<int> passes = face.passes_of_mean(mean_width);
   const std::size_t size = face.nodes.size();
   std::vector<double> added(size, 0.0), step(size, 0.0);
   const auto defect = [&] {
@@ -250,7 +296,7 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
 
   std::vector<double> force = defect();
   for (std::size_t n = 0; n < size; ++n) {
-    const double share = std::max(face.area[n], face.covered[n]) / area_of_cell;
+    const double share = std::max(face.area[n], face.covered[n]) / face.area_of_cell(n);
     if (!pressed[n] || !(share > 0)) continue;
     const double pressure = face.pressure_of(force[n], static_cast<int>(n));
     const double scatter = node_scatter * std::max(1.0, std::sqrt(half_cell / share)) * level[n];
@@ -321,11 +367,8 @@ std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, co
 /// One pair of a body that carries force.
 struct PressedPair {
   int number = 0;
-  double coarser = 1;              ///< cells of the coarser body of the pair over the body's own
   const std::vector<int>& points;  ///< boundary points of the body
 };
-
-int passes_of_mean(double width) { return static_cast<int>(std::lround(width * width / pass_variance + 1e-6)); }
 
 /// use(face, pair) for all pairs of a body that carry force.
 template <class Use>
@@ -335,7 +378,7 @@ void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t inde
   const RecoveryBody& body = bodies[index];
   const CutCells& cc = *body.mesh->cut_cells;
   std::map<int, std::vector<int>> points;  // of the pairs
-  std::map<int, int> other;
+  std::set<int> pressing;
   for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
     const int pair = body.boundary->pair_of_point[p];
     if (pair < 0 || is_held(body, p)) continue;
@@ -345,11 +388,11 @@ void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t inde
     if (!on_open_side) points[pair].push_back(static_cast<int>(p));
   }
   for (const ContactLink& link : body.boundary->links)
-    if (link.pressure != 0) other[link.pair] = link.other_body;
-  if (other.empty()) return;
+    if (link.pressure != 0) pressing.insert(link.pair);
+  if (pressing.empty()) return;
   const std::vector<double> pressures = contact_pressures(body, field);
-  for (const auto& [pair, other_body] : other) {
-    PairFace face(*body.mesh, cc.grid.cell_size * cc.grid.cell_size);
+  for (const int pair : pressing) {
+    PairFace face(*body.mesh);
     const Vec3 resultant = resultant_of_pair(body, pair);
     for (const int p : points[pair]) {
       const int cell = cc.boundary.cell[p];
@@ -361,8 +404,10 @@ void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t inde
     for (const ContactLink& link : body.boundary->links)
       if (link.pair == pair && link.spread_pressure != 0)
         face.add_contact(link.cell, link.position, link.weight, link.active ? link.pressure / scales.stress : 0.0);
-    const double coarser = std::max(1.0, bodies[other_body].mesh->cut_cells->grid.cell_size / cc.grid.cell_size);
-    use(face, PressedPair{pair, coarser, points[pair]});
+    for (const ContactLink& link : body.boundary->links)
+      if (link.pair == pair) face.add_size(link.cell, link.larger_cell);
+    face.spread_sizes();
+    use(face, PressedPair{pair, points[pair]});
   }
 }
 
@@ -385,15 +430,13 @@ std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredF
 void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
                     const std::vector<double>& plain, const Scales& scales, PatchStates& states) {
   const RecoveryBody& body = bodies[index];
-  const double h = body.mesh->cut_cells->grid.cell_size;
   each_pressed_face(bodies, index, field, plain, scales, states, [&](PairFace& face, const PressedPair& pair) {
     std::vector<char> pressed(face.nodes.size()), term(face.nodes.size());
     for (std::size_t n = 0; n < face.nodes.size(); ++n) {
       term[n] = field.edge && field.edge->of_node(face.nodes[n]);
       pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair.number);
     }
-    const std::vector<double> added =
-        missing_pressure(face, pressed, term, std::pow(pair.coarser * h, 2), passes_of_mean(mean_width * pair.coarser));
+    const std::vector<double> added = missing_pressure(face, pressed, term);
     const std::vector<Vec6> stress = pressing_stresses(body, face, pair.points, added);
     for (std::size_t n = 0; n < added.size(); ++n) {
       if (added[n] == 0) continue;
@@ -413,7 +456,7 @@ std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::s
   each_pressed_face(bodies, index, field, {}, scales, states, [&](const PairFace& face, const PressedPair& pair) {
     std::vector<double> defect(face.nodes.size());
     for (std::size_t n = 0; n < defect.size(); ++n) defect[n] = face.transmitted[n] - face.carried[n];
-    face.smooth(std::vector<char>(defect.size(), 1), passes_of_mean(misfit_width * pair.coarser), defect);
+    face.smooth(std::vector<char>(defect.size(), 1), face.passes_of_mean(misfit_width), defect);
     for (std::size_t n = 0; n < defect.size(); ++n) {
       const Index3& node = mesh.nodes[face.nodes[n]];
       const int zone = edges.zone(pair.number, mesh.cut_cells->grid.to_global(Vec3(node[0], node[1], node[2])));

@@ -248,17 +248,18 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
   EdgePiece piece;
   const Vec3 x = grid_.to_global(centroid), n = grid_.rotation * normal.normalized();
   if (!edges.near(state.pair, x, piece)) return plain;
-  double least = 1e300, most = -1e300, most_closed = -1e300;
+  double least = 1e300, most = -1e300, most_closed = -1e300, larger = 1;  // cells of the body
   contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
+    larger = std::max(larger, part.larger_cell / part.cell_size);
     for (const PatchContactPoint& point : contact_.points(part)) {
-      const double inside = piece.inside(grid_.to_global(point.position)) / grid_.cell_size;
+      const double inside = piece.inside(grid_.to_global(point.position)) / part.cell_size;
       least = std::min(least, inside);
       most = std::max(most, inside);
       if (point.active) most_closed = std::max(most_closed, inside);
     }
   });
   // The edge of another zone, or none.
-  const double far = contradiction * std::max(1.0, other_grid.cell_size / grid_.cell_size);
+  const double far = contradiction * larger;
   if (state.closed_area > 0 ? most_closed < -far : least > far) return plain;
   if (most <= 0) return ContactMode::open;
   if (least > edge_reach || problem.has_edge) return least > 0 ? ContactMode::closed : plain;

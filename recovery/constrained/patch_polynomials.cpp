@@ -116,8 +116,9 @@ int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, i
       pair = body.boundary->links[l].pair;
       if (!edges.has(pair)) continue;
       EdgePiece piece;
-      const bool wide = edges.near(pair, x, piece) && piece.inside(x) <= edge_width * grid.cell_size &&
-                        std::abs(piece.curvature) * wide_radius * grid.cell_size < 1;
+      const double h = body.mesh->cut_cells->h(patches.cells[p]);
+      const bool wide = edges.near(pair, x, piece) && piece.inside(x) <= edge_width * h &&
+                        std::abs(piece.curvature) * wide_radius * h < 1;
       if (!wide) return 1;
       has_edges = true;
     }

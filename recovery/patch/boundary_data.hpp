@@ -29,12 +29,13 @@ struct ContactLink {
   double weight = 0;  ///< area, m^2
   int other_body = -1;
   int other_cell = -1;
-  Vec3 other_position;  ///< grid coordinates of the other body
-  double distance = 0;  ///< m, from this point along the outward normal to the other body
+  Vec3 other_position;     ///< grid coordinates of the other body
+  double larger_cell = 0;  ///< m, size of the larger one of the two cells
+  double distance = 0;     ///< m, from this point along the outward normal to the other body
   bool active = false;
   double pressure = 0;         ///< Pa, what the solution transmits here: constant over the closed points of a group
   double spread_pressure = 0;  ///< Pa, the same force over all points of the group: so it acts on the bodies
-  bool primary = false;        ///< the points of the pair are made on this body: that of the larger cells
+  bool primary = false;        ///< the points of the pair are made on this body
 };
 
 /// Boundary of one body: its default quadrature points with what is known there.

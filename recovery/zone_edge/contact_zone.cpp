@@ -8,8 +8,19 @@
 
 namespace cgcontact {
 
+namespace {
+
+double largest_cell_of(const BoundaryData& boundary) {
+  double largest = 0;
+  for (const ContactLink& link : boundary.links)
+    if (link.primary) largest = std::max(largest, link.larger_cell);
+  return largest;
+}
+
+}  // namespace
+
 ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index)
-    : cell_size_(bodies[index].mesh->cut_cells->grid.cell_size), buckets_(edge_fit_reach * cell_size_) {
+    : largest_cell_(largest_cell_of(*bodies[index].boundary)), buckets_(edge_fit_reach * largest_cell_) {
   const Grid& grid = bodies[index].mesh->cut_cells->grid;
   middle_ = grid.to_global(middle_of(bodies[index].mesh->cut_cells->solid));
   std::map<int, int> other_of_pair;
@@ -18,14 +29,14 @@ ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t in
     other_of_pair[link.pair] = link.other_body;
     buckets_.add(grid.to_global(link.position), static_cast<int>(forces_.size()));
     forces_.push_back({link.pair, link.cell, 0, link.active, grid.to_global(link.position), grid.rotation * link.normal,
-                       link.weight, link.weight * link.pressure, link.weight * link.spread_pressure});
+                       link.weight, link.weight * link.pressure, link.weight * link.spread_pressure, link.larger_cell});
   }
   if (other_of_pair.empty()) return;
   const std::vector<SymmetryPlane> planes = symmetry_planes(*bodies[index].mesh->cut_cells, *bodies[index].boundary);
   for (const auto& [pair, other] : other_of_pair)
     if (!planes.empty())
       add_images(pair, common_planes(planes, symmetry_planes(*bodies[other].mesh->cut_cells, *bodies[other].boundary),
-                                     cell_size_));
+                                     grid.cell_size));
 }
 
 /// Images in every plane, and of images in planes across: four quarters of a quarter.
@@ -33,7 +44,7 @@ void ContactZone::add_images(int pair, const std::vector<SymmetryPlane>& planes)
   const std::size_t first_image = images_.size();
   for (std::size_t p = 0; p < planes.size() && p < 31; ++p) {
     const auto add = [&](TransmittedForce f) {
-      if (f.pair != pair || -planes[p].distance(f.position) > narrow_zone_reach * cell_size_) return;
+      if (f.pair != pair || -planes[p].distance(f.position) > narrow_zone_reach * f.cell_size) return;
       for (std::size_t k = 0; k < p; ++k)
         if ((f.image >> k & 1) && std::abs(planes[k].normal.dot(planes[p].normal)) > 0.5) return;  // parallel planes
       f.position = planes[p].image(f.position);
@@ -48,9 +59,9 @@ void ContactZone::add_images(int pair, const std::vector<SymmetryPlane>& planes)
 }
 
 std::vector<const TransmittedForce*> ContactZone::forces_near(int pair, const Vec3& x, const Vec3& n,
-                                                              double cells) const {
+                                                              double distance) const {
   std::vector<const TransmittedForce*> found;
-  const double square = std::pow(cells * cell_size_, 2);
+  const double square = std::pow(distance, 2);
   buckets_.each_near(x, [&](int i) {
     const TransmittedForce& f = forces_[i];
     if (f.pair == pair && f.normal.dot(n) > 0.5 && (f.position - x).squaredNorm() < square) found.push_back(&f);
@@ -65,9 +76,10 @@ std::vector<TransmittedForce> ContactZone::closed_cells() const {
     TransmittedForce& whole =
         cells
             .try_emplace({f.image, f.cell, f.pair},
-                         TransmittedForce{f.pair, f.cell, f.image, true, Vec3::Zero(), Vec3::Zero(), 0, 0, 0})
+                         TransmittedForce{f.pair, f.cell, f.image, true, Vec3::Zero(), Vec3::Zero(), 0, 0, 0, 0})
             .first->second;
     whole.area += f.area;
+    whole.cell_size = std::max(whole.cell_size, f.cell_size);
     whole.position += f.area * f.position;
     whole.normal += f.area * f.normal;
   };

@@ -14,12 +14,13 @@ namespace cgcontact {
 
 /// What a contact point transmits; global axes.
 struct TransmittedForce {
-  int pair, cell;  ///< active cell of the coarser body
+  int pair, cell;  ///< active cell of the pair's primary body
   int image;       ///< in which planes of symmetry it is mirrored, a bit each; 0: it is no image
   bool closed;
   Vec3 position, normal;  ///< m; outward unit normal of one of the bodies
   double area, force;     ///< m^2; N, compression positive
   double spread_force;    ///< N, where the group's force is spread over all its points, closed or not
+  double cell_size;       ///< m, of the larger cell of both bodies there: that of its contact group
 };
 
 struct EdgeFit {
@@ -32,7 +33,7 @@ struct EdgeFit {
 constexpr double edge_fit_reach = 5;
 
 /// The edge near `piece` for which K sqrt(s (1 - s / width)) has the same sums as the forces. cell_size: m, of the
-/// coarser body, whose cells carry the contact groups. Not found: no edge within a cell meets them.
+/// larger cells there, which carry the contact groups. Not found: no edge within a cell meets them.
 EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForce*>& forces, double cell_size);
 
 }  // namespace cgcontact

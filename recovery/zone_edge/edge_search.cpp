@@ -16,9 +16,6 @@ constexpr std::size_t grain = 4;
 /// Times that all places are looked for: from the border of the closed points the second time is within 0.01 cells.
 constexpr int rounds = 3;
 
-/// Scatter of the places that the forces give, cells.
-constexpr double place_scatter = 0.02;
-
 /// Samples are equally far from a place if they are so up to that part: then the first one counts, in mirror images
 /// too.
 constexpr double nearer = 1 - 1e-9;
@@ -52,8 +49,8 @@ bool is_strip(const std::vector<const TransmittedForce*>& points, double cell_si
 /// linear function on the face, both sorts counting alike; in a strip a line across it. False if there is only one
 /// sort.
 bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSample& sample) {
-  const double h = zone.cell_size();
-  const auto points = zone.forces_near(sample.pair, x, n, guess_reach);
+  const double h = sample.cell_size;
+  const auto points = zone.forces_near(sample.pair, x, n, guess_reach * h);
   double area[2] = {};  // open, closed
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
   for (const TransmittedForce* f : points) area[f->closed] += f->area;
@@ -85,7 +82,7 @@ bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSamp
     return true;
   };
   Vec3 across;
-  if (is_strip(zone.forces_near(sample.pair, x, n, edge_fit_reach), h, across)) {
+  if (is_strip(zone.forces_near(sample.pair, x, n, edge_fit_reach * h), h, across)) {
     across = (across - across.dot(normal) * normal).normalized();
     if ((sample.in_strip = part(normal.cross(across), across, 1e6))) return true;
   }
@@ -96,6 +93,7 @@ bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSamp
 /// First guess from around a closed point, then from around that.
 bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSample& sample) {
   sample.pair = closed.pair;
+  sample.cell_size = closed.cell_size;
   return part_points(zone, closed.position, closed.normal, sample) &&
          part_points(zone, Vec3(sample.origin), Vec3(sample.normal), sample);
 }
@@ -105,7 +103,7 @@ bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSam
 /// behind (mean and variance of the distances of closed points). A zone with both edges has the width that its forces
 /// spread over, four standard deviations under Hertz's contact.
 double inverse_width_at(const ContactZone& zone, const EdgeSample& sample) {
-  const double h = zone.cell_size();
+  const double h = sample.cell_size;
   struct PointInBand {
     double across, area, force;
     bool closed;
@@ -173,18 +171,19 @@ void keep_found(std::vector<EdgeSample>& samples) {
 
 /// Moves all samples to where the forces put the edge; those without such a place are dropped.
 void place_edges(const ContactZone& zone, const Scales& scales, std::vector<EdgeSample>& samples) {
-  const FoundEdges edges(samples, zone.cell_size(), place_scatter);
+  const FoundEdges edges(samples);
   parallel_for("cgcontact::edge_search::samples", samples.size(), grain, [&](std::size_t i) {
     EdgeSample& sample = samples[i];
+    const double h = sample.cell_size;
     EdgePiece piece;
     edges.near(sample.pair, sample.origin, piece);
     const EdgeFit fit =
-        fit_edge(piece, zone.forces_near(sample.pair, piece.origin, sample.normal, edge_fit_reach), zone.cell_size());
+        fit_edge(piece, zone.forces_near(sample.pair, piece.origin, sample.normal, edge_fit_reach * h), h);
     if (!fit.found) {
       sample.pair = -1;
       return;
     }
-    sample.origin = piece.origin - fit.shift * zone.cell_size() * piece.closed;
+    sample.origin = piece.origin - fit.shift * h * piece.closed;
     sample.closed = piece.closed;
     sample.factor = -fit.strength / scales.stress;
   });
@@ -196,11 +195,10 @@ void place_edges(const ContactZone& zone, const Scales& scales, std::vector<Edge
 FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Scales& scales,
                               const RecoveryOptions& options) {
   std::vector<EdgeSample> all;
-  double width = 0;
   for (std::size_t b = 0; b < bodies.size() && options.contact_edge; ++b) {
     const ContactZone zone(bodies, b);
     const auto closed = zone.closed_cells();
-    PointBuckets open(guess_reach * zone.cell_size());
+    PointBuckets open(guess_reach * zone.largest_cell());
     for (std::size_t i = 0; i < zone.forces().size(); ++i)
       if (!zone.forces()[i].closed) open.add(zone.forces()[i].position, static_cast<int>(i));
     std::vector<EdgeSample> samples(closed.size());
@@ -218,10 +216,9 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
       place_edges(zone, scales, samples);
     }
     samples.insert(samples.end(), narrow.begin(), narrow.end());
-    if (!samples.empty()) width = std::max(width, zone.cell_size());
     all.insert(all.end(), samples.begin(), samples.end());
   }
-  return FoundEdges(std::move(all), width, place_scatter);
+  return FoundEdges(std::move(all));
 }
 
 }  // namespace cgcontact

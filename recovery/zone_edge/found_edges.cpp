@@ -1,23 +1,31 @@
 #include "recovery/zone_edge/found_edges.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cgcontact {
 namespace {
 
-/// Samples count with exp(-(distance / (smoothing width))^2 / 2), and not at all beyond reach widths.
+/// Samples count with exp(-(distance / (smoothing cells))^2 / 2), and not at all beyond reach cells.
 constexpr double smoothing = 1.5, reach = 4 * smoothing;
 /// What the place of an edge may be off, cells.
 constexpr double expected_error = 0.015;
-/// How far outside a zone that is fitted as a whole (recovery/zone_edge/narrow_edges.hpp) its edge is known, widths.
+/// How far outside a zone that is fitted as a whole (recovery/zone_edge/narrow_edges.hpp) its edge is known, cells.
 constexpr double outside_narrow = 2.5;
-/// What slope and curvature against the mean direction are expected to be, cells.
-constexpr double expected_slope = 0.2;
+/// Scatter of the places that the forces give; what slope and curvature against the mean direction are expected to be,
+/// cells.
+constexpr double place_scatter = 0.02, expected_slope = 0.2;
+
+double largest_cell(const std::vector<EdgeSample>& samples) {
+  double largest = 0;
+  for (const EdgeSample& sample : samples) largest = std::max(largest, sample.cell_size);
+  return largest;
+}
 
 }  // namespace
 
-FoundEdges::FoundEdges(std::vector<EdgeSample> samples, double width, double scatter)
-    : samples_(std::move(samples)), width_(width), scatter_(scatter), buckets_(reach * width) {
+FoundEdges::FoundEdges(std::vector<EdgeSample> samples)
+    : samples_(std::move(samples)), buckets_(reach * largest_cell(samples_)) {
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     // All normals of a pair point the same way.
     const std::size_t first = first_of_pair_.try_emplace(samples_[i].pair, i).first->second;
@@ -38,7 +46,7 @@ void FoundEdges::number_zones() {
       const EdgeSample& from = samples_[members[next]];
       buckets_.each_near(from.origin, [&](int k) {
         if (zone_[k] >= 0 || samples_[k].pair != from.pair ||
-            (samples_[k].origin - from.origin).norm() > reach * width_)
+            (samples_[k].origin - from.origin).norm() > reach * std::max(samples_[k].cell_size, from.cell_size))
           return;
         zone_[k] = number;
         members.push_back(k);
@@ -51,7 +59,7 @@ FoundEdges FoundEdges::without(const std::vector<char>& zones) const {
   std::vector<EdgeSample> kept;
   for (std::size_t i = 0; i < samples_.size(); ++i)
     if (!zones[zone_[i]]) kept.push_back(samples_[i]);
-  return FoundEdges(std::move(kept), width_, scatter_);
+  return FoundEdges(std::move(kept));
 }
 
 int FoundEdges::zone(int pair, const Vec3& x) const {
@@ -61,11 +69,11 @@ int FoundEdges::zone(int pair, const Vec3& x) const {
 
 const EdgeSample* FoundEdges::nearest(int pair, const Vec3& x) const {
   const EdgeSample* found = nullptr;
-  double least = reach * width_;
+  double least = 1e300;
   buckets_.each_near(x, [&](int i) {
     const EdgeSample& s = samples_[i];
     const double distance = (s.origin - x).norm();
-    if (s.pair == pair && distance < least) found = &s, least = distance;
+    if (s.pair == pair && distance < least && distance < reach * s.cell_size) found = &s, least = distance;
   });
   return found;
 }
@@ -74,14 +82,14 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   if (samples_.empty()) return false;
   const EdgeSample* const first = nearest(pair, x);
   if (!first) return false;
+  const double h = first->cell_size;
   // Farther outside there may be another zone, one without edges.
-  if (first->narrow)
-    return first->narrow->edge_near(x, first->origin, piece) && piece.inside(x) > -outside_narrow * width_;
+  if (first->narrow) return first->narrow->edge_near(x, first->origin, piece) && piece.inside(x) > -outside_narrow * h;
   Vec3 foot = first->origin;
   const auto each_weighted = [&](const auto& use) {
     buckets_.each_near(foot, [&](int i) {
       const EdgeSample& s = samples_[i];
-      const double distance = (s.origin - foot).norm() / width_;
+      const double distance = (s.origin - foot).norm() / h;
       if (s.pair == pair && !s.narrow && distance < reach && s.closed.dot(first->closed) > 0)  // not the opposite edge
         use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
     });
@@ -101,7 +109,7 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   Vec3 b = Vec3::Zero();
   double sum = 0, height = 0, factor = 0, inverse_width = 0;
   each_weighted([&](const EdgeSample& s, double w) {
-    const Vec3 d = (s.origin - foot) / width_;
+    const Vec3 d = (s.origin - foot) / h;
     const double t = along.dot(d);
     const Vec3 p(1, t, 0.5 * t * t);
     A += w * p * p.transpose();
@@ -111,16 +119,16 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     inverse_width += w * s.inverse_width;
     factor += w * s.factor;
   });
-  const double ridge = first->in_strip ? 1e6 : std::pow(scatter_ / expected_slope, 2);
+  const double ridge = first->in_strip ? 1e6 : std::pow(place_scatter / expected_slope, 2);
   A.diagonal() += Vec3(0, ridge, ridge);
   const Vec3 c = A.ldlt().solve(b);
-  piece.origin = foot + width_ * (c[0] * closed + height / sum * normal);
+  piece.origin = foot + h * (c[0] * closed + height / sum * normal);
   piece.closed = (closed - c[1] * along).normalized();
   piece.along = normal.cross(piece.closed);
-  piece.curvature = -c[2] / width_;
+  piece.curvature = -c[2] / h;
   piece.inverse_width = inverse_width / sum;
   piece.factor = factor / sum;
-  piece.place_error = expected_error * width_;
+  piece.place_error = expected_error * h;
   return true;
 }
 

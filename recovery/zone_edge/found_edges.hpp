@@ -18,13 +18,13 @@ struct EdgeSample {
   double inverse_width = 0;     ///< of the zone across, 1/m; 0: not known
   double factor = 0;            ///< of the term, Scales::stress per root of a metre
   std::shared_ptr<const NarrowZone> narrow = nullptr;  ///< the zone that has the edge around
+  double cell_size = 0;                                ///< m, of the larger cells of both bodies there
   bool in_strip = false;  ///< the face is a strip of few cells there, and the edge runs straight across it
 };
 
 class FoundEdges : public EdgeMap {
  public:
-  /// width: m, the largest coarser cells of the pairs; scatter of the samples across the edge: widths.
-  FoundEdges(std::vector<EdgeSample> samples, double width, double scatter);
+  explicit FoundEdges(std::vector<EdgeSample> samples);
   bool near(int pair, const Vec3& x, EdgePiece& piece) const override;
   bool has(int pair) const override { return first_of_pair_.count(pair) > 0; }
 
@@ -43,7 +43,6 @@ class FoundEdges : public EdgeMap {
   std::vector<int> zone_;  ///< of samples
   std::size_t num_zones_ = 0;
   std::map<int, std::size_t> first_of_pair_;  ///< pair -> sample
-  double width_, scatter_;
   PointBuckets buckets_;
 };
 

@@ -35,10 +35,10 @@ class NarrowZones {
  public:
   NarrowZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed)
       : closed_(closed),
-        h_(zone.cell_size()),
-        buckets_(narrow_zone_reach * h_),
-        closed_buckets_(narrow_zone_reach * h_),
-        open_buckets_(0.5 * narrow_width * h_) {
+        largest_(zone.largest_cell()),
+        buckets_(narrow_zone_reach * largest_),
+        closed_buckets_(narrow_zone_reach * largest_),
+        open_buckets_(0.5 * narrow_width * largest_) {
     for (std::size_t i = 0; i < closed.size(); ++i) {
       index_[{closed[i].pair, closed[i].cell, closed[i].image}] = static_cast<int>(i);
       closed_buckets_.add(closed[i].position, static_cast<int>(i));
@@ -60,19 +60,21 @@ class NarrowZones {
   std::vector<int> candidates(const std::vector<EdgeSample>& samples) const {
     std::vector<char> guessed(closed_.size(), 0);
     std::vector<const EdgeSample*> narrow;
-    PointBuckets near(narrow_reach * h_);
+    PointBuckets near(narrow_reach * largest_);
     for (const EdgeSample& s : samples) {
       guessed[component_[s.cell]] = 1;
-      if (s.inverse_width * narrow_width * h_ < 1) continue;
+      if (s.inverse_width * narrow_width * s.cell_size < 1) continue;
       near.add(s.origin, static_cast<int>(narrow.size()));
       narrow.push_back(&s);
     }
     std::vector<int> cells;
     for (std::size_t i = 0; i < closed_.size() && !closed_[i].image; ++i) {
-      bool found = !guessed[component_[i]] && has_open_points(closed_[i].pair, closed_[i].position, 0.5 * narrow_width);
+      const double h = closed_[i].cell_size;
+      bool found =
+          !guessed[component_[i]] && has_open_points(closed_[i].pair, closed_[i].position, 0.5 * narrow_width * h);
       near.each_near(closed_[i].position, [&](int k) {
         found = found || (narrow[k]->pair == closed_[i].pair &&
-                          (narrow[k]->origin - closed_[i].position).norm() < narrow_reach * h_);
+                          (narrow[k]->origin - closed_[i].position).norm() < narrow_reach * h);
       });
       if (found) cells.push_back(static_cast<int>(i));
     }
@@ -87,7 +89,8 @@ class NarrowZones {
       double area = 0;
       closed_buckets_.each_near(x, [&](int i) {
         if (component_[i] != component_[cell]) return;
-        const double w = narrow_zone_weight((closed_[i].position - x).norm() / h_) * closed_[i].area;
+        const double w =
+            narrow_zone_weight((closed_[i].position - x).norm() / closed_[cell].cell_size) * closed_[i].area;
         area += w;
         position += w * closed_[i].position;
         normals += w * closed_[i].normal;
@@ -98,12 +101,11 @@ class NarrowZones {
     return {x, normal};
   }
 
-  /// Within so many cells, at most half of narrow_width.
-  bool has_open_points(int pair, const Vec3& x, double cells) const {
+  /// Within a distance, m; at most half of narrow_width.
+  bool has_open_points(int pair, const Vec3& x, double distance) const {
     bool found = false;
-    open_buckets_.each_near(x, [&](int i) {
-      found = found || (points_[i]->pair == pair && (points_[i]->position - x).norm() < cells * h_);
-    });
+    open_buckets_.each_near(
+        x, [&](int i) { found = found || (points_[i]->pair == pair && (points_[i]->position - x).norm() < distance); });
     return found;
   }
 
@@ -116,12 +118,12 @@ class NarrowZones {
       const auto found = index_.find({f.pair, f.cell, f.image});
       if (found == index_.end() || component_[found->second] == component_[cell]) forces.push_back(&f);
     });
-    return fit_narrow_zone(forces, x, normal, h_, stress_unit, fitted);
+    return fit_narrow_zone(forces, x, normal, closed_[cell].cell_size, stress_unit, fitted);
   }
 
  private:
   void connect() {
-    PointBuckets cells(connected * h_);
+    PointBuckets cells(connected * largest_);
     for (std::size_t i = 0; i < closed_.size(); ++i) cells.add(closed_[i].position, static_cast<int>(i));
     component_.assign(closed_.size(), -1);
     std::vector<int> members;
@@ -134,7 +136,7 @@ class NarrowZones {
         const TransmittedForce& from = closed_[members[next]];
         cells.each_near(from.position, [&](int k) {
           if (component_[k] >= 0 || closed_[k].pair != from.pair ||
-              (closed_[k].position - from.position).norm() > connected * h_)
+              (closed_[k].position - from.position).norm() > connected * std::max(closed_[k].cell_size, from.cell_size))
             return;
           component_[k] = number;
           members.push_back(k);
@@ -144,7 +146,7 @@ class NarrowZones {
   }
 
   const std::vector<TransmittedForce>& closed_;
-  double h_;
+  double largest_;  // m, for searches
   std::vector<const TransmittedForce*> points_;
   PointBuckets buckets_;                     // of points_
   PointBuckets closed_buckets_;              // of closed_
@@ -162,13 +164,14 @@ struct Part {
   bool counts_as_whole = false;
 };
 
-std::vector<Part> make_parts(const NarrowZones& zones, const std::vector<int>& cells, double cell_size) {
+std::vector<Part> make_parts(const NarrowZones& zones, const std::vector<TransmittedForce>& closed,
+                             const std::vector<int>& cells) {
   std::vector<Part> parts;
   for (const int c : cells) {
     const auto [middle, normal] = zones.middle(c);
     const auto same = std::find_if(parts.begin(), parts.end(), [&, &x = middle](const Part& part) {
       return zones.component(part.cells.front()) == zones.component(c) &&
-             (part.middle - x).norm() < same_middle * cell_size;
+             (part.middle - x).norm() < same_middle * closed[c].cell_size;
     });
     if (same != parts.end())
       same->cells.push_back(c);
@@ -183,8 +186,7 @@ std::vector<Part> make_parts(const NarrowZones& zones, const std::vector<int>& c
 std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::vector<TransmittedForce>& closed,
                                           double stress_unit, std::vector<EdgeSample>& samples) {
   const NarrowZones zones(zone, closed);
-  const double h = zone.cell_size();
-  std::vector<Part> parts = make_parts(zones, zones.candidates(samples), h);
+  std::vector<Part> parts = make_parts(zones, closed, zones.candidates(samples));
   parallel_for("cgcontact::narrow_edges::parts", parts.size(), 1, [&](std::size_t i) {
     Part& part = parts[i];
     NarrowZone fitted;
@@ -193,6 +195,7 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
       part.counts_as_whole = true;
       return;
     }
+    const double h = fitted.cell_size;
     double inverse_width = 0;
     bool round = false;
     std::size_t open = 0;
@@ -201,7 +204,7 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
       if (!fitted.edge_near(closed[c].position, closed[c].position, piece)) continue;
       round = round || piece.curvature * round_radius * h < -1;
       inverse_width = std::max(inverse_width, piece.inverse_width);
-      open += zones.has_open_points(closed[c].pair, piece.origin - outside * h * piece.closed, around);
+      open += zones.has_open_points(closed[c].pair, piece.origin - outside * h * piece.closed, around * h);
       part.edges.emplace_back(c, piece);
     }
     part.counts_as_whole = round;
@@ -217,7 +220,7 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
     if (!part.fitted) continue;
     for (const auto& [cell, piece] : part.edges)
       edges.push_back({closed[cell].pair, cell, piece.origin, piece.closed, part.normal, piece.inverse_width,
-                       piece.factor, part.fitted});
+                       piece.factor, part.fitted, closed[cell].cell_size});
   }
   samples.erase(std::remove_if(samples.begin(), samples.end(), [&](const EdgeSample& s) { return taken[s.cell]; }),
                 samples.end());

@@ -1,6 +1,8 @@
 /// Contact pairs: opposite points, areas, gaps; free motions; a body held only by contact across an initial gap.
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "contact/preparation.hpp"
 #include "tests/support/run_scene.hpp"
 
@@ -30,6 +32,40 @@ TEST(ContactPairs, PointsCoverTheFaceAndMeetTheOtherBody) {
   for (const ContactGroup& g : pair.groups) group_area += g.area;
   EXPECT_NEAR(area, 0.8, 1e-12);
   EXPECT_NEAR(group_area, 0.8, 1e-12);
+}
+
+/// Half of the coarser body's cells are made smaller than the other body's: there a group is what lies under a cell of
+/// the other body, elsewhere what lies in a cell of its own.
+TEST(ContactPairs, GroupsBelongToTheLargerCell) {
+  const Scene scene = read("tests/scenes/gap.toml");
+  std::vector<BodyModel> bodies = make_body_models(scene);
+  CutCells& coarser = bodies[scene.bodies[0].name == "lower" ? 0 : 1].cut_cells;
+  const auto is_small = [&](int cell) { return coarser.cells[cell][0] < coarser.grid.num_cells[0] / 2; };
+  coarser.grid.num_levels = 4;
+  for (int c = 0; c < static_cast<int>(coarser.cells.size()); ++c) coarser.levels.push_back(is_small(c) ? 3 : 0);
+  const std::vector<ContactPair> pairs = make_contact_pairs(scene, bodies);
+  ASSERT_EQ(pairs.size(), 1u);
+  const ContactPair& pair = pairs[0];
+  ASSERT_EQ(scene.bodies[pair.primary].name, "lower") << "the largest cells are still its own";
+  double area = 0;
+  int own = 0, others = 0;
+  std::set<std::pair<int, int>> cells;
+  for (const ContactGroup& group : pair.groups) {
+    area += group.area;
+    EXPECT_TRUE(cells.insert({group.body, group.cell}).second) << "one face, one group for each cell";
+    EXPECT_EQ(group.larger_cell, bodies[group.body].cut_cells.h(group.cell));
+    (group.body == pair.primary ? own : others) += 1;
+    for (int q = group.first_point; q < group.last_point; ++q) {
+      const ContactPoint& point = pair.points[q];
+      EXPECT_EQ(is_small(point.primary_cell), group.body == pair.secondary);
+      EXPECT_EQ(group.body == pair.primary ? point.primary_cell : point.secondary_cell, group.cell);
+      EXPECT_LE(group.h, coarser.h(point.primary_cell));
+      EXPECT_LE(coarser.h(point.primary_cell), group.larger_cell);
+    }
+  }
+  EXPECT_NEAR(area, 0.8, 1e-12);
+  EXPECT_GT(own, 0);
+  EXPECT_GT(others, 0);
 }
 
 /// Rows of the gap: a relative rigid translation along the normal changes every gap by its length.
