@@ -27,6 +27,12 @@ std::string describe_body(const BodyModel& body) {
       body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio,
       volume(cc) * std::pow(cc.grid.cell_size, 3), total_area, cc.grid.num_cells[0], cc.grid.num_cells[1],
       cc.grid.num_cells[2], cc.grid.cell_size, active, cut, dofs_per_node * static_cast<long long>(size_of(cc).nodes));
+  if (cc.num_levels() > 1) {
+    text += "  levels:";
+    for (int l = 0; l < cc.num_levels(); ++l)
+      text += fmt::format("{} {} cells of {:g} m", l == 0 ? "" : ",", cc.parts[l].cells.size(), cc.grid.cell_size_of(l));
+    text += "\n";
+  }
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   for (const FaceSpec& spec : body.spec->faces) {

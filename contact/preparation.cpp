@@ -84,8 +84,8 @@ void check_free_motions(const Scene& scene, Preparation& p) {
 void check_body_forces(const std::vector<BodyModel>& bodies) {
   for (const BodyModel& body : bodies) {
     if (!body.boundary.body_force_at) continue;
-    for (const Index3& cell : body.cut_cells.cells)
-      body.boundary.body_force_at(body.cut_cells.grid.to_global(Vec3(cell[0], cell[1], cell[2])));
+    for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell)
+      body.boundary.body_force_at(body.cut_cells.grid.to_global(body.cut_cells.corner(cell)));
   }
 }
 

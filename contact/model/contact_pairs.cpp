@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "contact/model/opposite_borders.hpp"
 #include "contact/model/press_direction.hpp"
 #include "core/base/parallel.hpp"
+#include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
 namespace {
@@ -23,23 +25,55 @@ constexpr double least_area = 1e-9;
 /// ends within a quadrature point.
 constexpr std::size_t most_ends = 24;
 
-/// Planes of the other grid that cross a cell, in the cell's grid coordinates.
-std::vector<Plane> other_grid_planes(const Grid& grid, const Index3& cell, const Grid& other) {
+/// Level of the smallest cells of a grid that there may be in a box, grid coordinates.
+int finest_level(const CutCells& cells, const Vec3& low, const Vec3& high) {
+  int finest = 0;
+  const std::function<void(int, const Index3&)> visit = [&](int level, const Index3& cell) {
+    const double size = std::ldexp(1.0, -level);
+    for (int d = 0; d < 3; ++d)
+      if (size * cell[d] > high[d] || size * (cell[d] + 1) < low[d]) return;
+    if (!cells.tree->is_refined(level, cell)) return;
+    finest = std::max(finest, level + 1);
+    for (int a = 0; a < 8; ++a)
+      visit(level + 1, {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)});
+  };
+  if (!cells.tree) return 0;
+  Index3 begin, end;
+  for (int d = 0; d < 3; ++d) {
+    begin[d] = std::max(0, static_cast<int>(std::floor(low[d])));
+    end[d] = std::min(cells.grid.num_cells[d], static_cast<int>(std::floor(high[d])) + 1);
+  }
+  for (int k = begin[2]; k < end[2]; ++k)
+    for (int j = begin[1]; j < end[1]; ++j)
+      for (int i = begin[0]; i < end[0]; ++i) visit(0, {i, j, k});
+  return finest;
+}
+
+/// Planes of the other grid that cross a cell, in the cell's grid coordinates: of the smallest cells that there are near
+/// it, so that every part of a surface in the cell sees one cell only.
+std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCells& other_cells) {
+  const Grid &grid = own.grid, &other = other_cells.grid;
   const Mat3 to_other = other.rotation.transpose() * grid.rotation * (grid.cell_size / other.cell_size);
-  const Vec3 shift = other.to_grid(grid.origin);
+  const Vec3 shift = other.to_grid(grid.origin), first_corner = own.corner(cell);
+  const double size = own.size(cell);
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);
+  for (int d = 0; d < 3; ++d)
+    for (int a = 0; a < 8; ++a) {
+      const Vec3 corner = first_corner + size * Vec3(a & 1, a >> 1 & 1, a >> 2);
+      const double value = to_other.row(d).dot(corner) + shift[d];
+      low[d] = std::min(low[d], value);
+      high[d] = std::max(high[d], value);
+    }
+  // What lies opposite may be a little away.
+  const Vec3 around = 0.5 * (high - low);
+  const double halvings = std::ldexp(1.0, finest_level(other_cells, low - around, high + around));
   std::vector<Plane> planes;
   for (int d = 0; d < 3; ++d) {
-    double low = 1e300, high = -1e300;
-    for (int a = 0; a < 8; ++a) {
-      const Vec3 corner(cell[0] + (a & 1), cell[1] + (a >> 1 & 1), cell[2] + (a >> 2));
-      const double value = to_other.row(d).dot(corner) + shift[d];
-      low = std::min(low, value);
-      high = std::max(high, value);
-    }
     const double norm = to_other.row(d).norm();
-    const int first = static_cast<int>(std::ceil(std::max(low + 1e-9, 0.0)));
-    const int last = static_cast<int>(std::floor(std::min(high - 1e-9, 1.0 * other.num_cells[d])));
-    for (int k = first; k <= last; ++k) planes.push_back({to_other.row(d).transpose() / norm, (k - shift[d]) / norm});
+    const int first = static_cast<int>(std::ceil(std::max(low[d] * halvings + 1e-9, 0.0)));
+    const int last = static_cast<int>(std::floor(std::min(high[d] * halvings - 1e-9, halvings * other.num_cells[d])));
+    for (int k = first; k <= last; ++k)
+      planes.push_back({to_other.row(d).transpose() / norm, (k / halvings - shift[d]) / norm});
   }
   return planes;
 }
@@ -56,18 +90,20 @@ bool is_own_plane(const Solid& solid, const Plane& plane) {
 
 /// Planes of the other solid that cut a plane surface of this one within a cell, in the cell's grid coordinates: there
 /// a plane face of the other body may end, and with it the contact.
-std::vector<Plane> other_face_borders(const BodyModel& body, const Index3& cell, int surface, const BodyModel& other) {
+std::vector<Plane> other_face_borders(const BodyModel& body, int cell, int surface, const BodyModel& other) {
   const Surface& own = body.cut_cells.solid.surfaces()[surface];
   std::vector<Plane> planes;
   if (own.kind != Surface::Kind::plane) return planes;
   const Grid &grid = body.cut_cells.grid, &other_grid = other.cut_cells.grid;
+  const double size = body.cut_cells.size(cell);
+  const Vec3 centre = grid_position(body.cut_cells, cell, Vec3::Zero());
   for (const Surface& s : other.cut_cells.solid.surfaces()) {
     if (s.kind != Surface::Kind::plane) continue;
     const Vec3 normal = grid.rotation.transpose() * (other_grid.rotation * s.direction);
     if (std::abs(normal.dot(own.direction)) > 0.9) continue;  // no border, or one that the ray meets elsewhere
     const double offset = normal.dot(grid.to_grid(other_grid.to_global(s.point)));
-    const double middle = normal.dot(Vec3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5));
-    if (std::abs(offset - middle) > 0.5 * normal.cwiseAbs().sum() - 1e-9) continue;
+    const double middle = normal.dot(centre);
+    if (std::abs(offset - middle) > 0.5 * size * normal.cwiseAbs().sum() - 1e-9) continue;
     if (!is_own_plane(body.cut_cells.solid, {normal, offset})) planes.push_back({normal, offset});
   }
   return planes;
@@ -101,10 +137,9 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
                           const std::vector<Plane>& borders, const Vec3& direction, int order) {
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const Grid& grid = primary.cut_cells.grid;
-  const Index3& place = primary.cut_cells.cells[cell];
-  std::vector<Plane> dividers = other_grid_planes(grid, place, secondary.cut_cells.grid);
-  std::vector<Plane> ends = crossing_planes(borders, Vec3(place[0], place[1], place[2]), 1);
-  for (const Plane& border : other_face_borders(primary, place, surface, secondary)) ends.push_back(border);
+  std::vector<Plane> dividers = other_grid_planes(primary.cut_cells, cell, secondary.cut_cells);
+  std::vector<Plane> ends = crossing_planes(borders, primary.cut_cells.corner(cell), primary.cut_cells.size(cell));
+  for (const Plane& border : other_face_borders(primary, cell, surface, secondary)) ends.push_back(border);
   if (ends.size() <= most_ends) dividers.insert(dividers.end(), ends.begin(), ends.end());
   BoundaryPoints points;
   boundary_points_of_cell(primary.cut_cells, cell, {surface}, dividers, order, points);
@@ -276,15 +311,15 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
     found[i] = find_points(bodies, pair, cell, surface, borders.at(surface), direction, scene.contact.quadrature_order);
   };
   parallel_for("cgcontact::contact_pairs::groups", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
-  std::vector<Index3> cells;
+  std::vector<CellPlace> cells;
   std::vector<int> surfaces;
   std::vector<FacingNormals> normals;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    cells.push_back(own.cells[places[i].first]);
+    cells.push_back(place_of(own, places[i].first));
     surfaces.push_back(places[i].second);
     normals.push_back(found[i].normals);
   }
-  const std::vector<Vec3> directions = press_directions(cells, surfaces, normals);
+  const std::vector<Vec3> directions = press_directions(own.num_levels(), cells, surfaces, normals);
   parallel_for("cgcontact::contact_pairs::edges", places.size(), 8, [&](std::size_t i) {
     if (!directions[i].isZero()) find(i, directions[i]);
   });
@@ -390,7 +425,7 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
   constexpr int reach = 3;
   const BodyModel& model = bodies[body];
   const CutCells& cc = model.cut_cells;
-  std::vector<Index3> cells;
+  std::vector<int> cells;
   std::vector<BodyFace> faces;
   for (const ContactPair& pair : pairs)
     if (pair.primary == body || pair.secondary == body) faces.emplace_back(pair.face(body), model);
@@ -402,10 +437,10 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
         std::any_of(faces.begin(), faces.end(), [&](const BodyFace& face) { return face.contains(p); });
     if (!on_face) continue;
     last = cell;
-    cells.push_back(cc.cells[cell]);
+    cells.push_back(cell);
   }
   std::vector<char> near(cc.cells.size(), 0), marked(mesh.num_nodes, 0);
-  mark_around(cc, std::move(cells), reach, near);
+  mark_cells_around(cc, cells, reach, near);
   for (std::size_t c = 0; c < near.size(); ++c)
     if (near[c])
       for (int node : mesh.cell_nodes[c]) marked[node - mesh.first_node] = 1;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "contact/model/refined_grid.hpp"
 #include "core/scene/face_dividers.hpp"
 
 namespace cgcontact {
@@ -147,8 +148,9 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     const Solid solid = model.spec->solid.transformed(
         grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
     try {
-      model.cut_cells = make_cut_cells(
-          solid, grid, face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid), scene.geometry);
+      const std::vector<Plane> dividers = face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid);
+      model.cut_cells = make_cut_cells(solid, grid, dividers, scene.geometry,
+                                       refined_tree(*model.spec, solid, grid, dividers, scene.geometry));
     } catch (const InputError& error) {
       throw InputError(model.spec->place, in_quotes(model.spec->name), error.what());
     }

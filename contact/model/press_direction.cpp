@@ -2,8 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <map>
+#include <set>
 
 namespace cgcontact {
 namespace {
@@ -17,8 +17,6 @@ constexpr double tip_below = 0.8;
 /// Of the mean of n n^T: what is nothing.
 constexpr double nothing = 1e-9;
 
-using Place = std::array<int, 3>;
-
 /// By cell: what is seen there, with the surface.
 class Places {
  public:
@@ -26,29 +24,34 @@ class Places {
     int surface;
     const FacingNormals* normals;
   };
-  Places(const std::vector<Index3>& cells, const std::vector<int>& surfaces,
-         const std::vector<FacingNormals>& normals) {
+  Places(int num_levels, const std::vector<CellPlace>& cells, const std::vector<int>& surfaces,
+         const std::vector<FacingNormals>& normals)
+      : num_levels_(num_levels) {
     for (std::size_t i = 0; i < cells.size(); ++i)
-      if (normals[i].area > 0) places_[{cells[i][0], cells[i][1], cells[i][2]}].push_back({surfaces[i], &normals[i]});
+      if (normals[i].area > 0) places_[cells[i]].push_back({surfaces[i], &normals[i]});
   }
 
+  int num_levels() const { return num_levels_; }
+
+  /// Each cell once, whatever its size.
   template <typename Visit>
-  void visit(const Index3& cell, int reach, const Visit& visit) const {
-    for (int a = -reach; a <= reach; ++a)
-      for (int b = -reach; b <= reach; ++b)
-        for (int c = -reach; c <= reach; ++c) {
-          const auto place = places_.find({cell[0] + a, cell[1] + b, cell[2] + c});
-          if (place == places_.end()) continue;
-          for (const Entry& entry : place->second) visit(entry);
-        }
+  void visit(const CellPlace& cell, int reach, const Visit& visit) const {
+    std::set<CellPlace> seen;
+    each_place_around(num_levels_, cell, reach, [&](const CellPlace& at) {
+      const auto place = places_.find(at);
+      if (place == places_.end()) return;
+      if (at.level < cell.level && !seen.insert(at).second) return;
+      for (const Entry& entry : place->second) visit(entry);
+    });
   }
 
  private:
-  std::map<Place, std::vector<Entry>> places_;
+  int num_levels_;
+  std::map<CellPlace, std::vector<Entry>> places_;
 };
 
 /// Does a convex edge or a tip begin at an oblique face?
-bool is_edge(const Places& places, const Index3& cell, int surface, const FacingNormals& normals) {
+bool is_edge(const Places& places, const CellPlace& cell, int surface, const FacingNormals& normals) {
   if (!(normals.area > 0) || normals.cosine > oblique_below * normals.area) return false;
   bool edge = normals.is_tip();
   places.visit(cell, at_edge, [&](const Places::Entry& other) {
@@ -93,19 +96,17 @@ Vec3 FacingNormals::direction() const {
   return ((inverse(own_spread) + inverse(opposite_spread)).inverse() * (own - opposite)).normalized();
 }
 
-std::vector<Vec3> press_directions(const std::vector<Index3>& cells, const std::vector<int>& surfaces,
-                                   const std::vector<FacingNormals>& normals) {
+std::vector<Vec3> press_directions(int num_levels, const std::vector<CellPlace>& cells,
+                                   const std::vector<int>& surfaces, const std::vector<FacingNormals>& normals) {
   std::vector<Vec3> directions(cells.size(), Vec3::Zero());
-  const Places places(cells, surfaces, normals);
-  std::vector<Index3> edges;
+  const Places places(num_levels, cells, surfaces, normals);
+  std::set<CellPlace> edges;
   for (std::size_t i = 0; i < cells.size(); ++i)
-    if (is_edge(places, cells[i], surfaces[i], normals[i])) edges.push_back(cells[i]);
+    if (is_edge(places, cells[i], surfaces[i], normals[i])) edges.insert(cells[i]);
   if (edges.empty()) return directions;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const bool near = std::any_of(edges.begin(), edges.end(), [&](const Index3& edge) {
-      return std::max({std::abs(edge[0] - cells[i][0]), std::abs(edge[1] - cells[i][1]),
-                       std::abs(edge[2] - cells[i][2])}) <= near_edge;
-    });
+    bool near = false;
+    each_place_around(num_levels, cells[i], near_edge, [&](const CellPlace& at) { near = near || edges.count(at) > 0; });
     if (!near) continue;
     FacingNormals around;
     places.visit(cells[i], near_edge, [&](const Places::Entry& other) { around.add(*other.normals); });

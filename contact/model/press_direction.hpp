@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/types.hpp"
+#include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
 
@@ -30,7 +31,7 @@ struct FacingNormals {
 
 /// For each place (a cell and what points of one surface in it see; surface: its index) the direction to measure its
 /// gap along, global axes; zero, where no edge is near: the surface's own normals.
-std::vector<Vec3> press_directions(const std::vector<Index3>& cells, const std::vector<int>& surfaces,
-                                   const std::vector<FacingNormals>& normals);
+std::vector<Vec3> press_directions(int num_levels, const std::vector<CellPlace>& cells,
+                                   const std::vector<int>& surfaces, const std::vector<FacingNormals>& normals);
 
 }  // namespace cgcontact

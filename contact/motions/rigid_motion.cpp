@@ -6,6 +6,8 @@
 #include <map>
 #include <numeric>
 
+#include "core/cells/cells_around.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -88,16 +90,13 @@ std::vector<int> find_pieces(const CutCells& cut_cells, int& count) {
     piece[start] = count;
     waiting.push_back(static_cast<int>(start));
     while (!waiting.empty()) {
-      const Index3 cell = cut_cells.cells[waiting.back()];
+      const int cell = waiting.back();
       waiting.pop_back();
-      for (int f = 0; f < 6; ++f) {
-        Index3 next = cell;
-        next[f / 2] += f % 2 == 0 ? -1 : 1;
-        const int neighbour = cut_cells.find(next);
-        if (neighbour < 0 || piece[neighbour] >= 0) continue;
+      each_cell_beside(cut_cells, cell, [&](int neighbour) {
+        if (piece[neighbour] >= 0) return;
         piece[neighbour] = count;
         waiting.push_back(neighbour);
-      }
+      });
     }
     ++count;
   }
@@ -114,9 +113,8 @@ void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int>
     piece_of_cell[e] += first;
     RigidPiece& piece = pieces.list[piece_of_cell[e]];
     piece.body = body;
-    const Index3& c = cells.cells[e];
     for (int k = 0; k < 2; ++k) {
-      const Vec3 x = cells.grid.to_global(Vec3(c[0] + k, c[1] + k, c[2] + k));
+      const Vec3 x = global_position(cells, static_cast<int>(e), Vec3::Constant(2 * k - 1));
       piece.low = piece.low.cwiseMin(x);
       piece.high = piece.high.cwiseMax(x);
     }

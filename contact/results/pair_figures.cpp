@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/cells/cells_around.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -31,15 +33,15 @@ bool holds(const TractionCondition& condition, const Vec3& n) {
 /// Active cells of a body within a cell, the larger one of both bodies' there, from closed points of a pair.
 std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair& pair, int body) {
   const CutCells& cut_cells = state.bodies[body].cut_cells;
-  std::map<int, std::vector<Index3>> closed;  // by the number of cells
+  std::map<int, std::vector<int>> closed;  // by the number of cells
   for (const ContactPoint& q : pair.points) {
     if (!q.active) continue;
     const int cell = body == pair.primary ? q.primary_cell : q.secondary_cell;
     const double ratio = pair.groups[q.group].larger_cell / cut_cells.h(cell);
-    closed[static_cast<int>(std::ceil(ratio - 1e-9))].push_back(cut_cells.cells[cell]);
+    closed[static_cast<int>(std::ceil(ratio - 1e-9))].push_back(cell);
   }
   std::vector<char> near(cut_cells.cells.size(), 0);
-  for (auto& [reach, cells] : closed) mark_around(cut_cells, std::move(cells), reach, near);
+  for (auto& [reach, cells] : closed) mark_cells_around(cut_cells, cells, reach, near);
   return near;
 }
 
@@ -79,10 +81,10 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
       const bool is_primary = node >= primary.first_node && node < primary.first_node + primary.num_nodes;
       const int body = is_primary ? pair.primary : pair.secondary, side = is_primary ? 0 : 1;
       const Grid& grid = state.bodies[body].cut_cells.grid;
-      const Index3& n = state.system.meshes[body].nodes[node - state.system.meshes[body].first_node];
+      const BodyMesh& mesh = state.system.meshes[body];
       const Vec3 f = group_force * value * grid.rotation.col(component_of_dof(dof));
       force[side] += f;
-      moment[side] += grid.to_global(Vec3(n[0], n[1], n[2])).cross(f);
+      moment[side] += grid.to_global(mesh.node_position(node - mesh.first_node)).cross(f);
     }
     for (int q = group.first_point; q < group.last_point; ++q)
       centre += group_force * pair.points[q].weight / group.area * pair.points[q].x;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/cells/cells_around.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -16,16 +18,16 @@ constexpr int reach = 3;
 Thickness thickness_at_contact(const SolvedState& state, const ContactPair& pair, int body) {
   const BodyModel& model = state.bodies[body];
   const CutCells& cells = model.cut_cells;
-  std::vector<Index3> closed;
+  std::vector<int> closed;
   int largest = cells.grid.num_levels - 1;  // level
   for (const ContactPoint& q : pair.points) {
     if (!q.active) continue;
     const int cell = body == pair.primary ? q.primary_cell : q.secondary_cell;
-    closed.push_back(cells.cells[cell]);
+    closed.push_back(cell);
     largest = std::min(largest, cells.level(cell));
   }
   std::vector<char> near(cells.cells.size(), 0);
-  mark_around(cells, std::move(closed), reach, near);
+  mark_cells_around(cells, closed, reach, near);
   double volume = 0;
   for (int e = 0; e < static_cast<int>(near.size()); ++e)
     if (near[e]) volume += cells.volume_fraction(e) * std::ldexp(1.0, -3 * cells.level(e));

@@ -13,8 +13,7 @@ namespace {
 constexpr std::size_t grain = 4096;
 
 Vec3 grid_position(const BodyMesh& mesh, std::size_t node) {
-  const Index3& g = mesh.nodes[node];
-  return Vec3(g[0], g[1], g[2]);
+  return mesh.node_position(static_cast<int>(node));
 }
 
 Vec3 displacement(const BodyMesh& mesh, const RealView& u, std::size_t node) {

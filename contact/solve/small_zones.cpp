@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/parallel.hpp"
+#include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
 namespace {
@@ -25,19 +26,25 @@ constexpr double width_of_overlap = 0.7;
 /// Samples serve until the overlap has grown or shrunk by that.
 constexpr double grown = 1.5, shrunk = 0.5;
 
-using Place = std::array<int, 3>;
+/// Groups by the cells that they belong to, each place that of a cell of one body.
+class GroupPlaces {
+ public:
+  GroupPlaces(const CutCells& cells) : cells_(cells) {}
+  void add(int cell, std::size_t group) { groups_[place_of(cells_, cell)].push_back(group); }
+  /// A group may be visited more than once.
+  template <typename Visit>
+  void each_around(int cell, int reach, const Visit& visit) const {
+    each_place_around(cells_.num_levels(), place_of(cells_, cell), reach, [&](const CellPlace& at) {
+      const auto place = groups_.find(at);
+      if (place == groups_.end()) return;
+      for (const std::size_t g : place->second) visit(g);
+    });
+  }
 
-template <typename Visit>
-void visit_neighbours(const std::map<Place, std::vector<std::size_t>>& places, const Index3& c, int reach,
-                      const Visit& visit) {
-  for (int i = -reach; i <= reach; ++i)
-    for (int j = -reach; j <= reach; ++j)
-      for (int k = -reach; k <= reach; ++k) {
-        const auto place = places.find({c[0] + i, c[1] + j, c[2] + k});
-        if (place == places.end()) continue;
-        for (const std::size_t g : place->second) visit(g);
-      }
-}
+ private:
+  const CutCells& cells_;
+  std::map<CellPlace, std::vector<std::size_t>> groups_;
+};
 
 /// Stiffness of an elliptic punch over that of a circular one of the same area (Johnson, section 3.6, equation 3.70).
 double slenderness_factor(double aspect) {
@@ -165,12 +172,11 @@ double SmallZones::effective_modulus(std::size_t pair) const {
 std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   const ContactPair& p = pairs_[pair];
   const CutCells& cells = bodies_[p.primary].cut_cells;
-  std::map<Place, std::vector<std::size_t>> places;
+  GroupPlaces places(cells);
   std::vector<char> closed(p.groups.size(), 0), resolved(p.groups.size(), 0), near(p.groups.size(), 0);
-  const auto cell_of = [&](std::size_t g) { return cells.cells[p.points[p.groups[g].first_point].primary_cell]; };
+  const auto cell_of = [&](std::size_t g) { return p.points[p.groups[g].first_point].primary_cell; };
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
-    const Index3 c = cell_of(g);
-    places[{c[0], c[1], c[2]}].push_back(g);
+    places.add(cell_of(g), g);
     if (has(first_[pair] + g)) continue;
     for (int q = p.groups[g].first_point; q < p.groups[g].last_point; ++q) closed[g] |= p.points[q].active;
   }
@@ -178,15 +184,15 @@ std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
     if (!closed[g]) continue;
     bool inside = true;
-    visit_neighbours(places, cell_of(g), 1, [&](std::size_t other) { inside &= closed[other] != 0; });
+    places.each_around(cell_of(g), 1, [&](std::size_t other) { inside &= closed[other] != 0; });
     if (inside) next.push_back(g);
   }
   for (const std::size_t g : next) resolved[g] = 1;
   while (!next.empty()) {
     const std::size_t g = next.back();
     next.pop_back();
-    visit_neighbours(places, cell_of(g), 2, [&](std::size_t other) { near[other] = 1; });
-    visit_neighbours(places, cell_of(g), 1, [&](std::size_t other) {
+    places.each_around(cell_of(g), 2, [&](std::size_t other) { near[other] = 1; });
+    places.each_around(cell_of(g), 1, [&](std::size_t other) {
       if (!closed[other] || resolved[other]) return;
       resolved[other] = 1;
       next.push_back(other);
@@ -213,12 +219,11 @@ void SmallZones::sample(std::size_t pair, std::size_t g, double overlap) {
 /// Groups with samples, joined over neighbouring cells.
 std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vector<std::size_t>& groups) const {
   const CutCells& cells = bodies_[pairs_[pair].primary].cut_cells;
-  std::map<Place, std::vector<std::size_t>> places;
-  const auto cell_of = [&](std::size_t g) { return cells.cells[first_point(pair, g).primary_cell]; };
+  GroupPlaces places(cells);
+  const auto cell_of = [&](std::size_t g) { return first_point(pair, g).primary_cell; };
   std::map<std::size_t, bool> seen;
   for (const std::size_t g : groups) {
-    const Index3 c = cell_of(g);
-    places[{c[0], c[1], c[2]}].push_back(g);
+    places.add(cell_of(g), g);
     seen[g] = false;
   }
   std::vector<Zone> zones;
@@ -231,7 +236,7 @@ std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vec
       const std::size_t g = next.back();
       next.pop_back();
       zones.back().groups.push_back(g);
-      visit_neighbours(places, cell_of(g), 1, [&](std::size_t other) {
+      places.each_around(cell_of(g), 1, [&](std::size_t other) {
         if (seen[other]) return;
         seen[other] = true;
         next.push_back(other);

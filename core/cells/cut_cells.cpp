@@ -112,7 +112,7 @@ class CutCellBuilder {
       // powers of two: planes and cells lie as they do on the other levels, to the last bit
       level.solid = l == 0 ? solid : solid.transformed(Mat3::Identity(), Vec3::Zero(), std::ldexp(1.0, l));
       level.dividers = planes_of_level(face_dividers, l);
-      if (num_levels() > 1) level.leaves = {&tree, l};
+      if (num_levels() > 1) level.leaves = LeafLevel{&tree, l};
     }
   }
 

@@ -496,11 +496,49 @@ void Clipper::drop_unused_points() {
     for (int& p : b.points) p = number[p];
 }
 
+/// Appends the mesh of one level of a body.
+void append_level(const ClippedMesh& level, double size, int first_cell, ClippedMesh& mesh) {
+  const int first_point = static_cast<int>(mesh.points.size());
+  const auto moved = [&](auto corners) {
+    for (int& p : corners) p += first_point;
+    return corners;
+  };
+  for (const Vec3& x : level.points) mesh.points.emplace_back(size * x);
+  for (const int cell : level.cell_of_point) mesh.cell_of_point.push_back(first_cell + cell);
+  for (const auto& h : level.hexahedra) mesh.hexahedra.push_back(moved(h));
+  for (const int cell : level.cell_of_hexahedron) mesh.cell_of_hexahedron.push_back(first_cell + cell);
+  for (const auto& t : level.tetrahedra) mesh.tetrahedra.push_back(moved(t));
+  for (const int cell : level.cell_of_tetrahedron) mesh.cell_of_tetrahedron.push_back(first_cell + cell);
+  for (const BoundaryTriangle& t : level.boundary)
+    mesh.boundary.push_back({moved(t.points), first_cell + t.cell, t.surface});
+}
+
+/// Level by level: points are shared within a level only.
+template <class Clip>
+ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip) {
+  if (cut_cells.parts.empty()) return clip(cut_cells);
+  ClippedMesh mesh;
+  for (int l = 0; l < cut_cells.num_levels(); ++l) {
+    CutCells level = cut_cells.parts[l];
+    level.solid = cut_cells.part_solids[l];
+    const int first = cut_cells.first_of_part[l];
+    for (const Adoption& adoption : cut_cells.adoptions)
+      if (adoption.level == l && cut_cells.level(adoption.active) == l)
+        level.adoptions.push_back({adoption.active - first, adoption.donor, adoption.surface});
+    append_level(clip(level), std::ldexp(1.0, -l), first, mesh);
+  }
+  return mesh;
+}
+
 }  // namespace
 
-ClippedMesh clip_cells(const CutCells& cut_cells) { return Clipper(cut_cells).run(); }
+ClippedMesh clip_cells(const CutCells& cut_cells) {
+  return clip_levels(cut_cells, [](const CutCells& level) { return Clipper(level).run(); });
+}
 
-ClippedMesh clip_boundary(const CutCells& cut_cells) { return Clipper(cut_cells).run_boundary(); }
+ClippedMesh clip_boundary(const CutCells& cut_cells) {
+  return clip_levels(cut_cells, [](const CutCells& level) { return Clipper(level).run_boundary(); });
+}
 
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point) {
   return cell_coordinates(cut_cells, active_cell, point).cwiseMax(-1.0).cwiseMin(1.0);

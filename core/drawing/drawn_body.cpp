@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/parallel.hpp"
+#include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
 
@@ -69,14 +70,12 @@ const std::vector<const ContactRow*>* rows_of_triangle(const CutCells& cut_cells
   const auto own = pieces.find({triangle.cell, triangle.surface});
   if (own != pieces.end()) return &own->second;
   if (undrawn.empty()) return nullptr;
-  for (int axis = 0; axis < 3; ++axis)
-    for (int step : {-1, 1}) {
-      Index3 neighbour = cut_cells.cells[triangle.cell];
-      neighbour[axis] += step;
-      const auto rows = undrawn.find({cut_cells.find(neighbour), triangle.surface});
-      if (rows != undrawn.end()) return &rows->second;
-    }
-  return nullptr;
+  const std::vector<const ContactRow*>* found = nullptr;
+  each_cell_beside(cut_cells, triangle.cell, [&](int neighbour) {
+    const auto rows = undrawn.find({neighbour, triangle.surface});
+    if (!found && rows != undrawn.end()) found = &rows->second;
+  });
+  return found;
 }
 
 void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows& pieces, ContactSurface& surface) {

@@ -189,17 +189,32 @@ std::string conditions(const Scene& scene, const FaceRegion& region) {
   return text.empty() ? "free" : text;
 }
 
+/// Active cell that holds a point of a body's grid, and the level of the leaf there; -1: none.
+std::pair<int, int> cell_at(const CutCells& cells, const Vec3& x) {
+  int leaf = 0;
+  for (int l = 0; l < cells.num_levels(); ++l) {
+    const Vec3 y = std::ldexp(1.0, l) * x;
+    const Index3 c{static_cast<int>(std::floor(y[0])), static_cast<int>(std::floor(y[1])),
+                   static_cast<int>(std::floor(y[2]))};
+    leaf = l;
+    if (const int found = cells.find(l, c); found >= 0) return {found, l};
+    if (!cells.tree || !cells.tree->is_refined(l, c)) break;
+  }
+  return {-1, leaf};
+}
+
 /// Colour of a point of a body's grid in the slice.
 Rgb slice_colour(const CutCells& cells, const Vec3& x, double cells_per_pixel, int axis) {
-  const Index3 c{static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])),
-                 static_cast<int>(std::floor(x[2]))};
   bool in_grid = true;
-  for (int k = 0; k < 3; ++k) in_grid &= c[k] >= 0 && c[k] < cells.grid.num_cells[k];
+  for (int k = 0; k < 3; ++k) in_grid &= x[k] >= 0 && x[k] < cells.grid.num_cells[k];
   if (!in_grid) return no_cell;
-  if (cells_per_pixel < 0.2)
-    for (int k = 0; k < 3; ++k)
-      if (k != axis && std::abs(x[k] - std::round(x[k])) < 0.55 * cells_per_pixel) return grid_line;
-  const int active = cells.find(c);
+  const auto [active, level] = cell_at(cells, x);
+  const double halvings = std::ldexp(1.0, level);
+  if (halvings * cells_per_pixel < 0.2)
+    for (int k = 0; k < 3; ++k) {
+      const double at = halvings * x[k];
+      if (k != axis && std::abs(at - std::round(at)) < 0.55 * halvings * cells_per_pixel) return grid_line;
+    }
   if (active < 0) return no_cell;
   if (cells.cut_of_active[active] < 0) return full_cell;
   return cells.solid.contains(x) ? cut_cell : cut_outside;

@@ -44,11 +44,27 @@ struct FaceSpec {
   bool contains(const Vec3& x, const Vec3& n) const;
 };
 
+/// Where a body's cells are to be smaller: no larger than `size` up to `distance` from a place, growing by `grading`
+/// times the distance from there.
+struct RefineSpec {
+  enum class Kind { box, sphere, face };
+  Kind kind = Kind::sphere;
+  Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< box, m
+  Vec3 center = Vec3::Zero();                   ///< sphere, m
+  double radius = 0;                            ///< m
+  FaceSpec face;                                ///< of the body
+  double size = 0;                              ///< m
+  double distance = 0;                          ///< m
+  double grading = 0.5;
+  SourcePlace place;
+};
+
 struct BodySpec {
   std::string name;
   Solid solid;  ///< global coordinates, m
   Material material;
-  double cell_size = 0;  ///< m
+  double cell_size = 0;  ///< m; of the largest cells
+  std::vector<RefineSpec> refine;
   Vec3 grid_offset =
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
   Mat3 grid_rotation = Mat3::Identity();

@@ -171,6 +171,69 @@ FaceSpec SceneReader::read_face(const TomlCursor& node, const Shape& shape) cons
   return face;
 }
 
+namespace {
+
+/// Halvings of the cell size, at most.
+constexpr int most_halvings = 20;
+
+void read_refined_box(const TomlCursor& node, RefineSpec& refine) {
+  node.expect_keys({"min", "max"});
+  refine.kind = RefineSpec::Kind::box;
+  refine.min = node.at("min", "[x, y, z], m").vector("m");
+  refine.max = node.at("max", "[x, y, z], m").vector("m");
+  if (!(refine.min.array() <= refine.max.array()).all()) node.fail("is empty", "min <= max in x, y and z");
+}
+
+void read_refined_sphere(const TomlCursor& node, RefineSpec& refine) {
+  node.expect_keys({"center", "radius"});
+  refine.kind = RefineSpec::Kind::sphere;
+  refine.center = node.at("center", "[x, y, z], m").vector("m");
+  refine.radius = node.at("radius", ">= 0 m").number(Range::not_negative("m"));
+}
+
+FaceSpec face_of_body(const TomlCursor& node, const BodySpec& body, const Shape& shape) {
+  const std::string name = node.string("a face of this body");
+  std::vector<std::string> known;
+  for (const FaceSpec& declared : body.faces) {
+    if (declared.name == name) return declared;
+    known.push_back(declared.name);
+  }
+  FaceSpec face;
+  face.name = name;
+  face.place = node.place();
+  face.surfaces = shape.resolve(name);
+  for (const std::string& own : shape.face_names()) known.push_back(own);
+  if (face.surfaces.empty()) node.fail("is no face of this body" + did_you_mean(name, known), join(known));
+  return face;
+}
+
+}  // namespace
+
+RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const {
+  node.expect_keys({"box", "sphere", "face", "size", "distance", "grading"});
+  RefineSpec refine;
+  refine.place = node.place();
+  const auto box = node.find("box"), sphere = node.find("sphere"), face = node.find("face");
+  if (int(box.has_value()) + int(sphere.has_value()) + int(face.has_value()) != 1)
+    node.fail("says no place, or more than one", "one of box, sphere, face");
+  if (box) read_refined_box(*box, refine);
+  if (sphere) read_refined_sphere(*sphere, refine);
+  if (face) {
+    refine.kind = RefineSpec::Kind::face;
+    refine.face = face_of_body(*face, body, shape);
+  }
+  const TomlCursor size = node.at("size", "> 0 m");
+  refine.size = size.number(Range::positive("m"));
+  if (refine.size < std::ldexp(body.cell_size, -most_halvings))
+    size.fail(fmt::format("is less than cell_size halved {} times", most_halvings),
+              fmt::format(">= {:.3g} m", std::ldexp(body.cell_size, -most_halvings)));
+  if (const auto distance = node.find("distance")) refine.distance = distance->number(Range::not_negative("m"));
+  if (const auto grading = node.find("grading")) {
+    refine.grading = grading->number(Range::from_to(0.05, 1, "0.05 to 1"));
+  }
+  return refine;
+}
+
 BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) const {
   BodySpec body;
   body.place = node.place();
@@ -190,6 +253,9 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
       check_unique(entry.at("name"), body.faces.back().name, seen, "face of this body");
     }
   }
+  if (const auto refine = node.find("refine"))
+    for (const TomlCursor& entry : refine->elements("[{sphere, size}, ...]"))
+      body.refine.push_back(read_refine(entry, body, shape));
   return body;
 }
 
@@ -197,7 +263,7 @@ void SceneReader::read_bodies(const TomlCursor& root) {
   std::set<std::string> seen;
   const TomlCursor list = root.at("body", "one [[body]] section per body");
   for (const TomlCursor& node : list.elements("[[body]] sections")) {
-    node.expect_keys({"name", "shape", "material", "cell_size", "grid", "body_force", "faces"});
+    node.expect_keys({"name", "shape", "material", "cell_size", "grid", "body_force", "faces", "refine"});
     const TomlCursor name = node.at("name", "a name");
     check_unique(name, read_name(name), seen, "body");
     shapes_.push_back(read_shape(node));

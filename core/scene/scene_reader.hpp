@@ -27,6 +27,7 @@ class SceneReader {
   void read_bodies(const TomlCursor& root);
   BodySpec read_body(const TomlCursor& node, const Shape& shape) const;
   FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
+  RefineSpec read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const;
   void read_supports(const TomlCursor& root);
   void read_loads(const TomlCursor& root);
   void read_contacts(const TomlCursor& root);

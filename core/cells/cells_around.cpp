@@ -1,0 +1,57 @@
+#include "core/cells/cells_around.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Grows a set of places along all axes; each comes once.
+void grow(std::vector<Index3>& places, int reach) {
+  std::vector<Index3> grown;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Line by line along the axis.
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    std::sort(places.begin(), places.end(), [&](const Index3& x, const Index3& y) {
+      return std::tie(x[c], x[b], x[axis]) < std::tie(y[c], y[b], y[axis]);
+    });
+    grown.clear();
+    for (Index3 place : places) {
+      const int last = place[axis] + reach;
+      place[axis] -= reach;
+      if (!grown.empty() && grown.back()[b] == place[b] && grown.back()[c] == place[c])
+        place[axis] = std::max(place[axis], grown.back()[axis] + 1);
+      for (; place[axis] <= last; ++place[axis]) grown.push_back(place);
+    }
+    places.swap(grown);
+  }
+}
+
+/// Marks the active cells that overlap a place: one that contains it, or all in it.
+void mark_overlapping(const CutCells& cells, const CellPlace& place, std::vector<char>& marked) {
+  Index3 c = place.cell;
+  for (int l = place.level; l >= 0; --l) {
+    if (const int found = cells.find(l, c); found >= 0) {
+      marked[found] = 1;
+      return;
+    }
+    for (int& x : c) x >>= 1;
+  }
+  if (!cells.tree || !cells.tree->is_refined(place.level, place.cell)) return;
+  for (int a = 0; a < 8; ++a)
+    mark_overlapping(cells,
+                     {place.level + 1,
+                      {2 * place.cell[0] + (a & 1), 2 * place.cell[1] + (a >> 1 & 1), 2 * place.cell[2] + (a >> 2)}},
+                     marked);
+}
+
+}  // namespace
+
+void mark_cells_around(const CutCells& cells, const std::vector<int>& active, int reach, std::vector<char>& marked) {
+  for (int l = 0; l < cells.num_levels(); ++l) {
+    std::vector<Index3> places;
+    for (const int cell : active)
+      if (cells.level(cell) == l) places.push_back(cells.cells[cell]);
+    grow(places, reach);
+    for (const Index3& place : places) mark_overlapping(cells, {l, place}, marked);
+  }
+}
+
+}  // namespace cgcontact

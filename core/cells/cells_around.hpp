@@ -1,0 +1,61 @@
+/// Cells around a cell, also where levels meet.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/cells/cut_cells.hpp"
+
+namespace cgcontact {
+
+/// A place for a cell: its level and its place there.
+struct CellPlace {
+  int level = 0;
+  Index3 cell{0, 0, 0};
+  bool operator<(const CellPlace& o) const { return std::tie(level, cell) < std::tie(o.level, o.cell); }
+};
+
+inline CellPlace place_of(const CutCells& cells, int active) { return {cells.level(active), cells.cells[active]}; }
+
+/// Calls use(CellPlace) for the places of all cells up to `reach` cells of its size away from a cell: of its level, and
+/// of the next larger and smaller ones, which are all that may touch it. Larger ones may come several times.
+template <class Use>
+void each_place_around(int num_levels, const CellPlace& place, int reach, const Use& use) {
+  const Index3& c = place.cell;
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = -reach; k <= reach; ++k) {
+        const Index3 at{c[0] + i, c[1] + j, c[2] + k};
+        use(CellPlace{place.level, at});
+        if (place.level > 0) use(CellPlace{place.level - 1, {at[0] >> 1, at[1] >> 1, at[2] >> 1}});
+        if (place.level + 1 < num_levels)
+          for (int a = 0; a < 8; ++a)
+            use(CellPlace{place.level + 1, {2 * at[0] + (a & 1), 2 * at[1] + (a >> 1 & 1), 2 * at[2] + (a >> 2)}});
+      }
+}
+
+/// Calls use(active cell) for the active cells on the other sides of a cell's faces.
+template <class Use>
+void each_cell_beside(const CutCells& cells, int active, const Use& use) {
+  const int level = cells.level(active);
+  for (int f = 0; f < 6; ++f) {
+    const int d = f / 2, side = f % 2;
+    Index3 next = cells.cells[active];
+    next[d] += side == 0 ? -1 : 1;
+    const auto take = [&](int l, const Index3& at) {
+      const int found = cells.find(l, at);
+      if (found >= 0) use(found);
+    };
+    take(level, next);
+    if (level > 0) take(level - 1, {next[0] >> 1, next[1] >> 1, next[2] >> 1});
+    if (level + 1 >= cells.num_levels()) continue;
+    for (int a = 0; a < 8; ++a)
+      if ((a >> d & 1) != side) take(level + 1, {2 * next[0] + (a & 1), 2 * next[1] + (a >> 1 & 1), 2 * next[2] + (a >> 2)});
+  }
+}
+
+/// Marks the active cells that overlap the blocks of 2 reach + 1 cells per direction around some active cells, in cells
+/// of their sizes. marked: one entry per active cell.
+void mark_cells_around(const CutCells& cells, const std::vector<int>& active, int reach, std::vector<char>& marked);
+
+}  // namespace cgcontact
