@@ -90,7 +90,8 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
 }
 
 std::string describe_settings(const Scene& scene) {
-  return scene.geometry.print() + scene.contact.print() + scene.solver.print() + scene.recovery.print();
+  return scene.geometry.print() + scene.contact.print() + scene.solver.print() + scene.recovery.print() +
+         scene.results.print();
 }
 
 }  // namespace cgcontact

@@ -13,10 +13,6 @@
 namespace cgcontact {
 namespace {
 
-/// Stiffness of what holds bodies while contact does not, of a support's on the softest body that contact joins them
-/// to: less than what contact and the bodies below it resist, so that its rest position follows within the outer
-/// iteration.
-constexpr double soft_hold = 1e-4;
 /// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9, or
 /// to less where a face ends between quadrature points.
 constexpr double no_load = 1e-7, little_load = 1e-3;
@@ -73,7 +69,8 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   const std::vector<double> softest = softest_moduli(p);
   for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
     for (SupportPoint point : hold(motions, p.bodies)) {
-      point.weight *= soft_hold * softest[point.body] / stabilising_modulus(p.bodies[point.body].spec->material);
+      point.weight *=
+          scene.solver.soft_hold * softest[point.body] / stabilising_modulus(p.bodies[point.body].spec->material);
       point.follows = true;
       held.push_back(point);
     }
@@ -105,6 +102,7 @@ void check_settings(const Scene& scene) {
   scene.contact.check();
   scene.solver.check();
   scene.recovery.check();
+  scene.results.check();
   scene.output.check();
 }
 

@@ -2,10 +2,13 @@
 /// radii ratios, materials and grids (perf/edge_scenes): where the edges come out, in cells of the coarser body outside
 /// of the exact ones, and what that makes of the pressure. None of these scenes is one of docs/accuracy.md.
 ///   edge_calibration [--seed 1] [--repeats 2] [--only FAMILY] [--toy]
+///   edge_calibration --half-space: how far inside the sums of forces put an edge, by what the cells' stiffness does to
+///   long waves of the pressure (docs/recovery.md, "Where the shift comes from")
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <map>
 #include <random>
 #include <string>
@@ -13,9 +16,12 @@
 
 #include "contact/results/reference.hpp"
 #include "contact/simulation.hpp"
+#include "core/quadrature/gauss_rules.hpp"
 #include "core/scene/read_scene.hpp"
 #include "kernels/solver/linear_solver.hpp"
+#include "recovery/patch/contact_edge.hpp"
 #include "recovery/zone_edge/edge_search.hpp"
+#include "recovery/zone_edge/smooth_fall.hpp"
 
 namespace {
 
@@ -188,6 +194,101 @@ struct Sum {
   }
 };
 
+/// Of a wave exp(i k x) along the face of a half-space (plane strain) of square trilinear cells of side 1, its face at
+/// `filled` of their height: what the means over the cells are short of the half-space's displacements if the pressure
+/// is constant over the cells. In parts of k^2, for small k.
+double stiffening(double nu, double filled) {
+  using Complex = std::complex<double>;
+  using Mat2c = Eigen::Matrix2cd;
+  constexpr double k = 0.1;
+  const double lambda = nu / ((1 + nu) * (1 - 2 * nu)), mu = 0.5 / (1 + nu);
+  Mat3 law = Vec3(lambda + 2 * mu, lambda + 2 * mu, mu).asDiagonal();
+  law(0, 1) = law(1, 0) = lambda;
+  // Stiffness of the wave's amplitudes: upper x, y, lower x, y.
+  const auto layer = [&](double height) {
+    Eigen::Matrix4cd sum = Eigen::Matrix4cd::Zero();
+    const GaussRule& rule = gauss_rule(2);
+    for (std::size_t q = 0; q < 4; ++q) {
+      const double x = rule.node[q % 2], y = height * rule.node[q / 2];
+      Eigen::Matrix<Complex, 3, 4> strain = Eigen::Matrix<Complex, 3, 4>::Zero();
+      for (int a = 0; a < 4; ++a) {
+        const bool right = a % 2 == 1, upper = a / 2 == 1;
+        const Complex phase = right ? std::exp(Complex(0, k)) : Complex(1);
+        const Complex dx = phase * (right ? 1. : -1.) * (upper ? y : 1 - y),
+                      dy = phase * (right ? x : 1 - x) * (upper ? 1. : -1.);
+        const int column = upper ? 0 : 2;
+        strain(0, column) += dx;
+        strain(1, column + 1) += dy;
+        strain(2, column) += dy;
+        strain(2, column + 1) += dx;
+      }
+      sum += rule.weight[q % 2] * rule.weight[q / 2] * height * strain.adjoint() * law * strain;
+    }
+    return sum;
+  };
+  const Eigen::Matrix4cd full = layer(1);
+  const auto above = [](const Eigen::Matrix4cd& m, const Mat2c& below) -> Mat2c {
+    return m.topLeftCorner<2, 2>() -
+           m.topRightCorner<2, 2>() * (m.bottomRightCorner<2, 2>() + below).inverse() * m.bottomLeftCorner<2, 2>();
+  };
+  Mat2c below = Mat2c::Identity();
+  for (int i = 0; i < 60 / k; ++i) below = above(full, below);
+  Eigen::Matrix4cd top = layer(filled);
+  top.bottomRightCorner<2, 2>() += below;
+  const Eigen::Vector4cd on_face(0, filled, 0, 1 - filled);  // also the nodes' shares of a force there
+  const double compliance = (on_face.adjoint() * top.inverse() * on_face)(0).real();
+  const double mean = std::pow(std::cos(k / 2), 2);  // over a cell, of forces and of displacements
+  return (1 - mean * compliance * k / (2 * (1 - nu * nu))) / (k * k);
+}
+
+/// Where the sums of forces put an edge at 0 if the forces are those of p - excess p'', p = sqrt(s (1 - s / width)).
+double shift_by(double excess, double inverse_width, const EdgeOptions& options) {
+  const auto integral = [](double from, double to, const auto& f) {
+    constexpr int steps = 4000;
+    double sum = 0;
+    for (int i = 0; i < steps; ++i) sum += f(from + (i + 0.5) * (to - from) / steps) * (to - from) / steps;
+    return sum;
+  };
+  const auto share = [&](double shift, double of_excess) {
+    double sums[2];
+    for (int k = 0; k < 2; ++k) {
+      const double end = k == 0 ? options.nearer_end : options.farther_end, length = end - options.plateau;
+      sums[k] = integral(-shift, end, [&](double s) {
+        const double x = (s - options.plateau) / length;
+        return edge_root(s + shift, inverse_width) * smooth_fall(x);
+      });
+      sums[k] += of_excess * integral(options.plateau, end, [&](double s) {  // p' w', by parts
+                   const double x = (s - options.plateau) / length;
+                   return (1 - 2 * inverse_width * s) / (2 * edge_root(s, inverse_width)) * 6 * x * (x - 1) / length;
+                 });
+    }
+    return sums[0] / sums[1];
+  };
+  const double measured = share(0, excess);
+  double low = -0.5, high = 0.5;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    (share(middle, 0) < measured ? low : high) = middle;
+  }
+  return low;
+}
+
+void print_half_space() {
+  fmt::print(
+      "| nu | p'' in the forces: faces at 0.05, 0.5, 1 of a cell | edge, cells: wide zone, of 8 cells |\n"
+      "|---|---|---|\n");
+  for (const double nu : {0.1, 0.2, 0.3, 0.4}) {
+    std::string parts;
+    double mean = 0;
+    for (const double filled : {0.05, 0.5, 1.0}) {
+      const double excess = stiffening(nu, filled) - 1. / 12;  // twice the mean over a cell: of gap and weight
+      parts += fmt::format(" {:.3f}", excess);
+      mean += excess / 3;
+    }
+    fmt::print("| {} |{} | {:.3f}, {:.3f} |\n", nu, parts, shift_by(mean, 0, {}), shift_by(mean, 1. / 8, {}));
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -196,6 +297,10 @@ int main(int argc, char** argv) {
   bool toy = false;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
+    if (word == "--half-space") {
+      print_half_space();
+      return 0;
+    }
     if (word == "--toy")
       toy = true;
     else if (i + 1 < argc && word == "--seed")
@@ -205,7 +310,7 @@ int main(int argc, char** argv) {
     else if (i + 1 < argc && word == "--only")
       only = argv[++i];
     else {
-      fmt::print(stderr, "usage: {} [--seed 1] [--repeats 2] [--only FAMILY] [--toy]\n", argv[0]);
+      fmt::print(stderr, "usage: {} [--seed 1] [--repeats 2] [--only FAMILY] [--toy] | --half-space\n", argv[0]);
       return 1;
     }
   }

@@ -11,8 +11,6 @@
 namespace cgcontact {
 namespace {
 
-/// Part of the transmitted force by which the integral of the recovered pressure may be off without a word.
-constexpr double lost_force = 0.15;
 /// Of all forces in the scene: what a pair transmits below that is rounding. So is a resultant below that part of the
 /// forces that add up to it (a shrink fit).
 constexpr double no_force = 1e-9;
@@ -178,7 +176,8 @@ std::vector<std::string> lost_force_warnings(const SolvedState& state, const Res
       for (const ContactRow& row : results.contact_rows)
         if (row.pair == static_cast<int>(k) && row.body == body && row.touching)
           recovered += row.weight * row.pressure_sprc;
-      if (!(transmitted > 0) || std::abs(recovered - transmitted) <= lost_force * transmitted) continue;
+      if (!(transmitted > 0) || std::abs(recovered - transmitted) <= state.scene.results.lost_force * transmitted)
+        continue;
       warnings.push_back(fmt::format(
           "contact \"{}\": the pressure on \"{}\" adds up to {:.3g} N, but {:.3g} N are transmitted: the contact "
           "zone is too small for these cells, or the pressure has a peak at the rim of a face; the force is right, "

@@ -12,18 +12,8 @@
 namespace cgcontact {
 namespace {
 
-/// Width of the Gaussian of the local mean, the larger cell there; beyond three widths nothing counts.
-constexpr double mean_width = 1, mean_reach = 3;
-
-/// So near to an edge, the larger cell there, the solution's zone of whole groups spoils the transmitted pressure.
-constexpr double edge_reach = 1.5;
-
-/// Where a contact zone ends inside the faces its ends lie at whole contact groups, and the force is up to that many
-/// times as wrong as the square of the energy norm's error (docs/recovery.md, "Error figures").
-constexpr double edge_factor = 2;
-
-/// The difference to plain SPR counts in full on zones of that many cells across and less, on wider ones less and less.
-constexpr double coarse_zone = 3, no_coarse_zone = 4;
+/// Widths of the Gaussian of the local mean beyond which nothing counts.
+constexpr double mean_reach = 3;
 
 /// The edge's square-root term around a row.
 struct EdgeAtRow {
@@ -34,13 +24,15 @@ struct EdgeAtRow {
 /// The mean of transmitted less recovered pressure around a place. The rows of a cell count as one, at their centroid.
 class LocalMean {
  public:
-  /// largest: m, of the rows' larger cells; edges: of the rows, those nearer than edge_reach do not count.
-  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair, double largest)
-      : buckets_(mean_reach * mean_width * largest) {
+  /// largest: m, of the rows' larger cells; edges: of the rows, those nearer than spoilt_at_edge do not count.
+  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair, double largest,
+            const ResultOptions& options)
+      : options_(options), buckets_(mean_reach * options.mean_width * largest) {
     std::map<std::tuple<int, int>, Source> cells;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const ContactRow& r = rows[i];
-      if (r.pair != pair || !std::isfinite(r.pressure_transmitted) || edges[i].inside < edge_reach * r.larger_cell)
+      if (r.pair != pair || !std::isfinite(r.pressure_transmitted) ||
+          edges[i].inside < options.spoilt_at_edge * r.larger_cell)
         continue;
       Source& s = cells[{r.body, r.cell}];
       s.area += r.weight;
@@ -57,7 +49,7 @@ class LocalMean {
   /// Around a row, Pa.
   double at(const ContactRow& row) const {
     const Vec3& x = row.x;
-    const double width = mean_width * row.larger_cell;
+    const double width = options_.mean_width * row.larger_cell;
     double sum = 0, total = 0;
     buckets_.each_near(x, [&](int i) {
       const Source& s = sources_[i];
@@ -74,6 +66,7 @@ class LocalMean {
     Vec3 centroid = Vec3::Zero();
   };
 
+  const ResultOptions& options_;
   std::vector<Source> sources_;
   PointBuckets buckets_;
 };
@@ -104,18 +97,20 @@ EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
 
 void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
+  const ResultOptions& options = state.scene.results;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const ContactPair& pair = state.pairs[p];
     std::vector<EdgeAtRow> edges(rows.size());
     parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
       if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(state, rows[i]);
     });
-    const LocalMean mean(rows, edges, static_cast<int>(p), pair.largest_cell);
+    const LocalMean mean(rows, edges, static_cast<int>(p), pair.largest_cell, options);
     const double force_error = std::pow(results.estimated_error_relative, 2);
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     const bool resolved = verdict.state != Verdict::State::not_resolved;
-    const double coarse = std::clamp(
-        (no_coarse_zone - verdict.cells_across.value_or(no_coarse_zone)) / (no_coarse_zone - coarse_zone), 0.0, 1.0);
+    const double across = verdict.cells_across.value_or(options.no_coarse_zone);
+    const double coarse =
+        std::clamp((options.no_coarse_zone - across) / (options.no_coarse_zone - options.coarse_zone), 0.0, 1.0);
     parallel_for("cgcontact::pressure_estimate::mean_difference", rows.size(), 128, [&](std::size_t i) {
       ContactRow& row = rows[i];
       if (row.pair != static_cast<int>(p)) return;
@@ -140,7 +135,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     if (figures.force_given_by_loads || force.isZero(0))
       figures.force_error_estimate = 0;
     else if (resolved)
-      figures.force_error_estimate = (verdict.cells_across ? edge_factor : 1) * force_error;
+      figures.force_error_estimate = (verdict.cells_across ? options.edge_factor : 1) * force_error;
   }
 }
 

@@ -12,12 +12,6 @@
 namespace cgcontact {
 namespace {
 
-/// Terms of second order, which the theory leaves out, are then some 5 % of those that it keeps.
-constexpr double largest_strain = 0.05;
-/// Of the body's longest side: contact is looked for where the bodies were before the deformation.
-constexpr double largest_displacement = 0.1;
-/// Of E: about the pressure under which a half-space is strained by 5 to 10 %.
-constexpr double largest_pressure = 0.1;
 constexpr std::size_t grain = 4096;
 
 struct Largest {
@@ -95,16 +89,17 @@ std::vector<std::string> small_strain_warnings(const SolvedState& state, const R
     Vec3 low, high;
     spec.solid.bounding_box(low, high);
     const double size = (high - low).maxCoeff(), modulus = spec.material.youngs_modulus;
+    const ResultOptions& limits = state.scene.results;
     std::string text;
     const auto add = [&](bool too_large, const std::string& part) {
       if (too_large) text += (text.empty() ? "" : ", ") + part;
     };
-    add(extremes.strain.value > largest_strain,
+    add(extremes.strain.value > limits.largest_strain,
         fmt::format("strain {:.2g} %{}", 100 * extremes.strain.value, at(extremes.strain.x)));
-    add(extremes.displacement.value > largest_displacement * size,
+    add(extremes.displacement.value > limits.largest_displacement * size,
         fmt::format("displacement {:.3g} m, {:.2g} % of the body,{}", extremes.displacement.value,
                     100 * extremes.displacement.value / size, at(extremes.displacement.x)));
-    add(pressure.value > largest_pressure * modulus,
+    add(pressure.value > limits.largest_pressure * modulus,
         fmt::format("contact pressure {:.3g} Pa, {:.2g} % of E,{}", pressure.value, 100 * pressure.value / modulus,
                     at(pressure.x)));
     if (!text.empty())

@@ -17,10 +17,6 @@ using State = Verdict::State;
 constexpr double relevant_part = 0.01;
 /// Of a zone of which nothing is known but that it is smaller than a cell.
 constexpr double cells_of_missed_zone = 1;
-/// Cells over the thickness of a body below which its bending is not resolved (11 to 26 % too stiff at 1.5 cells, 6 to
-/// 12 % at two; docs/decisions.md), and those that are recommended.
-constexpr double least_thickness = 1.75, wanted_thickness = 3;
-
 struct Judged {
   Verdict::Pair pair;
   double force = 0;  // N, or the largest pressure on the whole zone
@@ -33,8 +29,8 @@ struct Judged {
 void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& j) {
   for (const int body : {pair.primary, pair.secondary}) {
     const auto [thickness, cell] = thickness_at_contact(state, pair, body);
-    const double needed = cell * thickness / wanted_thickness;
-    if (thickness >= least_thickness) continue;
+    const double needed = cell * thickness / state.scene.results.wanted_thickness;
+    if (thickness >= state.scene.results.least_thickness) continue;
     j.thin_body = body;
     j.thickness = thickness;
     j.pair.cell_size_needed = std::min(needed, j.pair.cell_size_needed.value_or(needed));
@@ -54,16 +50,17 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
     j.force = std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
     if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
-      j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across ? State::not_resolved : State::resolved;
+      j.pair.state = widths[p].cells && *widths[p].cells < state.scene.results.least_cells_across ? State::not_resolved
+                                                                                                  : State::resolved;
       if (j.pair.state == State::not_resolved)
-        j.pair.cell_size_needed = widths[p].cell * *widths[p].cells / wanted_cells_across;
+        j.pair.cell_size_needed = widths[p].cell * *widths[p].cells / state.scene.results.wanted_cells_across;
       judge_thickness(state, state.pairs[p], j);
     }
     for (const MissedOverlap& overlap : missed) {
       if (overlap.pair != static_cast<int>(p)) continue;
       j.missed = &overlap;
       j.pair.state = State::contact_missed;
-      j.pair.cell_size_needed = overlap.cell * cells_of_missed_zone / wanted_cells_across;
+      j.pair.cell_size_needed = overlap.cell * cells_of_missed_zone / state.scene.results.wanted_cells_across;
     }
     judged.push_back(j);
   }

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "core/base/parallel.hpp"
-#include "core/base/point_buckets.hpp"
+#include "recovery/zone_edge/connected_sets.hpp"
 #include "recovery/zone_edge/contact_zone.hpp"
 
 namespace cgcontact {
@@ -68,24 +68,13 @@ class PairZones {
   void connect() {
     double largest = 0;
     for (const TransmittedForce* cell : cells_) largest = std::max(largest, cell->cell_size);
-    PointBuckets near(connected * largest);
-    for (std::size_t i = 0; i < cells_.size(); ++i) near.add(cells_[i]->position, static_cast<int>(i));
-    std::vector<int> zone(cells_.size(), -1), members;
-    for (std::size_t i = 0; i < cells_.size(); ++i) {
-      if (zone[i] < 0) {
-        members.assign(1, zone[i] = static_cast<int>(i));
-        for (std::size_t next = 0; next < members.size(); ++next) {
-          const TransmittedForce& from = *cells_[members[next]];
-          near.each_near(from.position, [&](int k) {
-            const double reach = connected * std::max(cells_[k]->cell_size, from.cell_size);
-            if (zone[k] >= 0 || (cells_[k]->position - from.position).norm() > reach) return;
-            zone[k] = static_cast<int>(i);
-            members.push_back(k);
-          });
-        }
-      }
-      zone_of_[{cells_[i]->cell, cells_[i]->image}] = zone[i];
-    }
+    const std::vector<int> zone = connected_sets(
+        cells_.size(), connected * largest, [&](std::size_t i) { return cells_[i]->position; },
+        [&](int i, int k) {
+          const TransmittedForce &a = *cells_[i], &b = *cells_[k];
+          return !((a.position - b.position).norm() > connected * std::max(a.cell_size, b.cell_size));
+        });
+    for (std::size_t i = 0; i < cells_.size(); ++i) zone_of_[{cells_[i]->cell, cells_[i]->image}] = zone[i];
   }
 
   void add(const TransmittedForce& f) {
@@ -181,7 +170,7 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
   std::vector<ZoneWidth> widths(state.pairs.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (state.bodies[b].boundary.links.empty()) continue;
-    const ContactZone zone(bodies, b);
+    const ContactZone zone(bodies, b, state.scene.recovery.edge);
     std::set<int> pairs;
     for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
     const std::vector<TransmittedForce> closed = zone.closed_cells();

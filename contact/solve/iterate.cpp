@@ -24,7 +24,7 @@ Iterate::Iterate(const OuterProblem& outer_problem)
       u("cgcontact::iterate::u", problem.system.num_dofs()),
       rigid_parts(problem.system.meshes, problem.scales),
       floating(problem.bodies, problem.supports, problem.pairs),
-      small_zones(problem.bodies, problem.pairs, floating.led_pairs()) {}
+      small_zones(problem.bodies, problem.pairs, floating.led_pairs(), problem.scene.solver) {}
 
 void Iterate::forget() {
   Kokkos::deep_copy(u, 0.0);

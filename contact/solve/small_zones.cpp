@@ -14,9 +14,6 @@ namespace {
 constexpr double indentation = 1.07;
 /// Mean displacement of a square of side h under a uniform pressure, times E* h / F.
 constexpr double own_displacement = 0.946;
-/// Part of the approach that the deformation of the cells may stand for: a zone joins below the first, leaves above the
-/// second. Zones above are wider than a cell: their groups' mean gaps give the force within 25 % (docs/theory.md).
-constexpr double joins_below = 0.4, leaves_above = 0.5;
 /// Of the change of a force: what the cells' own deformation may do.
 constexpr double largest_own_part = 0.8;
 /// Cells: what acts on the depth at one place as a zone does, not as cells see it: the next groups.
@@ -102,8 +99,9 @@ struct SmallZones::Law {
   double total = 0, part_of_cells = 0;                   ///< N; of the approach
 };
 
-SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led)
-    : bodies_(bodies), pairs_(pairs), led_(std::move(led)) {
+SmallZones::SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led,
+                       const SolverOptions& options)
+    : bodies_(bodies), pairs_(pairs), led_(std::move(led)), options_(options) {
   std::size_t size = 0;
   for (const ContactPair& pair : pairs) {
     first_.push_back(size);
@@ -390,7 +388,7 @@ void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_ch
     const auto any = [&](const auto& is) { return std::any_of(zone.groups.begin(), zone.groups.end(), is); };
     const bool was = any([&](std::size_t g) { return has(g); });
     const bool seen = !was && any([&](std::size_t g) { return group_force[g] > 0; });  // by mean gaps
-    if (law.total > 0 && law.part_of_cells < (seen ? joins_below : leaves_above))
+    if (law.total > 0 && law.part_of_cells < (seen ? options_.small_zone_joins : options_.small_zone_leaves))
       for (const std::size_t g : zone.groups) small[g - first_[pair]] = 1;
     if (law.total == 0 && !seen)
       for (const std::size_t g : zone.groups) beside[g - first_[pair]] = 1;

@@ -32,7 +32,8 @@ enum class Led { no, held, squeezed };
 class SmallZones {
  public:
   /// References stay valid outside.
-  SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led);
+  SmallZones(const std::vector<BodyModel>& bodies, std::vector<ContactPair>& pairs, std::vector<Led> led,
+             const SolverOptions& options);
 
   /// No group is in a small zone.
   void forget();
@@ -98,6 +99,7 @@ class SmallZones {
   const std::vector<BodyModel>& bodies_;
   std::vector<ContactPair>& pairs_;
   std::vector<Led> led_;
+  const SolverOptions& options_;
   std::vector<std::vector<SymmetryPlane>> planes_;  ///< of each pair
   std::vector<std::size_t> first_;                  ///< of each pair's groups
   std::vector<State> groups_;

@@ -16,6 +16,7 @@
 #include "core/settings/geometry_options.hpp"
 #include "core/settings/output_options.hpp"
 #include "core/settings/recovery_options.hpp"
+#include "core/settings/result_options.hpp"
 #include "core/settings/solver_options.hpp"
 
 namespace cgcontact {
@@ -149,6 +150,7 @@ struct Scene {
   ContactOptions contact;
   SolverOptions solver;
   RecoveryOptions recovery;
+  ResultOptions results;
   OutputOptions output;
   ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
   /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it

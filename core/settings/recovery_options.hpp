@@ -1,7 +1,7 @@
 /// Settings of the recovery of the stress.
 #pragma once
 
-#include "core/settings/settings.hpp"
+#include "core/settings/edge_options.hpp"
 
 namespace cgcontact {
 
@@ -11,6 +11,19 @@ struct RecoveryDegree {
   int interior = 1;  ///< full cells only, no contact face
   int boundary = 1;  ///< neither interior nor contact
   int contact = 0;   ///< patches that hold points of a contact face, closed or open
+};
+
+/// Constants of the balance with the transmitted forces (docs/recovery.md, "Transmitted forces"), found on punches,
+/// wedges and cones. Lengths in cells, the larger ones of both bodies there.
+struct BalanceOptions {
+  /// What the force of a node that has half a cell's face or more may be off, part of the pressure around: the forces
+  /// of single groups scatter by that much. With less, by the root of the area more.
+  double node_scatter = 0.05;
+  /// Width (standard deviation) of the mean, what it may be off without any change, and from where on all of it is
+  /// changed. Smooth contacts are within.
+  double mean_width = 1, mean_exact = 0.03, mean_wrong = 0.06;
+  /// The total may be farther off than that of the plain recovery by that part of the force.
+  double total_exact = 0.003;
 };
 
 struct RecoveryOptions {
@@ -29,6 +42,22 @@ struct RecoveryOptions {
   /// Of rank_tolerance, for degree 2: the rows of the curvature of a traction are weak ones although not redundant
   /// (docs/recovery.md).
   double quadratic_rank_part = 0.1;
+  /// A patch counts as closed when at least this part of its contact area is (one of four equal cells: whatever the
+  /// rounding). Paper's scene, mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159
+  /// .080 .038, a quarter .149 .067 .035, half .216 .097 .041.
+  double closed_fraction = 0.25;
+  /// Cells across both bodies from which on patches with closed contact are of degree 2 (docs/recovery.md, "Degree").
+  int thick = 4;
+  /// Least volume of an auxiliary patch, cells: less carries no linear polynomial of six components.
+  double least_auxiliary_volume = 0.25;
+  /// How much more one body's misfit may count than the other's in a coupled patch.
+  double most_weight = 1e4;
+  /// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
+  double conflict = 0.01;
+  /// Rank tolerance of the rows of open faces alone: they agree with each other (docs/recovery.md, "Truncation").
+  double firm_tolerance = 1e-3;
+  EdgeOptions edge = {};
+  BalanceOptions balance = {};
 
   double rank_tolerance_of(int of_degree) const {
     return of_degree == 1 ? rank_tolerance : quadratic_rank_part * rank_tolerance;

@@ -30,6 +30,14 @@ struct SolverOptions {
   double inner_fraction = 0.005, loosest_inner_tolerance = 1e-3;
   /// Of the contact forces: what springs that follow a motion may still take in the end.
   double largest_spring_part = 1e-6;
+  /// Stiffness of what holds bodies while contact does not, of a support's on the softest body that contact joins them
+  /// to: less than what contact and the bodies below it resist, so that its rest position follows within the outer
+  /// iteration.
+  double soft_hold = 1e-4;
+  /// Of the approach, what the deformation of the cells may stand for: groups join a zone smaller than the cells below
+  /// the first, leave it above the second. Zones above are wider than a cell: their mean gaps give the force within
+  /// 25 % (docs/theory.md).
+  double small_zone_joins = 0.4, small_zone_leaves = 0.5;
   /// Outer iterations in which groups may join or leave zones smaller than the cells: later ones would not end.
   int last_small_zone_decision = 8;
 

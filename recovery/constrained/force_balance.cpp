@@ -14,21 +14,12 @@ namespace {
 /// Boundary points per chunk of the parallel loops.
 constexpr std::size_t grain = 128;
 
-/// What the force of a node that has half a face of the larger cells there or more may be off, part of the pressure
-/// around: the forces of single groups scatter by that much. With less, by the root of the area more.
-constexpr double node_scatter = 0.05, half_cell = 0.5;
-/// Width (standard deviation; the larger one of both bodies' cells there) of the mean, what it may be off without any
-/// change, and from where on all of it is changed. Smooth contacts are within (docs/recovery.md).
-constexpr double mean_width = 1, mean_exact = 0.03, mean_wrong = 0.06;
-/// The total may be farther off than that of the plain recovery by that part of the force.
-constexpr double total_exact = 0.003;
+/// A node with less than that of a cell's face has forces that scatter more.
+constexpr double half_cell = 0.5;
 /// A smoothing pass (below) has this variance, cells squared.
 constexpr double pass_variance = 1. / 3;
 /// Forces of patches that carry no pressure go to others within so many cells.
 constexpr int steps_aside = 2;
-/// The same of the mean that the edges of a zone are judged by: within a cell and a half of an edge the solution's own
-/// zone of whole groups is another one.
-constexpr double misfit_width = 1.5;
 /// A contact point lies on the side of a boundary point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
 /// Of the magnitudes of a pair's forces: what their sum has to be, to have a direction.
@@ -274,8 +265,9 @@ class PairFace {
 };
 
 /// The pressure, at the nodes, that is to be added.
-std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term) {
-  const std::vector<int> passes = face.passes_of_mean(mean_width);
+std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term,
+                                     const BalanceOptions& options) {
+  const std::vector<int> passes = face.passes_of_mean(options.mean_width);
   const std::size_t size = face.nodes.size();
   std::vector<double> added(size, 0.0), step(size, 0.0);
   const auto defect = [&] {
@@ -299,7 +291,7 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
     const double share = std::max(face.area[n], face.covered[n]) / face.area_of_cell(n);
     if (!pressed[n] || !(share > 0)) continue;
     const double pressure = face.pressure_of(force[n], static_cast<int>(n));
-    const double scatter = node_scatter * std::max(1.0, std::sqrt(half_cell / share)) * level[n];
+    const double scatter = options.node_scatter * std::max(1.0, std::sqrt(half_cell / share)) * level[n];
     step[n] = std::copysign(std::max(std::abs(pressure) - scatter, 0.0), pressure);
   }
   add(step);
@@ -307,8 +299,8 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
   face.smooth(pressed, passes, force);
   for (std::size_t n = 0; n < size; ++n) {
     const double pressure = pressed[n] ? face.pressure_of(force[n], static_cast<int>(n)) : 0.0;
-    const double part =
-        std::clamp((std::abs(pressure) - mean_exact * level[n]) / ((mean_wrong - mean_exact) * level[n]), 0.0, 1.0);
+    const double exact = options.mean_exact, wrong = options.mean_wrong;
+    const double part = std::clamp((std::abs(pressure) - exact * level[n]) / ((wrong - exact) * level[n]), 0.0, 1.0);
     step[n] = pressure == 0 ? 0.0 : part * pressure;
   }
   add(step);
@@ -321,8 +313,8 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
     if (pressed[n]) carrying += face.area[n] * level[n];
   }
   const double off = transmitted - carried;
-  if (std::abs(off) > std::abs(transmitted - plain) + total_exact * std::abs(transmitted) && carrying > 0) {
-    const double part = std::clamp(off / carrying, -mean_wrong, mean_wrong);
+  if (std::abs(off) > std::abs(transmitted - plain) + options.total_exact * std::abs(transmitted) && carrying > 0) {
+    const double part = std::clamp(off / carrying, -options.mean_wrong, options.mean_wrong);
     for (std::size_t n = 0; n < size; ++n) step[n] = pressed[n] ? part * level[n] : 0.0;
     add(step);
   }
@@ -428,7 +420,8 @@ std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredF
 }
 
 void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
-                    const std::vector<double>& plain, const Scales& scales, PatchStates& states) {
+                    const std::vector<double>& plain, const Scales& scales, const BalanceOptions& options,
+                    PatchStates& states) {
   const RecoveryBody& body = bodies[index];
   each_pressed_face(bodies, index, field, plain, scales, states, [&](PairFace& face, const PressedPair& pair) {
     std::vector<char> pressed(face.nodes.size()), term(face.nodes.size());
@@ -436,7 +429,7 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
       term[n] = field.edge && field.edge->of_node(face.nodes[n]);
       pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair.number);
     }
-    const std::vector<double> added = missing_pressure(face, pressed, term);
+    const std::vector<double> added = missing_pressure(face, pressed, term, options);
     const std::vector<Vec6> stress = pressing_stresses(body, face, pair.points, added);
     for (std::size_t n = 0; n < added.size(); ++n) {
       if (added[n] == 0) continue;
@@ -450,13 +443,13 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
 
 std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
                                  const RecoveredField& field, const Scales& scales, const PatchStates& states,
-                                 const FoundEdges& edges) {
+                                 const FoundEdges& edges, double mean_width) {
   const BodyMesh& mesh = *bodies[index].mesh;
   std::vector<double> missed(edges.num_zones(), 0.0), force(edges.num_zones(), 0.0);
   each_pressed_face(bodies, index, field, {}, scales, states, [&](const PairFace& face, const PressedPair& pair) {
     std::vector<double> defect(face.nodes.size());
     for (std::size_t n = 0; n < defect.size(); ++n) defect[n] = face.transmitted[n] - face.carried[n];
-    face.smooth(std::vector<char>(defect.size(), 1), face.passes_of_mean(misfit_width), defect);
+    face.smooth(std::vector<char>(defect.size(), 1), face.passes_of_mean(mean_width), defect);
     for (std::size_t n = 0; n < defect.size(); ++n) {
       const Index3& node = mesh.nodes[face.nodes[n]];
       const int zone = edges.zone(pair.number, mesh.cut_cells->grid.to_global(Vec3(node[0], node[1], node[2])));

@@ -14,7 +14,7 @@ namespace cgcontact {
 ///
 ///   integral of N_a (pressure of sigma*) dA = sum of N_a (transmitted forces)
 ///
-/// at every node a within a twentieth of the pressure around, and in the mean over about two cells of the coarser body
+/// at every node a within a twentieth of the pressure around, and in the mean over about two of the larger cells there
 /// within some per cent (nothing changes that is nearer than that); in total no farther than the plain recovery, or
 /// within a few thousandths. Patches beside the term of a contact edge are left out: that has its size from the forces.
 ///
@@ -22,13 +22,15 @@ namespace cgcontact {
 /// boundary points of the contact, Scales::stress; empty: not known. Patches that are changed get the status
 /// `balanced`, if no worse one.
 void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
-                    const std::vector<double>& plain, const Scales& scales, PatchStates& states);
+                    const std::vector<double>& plain, const Scales& scales, const BalanceOptions& options,
+                    PatchStates& states);
 
 /// Of the forces near the edges of each zone (FoundEdges::zone) the part that the pressure of a body misses: sums of
-/// the magnitudes of what it misses in the mean over about three cells, alike where it carries too much or elsewhere.
+/// the magnitudes of what it misses in the mean over `mean_width` (standard deviation, cells), alike where it carries
+/// too much or elsewhere.
 std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
                                  const RecoveredField& field, const Scales& scales, const PatchStates& states,
-                                 const FoundEdges& edges);
+                                 const FoundEdges& edges, double mean_width);
 
 /// Pressure (Scales::stress, positive in compression) at the boundary points of a body that see another one; 0 at the
 /// others.

@@ -7,19 +7,6 @@
 namespace cgcontact {
 namespace {
 
-/// A patch counts as closed when at least this part of its contact area is (one of four equal cells: whatever the
-/// rounding). Measured on the paper's scene, geometric
-/// mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159 .080 .038, a quarter .149
-/// .067 .035, half .216 .097 .041.
-constexpr double closed_fraction = 0.25;
-
-/// Closed patches whose contact face begins closer than this to the edge (own cells) carry its term as well.
-constexpr double edge_reach = 2;
-
-/// The edge is about half a cell (the coarser one) off the border of the closed points; if by more than this it is not
-/// that of the patch.
-constexpr double contradiction = 0.75;
-
 /// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
 
@@ -83,7 +70,9 @@ void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit
 
 }  // namespace
 
-bool PairState::is_closed() const { return closed_area > 0 && closed_area > closed_fraction * area * (1 - 1e-9); }
+bool PairState::is_closed(double fraction) const {
+  return closed_area > 0 && closed_area > fraction * area * (1 - 1e-9);
+}
 
 PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
                              const std::vector<std::vector<PatchPolynomial>>& polynomials, int index,
@@ -235,9 +224,9 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
 /// How a pair stands by the place of its edge; sets the patch's term if the edge is near.
 PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells,
                                                        int num_cells, PatchProblem& problem) const {
-  const ContactMode plain = state.is_mixed()    ? ContactMode::unclear
-                            : state.is_closed() ? ContactMode::closed
-                                                : ContactMode::open;
+  const ContactMode plain = state.is_mixed()                            ? ContactMode::unclear
+                            : state.is_closed(options_.closed_fraction) ? ContactMode::closed
+                                                                        : ContactMode::open;
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero(), opposite = Vec3::Zero();
   const Grid& other_grid = bodies_[state.other_body].mesh->cut_cells->grid;
   contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
@@ -259,10 +248,10 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
     }
   });
   // The edge of another zone, or none.
-  const double far = contradiction * larger;
+  const double far = options_.edge.contradiction * larger;
   if (state.closed_area > 0 ? most_closed < -far : least > far) return plain;
   if (most <= 0) return ContactMode::open;
-  if (least > edge_reach || problem.has_edge) return least > 0 ? ContactMode::closed : plain;
+  if (least > options_.edge.term_reach || problem.has_edge) return least > 0 ? ContactMode::closed : plain;
   problem.has_edge = true;
   problem.edge[0] = seen_from(body_, x, n, piece, grid_.cell_size);
   problem.edge[1] = seen_from(bodies_[state.other_body], other_grid.to_global(opposite), -n, piece, grid_.cell_size);
@@ -311,11 +300,12 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   };
   const PairState* coupled = nullptr;  // the pair with the largest closed area gets the auxiliary patch
   for (const PairState& state : states) {
-    ContactMode mode = state.is_closed() ? ContactMode::closed : ContactMode::open;
+    ContactMode mode = state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
     if (edges) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
     workspace.modes[&state - states.data()] = static_cast<char>(mode);
     if (mode != ContactMode::open) problem.pressed.push_back(state.pair);
-    const bool wants = mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed());
+    const bool wants =
+        mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed(options_.closed_fraction));
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }
   if (coupled) {
@@ -357,7 +347,8 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
         (mode_of(*state) == ContactMode::edge ? !is_on_face_of(problem.edge[0], group) : state->closed_area > 0);
     // Points that see the other body although none of its contact points is here: the rim of what is closed beside
     // them, or open.
-    const bool unseen = group.pair >= 0 && !state && !(closed_part > closed_fraction * (closed_part + group.area));
+    const bool unseen =
+        group.pair >= 0 && !state && !(closed_part > options_.closed_fraction * (closed_part + group.area));
     if (elsewhere) problem.open_sides.push_back(group.surface);
     ContactMode mode = state && !elsewhere ? mode_of(*state) : ContactMode::open;
     const bool is_loaded = condition.traction || condition.is_support();
@@ -368,7 +359,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
                                              : PatchKind::contact_edge);
     if (mode == ContactMode::unclear) {
       problem.status = std::max(problem.status, PatchStatus::edge_unclear);
-      mode = state->is_closed() ? ContactMode::closed : ContactMode::open;
+      mode = state->is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
     }
     if (state && !elsewhere && !(is_open && is_loaded)) {
       add_contact(group, node, own, problem.coupled && state == coupled ? &problem.fit[1] : nullptr, state, mode, rows);
@@ -379,7 +370,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     const std::size_t first = rows.size();
     if (is_open && !is_loaded) {
       add_contact(group, node, own, nullptr, state, mode, rows);
-    } else if (!is_open && (group.pair >= 0 || closed_part > closed_fraction * (closed_part + group.area))) {
+    } else if (!is_open && (group.pair >= 0 || closed_part > options_.closed_fraction * (closed_part + group.area))) {
       add_zero_shear(group, own.centre, rows);
     } else {
       add_known_traction(group, own.centre, rows);

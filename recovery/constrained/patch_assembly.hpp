@@ -31,8 +31,8 @@ double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, cons
 /// Contact points of one pair inside a patch.
 struct PairState {
   int pair = -1, other_body = -1;
-  double area = 0, closed_area = 0;  ///< m^2
-  bool is_closed() const;
+  double area = 0, closed_area = 0;       ///< m^2
+  bool is_closed(double fraction) const;  ///< RecoveryOptions::closed_fraction
   bool is_mixed() const { return closed_area > 0 && closed_area < area * (1 - 1e-12); }
 };
 

@@ -9,9 +9,6 @@ namespace {
 /// Least part of its diagonal entry that a pivot of the mass matrix of a linear polynomial must keep.
 constexpr double least_linear_pivot = 1e-14;
 
-/// Least volume of an auxiliary patch, cells: less carries no linear polynomial of six components.
-constexpr double least_auxiliary_volume = 0.25;
-
 /// A patch carries quadratic polynomials if every term keeps this part of its square when the terms before it are taken
 /// out: a plate 0.4 cells thick beside the node has 1e-3.
 constexpr double least_pivot = 1e-3;
@@ -172,7 +169,7 @@ void PatchAssembly::auxiliary_fit(int node, const PairState& state, PatchPolynom
   if (polynomial.rings > 1) add_rings(integrals, cc, polynomial.rings - 1, workspace.box, cells);
   double volume = 0;
   for (int c : cells) volume += cc.volume_fraction(c);
-  if (volume < least_auxiliary_volume) return;
+  if (volume < options_.least_auxiliary_volume) return;
   const CellSums sums =
       sum_cells(*other.mesh, integrals, cells.data(), static_cast<int>(cells.size()), fit.centre.data());
   if (polynomial.degree == 1)

@@ -11,16 +11,10 @@ namespace {
 
 constexpr std::size_t grain = 64;
 
-/// Cells across a body from which on patches with contact are of degree 2.
-constexpr int thick = 4;
 /// In a zone without edges patches of degree 2 extend over half of the thickness: the scatter of sigma_h in cut cells
 /// averages out over as large a patch as a polynomial follows.
 constexpr int most_rings = 4;
 int rings_of_thickness(int cells) { return (cells + 2) / 4; }
-/// Within so many cells of an edge of the contact zone, two rings; farther inside one is enough, and so it must be
-/// where the edge has a radius of less than so many cells.
-constexpr double edge_width = 3, wide_radius = 14;
-
 /// Cells of a body from the given one on along an axis of its grid, without that one; at most `limit`.
 int cells_beyond(const CutCells& cc, Index3 c, int axis, int side, int limit) {
   int count = 0;
@@ -103,7 +97,7 @@ CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const 
 }
 
 /// In a zone with edges their distance counts, in one without the thickness of the bodies.
-int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, int across) {
+int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, int across, const EdgeOptions& options) {
   const Grid& grid = body.mesh->cut_cells->grid;
   const Index3& at = body.mesh->nodes[node];
   const Vec3 x = grid.to_global(Vec3(at[0], at[1], at[2]));
@@ -117,8 +111,8 @@ int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, i
       if (!edges.has(pair)) continue;
       EdgePiece piece;
       const double h = body.mesh->cut_cells->h(patches.cells[p]);
-      const bool wide = edges.near(pair, x, piece) && piece.inside(x) <= edge_width * h &&
-                        std::abs(piece.curvature) * wide_radius * h < 1;
+      const bool wide = edges.near(pair, x, piece) && piece.inside(x) <= options.two_rings_within * h &&
+                        std::abs(piece.curvature) * options.one_ring_below * h < 1;
       if (!wide) return 1;
       has_edges = true;
     }
@@ -153,13 +147,13 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
     const bool contact = touches_contact(body, node);
     int degree = options.degree.interior, rings = 1;
     if (contact)
-      degree = options.degree.contact > 0 ? options.degree.contact : least.at_face >= thick ? 2 : 1;
+      degree = options.degree.contact > 0 ? options.degree.contact : least.at_face >= options.thick ? 2 : 1;
     else if (!patches.full[n])
       degree = options.degree.boundary;
     if (degree == 2 && options.quadratic_rings > 0) {
       rings = options.quadratic_rings;
-    } else if (degree == 2 && least.at_face >= thick) {
-      rings = edges ? rings_at_contact(body, node, *edges, least.below) : rings_of_thickness(least.below);
+    } else if (degree == 2 && least.at_face >= options.thick) {
+      rings = edges ? rings_at_contact(body, node, *edges, least.below, options.edge) : rings_of_thickness(least.below);
     }
     polynomials[n] = {static_cast<char>(degree), static_cast<char>(rings)};
   });

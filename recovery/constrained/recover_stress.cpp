@@ -53,28 +53,15 @@ std::vector<int> recover_interior(const PatchAssembly& assembly, const RecoveryO
   return others;
 }
 
-/// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
-constexpr double conflict = 0.01;
-/// The same below which all rows are met.
+/// Residual of normalised rows over the stress level of the patch below which all rows are met.
 constexpr double met = 1e-12;
 
 /// The same of the firm rows when they are enforced alone.
 constexpr double held = 1e-8;
 
-/// Rank tolerance of the firm rows alone: they agree with each other.
-constexpr double firm_tolerance = 1e-3;
-
-/// Of the forces around the edges of a contact zone, smoothed over some cells, that the pressure may miss in size or
-/// place. Where it misses more the edges are not where they were found, or the pressure there does not end like a
-/// square root: it is recovered without (docs/recovery.md, "Transmitted forces").
-constexpr double largest_misfit = 0.04;
-
-/// How much more one body's misfit may count than the other's in a coupled patch.
-constexpr double most_weight = 1e4;
-
 /// What the misfit of the auxiliary body weighs: inverse variances, as in any least squares of data of unequal quality.
 /// A body whose stress the polynomials follow well is not spoilt by one whose stress they do not (docs/recovery.md).
-double auxiliary_weight(const PatchFit& own, const PatchFit& other) {
+double auxiliary_weight(const PatchFit& own, const PatchFit& other, double most_weight) {
   if (!(own.variance > 0 && other.variance > 0)) return 1;
   return std::clamp(own.variance / other.variance, 1 / most_weight, most_weight);
 }
@@ -122,8 +109,9 @@ class PatchBatch {
     const int body[2] = {assembly_.index(), problem.other_body};
     for (int b = 0; b < bodies; ++b) {
       const PatchFit& fit = problem.fit[b];
-      const double weight =
-          b == 1 && options_.inverse_variance ? auxiliary_weight(problem.fit[0], problem.fit[1]) : 1.0;
+      const double weight = b == 1 && options_.inverse_variance
+                                ? auxiliary_weight(problem.fit[0], problem.fit[1], options_.most_weight)
+                                : 1.0;
       for (int i = 0, entry = 0; i < P::num_terms; ++i)
         for (int j = 0; j <= i; ++j) input.mass[b][entry++] = weight * fit.mass(i, j);
       std::copy_n(fit.a.data(), 6 * P::num_terms, input.a[b][0]);
@@ -192,7 +180,7 @@ class PatchBatch {
       const FitStatus& status = status_(i);
       const auto at_least = [&](PatchStatus least) { problem.status = std::max(problem.status, least); };
       if (status.truncated > 0) at_least(PatchStatus::truncated);
-      if (status.residual > conflict) at_least(PatchStatus::conflicting);
+      if (status.residual > options_.conflict) at_least(PatchStatus::conflicting);
       if (!status.finite) at_least(PatchStatus::singular);
       problem.loose = status.residual > met;
       truncated_rows_ += status.truncated;
@@ -211,7 +199,7 @@ class PatchBatch {
           std::any_of(rows_of(i), rows_of(i) + problem.num_rows, is_firm))
         list_.push_back(static_cast<int>(i));
     }
-    solve_list<degree, 1>(is_firm, firm_tolerance);
+    solve_list<degree, 1>(is_firm, options_.firm_tolerance);
     for (std::size_t i = 0; i < list_.size(); ++i)
       if (status_(i).residual > held) {
         PatchStatus& status = problems_[list_[i]].status;
@@ -313,13 +301,13 @@ RecoveredField field_of(const RecoveryBody& body, const ConstrainedRecovery& rec
 
 /// Marks the edges in whose zones the pressure does not carry the transmitted forces in one of the bodies.
 std::vector<char> wrong_edges(const std::vector<RecoveryBody>& bodies, const ConstrainedRecovery& recovery,
-                              const Scales& scales, const FoundEdges& edges) {
+                              const Scales& scales, const FoundEdges& edges, const EdgeOptions& options) {
   std::vector<char> wrong(edges.num_zones(), 0);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (recovery.edges[b].terms.empty()) continue;
-    const std::vector<double> misfit =
-        zone_misfits(bodies, b, field_of(bodies[b], recovery, b), scales, recovery.states[b], edges);
-    for (std::size_t z = 0; z < wrong.size(); ++z) wrong[z] |= misfit[z] > largest_misfit;
+    const std::vector<double> misfit = zone_misfits(bodies, b, field_of(bodies[b], recovery, b), scales,
+                                                    recovery.states[b], edges, options.misfit_width);
+    for (std::size_t z = 0; z < wrong.size(); ++z) wrong[z] |= misfit[z] > options.largest_misfit;
   }
   return wrong;
 }
@@ -336,14 +324,14 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
       recover_patches(bodies, host, scales, options, options.contact_edge ? &edges : nullptr);
   // A patch has one edge: without that of one pair it may take that of another.
   for (;;) {
-    const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges);
+    const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges, options.edge);
     if (std::find(wrong.begin(), wrong.end(), 1) == wrong.end()) break;
     edges = edges.without(wrong);
     recovery = recover_patches(bodies, host, scales, options, &edges);
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     PatchStates& states = recovery.states[b];
-    balance_forces(bodies, b, field_of(bodies[b], recovery, b), plain[b], scales, states);
+    balance_forces(bodies, b, field_of(bodies[b], recovery, b), plain[b], scales, options.balance, states);
     for (std::size_t n = 0; n < states.kind.size(); ++n) {
       ++recovery.counts.kinds[static_cast<int>(states.kind[n])];
       ++recovery.counts.statuses[static_cast<int>(states.status[n])];

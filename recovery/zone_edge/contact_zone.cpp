@@ -19,8 +19,8 @@ double largest_cell_of(const BoundaryData& boundary) {
 
 }  // namespace
 
-ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index)
-    : largest_cell_(largest_cell_of(*bodies[index].boundary)), buckets_(edge_fit_reach * largest_cell_) {
+ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index, const EdgeOptions& options)
+    : largest_cell_(largest_cell_of(*bodies[index].boundary)), buckets_(options.reach_of_sums() * largest_cell_) {
   const Grid& grid = bodies[index].mesh->cut_cells->grid;
   middle_ = grid.to_global(middle_of(bodies[index].mesh->cut_cells->solid));
   std::map<int, int> other_of_pair;

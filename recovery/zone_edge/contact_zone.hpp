@@ -11,7 +11,7 @@ namespace cgcontact {
 
 class ContactZone {
  public:
-  ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index);
+  ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index, const EdgeOptions& options = {});
 
   double largest_cell() const { return largest_cell_; }  ///< m, of those of both bodies that meet; for searches
   /// Without images.
@@ -19,7 +19,8 @@ class ContactZone {
   /// Of the points within some cells of a symmetry plane that both bodies of their pair have.
   const std::vector<TransmittedForce>& images() const { return images_; }
 
-  /// The points of a pair on a face turned like n, within a distance (m; at most edge_fit_reach cells) of x; no images.
+  /// The points of a pair on a face turned like n, within a distance (m; at most EdgeOptions::reach_of_sums()) of x; no
+  /// images.
   std::vector<const TransmittedForce*> forces_near(int pair, const Vec3& x, const Vec3& n, double distance) const;
 
   /// The closed points of every cell, pair and image as one point with their mean place and normal; images last, from

@@ -10,23 +10,23 @@
 namespace cgcontact {
 namespace {
 
-/// All lengths in cells. The sums: weight 1 from outside to `plateau` inside the edge, where the groups' own zone and
-/// the true one differ, falling to 0 at `ends`; along the edge falling to 0 at `breadth` on both sides.
-constexpr double plateau = 1, ends[2] = {3, 4}, breadth = 3;
+/// All lengths in cells. Along the edge the sums fall to 0 at that on both sides.
+constexpr double breadth = 3;
 /// The square root is integrated exactly near the edge (falling from 1 to 0 here), else summed over the points.
 constexpr double exact_from = 0.5, exact_to = 1.5;
-/// The sums put the edge that much too far inside, for all ratios of the cells (0.65 to 2.6), kappa (5 to 30) and n (8
-/// to 64) tried: 0.02 to 0.05 on the paper's scene in plane strain.
-constexpr double zone_deficit = 0.035;
 constexpr double largest_shift = 1;
 
 double exact_part(double s) { return smooth_fall((s - exact_from) / (exact_to - exact_from)); }
-double weight(double s, int sum) { return smooth_fall((s - plateau) / (ends[sum] - plateau)); }
+
 /// Sums of forces and of the square root over the area around an assumed edge.
 class EdgeSums {
  public:
-  EdgeSums(const EdgePiece& piece, const std::vector<const TransmittedForce*>& forces, double cell_size)
-      : convexity_(-piece.curvature * cell_size), inverse_width_(piece.inverse_width * cell_size) {
+  EdgeSums(const EdgePiece& piece, const std::vector<const TransmittedForce*>& forces, double cell_size,
+           const EdgeOptions& options)
+      : plateau_(options.plateau),
+        ends_{options.nearer_end, options.farther_end},
+        convexity_(-piece.curvature * cell_size),
+        inverse_width_(piece.inverse_width * cell_size) {
     for (const TransmittedForce* f : forces) add(piece, *f, cell_size);
     coverage_ /= 1 - convexity_;  // of the weight 1 - |s - 1| on rings of a circle
   }
@@ -56,6 +56,7 @@ class EdgeSums {
     double area[2];  ///< m^2, weighted
   };
 
+  double weight(double s, int sum) const { return smooth_fall((s - plateau_) / (ends_[sum] - plateau_)); }
   double root_at(double inside) const { return edge_root(inside, inverse_width_); }
 
   /// On the circle that the edge is locally; along: by the arc on the edge.
@@ -68,19 +69,20 @@ class EdgeSums {
                  far = area * (1 - exact_part(s));
     for (int k = 0; k < 2; ++k) force_[k] += along * f.force * weight(s, k);
     coverage_ += area * std::max(1 - std::abs(s - 1), 0.0);
-    if (far > 0 && s < ends[1]) points_.push_back({s, {far * weight(s, 0), far * weight(s, 1)}});
+    if (far > 0 && s < ends_[1]) points_.push_back({s, {far * weight(s, 0), far * weight(s, 1)}});
   }
 
-  double convexity_, inverse_width_;
+  double plateau_, ends_[2], convexity_, inverse_width_;
   double force_[2] = {}, coverage_ = 0;  ///< N; m^2 per cell of s
   std::vector<Point> points_;
 };
 
 }  // namespace
 
-EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForce*>& forces, double cell_size) {
+EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForce*>& forces, double cell_size,
+                 const EdgeOptions& options) {
   EdgeFit fit;
-  const EdgeSums sums(piece, forces, cell_size);
+  const EdgeSums sums(piece, forces, cell_size, options);
   if (!sums.pressed()) return fit;
   // Farther outside the nearer sum has the larger share.
   const auto excess = [&](double shift) {
@@ -104,7 +106,7 @@ EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForc
       kept = -1;
     }
   }
-  fit.shift += zone_deficit;
+  fit.shift += options.sums_deficit;
   fit.strength = sums.force(1) / sums.roots(fit.shift)[1] / std::sqrt(cell_size);
   fit.found = true;
   return fit;

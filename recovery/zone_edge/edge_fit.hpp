@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "core/settings/edge_options.hpp"
 #include "recovery/patch/edge_map.hpp"
 
 namespace cgcontact {
@@ -29,11 +30,9 @@ struct EdgeFit {
   double strength = 0;  ///< pressure = strength sqrt(s (1 - s / width)) at distance s inside: Pa per root of a metre
 };
 
-/// Half-size of the area around the assumed edge whose forces matter, cells.
-constexpr double edge_fit_reach = 5;
-
 /// The edge near `piece` for which K sqrt(s (1 - s / width)) has the same sums as the forces. cell_size: m, of the
 /// larger cells there, which carry the contact groups. Not found: no edge within a cell meets them.
-EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForce*>& forces, double cell_size);
+EdgeFit fit_edge(const EdgePiece& piece, const std::vector<const TransmittedForce*>& forces, double cell_size,
+                 const EdgeOptions& options = {});
 
 }  // namespace cgcontact

@@ -13,9 +13,6 @@ namespace {
 /// Places per chunk of the parallel loops.
 constexpr std::size_t grain = 4;
 
-/// Times that all places are looked for: from the border of the closed points the second time is within 0.01 cells.
-constexpr int rounds = 3;
-
 /// Samples are equally far from a place if they are so up to that part: then the first one counts, in mirror images
 /// too.
 constexpr double nearer = 1 - 1e-9;
@@ -23,8 +20,9 @@ constexpr double nearer = 1 - 1e-9;
 /// Cells around a place whose points say where the edge may be.
 constexpr double guess_reach = 2;
 
-/// A strip of the face (a slab of few cells, a narrow land): points within edge_fit_reach spread less than that across
-/// it, cells squared (of a strip of three and a half cells; of the end and the corner of a wide face: 1.7 and 1.2).
+/// A strip of the face (a slab of few cells, a narrow land): points within the reach of the sums spread less than that
+/// across it, cells squared (of a strip of three and a half cells; of the end and the corner of a wide face: 1.7
+/// and 1.2).
 constexpr double strip_variance = 1;
 
 /// Direction across the strip that the face is around x; false: it is none. One row of cells more on one side of a
@@ -48,7 +46,8 @@ bool is_strip(const std::vector<const TransmittedForce*>& points, double cell_si
 /// The line that parts the closed from the open points around x best: least squares of +1 and -1 by a
 /// linear function on the face, both sorts counting alike; in a strip a line across it. False if there is only one
 /// sort.
-bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSample& sample) {
+bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, const EdgeOptions& options,
+                 EdgeSample& sample) {
   const double h = sample.cell_size;
   const auto points = zone.forces_near(sample.pair, x, n, guess_reach * h);
   double area[2] = {};  // open, closed
@@ -82,7 +81,7 @@ bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSamp
     return true;
   };
   Vec3 across;
-  if (is_strip(zone.forces_near(sample.pair, x, n, edge_fit_reach * h), h, across)) {
+  if (is_strip(zone.forces_near(sample.pair, x, n, options.reach_of_sums() * h), h, across)) {
     across = (across - across.dot(normal) * normal).normalized();
     if ((sample.in_strip = part(normal.cross(across), across, 1e6))) return true;
   }
@@ -91,11 +90,12 @@ bool part_points(const ContactZone& zone, const Vec3& x, const Vec3& n, EdgeSamp
 }
 
 /// First guess from around a closed point, then from around that.
-bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, EdgeSample& sample) {
+bool guess_edge(const ContactZone& zone, const TransmittedForce& closed, const EdgeOptions& options,
+                EdgeSample& sample) {
   sample.pair = closed.pair;
   sample.cell_size = closed.cell_size;
-  return part_points(zone, closed.position, closed.normal, sample) &&
-         part_points(zone, Vec3(sample.origin), Vec3(sample.normal), sample);
+  return part_points(zone, closed.position, closed.normal, options, sample) &&
+         part_points(zone, Vec3(sample.origin), Vec3(sample.normal), options, sample);
 }
 
 /// Across the zone from a sample to its other side, over the points within a cell along the edge: to the opposite edge
@@ -170,15 +170,16 @@ void keep_found(std::vector<EdgeSample>& samples) {
 }
 
 /// Moves all samples to where the forces put the edge; those without such a place are dropped.
-void place_edges(const ContactZone& zone, const Scales& scales, std::vector<EdgeSample>& samples) {
-  const FoundEdges edges(samples);
+void place_edges(const ContactZone& zone, const Scales& scales, const EdgeOptions& options,
+                 std::vector<EdgeSample>& samples) {
+  const FoundEdges edges(samples, options);
   parallel_for("cgcontact::edge_search::samples", samples.size(), grain, [&](std::size_t i) {
     EdgeSample& sample = samples[i];
     const double h = sample.cell_size;
     EdgePiece piece;
     edges.near(sample.pair, sample.origin, piece);
-    const EdgeFit fit =
-        fit_edge(piece, zone.forces_near(sample.pair, piece.origin, sample.normal, edge_fit_reach * h), h);
+    const EdgeFit fit = fit_edge(
+        piece, zone.forces_near(sample.pair, piece.origin, sample.normal, options.reach_of_sums() * h), h, options);
     if (!fit.found) {
       sample.pair = -1;
       return;
@@ -196,7 +197,7 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
                               const RecoveryOptions& options) {
   std::vector<EdgeSample> all;
   for (std::size_t b = 0; b < bodies.size() && options.contact_edge; ++b) {
-    const ContactZone zone(bodies, b);
+    const ContactZone zone(bodies, b, options.edge);
     const auto closed = zone.closed_cells();
     PointBuckets open(guess_reach * zone.largest_cell());
     for (std::size_t i = 0; i < zone.forces().size(); ++i)
@@ -206,19 +207,19 @@ FoundEdges find_contact_edges(const std::vector<RecoveryBody>& bodies, const Sca
       samples[i].cell = static_cast<int>(i);
       bool inner = true;
       open.each_near(closed[i].position, [&](int) { inner = false; });
-      if (inner || closed[i].image || !guess_edge(zone, closed[i], samples[i])) samples[i].pair = -1;
+      if (inner || closed[i].image || !guess_edge(zone, closed[i], options.edge, samples[i])) samples[i].pair = -1;
     });
     keep_found(samples);
     measure_widths(zone, samples);
-    const std::vector<EdgeSample> narrow = take_narrow_edges(zone, closed, scales.stress, samples);
-    for (int round = 0; round < rounds && !samples.empty(); ++round) {
+    const std::vector<EdgeSample> narrow = take_narrow_edges(zone, closed, scales.stress, options.edge, samples);
+    for (int round = 0; round < options.edge.rounds && !samples.empty(); ++round) {
       if (round > 0) measure_widths(zone, samples);
-      place_edges(zone, scales, samples);
+      place_edges(zone, scales, options.edge, samples);
     }
     samples.insert(samples.end(), narrow.begin(), narrow.end());
     all.insert(all.end(), samples.begin(), samples.end());
   }
-  return FoundEdges(std::move(all));
+  return FoundEdges(std::move(all), options.edge);
 }
 
 }  // namespace cgcontact

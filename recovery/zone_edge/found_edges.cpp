@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recovery/zone_edge/connected_sets.hpp"
+
 namespace cgcontact {
 namespace {
 
-/// Samples count with exp(-(distance / (smoothing cells))^2 / 2), and not at all beyond reach cells.
-constexpr double smoothing = 1.5, reach = 4 * smoothing;
-/// What the place of an edge may be off, cells.
-constexpr double expected_error = 0.015;
 /// How far outside a zone that is fitted as a whole (recovery/zone_edge/narrow_edges.hpp) its edge is known, cells.
 constexpr double outside_narrow = 2.5;
-/// Scatter of the places that the forces give; what slope and curvature against the mean direction are expected to be,
-/// cells.
-constexpr double place_scatter = 0.02, expected_slope = 0.2;
 
 double largest_cell(const std::vector<EdgeSample>& samples) {
   double largest = 0;
@@ -24,8 +19,8 @@ double largest_cell(const std::vector<EdgeSample>& samples) {
 
 }  // namespace
 
-FoundEdges::FoundEdges(std::vector<EdgeSample> samples)
-    : samples_(std::move(samples)), buckets_(reach * largest_cell(samples_)) {
+FoundEdges::FoundEdges(std::vector<EdgeSample> samples, const EdgeOptions& options)
+    : options_(options), samples_(std::move(samples)), buckets_(reach() * largest_cell(samples_)) {
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     // All normals of a pair point the same way.
     const std::size_t first = first_of_pair_.try_emplace(samples_[i].pair, i).first->second;
@@ -36,30 +31,21 @@ FoundEdges::FoundEdges(std::vector<EdgeSample> samples)
 }
 
 void FoundEdges::number_zones() {
-  zone_.assign(samples_.size(), -1);
-  std::vector<int> members;
-  for (std::size_t i = 0; i < samples_.size(); ++i) {
-    if (zone_[i] >= 0) continue;
-    const int number = zone_[i] = static_cast<int>(num_zones_++);
-    members.assign(1, static_cast<int>(i));
-    for (std::size_t next = 0; next < members.size(); ++next) {
-      const EdgeSample& from = samples_[members[next]];
-      buckets_.each_near(from.origin, [&](int k) {
-        if (zone_[k] >= 0 || samples_[k].pair != from.pair ||
-            (samples_[k].origin - from.origin).norm() > reach * std::max(samples_[k].cell_size, from.cell_size))
-          return;
-        zone_[k] = number;
-        members.push_back(k);
+  zone_ = connected_sets(
+      samples_.size(), reach() * largest_cell(samples_), [&](std::size_t i) { return samples_[i].origin; },
+      [&](int i, int k) {
+        const EdgeSample &a = samples_[i], &b = samples_[k];
+        return a.pair == b.pair && !((a.origin - b.origin).norm() > reach() * std::max(a.cell_size, b.cell_size));
       });
-    }
-  }
+  for (std::size_t i = 0; i < zone_.size(); ++i)  // in order of their first sample
+    zone_[i] = zone_[i] == static_cast<int>(i) ? static_cast<int>(num_zones_++) : zone_[zone_[i]];
 }
 
 FoundEdges FoundEdges::without(const std::vector<char>& zones) const {
   std::vector<EdgeSample> kept;
   for (std::size_t i = 0; i < samples_.size(); ++i)
     if (!zones[zone_[i]]) kept.push_back(samples_[i]);
-  return FoundEdges(std::move(kept));
+  return FoundEdges(std::move(kept), options_);
 }
 
 int FoundEdges::zone(int pair, const Vec3& x) const {
@@ -73,7 +59,7 @@ const EdgeSample* FoundEdges::nearest(int pair, const Vec3& x) const {
   buckets_.each_near(x, [&](int i) {
     const EdgeSample& s = samples_[i];
     const double distance = (s.origin - x).norm();
-    if (s.pair == pair && distance < least && distance < reach * s.cell_size) found = &s, least = distance;
+    if (s.pair == pair && distance < least && distance < reach() * s.cell_size) found = &s, least = distance;
   });
   return found;
 }
@@ -90,8 +76,9 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     buckets_.each_near(foot, [&](int i) {
       const EdgeSample& s = samples_[i];
       const double distance = (s.origin - foot).norm() / h;
-      if (s.pair == pair && !s.narrow && distance < reach && s.closed.dot(first->closed) > 0)  // not the opposite edge
-        use(s, std::exp(-0.5 * distance * distance / (smoothing * smoothing)));
+      if (s.pair == pair && !s.narrow && distance < reach() &&
+          s.closed.dot(first->closed) > 0)  // not the opposite edge
+        use(s, std::exp(-0.5 * distance * distance / (options_.smoothing * options_.smoothing)));
     });
   };
   // Mean directions about the nearest sample; the foot of x on the edge.
@@ -119,7 +106,7 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
     inverse_width += w * s.inverse_width;
     factor += w * s.factor;
   });
-  const double ridge = first->in_strip ? 1e6 : std::pow(place_scatter / expected_slope, 2);
+  const double ridge = first->in_strip ? 1e6 : std::pow(options_.place_scatter / options_.expected_slope, 2);
   A.diagonal() += Vec3(0, ridge, ridge);
   const Vec3 c = A.ldlt().solve(b);
   piece.origin = foot + h * (c[0] * closed + height / sum * normal);
@@ -128,7 +115,7 @@ bool FoundEdges::near(int pair, const Vec3& x, EdgePiece& piece) const {
   piece.curvature = -c[2] / h;
   piece.inverse_width = inverse_width / sum;
   piece.factor = factor / sum;
-  piece.place_error = expected_error * h;
+  piece.place_error = options_.expected_error * h;
   return true;
 }
 

@@ -24,7 +24,7 @@ struct EdgeSample {
 
 class FoundEdges : public EdgeMap {
  public:
-  explicit FoundEdges(std::vector<EdgeSample> samples);
+  explicit FoundEdges(std::vector<EdgeSample> samples, const EdgeOptions& options = {});
   bool near(int pair, const Vec3& x, EdgePiece& piece) const override;
   bool has(int pair) const override { return first_of_pair_.count(pair) > 0; }
 
@@ -36,9 +36,11 @@ class FoundEdges : public EdgeMap {
   FoundEdges without(const std::vector<char>& zones) const;
 
  private:
+  double reach() const { return 4 * options_.smoothing; }  ///< cells: samples beyond do not count
   const EdgeSample* nearest(int pair, const Vec3& x) const;
   void number_zones();
 
+  EdgeOptions options_;
   std::vector<EdgeSample> samples_;
   std::vector<int> zone_;  ///< of samples
   std::size_t num_zones_ = 0;

@@ -5,40 +5,34 @@
 #include <map>
 
 #include "core/base/parallel.hpp"
+#include "recovery/zone_edge/connected_sets.hpp"
 
 namespace cgcontact {
 namespace {
 
-/// Zones narrower than that (cells) may count as a whole, and so do closed cells that near to such an edge.
-constexpr double narrow_width = 14, narrow_reach = 5;
-/// They do where the edge has a radius below that, cells. Elsewhere recovery/zone_edge/edge_fit.hpp is better:
-/// two_solids.toml, n = 8 and 16 (4.2 and 8.4 cells across), six random offsets, 3.1 and 1.5 instead of 4.7 and 2.0 %.
-constexpr double round_radius = 8;
 /// Closed cells are of one zone if their closed parts' centres are nearer to each other than that, cells.
 constexpr double connected = 1.8;
-/// Nothing is said about the edges of zones narrower than that, cells.
-constexpr double narrowest = 1.5;
 /// Outside an edge, that far and around that within this distance, there are open points (cells): else the contact ends
 /// at an edge of a body. So it must be for that part of a zone's edges.
 constexpr double outside = 0.6, around = 0.75, open_fraction = 0.8;
 /// One fit for all closed cells whose zones' middles are nearer to each other than that, cells.
 constexpr double same_middle = 0.5;
 
-/// Where the profile of a round zone is no more Hertz's the place of the edge is a guess, and the term worse than none.
-/// The misfit of Hertz's own grows with the cells.
-bool is_hertzian(const NarrowZone& zone, double inverse_width) {
-  return zone.misfit < 0.008 + std::pow(inverse_width * zone.cell_size, 3);
+/// Is the profile Hertz's?
+bool is_hertzian(const NarrowZone& zone, double inverse_width, const EdgeOptions& options) {
+  return zone.misfit < options.hertzian_misfit + std::pow(inverse_width * zone.cell_size, 3);
 }
 
 /// The closed cells with their neighbours: connected zones and what lies around.
 class NarrowZones {
  public:
-  NarrowZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed)
-      : closed_(closed),
+  NarrowZones(const ContactZone& zone, const std::vector<TransmittedForce>& closed, const EdgeOptions& options)
+      : options_(options),
+        closed_(closed),
         largest_(zone.largest_cell()),
         buckets_(narrow_zone_reach * largest_),
         closed_buckets_(narrow_zone_reach * largest_),
-        open_buckets_(0.5 * narrow_width * largest_) {
+        open_buckets_(options.round_below() * largest_) {
     for (std::size_t i = 0; i < closed.size(); ++i) {
       index_[{closed[i].pair, closed[i].cell, closed[i].image}] = static_cast<int>(i);
       closed_buckets_.add(closed[i].position, static_cast<int>(i));
@@ -60,10 +54,10 @@ class NarrowZones {
   std::vector<int> candidates(const std::vector<EdgeSample>& samples) const {
     std::vector<char> guessed(closed_.size(), 0);
     std::vector<const EdgeSample*> narrow;
-    PointBuckets near(narrow_reach * largest_);
+    PointBuckets near(options_.reach_of_sums() * largest_);
     for (const EdgeSample& s : samples) {
       guessed[component_[s.cell]] = 1;
-      if (s.inverse_width * narrow_width * s.cell_size < 1) continue;
+      if (s.inverse_width * 2 * options_.round_below() * s.cell_size < 1) continue;
       near.add(s.origin, static_cast<int>(narrow.size()));
       narrow.push_back(&s);
     }
@@ -71,10 +65,10 @@ class NarrowZones {
     for (std::size_t i = 0; i < closed_.size() && !closed_[i].image; ++i) {
       const double h = closed_[i].cell_size;
       bool found =
-          !guessed[component_[i]] && has_open_points(closed_[i].pair, closed_[i].position, 0.5 * narrow_width * h);
+          !guessed[component_[i]] && has_open_points(closed_[i].pair, closed_[i].position, options_.round_below() * h);
       near.each_near(closed_[i].position, [&](int k) {
         found = found || (narrow[k]->pair == closed_[i].pair &&
-                          (narrow[k]->origin - closed_[i].position).norm() < narrow_reach * h);
+                          (narrow[k]->origin - closed_[i].position).norm() < options_.reach_of_sums() * h);
       });
       if (found) cells.push_back(static_cast<int>(i));
     }
@@ -101,7 +95,7 @@ class NarrowZones {
     return {x, normal};
   }
 
-  /// Within a distance, m; at most half of narrow_width.
+  /// Within a distance, m; at most EdgeOptions::round_below().
   bool has_open_points(int pair, const Vec3& x, double distance) const {
     bool found = false;
     open_buckets_.each_near(
@@ -118,33 +112,21 @@ class NarrowZones {
       const auto found = index_.find({f.pair, f.cell, f.image});
       if (found == index_.end() || component_[found->second] == component_[cell]) forces.push_back(&f);
     });
-    return fit_narrow_zone(forces, x, normal, closed_[cell].cell_size, stress_unit, fitted);
+    return fit_narrow_zone(forces, x, normal, closed_[cell].cell_size, stress_unit, fitted, options_);
   }
 
  private:
   void connect() {
-    PointBuckets cells(connected * largest_);
-    for (std::size_t i = 0; i < closed_.size(); ++i) cells.add(closed_[i].position, static_cast<int>(i));
-    component_.assign(closed_.size(), -1);
-    std::vector<int> members;
-    for (std::size_t i = 0; i < closed_.size(); ++i) {
-      if (component_[i] >= 0) continue;
-      const int number = static_cast<int>(i);
-      members.assign(1, number);
-      component_[i] = number;
-      for (std::size_t next = 0; next < members.size(); ++next) {
-        const TransmittedForce& from = closed_[members[next]];
-        cells.each_near(from.position, [&](int k) {
-          if (component_[k] >= 0 || closed_[k].pair != from.pair ||
-              (closed_[k].position - from.position).norm() > connected * std::max(closed_[k].cell_size, from.cell_size))
-            return;
-          component_[k] = number;
-          members.push_back(k);
+    component_ = connected_sets(
+        closed_.size(), connected * largest_, [&](std::size_t i) { return closed_[i].position; },
+        [&](int i, int k) {
+          const TransmittedForce &a = closed_[i], &b = closed_[k];
+          return a.pair == b.pair &&
+                 !((a.position - b.position).norm() > connected * std::max(a.cell_size, b.cell_size));
         });
-      }
-    }
   }
 
+  const EdgeOptions& options_;
   const std::vector<TransmittedForce>& closed_;
   double largest_;  // m, for searches
   std::vector<const TransmittedForce*> points_;
@@ -184,8 +166,9 @@ std::vector<Part> make_parts(const NarrowZones& zones, const std::vector<Transmi
 }  // namespace
 
 std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::vector<TransmittedForce>& closed,
-                                          double stress_unit, std::vector<EdgeSample>& samples) {
-  const NarrowZones zones(zone, closed);
+                                          double stress_unit, const EdgeOptions& options,
+                                          std::vector<EdgeSample>& samples) {
+  const NarrowZones zones(zone, closed, options);
   std::vector<Part> parts = make_parts(zones, closed, zones.candidates(samples));
   parallel_for("cgcontact::narrow_edges::parts", parts.size(), 1, [&](std::size_t i) {
     Part& part = parts[i];
@@ -202,15 +185,15 @@ std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::ve
     for (const int c : part.cells) {
       EdgePiece piece;
       if (!fitted.edge_near(closed[c].position, closed[c].position, piece)) continue;
-      round = round || piece.curvature * round_radius * h < -1;
+      round = round || piece.curvature * options.round_below() * h < -1;
       inverse_width = std::max(inverse_width, piece.inverse_width);
       open += zones.has_open_points(closed[c].pair, piece.origin - outside * h * piece.closed, around * h);
       part.edges.emplace_back(c, piece);
     }
     part.counts_as_whole = round;
-    if (!fits || inverse_width * narrowest * h > 1) return;
+    if (!fits || inverse_width * options.narrowest * h > 1) return;
     if (static_cast<double>(open) < open_fraction * static_cast<double>(part.edges.size())) return;
-    if (is_hertzian(fitted, inverse_width)) part.fitted = std::make_shared<NarrowZone>(fitted);
+    if (is_hertzian(fitted, inverse_width, options)) part.fitted = std::make_shared<NarrowZone>(fitted);
   });
   std::vector<char> taken(closed.size(), 0);
   std::vector<EdgeSample> edges;

@@ -10,6 +10,7 @@ namespace cgcontact {
 /// Edges in narrow round zones, one for each closed cell (in the order of zone.closed_cells()) there. Samples in these
 /// zones are taken out of `samples`, whose widths are known; zones of another profile than Hertz's get none.
 std::vector<EdgeSample> take_narrow_edges(const ContactZone& zone, const std::vector<TransmittedForce>& closed,
-                                          double stress_unit, std::vector<EdgeSample>& samples);
+                                          double stress_unit, const EdgeOptions& options,
+                                          std::vector<EdgeSample>& samples);
 
 }  // namespace cgcontact

@@ -15,14 +15,9 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// What the moments do not determine (across a plate of one cell) is small.
 constexpr double ridge = 1e-4;
-/// Mean distance between the fitted edge and the border of the closed points, cells; contact groups are whole cells.
-constexpr double largest_mismatch = 0.35;
 /// Of the gradient, per closed area.
 constexpr double converged = 1e-8;
 constexpr int sweeps = 3, max_iterations = 40;
-/// The edges come out that much too far inside, cells; mean of hertz.toml on one and a half to four cells over the
-/// radius.
-constexpr double zone_deficit = 0.05;
 
 /// What the place of an edge may be off, cells, by 1 / width in cells: so that on hertz.toml (1.6 to 6.4 cells over the
 /// radius, random offsets) the estimate of the pressure is near its error (docs/recovery.md, "Error figures").
@@ -118,11 +113,12 @@ double narrow_zone_weight(double distance) {
 }
 
 bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const Vec3& centre, const Vec3& normal,
-                     double cell_size, double stress_unit, NarrowZone& zone) {
+                     double cell_size, double stress_unit, NarrowZone& zone, const EdgeOptions& options) {
   zone.centre = centre;
   zone.normal = normal;
   std::tie(zone.axis[0], zone.axis[1]) = tangents(normal);
   zone.cell_size = cell_size;
+  zone.deficit = options.moments_deficit;
   zone.coefficients.setZero();
   std::vector<ZonePoint> points;
   double closed_area = 0, force = 0;
@@ -145,7 +141,7 @@ bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const V
     if (p.closed != (q.dot(p.terms) > 0)) wrong += p.area;
   zone.misfit = fourth_moment_misfit(points, q);
   zone.coefficients = std::pow(unit / (cell_size * cell_size * stress_unit), 2) * q;
-  return wrong <= largest_mismatch * 2 * std::sqrt(M_PI * closed_area);  // of a circle's edge
+  return wrong <= options.largest_mismatch * 2 * std::sqrt(M_PI * closed_area);  // of a circle's edge
 }
 
 bool NarrowZone::edge_near(const Vec3& x, const Vec3& start, EdgePiece& piece) const {
@@ -177,13 +173,13 @@ bool NarrowZone::edge_near(const Vec3& x, const Vec3& start, EdgePiece& piece) c
   // stays.
   const double bend = std::max(-second_derivative(coefficients, t) / steep, 0.0);                 // 1 / radius
   const double inverse_width = std::max(-second_derivative(coefficients, n) / (2 * steep), 0.0);  // of the zone
-  const double growth = 1 + 2 * zone_deficit * inverse_width;
+  const double growth = 1 + 2 * deficit * inverse_width;
   const double force_power = 1 + (inverse_width > 0 ? std::min(0.5 * bend / inverse_width, 1.0) : 0);
-  p -= zone_deficit * n;
+  p -= deficit * n;
   piece.origin = centre + cell_size * (p[0] * axis[0] + p[1] * axis[1]) + normal.dot(start - centre) * normal;
   piece.closed = n[0] * axis[0] + n[1] * axis[1];
   piece.along = normal.cross(piece.closed);
-  piece.curvature = -bend / (1 + zone_deficit * bend) / cell_size;
+  piece.curvature = -bend / (1 + deficit * bend) / cell_size;
   piece.inverse_width = inverse_width / growth / cell_size;
   piece.factor = -std::sqrt(steep / cell_size) * std::pow(growth, -force_power - 0.5);
   piece.place_error = expected_error(inverse_width) * cell_size;

@@ -18,6 +18,7 @@ struct NarrowZone {
   /// What the profile leaves of the forces' fourth moment about the middle, per force times radius^4: 0.005 for
   /// Hertz's on two to eight cells over the radius, 0.02 to 0.04 under a punch with a flat middle.
   double misfit = 0;
+  double deficit = 0;  ///< cells that its edges are moved outwards by, without a change of the force
 
   /// The edge nearest to x (m, global axes), looked for from `start` on. False where the function has no zero near.
   bool edge_near(const Vec3& x, const Vec3& start, EdgePiece& piece) const;
@@ -30,6 +31,6 @@ double narrow_zone_weight(double distance);
 /// The zone with the moments up to the second of the forces around `centre`; stress_unit: Pa. False if there is none
 /// (coefficients zero), or none whose closed and open parts are about those of the points.
 bool fit_narrow_zone(const std::vector<const TransmittedForce*>& forces, const Vec3& centre, const Vec3& normal,
-                     double cell_size, double stress_unit, NarrowZone& zone);
+                     double cell_size, double stress_unit, NarrowZone& zone, const EdgeOptions& options = {});
 
 }  // namespace cgcontact

@@ -33,7 +33,7 @@ std::map<std::string, std::string> with_tables(const std::vector<Setting>& setti
   std::map<std::string, std::string> tables;
   for (const Setting& setting : settings) {
     const std::size_t dot = setting.key.find('.');
-    if (dot == std::string::npos) continue;
+    if (dot == std::string::npos || !setting.of_scene) continue;
     std::string& table = tables[setting.key.substr(0, dot)];
     table += (table.empty() ? "{" : ", ") + setting.key.substr(dot + 1) + " = " + values.at(setting.key);
     values.erase(setting.key);
@@ -142,6 +142,16 @@ TEST(Settings, ValuesOutOfRangeAreNamedWithTheirRange) {
             "contact.reach_in_cells = nan: out of range (allowed: > 0 cells)");
   EXPECT_EQ(refusal<GeometryOptions>([](GeometryOptions& o) { o.boundary_order = 0; }),
             "geometry.boundary_order = 0: out of range (allowed: an integer from 1 to 8)");
+  EXPECT_EQ(refusal<RecoveryOptions>([](RecoveryOptions& o) { o.edge.rounds = 0; }),
+            "recovery.edge.rounds = 0: out of range (allowed: an integer from 1 to 20)");
+  EXPECT_EQ(refusal<RecoveryOptions>([](RecoveryOptions& o) { o.edge.nearer_end = 0.5; }),
+            "recovery.edge.nearer_end = 0.5: out of range (allowed: > recovery.edge.plateau)");
+  EXPECT_EQ(refusal<RecoveryOptions>([](RecoveryOptions& o) { o.balance.mean_exact = 0.07; }),
+            "recovery.balance.mean_wrong = 0.06: out of range (allowed: > recovery.balance.mean_exact)");
+  EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.lost_force = 2; }),
+            "results.lost_force = 2: out of range (allowed: > 0 and < 1)");
+  EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.no_coarse_zone = 3; }),
+            "results.no_coarse_zone = 3: out of range (allowed: > results.coarse_zone)");
   EXPECT_EQ(refusal<OutputOptions>([](OutputOptions& o) {
               o.path = {Vec3::Zero(), Vec3::Zero()};
             }),
@@ -152,6 +162,7 @@ TEST(Settings, ConstantsOfTheMethodArePrintedAsComments) {
   const auto constants = printed(SolverOptions().print(), true);
   EXPECT_EQ(constants.at("thin_kappa_factor"), "3");
   EXPECT_EQ(constants.count("kappa"), 0u);
+  EXPECT_EQ(printed(RecoveryOptions().print(), true).at("edge.sums_deficit"), "0.035");
 }
 
 }  // namespace

@@ -1,0 +1,44 @@
+/// Settings of what is said of a result: verdict, warnings, estimated errors.
+#pragma once
+
+#include "core/settings/settings.hpp"
+
+namespace cgcontact {
+
+struct ResultOptions {
+  // Constants of the method.
+
+  /// Cells across a zone below which neither its pressure nor the estimate of its error can be relied on, and those
+  /// that are recommended, five over half the width or the radius (docs/recovery.md, "Error figures").
+  double least_cells_across = 5, wanted_cells_across = 10;
+  /// Cells over the thickness of a body below which its bending is not resolved, 11 to 26 % too stiff at 1.5 cells, 6
+  /// to 12 % at two, and those that are recommended (docs/decisions.md, "Bodies thinner than their cells").
+  double least_thickness = 1.75, wanted_thickness = 3;
+  /// Part of the transmitted force by which the integral of the recovered pressure may be off without a word.
+  double lost_force = 0.15;
+  /// Strain whose terms of second order, which the theory leaves out, are some 5 % of those that it keeps.
+  double largest_strain = 0.05;
+  /// Of the body's longest side: contact is looked for where the bodies were before the deformation.
+  double largest_displacement = 0.1;
+  /// Of E: about the pressure under which a half-space is strained by 5 to 10 % (Johnson, Contact Mechanics, 4.2).
+  double largest_pressure = 0.1;
+
+  // Of the estimated error of the pressure (docs/recovery.md, "Error figures").
+
+  /// Width of the Gaussian of the local mean, the larger one of both bodies' cells there.
+  double mean_width = 1;
+  /// So near to an edge, such cells, the solution's zone of whole groups spoils the transmitted pressure.
+  double spoilt_at_edge = 1.5;
+  /// Where a zone ends inside the faces its ends lie at whole contact groups, and the force is up to that many times as
+  /// wrong as the square of the energy norm's error.
+  double edge_factor = 2;
+  /// The difference to plain SPR counts in full on zones of that many cells across and less, on wider ones less and
+  /// less.
+  double coarse_zone = 3, no_coarse_zone = 4;
+
+  std::vector<Setting> settings();
+  void check() const;
+  std::string print() const;
+};
+
+}  // namespace cgcontact
