@@ -124,14 +124,14 @@ TEST(EdgeMoments, OfAPlaneFaceEqualTheGeneralOnes) {
 /// little of the curvature. Other pairs and far places: no edge.
 TEST(FoundEdges, DrawTheCircleThatTheSamplesLieOn) {
   std::vector<EdgeSample> samples;
-  constexpr double radius = 10, width = 1;
+  constexpr double radius = 10;
   for (int i = 0; i < 126; ++i) {
     const double angle = 0.05 * i;
     const Vec3 out(std::cos(angle), std::sin(angle), 0);
     const Vec3 skew(std::cos(angle + 0.1 * (i % 3 - 1)), std::sin(angle + 0.1 * (i % 3 - 1)), 0);
-    samples.push_back({2, i, radius * out, -skew, i % 2 ? Vec3(0, 0, -1) : Vec3(0, 0, 1), 0, -0.5});
+    samples.push_back({2, i, radius * out, -skew, i % 2 ? Vec3(0, 0, -1) : Vec3(0, 0, 1), 0, -0.5, nullptr, 1});
   }
-  const FoundEdges edges(samples, width, 0.02);
+  const FoundEdges edges(samples);
   for (double angle : {0.3, 1.0, 2.2, 4.0})
     for (double r : {9.0, 10.0, 11.5}) {
       const Vec3 out(std::cos(angle), std::sin(angle), 0);
@@ -155,12 +155,12 @@ TEST(FoundEdges, KeepOppositeEdgesAndZonesApart) {
   const auto add = [&](double x, double closed, bool in_strip) {
     for (int i = 0; i < 3; ++i)
       samples.push_back({0, i, Vec3(x + 0.1 * (i - 1), 0.4 * i, 0), closed * Vec3::UnitX(), Vec3::UnitZ(), 1. / 3,
-                         -closed, nullptr, in_strip});
+                         -closed, nullptr, 1, in_strip});
   };
   add(0, 1, true);
   add(3, -1, true);
   add(20, 1, false);
-  const FoundEdges edges(samples, 1, 0.02);
+  const FoundEdges edges(samples);
   EdgePiece piece;
   ASSERT_TRUE(edges.near(0, Vec3(0.2, 0.4, 0), piece));
   EXPECT_NEAR(piece.origin[0], 0, 1e-3);
@@ -207,7 +207,7 @@ std::vector<TransmittedForce> pressed_face(double radius, double width, double a
       for (int q = 0; q < 9; ++q) {
         const double weight = gauss.weight[q % 3] * gauss.weight[q / 3];
         forces.push_back({0, 100 * j + i, 0, force > 0, place(gauss.node[q % 3], gauss.node[q / 3]), Vec3::UnitZ(),
-                          weight, 7 * force * weight, 7 * force * weight});
+                          weight, 7 * force * weight, 7 * force * weight, 1});
       }
     }
   return forces;

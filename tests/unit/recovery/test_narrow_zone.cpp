@@ -35,7 +35,7 @@ std::vector<TransmittedForce> forces_under(const Ellipse& zone, double h, const 
     for (int p = -cells * fine; p < cells * fine; ++p) {
       const Vec3 x(h * (p + 0.5) / fine, h * (q + 0.5) / fine, 0);
       const double s = zone.square(x), area = h * h / (fine * fine), force = s < 1 ? zone.top * profile(s) * area : 0;
-      forces.push_back({0, 0, 0, s < 1, x, Vec3::UnitZ(), area, force, force});
+      forces.push_back({0, 0, 0, s < 1, x, Vec3::UnitZ(), area, force, force, h});
     }
   return forces;
 }
