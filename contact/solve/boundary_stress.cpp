@@ -7,8 +7,7 @@ namespace {
 
 Subset nodes_of_cells(const BodyMesh& mesh, const std::vector<int>& cells) {
   std::vector<char> marked(mesh.num_nodes, 0);
-  for (int c : cells)
-    for (int node : mesh.cell_nodes[c]) marked[node - mesh.first_node] = 1;
+  for (int c : cells) mark_nodes(mesh, c, marked);
   return Subset(marked);
 }
 

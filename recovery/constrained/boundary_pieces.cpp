@@ -5,13 +5,14 @@
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/solid_middle.hpp"
+#include "recovery/patch/cells_in_box.hpp"
 
 namespace cgcontact {
 namespace {
 
 constexpr std::size_t grain = 256;
 
-/// Pieces smaller than this (standard deviation, cell units) get one constraint point along that direction: a
+/// Pieces smaller than this (standard deviation, cells of the patch) get one constraint point along that direction: a
 /// stretch of 0.1 cells, below which three points differ by less than the fit can tell.
 constexpr double min_spread = 0.1 / 3.4641016151377544;
 
@@ -111,7 +112,7 @@ void BoundaryPieces::join(Piece& whole, const Piece& part) {
 /// which depends continuously on the group (principal axes would not, for square pieces). Strips: two or three points
 /// on a line. The tangents point from the middle of the body to the patch: its mirror image has the mirror image of the
 /// points.
-void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surface& surface, int degree,
+void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surface& surface, int degree, double unit,
                                   ConstraintGroup& group) const {
   auto [t1, t2] = tangents(g.normal.normalized());
   for (Vec3* t : {&t1, &t2})
@@ -120,15 +121,15 @@ void BoundaryPieces::place_points(const Piece& g, const Vec3& patch, const Surfa
   covariance << t1.dot(g.second * t1), t1.dot(g.second * t2), t2.dot(g.second * t1), t2.dot(g.second * t2);
   covariance /= g.area;
   if (group.pair >= 0 && surface.kind == Surface::Kind::plane)
-    covariance += min_contact_spread * min_contact_spread * Eigen::Matrix2d::Identity();
+    covariance += min_contact_spread * min_contact_spread * unit * unit * Eigen::Matrix2d::Identity();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
   eigen.computeDirect(covariance);
   const Eigen::Vector2d spread = eigen.eigenvalues().cwiseMax(0).cwiseSqrt();
   Eigen::Vector2d offsets[6];
   int count = 0;
-  if (degree == 0 || spread[1] < min_spread) {
+  if (degree == 0 || spread[1] < min_spread * unit) {
     offsets[count++].setZero();
-  } else if (spread[0] < min_spread) {
+  } else if (spread[0] < min_spread * unit) {
     const Eigen::Vector2d along = spread[1] * eigen.eigenvectors().col(1);
     const double reach = degree == 1 ? 1 : std::sqrt(1.5);
     offsets[count++] = -reach * along;
@@ -194,7 +195,8 @@ void BoundaryPieces::join_small(std::vector<Piece>& wholes) {
   wholes.swap(kept);
 }
 
-void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const {
+void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups,
+                            double unit) const {
   static thread_local std::vector<Piece> wholes;
   wholes.clear();
   for (int c = 0; c < num_cells; ++c) {
@@ -213,16 +215,13 @@ void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::ve
   }
   join_small(wholes);
   Vec3 middle_of_patch = Vec3::Zero();  // not of the pieces: declared faces cut these
-  for (int c = 0; c < num_cells; ++c) {
-    const Index3& cell = cut_cells_.cells[cells[c]];
-    middle_of_patch += Vec3(cell[0] + 0.5, cell[1] + 0.5, cell[2] + 0.5) / num_cells;
-  }
+  for (int c = 0; c < num_cells; ++c) middle_of_patch += middle_of_cell(cut_cells_, cells[c]) / num_cells;
   groups.assign(wholes.size(), {});
   for (std::size_t i = 0; i < wholes.size(); ++i) {
     std::tie(groups[i].surface, groups[i].condition, groups[i].pair) = wholes[i].kind();
     groups[i].area = wholes[i].area;
     place_points(wholes[i], middle_of_patch, cut_cells_.solid.surfaces()[wholes[i].surface],
-                 wholes[i].is_rough ? std::min(degree, 1) : degree, groups[i]);
+                 wholes[i].is_rough ? std::min(degree, 1) : degree, unit, groups[i]);
   }
 }
 

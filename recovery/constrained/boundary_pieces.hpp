@@ -19,7 +19,7 @@ struct ConstraintGroup {
   int surface = -1;
   int condition = -1;
   int pair = -1;    ///< contact pair, -1 for a group with known traction
-  double area = 0;  ///< cell units squared
+  double area = 0;  ///< grid coordinates squared
   int num_points = 0;
   std::array<Vec3, 6> position;  ///< constraint points on the surface, grid coordinates
   std::array<Vec3, 6> normal;    ///< outward
@@ -31,9 +31,10 @@ class BoundaryPieces {
   BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
 
   /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair; points for polynomials
-  /// of the given degree (0: one point each). Of more than 12 pieces those with less than an eighth of the area are
-  /// joined by direction (60 degrees) into mean planes, whose `surface` is that of the largest piece.
-  void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups) const;
+  /// of the given degree (0: one point each), which a patch with cells of size `unit` can tell apart. Of more than 12
+  /// pieces those with less than an eighth of the area are joined by direction (60 degrees) into mean planes, whose
+  /// `surface` is that of the largest piece.
+  void groups(const int* cells, int num_cells, int degree, std::vector<ConstraintGroup>& groups, double unit = 1) const;
   std::vector<ConstraintGroup> groups(const int* cells, int num_cells, int degree = 1) const {
     std::vector<ConstraintGroup> found;
     groups(cells, num_cells, degree, found);
@@ -52,7 +53,7 @@ class BoundaryPieces {
   void add_cell(const BoundaryData& boundary, std::size_t begin, std::size_t end, std::vector<Piece>& pieces) const;
   static void join_small(std::vector<Piece>& wholes);
   static void join(Piece& whole, const Piece& part);
-  void place_points(const Piece& whole, const Vec3& patch, const Surface& surface, int degree,
+  void place_points(const Piece& whole, const Vec3& patch, const Surface& surface, int degree, double unit,
                     ConstraintGroup& group) const;
 
   const CutCells& cut_cells_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/parallel.hpp"
+#include "recovery/patch/cells_in_box.hpp"
 
 namespace cgcontact {
 namespace {
@@ -52,11 +53,10 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
     piece.high = piece.high.cwiseMax(link.position);
     lists.points.push_back({link.position, link.normal, link.distance, link.active});
     const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
-    const Vec3 inward = depth * (other.grid.rotation.transpose() * (rotation * link.normal));
+    const Vec3 inward =
+        depth * other.size(link.other_cell) * (other.grid.rotation.transpose() * (rotation * link.normal));
     for (const double part : depths) {
-      const Vec3 x = link.other_position + part * inward;
-      const int c = other.find(
-          {static_cast<int>(std::floor(x[0])), static_cast<int>(std::floor(x[1])), static_cast<int>(std::floor(x[2]))});
+      const int c = cell_at(other, link.other_position + part * inward);
       const bool repeated = static_cast<int>(lists.under.size()) > piece.first_under && lists.under.back() == c;
       if (c >= 0 && !repeated && integrals[link.other_body].hold(c)) lists.under.push_back(c);
     }

@@ -35,7 +35,8 @@ struct ListPart {
 /// Lists of pieces, points and cells below them, one after the other in the order of the cells.
 class ContactCells {
  public:
-  /// `integrals`: by body; cells below the points count down to `depth` (cells of the other body) if they are there.
+  /// `integrals`: by body; cells below the points count down to `depth` (cells of the other body at the point) if they
+  /// are there.
   ContactCells(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals, int index,
                double depth);
 

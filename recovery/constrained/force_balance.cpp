@@ -77,10 +77,18 @@ double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant
   return std::min(along, own) > same_face ? own / along : 1.0;
 }
 
-/// The pieces of the face of one pair by cell: products of the shape functions of the cell's nodes.
+/// The pieces of the face of one pair by cell: products of the shape functions of the cell's nodes. Those of
+/// constrained corners count to their masters.
 class PairFace {
  public:
   explicit PairFace(const BodyMesh& mesh) : mesh_(mesh), area_unit_(std::pow(mesh.cut_cells->grid.cell_size, 2)) {}
+
+  /// Numbers of nodes and their shape functions at a place.
+  struct Shapes {
+    std::vector<int> number;
+    std::vector<double> N;
+    std::size_t size() const { return number.size(); }
+  };
 
   int add_node(int node) {
     const auto [found, is_new] = number_.try_emplace(node, static_cast<int>(nodes.size()));
@@ -88,44 +96,50 @@ class PairFace {
     return found->second;
   }
 
-  /// Numbers and shape functions of the nodes of a cell at a place (grid coordinates).
-  void shapes(int cell, const Vec3& x, int number[8], double N[8]) {
+  /// Of a cell at a place (grid coordinates); good until the next call.
+  const Shapes& shapes(int cell, const Vec3& x) {
     const Vec3 xi = cell_coordinates(*mesh_.cut_cells, cell, x);
+    double N[8];
     hex_shape(xi.data(), N);
     if (cell != latest_cell_) {
       latest_cell_ = cell;
-      for (int a = 0; a < 8; ++a) latest_[a] = add_node(mesh_.cell_nodes[cell][a] - mesh_.first_node);
+      latest_.number.clear();
+      shares_.clear();
+      for (int a = 0; a < 8; ++a)
+        each_master(mesh_, mesh_.cell_nodes[cell][a] - mesh_.first_node, [&](int node, double weight) {
+          const int number = add_node(node);
+          const auto place = std::find(latest_.number.begin(), latest_.number.end(), number);
+          shares_.push_back({a, static_cast<int>(place - latest_.number.begin()), weight});
+          if (place == latest_.number.end()) latest_.number.push_back(number);
+        });
     }
-    std::copy_n(latest_, 8, number);
+    latest_.N.assign(latest_.size(), 0.0);
+    for (const Share& share : shares_) latest_.N[share.place] += share.weight * N[share.corner];
+    return latest_;
   }
 
   /// Points come cell by cell.
   void add_point(int cell, const Vec3& x, double weight, double pressure, double plain) {
-    int number[8];
-    double N[8];
-    shapes(cell, x, number, N);
-    if (cells_.empty() || cells_.back().cell != cell) {
-      cells_.push_back({});
-      cells_.back().cell = cell;
-      std::copy_n(number, 8, cells_.back().node);
-    }
+    const auto& [number, N] = shapes(cell, x);
+    const std::size_t size = number.size();
+    if (cells_.empty() || cells_.back().cell != cell)
+      cells_.push_back({cell, number, std::vector<double>(size * size)});
     resize();
     weight *= area_unit_;
-    for (int a = 0; a < 8; ++a) {
+    double* mass = cells_.back().mass.data();
+    for (std::size_t a = 0; a < size; ++a) {
       cell_size[number[a]] = std::max(cell_size[number[a]], mesh_.cut_cells->h(cell));
       area[number[a]] += weight * N[a];
       carried[number[a]] += weight * N[a] * pressure;
       carried_plain[number[a]] += weight * N[a] * plain;
-      for (int b = 0; b < 8; ++b) cells_.back().mass[a][b] += weight * N[a] * N[b];
+      for (std::size_t b = 0; b < size; ++b) mass[size * a + b] += weight * N[a] * N[b];
     }
   }
 
   void add_contact(int cell, const Vec3& x, double weight, double pressure) {
-    int number[8];
-    double N[8];
-    shapes(cell, x, number, N);
+    const auto& [number, N] = shapes(cell, x);
     resize();
-    for (int a = 0; a < 8; ++a) {
+    for (std::size_t a = 0; a < number.size(); ++a) {
       cell_size[number[a]] = std::max(cell_size[number[a]], mesh_.cut_cells->h(cell));
       covered[number[a]] += N[a] * weight;
       transmitted[number[a]] += N[a] * weight * pressure;
@@ -141,11 +155,13 @@ class PairFace {
 
   /// After the points: a contact point that the face has, with the size of the larger cell there, m.
   void add_size(int cell, double larger_cell) {
-    for (const int node : mesh_.cell_nodes[cell])
-      if (const auto found = number_.find(node - mesh_.first_node); found != number_.end()) {
+    for (const int corner : mesh_.cell_nodes[cell])
+      each_master(mesh_, corner - mesh_.first_node, [&](int node, double) {
+        const auto found = number_.find(node);
+        if (found == number_.end()) return;
         double& ratio = larger[found->second];
         ratio = std::max(ratio, larger_cell / mesh_.cut_cells->h(cell));
-      }
+      });
   }
 
   /// Nodes beside no contact point take the ratio from those around.
@@ -154,10 +170,10 @@ class PairFace {
       any = false;
       std::vector<double> next = larger;
       for (const CellFace& c : cells_)
-        for (int a = 0; a < 8; ++a)
-          for (int b = 0; b < 8; ++b)
-            if (larger[c.node[a]] == 0 && larger[c.node[b]] > next[c.node[a]]) {
-              next[c.node[a]] = larger[c.node[b]];
+        for (const int a : c.node)
+          for (const int b : c.node)
+            if (larger[a] == 0 && larger[b] > next[a]) {
+              next[a] = larger[b];
               any = true;
             }
       larger.swap(next);
@@ -241,26 +257,33 @@ class PairFace {
 
  private:
   struct CellFace {
-    int cell = -1;
-    int node[8];
-    double mass[8][8] = {};
+    int cell;
+    std::vector<int> node;
+    std::vector<double> mass;  ///< of each node with each
+  };
+  /// Of a corner's shape function, what counts to a node of `latest_`.
+  struct Share {
+    int corner, place;
+    double weight;
   };
 
   /// use(m, n, integral of N_m N_n over a cell) for all marked m, n.
   template <class Use>
   void each_product(const std::vector<char>& marked, const Use& use) const {
     for (const CellFace& c : cells_)
-      for (int b = 0; b < 8; ++b) {
+      for (std::size_t b = 0; b < c.node.size(); ++b) {
         if (!marked[c.node[b]]) continue;
-        for (int a = 0; a < 8; ++a)
-          if (marked[c.node[a]]) use(c.node[a], c.node[b], c.mass[a][b]);
+        for (std::size_t a = 0; a < c.node.size(); ++a)
+          if (marked[c.node[a]]) use(c.node[a], c.node[b], c.mass[c.node.size() * a + b]);
       }
   }
 
   const BodyMesh& mesh_;
   double area_unit_;
   std::map<int, int> number_;
-  int latest_cell_ = -1, latest_[8];  ///< points mostly come cell by cell
+  int latest_cell_ = -1;  ///< points mostly come cell by cell
+  Shapes latest_;
+  std::vector<Share> shares_;
   std::vector<CellFace> cells_;
 };
 
@@ -328,12 +351,10 @@ std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, co
   std::vector<Eigen::Matrix<double, 6, 6>> products(face.nodes.size(), Eigen::Matrix<double, 6, 6>::Zero());
   std::vector<Vec6> stress(face.nodes.size(), Vec6::Zero());
   for (const int p : points) {
-    int number[8];
-    double N[8];
-    face.shapes(cc.boundary.cell[p], cc.boundary.position[p], number, N);
+    const auto& [number, N] = face.shapes(cc.boundary.cell[p], cc.boundary.position[p]);
     Vec6 scaled = normal_weights(cc.boundary.normal[p]);
     scaled.tail<3>() /= std::sqrt(2.0);  // the norm of a stress counts its shear components twice
-    for (int a = 0; a < 8; ++a) {
+    for (std::size_t a = 0; a < number.size(); ++a) {
       if (added[number[a]] == 0) continue;
       const double weight = std::abs(N[a]) * cc.boundary.weight[p];
       products[number[a]] += weight * scaled * scaled.transpose();
@@ -451,8 +472,8 @@ std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::s
     for (std::size_t n = 0; n < defect.size(); ++n) defect[n] = face.transmitted[n] - face.carried[n];
     face.smooth(std::vector<char>(defect.size(), 1), face.passes_of_mean(mean_width), defect);
     for (std::size_t n = 0; n < defect.size(); ++n) {
-      const Index3& node = mesh.nodes[face.nodes[n]];
-      const int zone = edges.zone(pair.number, mesh.cut_cells->grid.to_global(Vec3(node[0], node[1], node[2])));
+      const Vec3 x = mesh.node_position(face.nodes[n]);
+      const int zone = edges.zone(pair.number, mesh.cut_cells->grid.to_global(x));
       if (zone < 0) continue;
       missed[zone] += std::abs(defect[n]);
       force[zone] += std::abs(face.transmitted[n]);

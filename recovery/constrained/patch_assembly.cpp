@@ -10,8 +10,8 @@ namespace {
 /// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
 
-/// Contact points are equally far from a place if they are so up to this (cell units squared): of those the one with
-/// the smallest gap counts, whatever the rounding and their order.
+/// Contact points are equally far from a place if they are so up to this (squared, cells of the patch): of those the
+/// one with the smallest gap counts, whatever the rounding and their order.
 constexpr double same_distance = 1e-9;
 
 /// Unit directions orthogonal to all held ones: those in which the traction at a point with normal n is known.
@@ -64,7 +64,7 @@ bool is_on_face_of(const ContactEdge& edge, const ConstraintGroup& group) {
 /// The row holds for the whole stress: what the term of the edge contributes goes to the right-hand side.
 void subtract_term_of_row(const ContactEdge& edge, double factor, const PatchFit& own, PatchRow& row) {
   double s[6];
-  edge.stress(own.centre + Vec3(row.place[0]), s);
+  edge.stress(own.centre + own.unit * Vec3(row.place[0]), s);
   for (int k = 0; k < 6; ++k) row.value -= factor * row.weight[0][k] * s[k];
 }
 
@@ -89,25 +89,25 @@ PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std:
       pieces_(*body_.mesh->cut_cells, *body_.boundary),
       contact_(bodies, integrals, index, options.auxiliary_depth) {}
 
-Vec3 PatchAssembly::divergence(const RecoveryBody& body, const Vec3& centre) const {
+Vec3 PatchAssembly::divergence(const RecoveryBody& body, const Vec3& centre, double unit) const {
   if (!body.boundary->body_force_at) return Vec3::Zero();
   const Grid& grid = body.mesh->cut_cells->grid;
-  return -grid.cell_size / scales_.stress *
+  return -unit * grid.cell_size / scales_.stress *
          (grid.rotation.transpose() * body.boundary->body_force_at(grid.to_global(centre)));
 }
 
-/// Centred differences over one cell: exact for forces up to degree 2.
+/// Centred differences over one unit: exact for forces up to degree 2.
 void PatchAssembly::interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const {
   double f[3], df[3][3] = {};
-  const Vec3 force = -divergence(body, fit.centre);
+  const Vec3 force = -divergence(body, fit.centre, fit.unit);
   for (int i = 0; i < 3; ++i) f[i] = force[i];
   if (fit.degree == 1) {
     Polynomial<1>::interior_values(f, df, 0, values);
     return;
   }
   for (int k = 0; k < 3 && body.boundary->body_force_at; ++k) {
-    const Vec3 half = 0.5 * Vec3::Unit(k);
-    const Vec3 change = divergence(body, fit.centre - half) - divergence(body, fit.centre + half);
+    const Vec3 half = 0.5 * fit.unit * Vec3::Unit(k);
+    const Vec3 change = divergence(body, fit.centre - half, fit.unit) - divergence(body, fit.centre + half, fit.unit);
     for (int i = 0; i < 3; ++i) df[i][k] = change[i];
   }
   Polynomial<2>::interior_values(f, df, body.mesh->poisson_ratio(), values);
@@ -121,18 +121,18 @@ void PatchAssembly::pair_states(int node, std::vector<PairState>& states) const 
     auto state = std::lower_bound(states.begin(), states.end(), piece.pair,
                                   [](const PairState& s, int pair) { return s.pair < pair; });
     if (state == states.end() || state->pair != piece.pair)
-      state = states.insert(state, PairState{piece.pair, piece.other_body, 0, 0});
+      state = states.insert(state, PairState{piece.pair, piece.other_body});
     state->area += piece.area;
     state->closed_area += piece.closed_area;
   });
 }
 
 /// Equation 5 in the directions that no support holds.
-void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Vec3& centre,
+void PatchAssembly::add_known_traction(const ConstraintGroup& group, const PatchFit& own,
                                        std::vector<PatchRow>& rows) const {
   const TractionCondition& condition = body_.boundary->conditions[group.condition];
   for (int p = 0; p < group.num_points; ++p) {
-    const Vec3 d = group.position[p] - centre, n = group.normal[p];
+    const Vec3 d = own.place(group.position[p]), n = group.normal[p];
     Vec3 t = Vec3::Zero(), directions[3];
     if (condition.traction)
       t = grid_.rotation.transpose() * condition.traction(grid_.to_global(group.position[p]), grid_.rotation * n) /
@@ -142,11 +142,11 @@ void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Vec3&
   }
 }
 
-void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const Vec3& centre,
+void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const PatchFit& own,
                                    std::vector<PatchRow>& rows) const {
   for (int p = 0; p < group.num_points; ++p) {
     const auto [t1, t2] = tangents(group.normal[p]);
-    for (const Vec3& t : {t1, t2}) add_traction_row(rows, 0, group.position[p] - centre, group.normal[p], t);
+    for (const Vec3& t : {t1, t2}) add_traction_row(rows, 0, own.place(group.position[p]), group.normal[p], t);
   }
 }
 
@@ -156,8 +156,9 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
                                 const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const {
   const bool free = mode == ContactMode::open || mode == ContactMode::edge;
   const PatchSet& patches = *body_.patches;
+  const double alike = same_distance * own.unit * own.unit;
   for (int p = 0; p < group.num_points; ++p) {
-    const Vec3 x = group.position[p], n = group.normal[p], d = x - own.centre;
+    const Vec3 x = group.position[p], n = group.normal[p], d = own.place(x);
     const auto [t1, t2] = tangents(n);
     add_traction_row(rows, 0, d, n, t1);
     add_traction_row(rows, 0, d, n, t2);
@@ -167,12 +168,12 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
     double least = 0;
     const int begin = patches.begin[node], num_cells = patches.begin[node + 1] - begin;
     contact_.each(&patches.cells[begin], num_cells, state->pair, [&](const ContactPiece& piece) {
-      if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + same_distance) return;
+      if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + alike) return;
       for (const PatchContactPoint& point : contact_.points(piece)) {
         const double distance = (point.position - x).squaredNorm();
-        if (nearest && distance > least + same_distance) continue;
+        if (nearest && distance > least + alike) continue;
         if (point.normal.dot(n) < same_face) continue;
-        if (nearest && distance > least - same_distance && point.distance >= nearest->distance) continue;
+        if (nearest && distance > least - alike && point.distance >= nearest->distance) continue;
         nearest = &point, least = distance;
       }
     });
@@ -180,7 +181,7 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
     const Grid& other_grid = bodies_[state->other_body].mesh->cut_cells->grid;
     const Mat3 to_other = other_grid.rotation.transpose() * grid_.rotation;
     const Vec3 y = other_grid.to_grid(grid_.to_global(x) + nearest->distance * (grid_.rotation * n));
-    const Vec3 e = y - auxiliary->centre, m = to_other * n;
+    const Vec3 e = auxiliary->place(y), m = to_other * n;
     add_traction_row(rows, 1, e, m, to_other * t1);
     add_traction_row(rows, 1, e, m, to_other * t2);
     if (free)
@@ -253,9 +254,10 @@ PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, c
   if (most <= 0) return ContactMode::open;
   if (least > options_.edge.term_reach || problem.has_edge) return least > 0 ? ContactMode::closed : plain;
   problem.has_edge = true;
-  problem.edge[0] = seen_from(body_, x, n, piece, grid_.cell_size);
-  problem.edge[1] = seen_from(bodies_[state.other_body], other_grid.to_global(opposite), -n, piece, grid_.cell_size);
-  problem.factor = piece.factor * std::sqrt(grid_.cell_size);
+  const double h = problem.fit[0].unit * grid_.cell_size;
+  problem.edge[0] = seen_from(body_, x, n, piece, h);
+  problem.edge[1] = seen_from(bodies_[state.other_body], other_grid.to_global(opposite), -n, piece, h);
+  problem.factor = piece.factor * std::sqrt(h);
   return least > 0 ? ContactMode::closed : ContactMode::edge;
 }
 
@@ -289,7 +291,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   interior_values(body_, own, problem.interior[0].data());
   std::vector<ConstraintGroup>& groups = workspace.groups;
   const int points = options_.points_per_face;
-  pieces_.groups(cells, num_cells, points == 0 ? degree : points == 1 ? 0 : points == 3 ? 1 : 2, groups);
+  pieces_.groups(cells, num_cells, points == 0 ? degree : points == 1 ? 0 : points == 3 ? 1 : 2, groups, own.unit);
   pair_states(node, workspace.states);
 
   // How each pair stands, and where its edge is.
@@ -371,9 +373,9 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     if (is_open && !is_loaded) {
       add_contact(group, node, own, nullptr, state, mode, rows);
     } else if (!is_open && (group.pair >= 0 || closed_part > options_.closed_fraction * (closed_part + group.area))) {
-      add_zero_shear(group, own.centre, rows);
+      add_zero_shear(group, own, rows);
     } else {
-      add_known_traction(group, own.centre, rows);
+      add_known_traction(group, own, rows);
       set_kind(condition.normal_held    ? PatchKind::symmetry
                : condition.is_support() ? PatchKind::support
                : condition.traction     ? PatchKind::loaded

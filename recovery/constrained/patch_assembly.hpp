@@ -82,8 +82,8 @@ class PatchAssembly {
                 const std::vector<std::vector<PatchPolynomial>>& polynomials, int index, const Scales& scales,
                 const RecoveryOptions& options);
 
-  /// What div sigma must be at a place (grid coordinates of a body), per cell unit.
-  Vec3 divergence(const RecoveryBody& body, const Vec3& centre) const;
+  /// What div sigma must be at a place, per `unit` of length (both in grid coordinates of a body).
+  Vec3 divergence(const RecoveryBody& body, const Vec3& centre, double unit) const;
 
   /// The patch of a node into a new `problem`, its rows appended to `rows`. `edges` may be null: edges are then not
   /// looked for.
@@ -111,8 +111,8 @@ class PatchAssembly {
   void own_fit(int node, int degree, const std::vector<int>& cells, PatchFit& fit) const;
   void auxiliary_fit(int node, const PairState& state, PatchPolynomial polynomial, PatchWorkspace& workspace,
                      PatchFit& fit) const;
-  void add_known_traction(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
-  void add_zero_shear(const ConstraintGroup& group, const Vec3& centre, std::vector<PatchRow>& rows) const;
+  void add_known_traction(const ConstraintGroup& group, const PatchFit& own, std::vector<PatchRow>& rows) const;
+  void add_zero_shear(const ConstraintGroup& group, const PatchFit& own, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
                    const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const;
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "recovery/constrained/patch_assembly.hpp"
+#include "recovery/patch/cells_in_box.hpp"
 
 namespace cgcontact {
 namespace {
@@ -48,6 +49,17 @@ void fit_polynomial(const CellSums& sums, PatchFit& fit) {
 void add_rings(const StressIntegrals& integrals, const CutCells& cc, int reach, std::vector<char>& box,
                std::vector<int>& cells) {
   if (cells.empty()) return;
+  if (!cc.parts.empty()) {
+    const std::vector<int> inner = cells;
+    for (int c : inner) {
+      const Vec3 low = cc.corner(c), width = Vec3::Constant(reach * cc.size(c));
+      each_cell_within(cc, low - width, low + Vec3::Constant(cc.size(c)) + width, [&](int cell) {
+        if (integrals.hold(cell)) cells.push_back(cell);
+      });
+    }
+    sort_unique(cells);
+    return;
+  }
   Index3 low = cc.cells[cells.front()], size;
   Index3 high = low;
   for (int c : cells)
@@ -85,6 +97,12 @@ void fit_cells(const RecoveryBody& body, int n, PatchPolynomial polynomial, std:
   cells.clear();
   if (rings > 1) {
     const CutCells& cc = *body.mesh->cut_cells;
+    if (!cc.parts.empty()) {
+      const Vec3 centre = body.mesh->node_position(n), width = Vec3::Constant(rings * unit_of(*body.mesh, n));
+      each_cell_within(cc, centre - width, centre + width, [&](int cell) { cells.push_back(cell); });
+      cells.insert(cells.end(), first, last);
+      return sort_unique(cells);
+    }
     const Index3& node = body.mesh->nodes[n];
     for (int k = -rings; k < rings; ++k)
       for (int j = -rings; j < rings; ++j)
@@ -101,9 +119,9 @@ void fit_cells(const RecoveryBody& body, int n, PatchPolynomial polynomial, std:
 StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<PatchPolynomial>& polynomials,
                                  const CellStress& stress, const RecoveryOptions& options) {
   const CutCells& cc = *body.mesh->cut_cells;
-  std::vector<Index3> closed;
+  std::vector<int> closed;
   for (const ContactLink& link : body.boundary->links)
-    if (link.active && (closed.empty() || closed.back() != cc.cells[link.cell])) closed.push_back(cc.cells[link.cell]);
+    if (link.active && (closed.empty() || closed.back() != link.cell)) closed.push_back(link.cell);
   std::vector<char> marked(cc.cells.size(), 0);
   std::vector<int> cells;
   int rings = 2;
@@ -113,7 +131,7 @@ StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<Pat
     fit_cells(body, n, polynomials[n], cells);
     for (int c : cells) marked[c] = 1;
   }
-  mark_around(cc, std::move(closed), static_cast<int>(std::ceil(options.auxiliary_depth)) + rings, marked);
+  mark_around(cc, closed, static_cast<int>(std::ceil(options.auxiliary_depth)) + rings, marked);
   return integrate_stress(*body.mesh, stress, Subset(marked));
 }
 
@@ -133,16 +151,17 @@ double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, cons
 }
 
 void PatchAssembly::own_fit(int n, int degree, const std::vector<int>& cells, PatchFit& fit) const {
-  const Index3& node = body_.mesh->nodes[n];
-  fit.centre = Vec3(node[0], node[1], node[2]);
+  fit.centre = body_.mesh->node_position(n);
+  fit.unit = unit_of(*body_.mesh, n);
   if (degree == 2) {
-    fit_polynomial<2>(
-        sum_cells(*body_.mesh, integrals_[index_], cells.data(), static_cast<int>(cells.size()), fit.centre.data()),
-        fit);
+    fit_polynomial<2>(sum_cells(*body_.mesh, integrals_[index_], cells.data(), static_cast<int>(cells.size()),
+                                fit.centre.data(), fit.unit),
+                      fit);
     return;
   }
   double m[num_terms][num_terms];
-  gather_mass(arrays_, cells.data(), static_cast<int>(cells.size()), fit.centre.data(), m);
+  const Vec3 centre = fit.centre / fit.unit;
+  gather_mass(arrays_, cells.data(), static_cast<int>(cells.size()), centre.data(), m, level_of(*body_.mesh, n));
   fit.mass = Eigen::Map<const Eigen::Matrix<double, num_terms, num_terms>>(m[0]);
   fit.a = Eigen::Map<const Eigen::Matrix<double, 6 * num_terms, 1>>(body_.field.at(n));
   fit.regular = cholesky(m);
@@ -167,11 +186,15 @@ void PatchAssembly::auxiliary_fit(int node, const PairState& state, PatchPolynom
   });
   sort_unique(cells);
   if (polynomial.rings > 1) add_rings(integrals, cc, polynomial.rings - 1, workspace.box, cells);
-  double volume = 0;
-  for (int c : cells) volume += cc.volume_fraction(c);
+  double volume = 0, largest = 0;
+  for (int c : cells) {
+    volume += cc.volume_fraction(c);
+    largest = std::max(largest, cc.size(c));
+  }
   if (volume < options_.least_auxiliary_volume) return;
+  fit.unit = largest;
   const CellSums sums =
-      sum_cells(*other.mesh, integrals, cells.data(), static_cast<int>(cells.size()), fit.centre.data());
+      sum_cells(*other.mesh, integrals, cells.data(), static_cast<int>(cells.size()), fit.centre.data(), fit.unit);
   if (polynomial.degree == 1)
     fit_polynomial<1>(sums, fit);
   else

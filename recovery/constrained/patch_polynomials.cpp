@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "core/cells/cells_around.hpp"
 #include "core/geometry/solid_middle.hpp"
 #include "recovery/constrained/patch_assembly.hpp"
 
@@ -15,19 +16,41 @@ constexpr std::size_t grain = 64;
 /// averages out over as large a patch as a polynomial follows.
 constexpr int most_rings = 4;
 int rings_of_thickness(int cells) { return (cells + 2) / 4; }
+/// Is it active, or one of those it is divided into?
+bool holds_active(const CutCells& cc, const CellPlace& c) {
+  if (cc.find(c.level, c.cell) >= 0) return true;
+  if (!cc.tree) return false;
+  const Index3 end = cells_of_level(cc.grid.num_cells, c.level);
+  for (int d = 0; d < 3; ++d)
+    if (c.cell[d] < 0 || c.cell[d] >= end[d]) return false;
+  if (!cc.tree->is_refined(c.level, c.cell)) return false;
+  for (int a = 0; a < 8; ++a) {
+    const Index3 part{2 * c.cell[0] + (a & 1), 2 * c.cell[1] + (a >> 1 & 1), 2 * c.cell[2] + (a >> 2)};
+    if (holds_active(cc, {c.level + 1, part})) return true;
+  }
+  return false;
+}
+
+/// Are there active cells at the place of a cell, whatever their size?
+bool is_occupied(const CutCells& cc, const CellPlace& c) {
+  for (int up = 1; up <= c.level; ++up)
+    if (cc.find(c.level - up, {c.cell[0] >> up, c.cell[1] >> up, c.cell[2] >> up}) >= 0) return true;
+  return holds_active(cc, c);
+}
+
 /// Cells of a body from the given one on along an axis of its grid, without that one; at most `limit`.
-int cells_beyond(const CutCells& cc, Index3 c, int axis, int side, int limit) {
+int cells_beyond(const CutCells& cc, CellPlace c, int axis, int side, int limit) {
   int count = 0;
   while (count < limit) {
-    c[axis] += side;
-    if (cc.find(c) < 0) break;
+    c.cell[axis] += side;
+    if (!is_occupied(cc, c)) break;
     ++count;
   }
   return count;
 }
 
 /// In that direction of the grid that has the fewest; at most what most_rings need.
-int least_cells(const CutCells& cc, const Index3& c) {
+int least_cells(const CutCells& cc, const CellPlace& c) {
   int least = 4 * most_rings;
   for (int axis = 0; axis < 3; ++axis) {
     const int before = cells_beyond(cc, c, axis, -1, least);
@@ -48,17 +71,17 @@ struct CellsAcross {
   }
 };
 
-/// The fullest of the cells beside the given one; of equals the nearest one, of those the one towards the middle of the
-/// body, in its mirror image as well.
+/// The fullest of the cells of its size beside the given one; of equals the nearest one, of those the one towards the
+/// middle of the body, in its mirror image as well.
 int fullest_beside(const CutCells& cc, int cell, const Vec3& middle) {
   const Index3& c = cc.cells[cell];
   int fullest = cell;
   double best = -1;
   for (int n = 0; n < 27; ++n) {
     const Vec3 step(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1);
-    const int near = cc.find({c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1});
+    const int near = cc.find(cc.level(cell), {c[0] + n % 3 - 1, c[1] + n / 3 % 3 - 1, c[2] + n / 9 - 1});
     if (near < 0) continue;
-    const double away = (Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5) + step - middle).norm();
+    const double away = (Vec3(c[0] + 0.5, c[1] + 0.5, c[2] + 0.5) + step - middle / cc.size(cell)).norm();
     const double score = cc.volume_fraction(near) - 1e-3 * step.norm() - 1e-6 * away;
     if (score > best + 1e-12) best = score, fullest = near;
   }
@@ -67,13 +90,13 @@ int fullest_beside(const CutCells& cc, int cell, const Vec3& middle) {
 
 /// Seen from the fullest cell beside the given one; outward: the normal, in grid axes.
 CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward, const Vec3& middle) {
-  Index3 c = cc.cells[fullest_beside(cc, cell, middle)];
+  CellPlace c{cc.level(cell), cc.cells[fullest_beside(cc, cell, middle)]};
   CellsAcross across;
   across.at_face = static_cast<char>(least_cells(cc, c));
   int axis = 0;
   outward.cwiseAbs().maxCoeff(&axis);
   const int inward = outward[axis] > 0 ? -1 : 1;
-  c[axis] += inward * (cells_beyond(cc, c, axis, inward, 2 * most_rings) / 2);
+  c.cell[axis] += inward * (cells_beyond(cc, c, axis, inward, 2 * most_rings) / 2);
   across.below = static_cast<char>(least_cells(cc, c));
   return across;
 }
@@ -99,8 +122,7 @@ CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const 
 /// In a zone with edges their distance counts, in one without the thickness of the bodies.
 int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, int across, const EdgeOptions& options) {
   const Grid& grid = body.mesh->cut_cells->grid;
-  const Index3& at = body.mesh->nodes[node];
-  const Vec3 x = grid.to_global(Vec3(at[0], at[1], at[2]));
+  const Vec3 x = grid.to_global(body.mesh->node_position(node));
   const PatchSet& patches = *body.patches;
   int pair = -1;
   bool has_edges = false;

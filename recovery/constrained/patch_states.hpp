@@ -10,11 +10,13 @@
 
 namespace cgcontact {
 
-/// Kind and status of every node's patch of one body.
+/// Kind and status of every node's patch of one body; of a constrained node those of its masters, the last in the
+/// lists.
 struct PatchStates {
   std::vector<PatchKind> kind;
   std::vector<PatchStatus> status;
-  std::vector<std::pair<int, int>> pressed;     ///< nodes and the pairs that their patches carry pressure of; ascending
+  std::vector<std::pair<int, int>>
+      pressed;  ///< free nodes and the pairs that their patches carry pressure of; ascending
   std::vector<std::pair<int, int>> open_sides;  ///< nodes of these and the surfaces that are open there all the same
 
   bool is_pressed(int node, int pair) const {
@@ -22,12 +24,13 @@ struct PatchStates {
   }
   /// Whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are open.
   bool presses(const BodyMesh& mesh, int cell, int pair, int surface) const {
-    for (const int corner : mesh.cell_nodes[cell]) {
-      const int node = corner - mesh.first_node;
-      if (is_pressed(node, pair) && !std::binary_search(open_sides.begin(), open_sides.end(), std::pair(node, surface)))
-        return true;
-    }
-    return false;
+    bool found = false;
+    for (const int corner : mesh.cell_nodes[cell])
+      each_master(mesh, corner - mesh.first_node, [&](int node, double) {
+        found = found || (is_pressed(node, pair) &&
+                          !std::binary_search(open_sides.begin(), open_sides.end(), std::pair(node, surface)));
+      });
+    return found;
   }
 };
 

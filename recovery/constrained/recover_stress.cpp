@@ -36,8 +36,8 @@ std::vector<int> recover_interior(const PatchAssembly& assembly, const RecoveryO
       divergence = decltype(divergence)("cgcontact::recover_stress::divergence", num_nodes);
       parallel_for("cgcontact::recover_stress::divergence", num_nodes, interior_grain, [&](std::size_t n) {
         if (!body.patches->full[n]) return;
-        const Index3& node = body.mesh->nodes[n];
-        const Vec3 value = assembly.divergence(body, Vec3(node[0], node[1], node[2]));
+        const int node = static_cast<int>(n);
+        const Vec3 value = assembly.divergence(body, body.mesh->node_position(node), unit_of(*body.mesh, node));
         for (int i = 0; i < 3; ++i) divergence(n, i) = value[i];
       });
     }
@@ -49,7 +49,7 @@ std::vector<int> recover_interior(const PatchAssembly& assembly, const RecoveryO
   }
   std::vector<int> others;
   for (std::size_t n = 0; n < num_nodes; ++n)
-    if (!interior[n]) others.push_back(static_cast<int>(n));
+    if (!interior[n] && body.mesh->is_free(static_cast<int>(n))) others.push_back(static_cast<int>(n));
   return others;
 }
 
@@ -252,6 +252,16 @@ void store(const PatchProblem& problem, const RecoveryBody& body, PatchStates& s
   ++recovery.counts.quadratic;
 }
 
+/// Constrained nodes take over what their masters have.
+void set_constrained_nodes(const RecoveryBody& body, PatchStates& states, QuadraticTerms& quadratic) {
+  set_constrained_nodes(*body.mesh, body.field, &quadratic);
+  for (std::size_t n = 0; n < states.kind.size(); ++n)
+    each_master(*body.mesh, static_cast<int>(n), [&](int master, double) {
+      states.kind[n] = std::max(states.kind[n], states.kind[master]);
+      states.status[n] = std::max(states.status[n], states.status[master]);
+    });
+}
+
 /// The patches of all bodies one by one, before the forces are balanced.
 ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, const HostVector& u, const Scales& scales,
                                     const RecoveryOptions& options, const EdgeMap* edges) {
@@ -283,6 +293,7 @@ ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, con
       for (const PatchProblem& problem : batch.problems())
         store(problem, bodies[b], states, recovery, terms, quadratic_terms);
     }
+    set_constrained_nodes(bodies[b], states, quadratic_terms);
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));
     recovery.quadratic.push_back(std::move(quadratic_terms));
@@ -332,7 +343,9 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     PatchStates& states = recovery.states[b];
     balance_forces(bodies, b, field_of(bodies[b], recovery, b), plain[b], scales, options.balance, states);
+    set_constrained_nodes(bodies[b], states, recovery.quadratic[b]);
     for (std::size_t n = 0; n < states.kind.size(); ++n) {
+      if (!bodies[b].mesh->is_free(static_cast<int>(n))) continue;
       ++recovery.counts.kinds[static_cast<int>(states.kind[n])];
       ++recovery.counts.statuses[static_cast<int>(states.status[n])];
     }

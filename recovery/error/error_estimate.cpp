@@ -85,9 +85,9 @@ struct CellStresses {
   }
 
   void add_edge(const Tables& tables, const BodyMesh& mesh, int cell, const RecoveredField& field) {
-    const auto at_corner = [&](int a) { return field.edge->of_node(mesh.cell_nodes[cell][a] - mesh.first_node); };
     bool any = false;
-    for (int a = 0; a < 8; ++a) any = any || at_corner(a);
+    for (int corner : mesh.cell_nodes[cell])
+      each_master(mesh, corner - mesh.first_node, [&](int node, double) { any = any || field.edge->of_node(node); });
     if (!any) return;
     for (int q = 0; q < Tables::num_points; ++q) {
       double N[8], s[6] = {};

@@ -34,6 +34,7 @@ PatchArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const PatchSet&
           view_of<decltype(Arrays::factor_of_patch)>(patches.factor_of_patch),
           rows_of<decltype(Arrays::factors)>(patches.factors),
           view_of<decltype(Arrays::levels)>(cc.levels),
+          view_of<decltype(Arrays::node_levels)>(mesh.node_levels),
           mesh.law,
           mesh.modulus / mesh.h_of_level(0)};
 }

@@ -29,10 +29,21 @@ struct PatchArrays {
   Array<const int*> begin, patch_cells;
   Array<const char*> full;
   Array<const int*> factor_of_patch;
-  Array<const double* [10]> factors;  ///< PatchSet::factors
-  Array<const signed char*> levels;   ///< of the cells; empty: 0
+  Array<const double* [10]> factors;      ///< PatchSet::factors
+  Array<const signed char*> levels;       ///< of the cells; empty: 0
+  Array<const signed char*> node_levels;  ///< of the nodes; empty: 0
   UnitElasticity law;
   double coarse_stress_factor = 1;  ///< on level 0
+
+  bool KOKKOS_FORCEINLINE_FUNCTION has_levels() const { return levels.extent(0) != 0; }
+  /// Level whose cells are the unit of a node's polynomial.
+  KOKKOS_FORCEINLINE_FUNCTION int level_of(int node) const { return has_levels() ? node_levels(node) : 0; }
+  /// Size of a cell in units of those of a level.
+  KOKKOS_FORCEINLINE_FUNCTION double size_of(int cell, int level) const {
+    if (!has_levels()) return 1;
+    const int finer = levels(cell) - level;
+    return finer >= 0 ? 1.0 / (1 << finer) : 1 << -finer;
+  }
 
   /// BodyMesh::stress_factor.
   KOKKOS_FORCEINLINE_FUNCTION double stress_factor(int cell) const {
@@ -48,10 +59,10 @@ PatchArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const PatchSet&
 template <class Memory>
 PatchArrays<Memory> arrays_in(const PatchArrays<Kokkos::HostSpace>& host) {
   const auto copy = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Memory(), view); };
-  return {copy(host.cell_nodes),      copy(host.cells),   copy(host.nodes),       copy(host.cut_of_cell),
-          copy(host.moments),         copy(host.begin),   copy(host.patch_cells), copy(host.full),
-          copy(host.factor_of_patch), copy(host.factors), copy(host.levels),      host.law,
-          host.coarse_stress_factor};
+  return {
+      copy(host.cell_nodes), copy(host.cells),       copy(host.nodes), copy(host.cut_of_cell),     copy(host.moments),
+      copy(host.begin),      copy(host.patch_cells), copy(host.full),  copy(host.factor_of_patch), copy(host.factors),
+      copy(host.levels),     copy(host.node_levels), host.law,         host.coarse_stress_factor};
 }
 template <class Memory>
 SubsetArrays<Memory> arrays_in(const SubsetArrays<Kokkos::HostSpace>& host) {
@@ -59,16 +70,22 @@ SubsetArrays<Memory> arrays_in(const SubsetArrays<Kokkos::HostSpace>& host) {
           Kokkos::create_mirror_view_and_copy(Memory(), host.rows), host.size};
 }
 
-/// Mass matrix m of some cells about a centre (grid coordinates).
+/// Mass matrix m of some cells about a centre, lengths in cells of a level: mean over the cells' own volumes.
 template <class Memory>
 KOKKOS_INLINE_FUNCTION void gather_mass(const PatchArrays<Memory>& body, const int* cells, int num_cells,
-                                        const double centre[3], double m[num_terms][num_terms]) {
+                                        const double centre[3], double m[num_terms][num_terms], int level = 0) {
   for (int i = 0; i < num_terms; ++i)
     for (int j = 0; j < num_terms; ++j) m[i][j] = 0;
   for (int c = 0; c < num_cells; ++c) {
     const double* mass = &body.moments(1 + body.cut_of_cell(cells[c]), 0);
+    const double size = body.size_of(cells[c], level);
+    double scaled[10];
+    if (size != 1) {
+      for (int q = 0; q < 10; ++q) scaled[q] = mass[q] * (q == 0 ? 1 : q < 4 ? size : size * size);
+      mass = scaled;
+    }
     double d[3];  // centre of the cell relative to the patch's
-    for (int i = 0; i < 3; ++i) d[i] = body.cells(cells[c], i) + 0.5 - centre[i];
+    for (int i = 0; i < 3; ++i) d[i] = size * (body.cells(cells[c], i) + 0.5) - centre[i];
     const double v = mass[0], first[3] = {mass[1], mass[2], mass[3]};
     const double second[3][3] = {{mass[4], mass[7], mass[9]}, {mass[7], mass[5], mass[8]}, {mass[9], mass[8], mass[6]}};
     m[0][0] += v;

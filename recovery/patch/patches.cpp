@@ -1,10 +1,12 @@
 #include "recovery/patch/patches.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/solid_middle.hpp"
+#include "recovery/patch/cells_in_box.hpp"
 #include "recovery/patch/patch_arrays.hpp"
 
 namespace cgcontact {
@@ -36,44 +38,80 @@ MonomialMoments monomial_moments(const Moments& m) {
           square(L(0, 1, 2), L(0, 1, 0)) / 8};
 }
 
-/// Active cells around a node, ascending; returns their number.
-int cells_around(const CutCells& cc, const Index3& node, int cells[8]) {
-  int count = 0;
-  for (int a = 0; a < 8; ++a) {
-    const int c = cc.find({node[0] - 1 + (a & 1), node[1] - 1 + (a >> 1 & 1), node[2] - 1 + (a >> 2)});
-    if (c >= 0) cells[count++] = c;
+/// Active cells that a free node is a corner of.
+class CornerCells {
+ public:
+  explicit CornerCells(const BodyMesh& mesh) : mesh_(mesh) {
+    if (mesh.parts.empty()) return;
+    begin_.assign(mesh.num_nodes + 1, 0);
+    each_corner([&](int node, int) { ++begin_[node + 1]; });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    cells_.resize(begin_.back());
+    std::vector<int> next(begin_.begin(), begin_.end() - 1);
+    each_corner([&](int node, int cell) { cells_[next[node]++] = cell; });
   }
-  return count;
-}
 
-double volume_around(const CutCells& cc, const Index3& node) {
-  int cells[8];
-  const int count = cells_around(cc, node, cells);
-  double volume = 0;
-  for (int i = 0; i < count; ++i) volume += cc.volume_fraction(cells[i]);
-  return volume;
-}
+  /// Ascending; returns their number.
+  int around(int node, int cells[8]) const {
+    int count = 0;
+    if (!begin_.empty()) {
+      for (int i = begin_[node]; i < begin_[node + 1]; ++i) cells[count++] = cells_[i];
+      return count;
+    }
+    const Index3& place = mesh_.nodes[node];
+    for (int a = 0; a < 8; ++a) {
+      const int c =
+          mesh_.cut_cells->find({place[0] - 1 + (a & 1), place[1] - 1 + (a >> 1 & 1), place[2] - 1 + (a >> 2)});
+      if (c >= 0) cells[count++] = c;
+    }
+    return count;
+  }
+
+  double volume_around(int node) const {
+    int cells[8];
+    const int count = around(node, cells);
+    double volume = 0;
+    for (int i = 0; i < count; ++i) volume += mesh_.cut_cells->volume_fraction(cells[i]);
+    return volume;
+  }
+
+ private:
+  /// use(free node, cell) for all corners that are free nodes or copies of one, cell by cell.
+  template <class Use>
+  void each_corner(const Use& use) const {
+    for (std::size_t cell = 0; cell < mesh_.cell_nodes.size(); ++cell)
+      for (const int corner : mesh_.cell_nodes[cell])
+        each_master(mesh_, corner - mesh_.first_node, [&](int node, double weight) {
+          if (weight == 1) use(node, static_cast<int>(cell));
+        });
+  }
+
+  const BodyMesh& mesh_;
+  std::vector<int> begin_, cells_;  ///< by node; empty: one level
+};
 
 /// Joins a patch of too little volume with the patch of the fullest neighbouring node; with one cell of
 /// material the condition of the patch's mass matrix stays below 370 (degree 1). True if anything was added.
-bool grow_patch(const BodyMesh& mesh, const Vec3& middle, int n, double least_volume, double have,
-                std::vector<int>& patch) {
+bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec3& middle, int n, double least_volume,
+                double have, std::vector<int>& patch) {
   const CutCells& cc = *mesh.cut_cells;
-  const auto place = [&](int node) { return Vec3(mesh.nodes[node][0], mesh.nodes[node][1], mesh.nodes[node][2]); };
+  const double unit = unit_of(mesh, n);
+  const Vec3 own = mesh.node_position(n);
   bool grown = false;
   for (int step = 0; step < 3 && have < least_volume; ++step) {
     double best = -1;
     int anchor = -1;
     for (int c : patch)
-      for (int node : mesh.cell_nodes[c]) {
-        const int m = node - mesh.first_node;
-        // Of equals the nearest one; of those the one towards the middle of the body, in its mirror image as well.
-        const double away = (place(m) - middle).norm() - (place(n) - middle).norm();
-        const double score = volume_around(cc, mesh.nodes[m]) - 1e-3 * (place(m) - place(n)).norm() - 1e-5 * away;
-        if (score > best * (1 + 1e-9)) best = score, anchor = m;
-      }
+      for (int node : mesh.cell_nodes[c])
+        each_master(mesh, node - mesh.first_node, [&](int m, double) {
+          const Vec3 place = mesh.node_position(m);
+          // Of equals the nearest one; of those the one towards the middle of the body, in its mirror image as well.
+          const double away = ((place - middle).norm() - (own - middle).norm()) / unit;
+          const double score = corner_cells.volume_around(m) - 1e-3 * ((place - own).norm() / unit) - 1e-5 * away;
+          if (score > best * (1 + 1e-9)) best = score, anchor = m;
+        });
     int around[8];
-    const int count = cells_around(cc, mesh.nodes[anchor], around);
+    const int count = corner_cells.around(anchor, around);
     const std::size_t before = patch.size();
     for (int i = 0; i < count; ++i)
       if (std::find(patch.begin(), patch.end(), around[i]) == patch.end()) {
@@ -91,14 +129,15 @@ void factor_masses(const BodyMesh& mesh, PatchSet& set) {
   set.factor_of_patch.assign(mesh.num_nodes, -1);
   int count = 0;
   for (int n = 0; n < mesh.num_nodes; ++n)
-    if (!set.full[n]) set.factor_of_patch[n] = count++;
+    if (!set.full[n] && mesh.is_free(n)) set.factor_of_patch[n] = count++;
   set.factors.resize(count);
   const auto arrays = host_arrays(mesh, set);
   parallel_for("cgcontact::patches::factors", mesh.num_nodes, grain, [&](std::size_t n) {
-    if (set.full[n]) return;
+    if (set.factor_of_patch[n] < 0) return;
     const double centre[3] = {double(mesh.nodes[n][0]), double(mesh.nodes[n][1]), double(mesh.nodes[n][2])};
     double m[num_terms][num_terms];
-    gather_mass(arrays, &set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n], centre, m);
+    gather_mass(arrays, &set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n], centre, m,
+                level_of(mesh, static_cast<int>(n)));
     const double volume = m[0][0];
     const bool regular = cholesky(m);
     auto& factor = set.factors[set.factor_of_patch[n]];
@@ -113,25 +152,29 @@ struct PatchRange {
   std::vector<int> size, cells;
 };
 
-PatchRange patches_of_nodes(const BodyMesh& mesh, double least_volume, std::size_t begin, std::size_t end,
-                            PatchSet& set) {
+PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cells, double least_volume,
+                            std::size_t begin, std::size_t end, PatchSet& set) {
   const CutCells& cc = *mesh.cut_cells;
   const Vec3 middle = middle_of(cc.solid);
   PatchRange range;
   std::vector<int> patch;
   for (std::size_t n = begin; n < end; ++n) {
+    if (!mesh.is_free(static_cast<int>(n))) {
+      range.size.push_back(0);
+      continue;
+    }
     int around[8];
-    const int count = cells_around(cc, mesh.nodes[n], around);
+    const int count = corner_cells.around(static_cast<int>(n), around);
     patch.assign(around, around + count);
     double volume = 0;
     bool full = count == 8;
     for (int c : patch) {
       volume += cc.volume_fraction(c);
-      full = full && cc.cut_of_active[c] < 0;
+      full = full && cc.cut_of_active[c] < 0 && cc.level(c) == cc.level(patch.front());
     }
     set.full[n] = full;
     if (volume < least_volume)
-      set.grown[n] = grow_patch(mesh, middle, static_cast<int>(n), least_volume, volume, patch);
+      set.grown[n] = grow_patch(mesh, corner_cells, middle, static_cast<int>(n), least_volume, volume, patch);
     range.size.push_back(static_cast<int>(patch.size()));
     range.cells.insert(range.cells.end(), patch.begin(), patch.end());
   }
@@ -164,15 +207,37 @@ void mark_around(const CutCells& cc, std::vector<Index3> cells, int reach, std::
   }
 }
 
+void mark_around(const CutCells& cc, const std::vector<int>& cells, int reach, std::vector<char>& marked) {
+  if (cc.parts.empty()) {
+    std::vector<Index3> places;
+    for (int c : cells) places.push_back(cc.cells[c]);
+    mark_around(cc, std::move(places), reach, marked);
+    return;
+  }
+  for (int c : cells) {
+    const Vec3 low = cc.corner(c), width = Vec3::Constant(reach * cc.size(c));
+    each_cell_in(cc, low - width, low + Vec3::Constant(cc.size(c)) + width, [&](int cell) { marked[cell] = 1; });
+  }
+}
+
+void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked) {
+  for (const int corner : mesh.cell_nodes[cell]) {
+    const int node = corner - mesh.first_node;
+    marked[node] = 1;
+    each_master(mesh, node, [&](int master, double) { marked[master] = 1; });
+  }
+}
+
 PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
   const CutCells& cc = *mesh.cut_cells;
   PatchSet set;
   set.grown.assign(mesh.num_nodes, 0);
   set.full.assign(mesh.num_nodes, 0);
+  const CornerCells corner_cells(mesh);
   std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain));
   parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    ranges[chunk] = patches_of_nodes(mesh, least_volume, begin, end, set);
+                    ranges[chunk] = patches_of_nodes(mesh, corner_cells, least_volume, begin, end, set);
                   });
   std::size_t total = 0;
   for (const PatchRange& range : ranges) total += range.cells.size();

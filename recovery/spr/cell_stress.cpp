@@ -60,9 +60,11 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
   return out;
 }
 
-CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
-                   const double centre[3]) {
-  const CutCells& cc = *mesh.cut_cells;
+namespace {
+
+/// Over cells of one level, which is the unit of the centre and the sums.
+CellSums sum_cells_of_level(const CutCells& cc, const StressIntegrals& integrals, const int* cells, int num_cells,
+                            const double centre[3]) {
   CellSums total{};
   for (int i = 0; i < num_cells;) {
     const int z = cc.cells[cells[i]][2];
@@ -80,6 +82,24 @@ CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const
       layer.add<1>(line, y + 0.5 - centre[1]);
     }
     total.add<2>(layer, z + 0.5 - centre[2]);
+  }
+  return total;
+}
+
+}  // namespace
+
+CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
+                   const double centre[3], double unit) {
+  const CutCells& cc = *mesh.cut_cells;
+  if (cc.levels.empty()) return sum_cells_of_level(cc, integrals, cells, num_cells, centre);
+  CellSums total{};
+  for (int first = 0; first < num_cells;) {
+    const double size = cc.size(cells[first]);
+    int end = first + 1;
+    while (end < num_cells && cc.level(cells[end]) == cc.level(cells[first])) ++end;
+    const double centre_of_level[3] = {centre[0] / size, centre[1] / size, centre[2] / size};
+    total.add_scaled(sum_cells_of_level(cc, integrals, cells + first, end - first, centre_of_level), size / unit);
+    first = end;
   }
   return total;
 }

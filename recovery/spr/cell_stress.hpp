@@ -38,8 +38,9 @@ struct StressIntegrals {
 
 StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress, Subset cells);
 
-/// Sums over cells, which ascend, about a centre (grid coordinates). The integrals over all of them are known.
+/// Sums over cells, which ascend, about a centre; centre and unit of lengths: grid coordinates. The cells count alike,
+/// whatever their size. The integrals over all of them are known.
 CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
-                   const double centre[3]);
+                   const double centre[3], double unit = 1);
 
 }  // namespace cgcontact

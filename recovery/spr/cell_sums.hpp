@@ -22,6 +22,21 @@ struct CellSums {
   KOKKOS_FORCEINLINE_FUNCTION void add(const CellSums& from, double d) {
     add<axis>(from.stress[0], from.moments, from.square, d);
   }
+  /// Adds integrals about this centre whose coordinates are those of this times 1 / scale; volumes count as they are.
+  void add_scaled(const CellSums& from, double scale) {
+    for (int t = 0; t < num_stress; ++t) {
+      const double factor = t == 0 ? 1 : t < 4 ? scale : scale * scale;
+      for (int k = 0; k < num_components; ++k) stress[t][k] += factor * from.stress[t][k];
+    }
+    const double power[5] = {1, scale, scale * scale, scale * scale * scale, scale * scale * scale * scale};
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; i + j < 5; ++j)
+        for (int k = 0; i + j + k < 5; ++k) {
+          const int q = quartic_index(i, j, k);
+          moments[q] += power[i + j + k] * from.moments[q];
+        }
+    square += from.square;
+  }
 };
 
 /// Place of x_axis^i times the other two to the powers b and c.

@@ -1,6 +1,7 @@
 #include "recovery/spr/spr.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 
 #include "recovery/patch/polynomials.hpp"
 #include "recovery/spr/spr_kernels.hpp"
@@ -9,6 +10,23 @@ namespace cgcontact {
 namespace {
 
 using Host = Kokkos::DefaultHostExecutionSpace;
+using Quadratic = Polynomial<2>;
+
+/// Coefficients of a polynomial in new coordinates y, where its own are x = offset + scale y.
+void move_polynomial(const double from[Quadratic::num_terms], const double offset[3], double scale,
+                     double to[Quadratic::num_terms]) {
+  double p[Quadratic::num_terms];
+  Quadratic::terms(offset, p);
+  to[0] = 0;
+  for (int t = 0; t < Quadratic::num_terms; ++t) to[0] += p[t] * from[t];
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const double slope = 2 * offset[i] * from[4 + i] + offset[j] * from[7 + i] + offset[k] * from[7 + k];
+    to[1 + i] = scale * (from[1 + i] + slope);
+    to[4 + i] = scale * scale * from[4 + i];
+    to[7 + i] = scale * scale * from[7 + i];
+  }
+}
 
 }  // namespace
 
@@ -24,13 +42,14 @@ RecoveredField part_of(const RecoveredField& field, Subset nodes) {
 void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],
                     double s[6]) {
   const Vec3 x = grid_position(*mesh.cut_cells, cell, Vec3(xi[0], xi[1], xi[2]));
-  for (int a = 0; a < 8; ++a) {
-    const EdgeTerms::Term* term = field.edge->of_node(mesh.cell_nodes[cell][a] - mesh.first_node);
-    if (!term) continue;
-    double w[6];
-    term->edge.stress(x, w);
-    for (int k = 0; k < 6; ++k) s[k] += N[a] * term->factor * w[k];
-  }
+  for (int a = 0; a < 8; ++a)
+    each_master(mesh, mesh.cell_nodes[cell][a] - mesh.first_node, [&](int node, double weight) {
+      const EdgeTerms::Term* term = field.edge->of_node(node);
+      if (!term) return;
+      double w[6];
+      term->edge.stress(x, w);
+      for (int k = 0; k < 6; ++k) s[k] += N[a] * weight * term->factor * w[k];
+    });
 }
 
 void add_quadratic_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3],
@@ -63,10 +82,48 @@ Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Sub
   return Subset(marked);
 }
 
+void set_constrained_nodes(const BodyMesh& mesh, const RecoveredField& field, QuadraticTerms* quadratic) {
+  const bool any_quadratic = quadratic && !quadratic->values.empty();
+  for (const NodeConstraint& constraint : mesh.constraints) {
+    const int node = constraint.node - mesh.first_node;
+    if (field.nodes.row(node) < 0) continue;
+    double mean[6][Quadratic::num_terms] = {};
+    bool is_quadratic = false;
+    for (const auto& [number, weight] : constraint.masters) {
+      const int master = number - mesh.first_node;
+      if (field.nodes.row(master) < 0) throw std::logic_error("the master of a constrained node is not in the field");
+      const double unit = unit_of(mesh, master);
+      const Vec3 offset = (mesh.node_position(node) - mesh.node_position(master)) / unit;
+      const double* linear = field.at(master);
+      const QuadraticTerms::Values* values = any_quadratic ? quadratic->of_node(master) : nullptr;
+      is_quadratic = is_quadratic || values;
+      for (int k = 0; k < 6; ++k) {
+        double from[Quadratic::num_terms] = {}, to[Quadratic::num_terms];
+        std::copy_n(linear + num_terms * k, num_terms, from);
+        if (values) std::copy_n((*values)[k].data(), QuadraticTerms::count, from + num_terms);
+        move_polynomial(from, offset.data(), unit_of(mesh, node) / unit, to);
+        for (int t = 0; t < Quadratic::num_terms; ++t) mean[k][t] += weight * to[t];
+      }
+    }
+    for (int k = 0; k < 6; ++k)
+      for (int t = 0; t < num_terms; ++t) field.values(field.nodes.row(node), k, t) = mean[k][t];
+    if (!is_quadratic) continue;
+    if (quadratic->row_of_node[node] < 0) {
+      quadratic->row_of_node[node] = static_cast<int>(quadratic->values.size());
+      quadratic->values.emplace_back();
+    }
+    for (int k = 0; k < 6; ++k)
+      std::copy_n(mean[k] + num_terms, QuadraticTerms::count,
+                  quadratic->values[quadratic->row_of_node[node]][k].data());
+  }
+}
+
 int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
                 const RecoveredField& field) {
-  return fit_nodes(Host(), host_arrays(mesh, patches), host_arrays(field.nodes), stress, host_arrays(stressed),
-                   field.values);
+  const int singular = fit_nodes(Host(), host_arrays(mesh, patches), host_arrays(field.nodes), stress,
+                                 host_arrays(stressed), field.values);
+  set_constrained_nodes(mesh, field);
+  return singular;
 }
 
 int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
@@ -83,8 +140,10 @@ int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u
       buffer =
           CellStressView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::spr::cell_stress"), cells.size());
     integrate_cell_stress(mesh, patches, cells, u, buffer);
-    singular += fit_patches(mesh, patches, buffer, cells, part_of_field);
+    singular += fit_nodes(Host(), host_arrays(mesh, patches), host_arrays(part_of_field.nodes), buffer,
+                          host_arrays(cells), part_of_field.values);
   }
+  set_constrained_nodes(mesh, field);
   return singular;
 }
 

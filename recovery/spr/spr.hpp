@@ -13,7 +13,7 @@ namespace cgcontact {
 
 /// The quadratic terms of those nodes of a body whose polynomials have degree 2.
 struct QuadraticTerms {
-  static constexpr int count = 6;                           ///< xx, yy, zz, xy, yz, zx, cell units about the node
+  static constexpr int count = 6;                           ///< xx, yy, zz, xy, yz, zx about the node, in its unit
   using Values = std::array<std::array<double, count>, 6>;  ///< component, term
   std::vector<int> row_of_node;                             ///< node -> row of values, or -1; empty: no node has any
   std::vector<Values> values;
@@ -24,7 +24,8 @@ struct QuadraticTerms {
   }
 };
 
-/// Polynomials of some or all nodes of one body.
+/// Polynomials of some or all nodes of one body, about their places, in units of the cells of their levels (which those
+/// of all corners of a cell are).
 struct RecoveredField {
   Subset nodes;
   CoefficientView values;                                ///< row of the subset, component, term
@@ -47,7 +48,12 @@ void integrate_cell_stress(const BodyMesh& mesh, const PatchSet& patches, const 
 /// Cells of the patches of some nodes.
 Subset cells_of_patches(const BodyMesh& mesh, const PatchSet& patches, const Subset& nodes);
 
-/// Unconstrained fit (equation 1) of the nodes of field.nodes; `stress` holds the cells of their patches.
+/// Sets the polynomials of the constrained nodes of a field to the means of their masters', which it holds as well;
+/// where masters are of degree 2 those of `quadratic` too.
+void set_constrained_nodes(const BodyMesh& mesh, const RecoveredField& field, QuadraticTerms* quadratic = nullptr);
+
+/// Unconstrained fit (equation 1) of the nodes of field.nodes, among them the masters of those that are constrained;
+/// `stress` holds the cells of their patches.
 /// Returns the number of patches whose mass matrix was singular (their polynomial is the constant mean stress).
 int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
                 const RecoveredField& field);

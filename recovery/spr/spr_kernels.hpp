@@ -67,18 +67,23 @@ void integrate_cells(const Exec& exec, const PatchArrays<Memory>& body, const Su
       });
 }
 
-/// Right-hand side H of a patch, shifted to its centre (grid coordinates); row r of `stress` belongs to cell
+/// Right-hand side H of a patch, shifted to its centre, lengths in cells of a level; row r of `stress` belongs to cell
 /// stressed.number(r).
 template <class Memory, class Stress>
 KOKKOS_INLINE_FUNCTION void gather_stress(const PatchArrays<Memory>& body, const int* cells, int num_cells,
                                           const double centre[3], const Stress& stress,
-                                          const SubsetArrays<Memory>& stressed, double H[6][num_terms]) {
+                                          const SubsetArrays<Memory>& stressed, double H[6][num_terms], int level = 0) {
   for (int k = 0; k < 6; ++k)
     for (int t = 0; t < num_terms; ++t) H[k][t] = 0;
   for (int c = 0; c < num_cells; ++c) {
     const double* s = &stress(stressed.row(cells[c]), 0, 0);
-    double shift[num_terms] = {};
-    for (int i = 0; i < 3; ++i) shift[1 + i] = body.cells(cells[c], i) + 0.5 - centre[i];
+    const double size = body.size_of(cells[c], level);
+    double scaled[6 * num_terms], shift[num_terms] = {};
+    if (size != 1) {
+      for (int k = 0; k < 6 * num_terms; ++k) scaled[k] = s[k] * (k % num_terms == 0 ? 1 : size);
+      s = scaled;
+    }
+    for (int i = 0; i < 3; ++i) shift[1 + i] = size * (body.cells(cells[c], i) + 0.5) - centre[i];
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t) H[k][t] += s[num_terms * k + t] + shift[t] * s[num_terms * k];
   }
@@ -117,9 +122,10 @@ int fit_nodes(const Exec& exec, const PatchArrays<Memory>& body, const SubsetArr
           fit_full_patch(cells, stress, stressed, a);
           return;
         }
+        if (body.factor_of_patch(n) < 0) return;  // a constrained node
         const double centre[3] = {double(body.nodes(n, 0)), double(body.nodes(n, 1)), double(body.nodes(n, 2))};
         double H[6][num_terms], L[num_terms][num_terms];
-        gather_stress(body, cells, body.begin(n + 1) - begin, centre, stress, stressed, H);
+        gather_stress(body, cells, body.begin(n + 1) - begin, centre, stress, stressed, H, body.level_of(n));
         const double* factor = &body.factors(body.factor_of_patch(n), 0);
         const bool regular = factor[0] > 0;
         for (int i = 0, entry = 0; i < num_terms; ++i)

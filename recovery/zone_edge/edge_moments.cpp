@@ -1,5 +1,7 @@
 #include "recovery/zone_edge/edge_moments.hpp"
 
+#include "recovery/patch/cells_in_box.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -22,12 +24,13 @@ struct EdgePoints {
 
   EdgePoints(const CutCells& cc, int c) {
     const int cut = cc.cut_of_active[c];
+    const double width = cc.size(c);
     for (int q = 0; q < size; ++q) {
       const int place[3] = {q / (n * n), q / n % n, q % n};
       weight[q] = 1. / 8;
       for (int d = 0; d < 3; ++d) {
         weight[q] *= Gauss::weight[place[d]];
-        position[d][q] = cc.cells[c][d] + 0.5 * (Gauss::point[place[d]] + 1);
+        position[d][q] = width * (cc.cells[c][d] + 0.5 * (Gauss::point[place[d]] + 1));
       }
     }
     if constexpr (n == 3) {
@@ -116,7 +119,7 @@ class CurvedTerm {
 
 /// Adds the integrals over one cell.
 template <int degree, int n, class Term>
-void add_cell(const CutCells& cc, int cell, const Vec3& centre, const Term& at,
+void add_cell(const CutCells& cc, int cell, const Vec3& centre, double per_unit, const Term& at,
               double sum[6][Polynomial<degree>::num_terms]) {
   constexpr int T = Polynomial<degree>::num_terms;
   const EdgePoints<n> points(cc, cell);
@@ -124,7 +127,7 @@ void add_cell(const CutCells& cc, int cell, const Vec3& centre, const Term& at,
   at.set(points, term);
   for (int q = 0; q < points.size; ++q) {
     double d[3], p[T];
-    for (int k = 0; k < 3; ++k) d[k] = points.position[k][q] - centre[k];
+    for (int k = 0; k < 3; ++k) d[k] = per_unit * (points.position[k][q] - centre[k]);
     Polynomial<degree>::terms(d, p);
     for (int k = 0; k < 6; ++k) {
       const double value = points.weight[q] * term[k][q];
@@ -136,17 +139,16 @@ void add_cell(const CutCells& cc, int cell, const Vec3& centre, const Term& at,
 template <int degree, class Term>
 Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> sum_cells(const CutCells& cc, const int* cells,
                                                                       int num_cells, const Vec3& centre,
-                                                                      const ContactEdge& edge) {
+                                                                      const ContactEdge& edge, double unit) {
   constexpr int T = Polynomial<degree>::num_terms;
   const Term term(edge);
   double sum[6][T] = {};
   for (int i = 0; i < num_cells; ++i) {
-    const Index3& at = cc.cells[cells[i]];
-    const double inside = edge.inside(Vec3(at[0] + 0.5, at[1] + 0.5, at[2] + 0.5)) / edge.scale;
-    if (cc.cut_of_active[cells[i]] < 0 && std::abs(inside) > smooth_from)
-      add_cell<degree, 2>(cc, cells[i], centre, term, sum);
+    const double inside = edge.inside(middle_of_cell(cc, cells[i])) / edge.scale;
+    if (cc.cut_of_active[cells[i]] < 0 && std::abs(inside) > smooth_from * cc.size(cells[i]))
+      add_cell<degree, 2>(cc, cells[i], centre, 1 / unit, term, sum);
     else
-      add_cell<degree, 3>(cc, cells[i], centre, term, sum);
+      add_cell<degree, 3>(cc, cells[i], centre, 1 / unit, term, sum);
   }
   term.rotate(sum);
   return Eigen::Map<const Eigen::Matrix<double, 6 * T, 1>>(sum[0]);
@@ -156,7 +158,7 @@ template <int degree>
 void subtract(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
               PatchFit& fit) {
   constexpr int T = Polynomial<degree>::num_terms;
-  const auto moments = edge_moments<degree>(mesh, cells, num_cells, fit.centre, edge);
+  const auto moments = edge_moments<degree>(mesh, cells, num_cells, fit.centre, edge, fit.unit);
   const Eigen::LLT<Eigen::Matrix<double, T, T>> cholesky(fit.mass);
   for (int k = 0; k < 6; ++k) fit.a.segment<T>(T * k) -= factor * cholesky.solve(moments.template segment<T>(T * k));
 }
@@ -166,16 +168,18 @@ void subtract(const BodyMesh& mesh, const int* cells, int num_cells, const Conta
 template <int degree>
 Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const BodyMesh& mesh, const int* cells,
                                                                          int num_cells, const Vec3& centre,
-                                                                         const ContactEdge& edge) {
+                                                                         const ContactEdge& edge, double unit) {
   return edge.surface.kind == Surface::Kind::plane
-             ? sum_cells<degree, PlaneTerm>(*mesh.cut_cells, cells, num_cells, centre, edge)
-             : sum_cells<degree, CurvedTerm>(*mesh.cut_cells, cells, num_cells, centre, edge);
+             ? sum_cells<degree, PlaneTerm>(*mesh.cut_cells, cells, num_cells, centre, edge, unit)
+             : sum_cells<degree, CurvedTerm>(*mesh.cut_cells, cells, num_cells, centre, edge, unit);
 }
 
 template Eigen::Matrix<double, 6 * Polynomial<1>::num_terms, 1> edge_moments<1>(const BodyMesh&, const int*, int,
-                                                                                const Vec3&, const ContactEdge&);
+                                                                                const Vec3&, const ContactEdge&,
+                                                                                double);
 template Eigen::Matrix<double, 6 * Polynomial<2>::num_terms, 1> edge_moments<2>(const BodyMesh&, const int*, int,
-                                                                                const Vec3&, const ContactEdge&);
+                                                                                const Vec3&, const ContactEdge&,
+                                                                                double);
 
 void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
                         PatchFit& fit) {
