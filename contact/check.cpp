@@ -7,7 +7,6 @@
 #include <map>
 
 #include "contact/model/memory.hpp"
-#include "core/output/output_check.hpp"
 
 namespace cgcontact {
 namespace {
@@ -47,7 +46,7 @@ std::string describe_body(const BodyModel& body) {
 
 }  // namespace
 
-std::vector<std::string> draw(const Scene& scene, const Preparation& preparation, const std::string& directory) {
+CheckFiles draw(const Scene& scene, const Preparation& preparation, const std::string& directory) {
   std::vector<CheckedBody> bodies;
   for (const BodyModel& body : preparation.bodies) {
     CheckedBody checked{&body.cut_cells, body.boundary.pair_of_point};

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "contact/preparation.hpp"
+#include "core/output/output_check.hpp"
 
 namespace cgcontact {
 
@@ -14,7 +15,7 @@ std::string describe(const Scene& scene, const Preparation& preparation);
 /// The settings of the method, as TOML; those that no scene can set are comments.
 std::string describe_settings(const Scene& scene);
 
-/// Draws the scene on its grids into `directory` (core/output/output_check.hpp); returns warnings.
-std::vector<std::string> draw(const Scene& scene, const Preparation& preparation, const std::string& directory);
+/// Draws the scene on its grids into `directory` (core/output/output_check.hpp).
+CheckFiles draw(const Scene& scene, const Preparation& preparation, const std::string& directory);
 
 }  // namespace cgcontact

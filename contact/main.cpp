@@ -3,7 +3,6 @@
 /// signal (130, 143, 129) stopped by SIGINT, SIGTERM, SIGHUP.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -73,20 +72,14 @@ int check(const Scene& scene, const CommandLine& options) {
   const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
   Preparation preparation = lay_out(scene, false);  // a scene that nearly fits is described all the same
-  std::vector<std::string> warnings;
+  CheckFiles drawn;
   if (!options.out.empty()) {  // before the checks: the picture shows what may be wrong
     progress.begin_phase("drawing");
-    warnings = draw(scene, preparation, options.out);
+    drawn = draw(scene, preparation, options.out);
   }
   progress.finish();
-  for (const std::string& warning : warnings) fmt::print("warning: {}\n", warning);
-  if (!options.out.empty())
-    fmt::print("drawn in {}: {}check_faces.vtkhdf, check_cells.vtkhdf\n", options.out,
-               !warnings.empty() ? ""
-               : std::any_of(scene.bodies.begin(), scene.bodies.end(),
-                             [](const BodySpec& body) { return !body.repairs.empty(); })
-                   ? "check.png, check_repair.png, "
-                   : "check.png, ");
+  for (const std::string& warning : drawn.warnings) fmt::print("warning: {}\n", warning);
+  if (!options.out.empty()) fmt::print("drawn in {}: {}\n", options.out, fmt::join(drawn.names, ", "));
   complete(scene, preparation);
   fmt::print("{}", describe(scene, preparation));
   if (options.settings) fmt::print("{}", describe_settings(scene));

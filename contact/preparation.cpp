@@ -122,7 +122,8 @@ double count_contact_rows(const Preparation& preparation) {
 }
 
 MemoryExtras memory_extras(const Scene& scene, const Preparation& preparation) {
-  MemoryExtras extras{0, count_contact_rows(preparation), scene.output.plots};
+  MemoryExtras extras = memory_extras(scene);
+  extras.contact_rows = count_contact_rows(preparation);
   for (const ContactPair& pair : preparation.pairs) extras.contact_points += static_cast<double>(pair.points.size());
   return extras;
 }

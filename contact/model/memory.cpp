@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/base/memory.hpp"
+#include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {
 namespace {
@@ -17,6 +18,9 @@ constexpr double coarse_cells = 1 << 17, finer_cells = 1 << 25;
 constexpr double near_limit = 1.4;
 /// Of the available memory, for the cell size that is advised: sizes scale with the cells to so much.
 constexpr double safe_part = 0.8;
+
+/// Bytes. Debian's Trilinos brings 38 shared libraries more than `make trilinos-openmp` builds.
+double program_itself() { return TrilinosScope::has_openmp() ? 70e6 : 85e6; }
 
 /// The same bodies with all cells larger by a factor.
 std::vector<BodySize> coarsened(std::vector<BodySize> bodies, double factor) {
@@ -32,9 +36,10 @@ std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodie
                           double available) {
   double factor = 1;
   const auto needed = [&] {
-    const double surface = factor * factor;
-    return expected_memory(coarsened(bodies, factor),
-                           {extras.contact_points / surface, extras.contact_rows / surface, extras.pictures});
+    MemoryExtras of_these = extras;
+    of_these.contact_points /= factor * factor;
+    of_these.contact_rows /= factor * factor;
+    return expected_memory(coarsened(bodies, factor), of_these);
   };
   while (factor < 1e4 && needed() > safe_part * available) factor *= 1.02;
   if (factor >= 1e4) return {};
@@ -64,10 +69,18 @@ BodySize size_of(const CutCells& cc) {
 /// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). What grows like the surface weighs
 /// most. Cells of the grid that are empty cost nothing.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
-  double bytes = 85e6 + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points + 500 * extras.contact_rows;
+  double bytes =
+      program_itself() + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points + 500 * extras.contact_rows;
+  if (extras.fields_beside_pictures) bytes += 10e6;
+  const double of_cut_cell = 11.5e3 + (extras.fields_beside_pictures ? 1.8e3 : 0);
   for (const BodySize& body : bodies)
-    bytes += dofs_per_node * 170.0 * body.nodes + 11.5e3 * body.cut_cells + 1.1e3 * body.facets;
+    bytes += dofs_per_node * 170.0 * body.nodes + of_cut_cell * body.cut_cells + 1.1e3 * body.facets;
   return bytes;
+}
+
+MemoryExtras memory_extras(const Scene& scene) {
+  const bool both = scene.output.plots && scene.output.vtk;
+  return {0, 0, scene.output.plots, both && TrilinosScope::concurrency() > 1};
 }
 
 void check_memory_early(const Scene& scene, bool near_limit_too) {
@@ -75,9 +88,9 @@ void check_memory_early(const Scene& scene, bool near_limit_too) {
   for (const bool finer : {false, true}) {
     std::vector<BodySize> sizes;
     for (const BodySpec& body : scene.bodies) sizes.push_back(estimate_size(body, finer));
-    const double expected = expected_memory(sizes, {0, 0, scene.output.plots});
+    const double expected = expected_memory(sizes, memory_extras(scene));
     if (expected * near_limit < available) return;
-    if (expected > near_limit * available || finer) check_memory(scene, sizes, {0, 0, scene.output.plots});
+    if (expected > near_limit * available || finer) check_memory(scene, sizes, memory_extras(scene));
     if (!near_limit_too) return;
   }
 }
@@ -87,11 +100,11 @@ void check_memory(const Scene& scene, const std::vector<BodySize>& bodies, const
   const double expected = expected_memory(bodies, extras);
   if (expected <= budget.bytes) return;
   const std::string fitting = fitting_cells(scene, bodies, extras, budget.bytes);
-  throw InputError(
-      fmt::format("{}: needs about {} of memory, and there are {} ({}); {}; {}--memory-limit overrides this",
-                  scene.file, memory_text(expected), memory_text(budget.bytes), budget.source,
-                  fitting.empty() ? "no cell size fits, the program itself needs some 85 MB" : fitting,
-                  budget.remedy.empty() ? "" : budget.remedy + "; "));
+  throw InputError(fmt::format(
+      "{}: needs about {} of memory, and there are {} ({}); {}; {}--memory-limit overrides this", scene.file,
+      memory_text(expected), memory_text(budget.bytes), budget.source,
+      !fitting.empty() ? fitting : "no cell size fits, the program itself needs some " + memory_text(program_itself()),
+      budget.remedy.empty() ? "" : budget.remedy + "; "));
 }
 
 }  // namespace cgcontact

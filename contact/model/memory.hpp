@@ -22,7 +22,11 @@ struct MemoryExtras {
   double contact_points = 0;  ///< of all pairs; before they are known: 0
   double contact_rows = 0;    ///< boundary points of their faces, which the results have; before they are known: 0
   bool pictures = true;
+  bool fields_beside_pictures = false;  ///< VTK files are made at the same time: on several threads
 };
+
+/// Before the cells are made.
+MemoryExtras memory_extras(const Scene& scene);
 
 /// Expected peak memory of a run in bytes: a measured model.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras);

@@ -131,6 +131,7 @@ CellEstimate estimate_by_coarse_cells(const BodyGeometry& body, const Grid& grid
     double extent[3];
     for (int k = 0; k < 3; ++k) extent[k] = c[k] < 0 ? 0 : std::clamp(grid.num_cells[k] - c[k] * factor, 0, factor);
     const double all = extent[0] * extent[1] * extent[2];
+    if (all == 0) continue;  // a body that sticks out of its grid is refused when its cells are made
     const int inside_points = inside_of(*placed, c);
     if (inside_points == 0) continue;
     const double across = std::min({extent[0], extent[1], extent[2]});

@@ -54,7 +54,7 @@ Polygon section(const std::array<Vertex, 4>& tetrahedron, int k) {
 class Opening {
  public:
   Opening(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions)
-      : whole_(whole), directions_(directions) {
+      : whole_(whole), directions_(directions), number_of_(whole.position.size(), -1) {
     height_.reserve(whole.position.size());
     for (const Vec3& x : whole.position)
       height_.push_back({(x - corner).dot(directions[0]), (x - corner).dot(directions[1])});
@@ -88,7 +88,14 @@ class Opening {
            std::any_of(points.begin(), points.end(), [&](int p) { return height_[p][k] >= 0; });
   }
 
+  /// Most triangles are away from the planes: these are kept as they are, or none of them is.
   void add_boundary(const BoundaryTriangle& triangle) {
+    const auto all = [&](int k, double side) {
+      return std::all_of(triangle.points.begin(), triangle.points.end(),
+                         [&](int p) { return side * height_[p][k] > 0; });
+    };
+    if (all(0, -1) || (all(0, 1) && all(1, -1))) return keep(triangle);
+    if (all(0, 1) && all(1, 1)) return;
     const Polygon whole{vertex(triangle.points[0]), vertex(triangle.points[1]), vertex(triangle.points[2])};
     add(part(whole, 0, -1), triangle.cell, triangle.surface);
     add(part(part(whole, 0, 1), 1, -1), triangle.cell, triangle.surface);
@@ -106,16 +113,29 @@ class Opening {
     }
   }
 
+  /// With the points that its neighbours have.
+  void keep(BoundaryTriangle triangle) {
+    for (int& p : triangle.points) {
+      int& number = number_of_[p];
+      if (number < 0) number = add_point(vertex(p), whole_.mesh.cell_of_point[p]);
+      p = number;
+    }
+    open_.mesh.boundary.push_back(triangle);
+  }
+
+  int add_point(const Vertex& v, int cell) {
+    open_.mesh.points.push_back(v.grid);
+    open_.mesh.cell_of_point.push_back(cell);
+    open_.position.push_back(v.position);
+    if (!whole_.displacement.empty()) open_.displacement.push_back(v.displacement);
+    if (!whole_.stress.empty()) open_.stress.push_back(v.stress);
+    return static_cast<int>(open_.position.size()) - 1;
+  }
+
   void add(const Polygon& polygon, int cell, int surface) {
     if (polygon.size() < 3) return;
     const int first = static_cast<int>(open_.position.size());
-    for (const Vertex& v : polygon) {
-      open_.mesh.points.push_back(v.grid);
-      open_.mesh.cell_of_point.push_back(cell);
-      open_.position.push_back(v.position);
-      if (!whole_.displacement.empty()) open_.displacement.push_back(v.displacement);
-      if (!whole_.stress.empty()) open_.stress.push_back(v.stress);
-    }
+    for (const Vertex& v : polygon) add_point(v, cell);
     for (int i = 2; i < static_cast<int>(polygon.size()); ++i)
       open_.mesh.boundary.push_back({{first, first + i - 1, first + i}, cell, surface});
   }
@@ -123,6 +143,7 @@ class Opening {
   const DrawnBody& whole_;
   const std::array<Vec3, 2>& directions_;
   std::vector<std::array<double, 2>> height_;  ///< of the points of the whole body
+  std::vector<int> number_of_;                 ///< those that are kept: among the points of the open one; -1: not yet
   DrawnBody open_;
 };
 

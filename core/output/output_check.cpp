@@ -434,8 +434,11 @@ class Workshop {
   Workshop(const Workshop&) = delete;
   Workshop& operator=(const Workshop&) = delete;
   fs::path path() const { return path_; }
-  void deliver(const std::string& name, const fs::path& directory) const {
-    if (fs::exists(path_ / name)) fs::rename(path_ / name, directory / name);
+  /// False: there is no such file.
+  bool deliver(const std::string& name, const fs::path& directory) const {
+    if (!fs::exists(path_ / name)) return false;
+    fs::rename(path_ / name, directory / name);
+    return true;
   }
 
  private:
@@ -459,8 +462,7 @@ std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector
   return list;
 }
 
-std::vector<std::string> write_check(const Scene& scene, const std::vector<CheckedBody>& bodies,
-                                     const std::string& directory) try {
+CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::string& directory) try {
   const Workshop workshop(directory);
   const MarkedFaces faces(scene, bodies);
   Drawing drawing = make_drawing(scene, bodies, faces);
@@ -472,13 +474,14 @@ std::vector<std::string> write_check(const Scene& scene, const std::vector<Check
   for (const CheckedBody& body : bodies) cut_cells.push_back(body.cut_cells);
   write_vtk_cells(drawing.drawn, cut_cells, (workshop.path() / "check_cells.vtkhdf").string());
   write_faces(drawing, (workshop.path() / "check_faces.vtkhdf").string());
-  std::vector<std::string> warnings;
+  CheckFiles written;
   if (!runs.finish().empty())
-    warnings.emplace_back("no check.png: the program gnuplot was not found (Debian package gnuplot-nox) or failed");
+    written.warnings.emplace_back(
+        "no check.png: the program gnuplot was not found (Debian package gnuplot-nox) or failed");
   for (const char* name : {"check.png", "check_repair.png", "check_faces.vtkhdf", "check_cells.vtkhdf"})
-    workshop.deliver(name, directory);
+    if (workshop.deliver(name, directory)) written.names.emplace_back(name);
   if (repairs.empty()) fs::remove(fs::path(directory) / "check_repair.png");  // of an earlier check
-  return warnings;
+  return written;
 } catch (const fs::filesystem_error& error) {
   throw InputError(fmt::format("cannot write to {}: {}", directory, error.code().message()));
 }

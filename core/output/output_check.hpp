@@ -9,15 +9,19 @@
 
 namespace cgcontact {
 
+/// What write_check has written.
+struct CheckFiles {
+  std::vector<std::string> names, warnings;  ///< warnings: no gnuplot, no picture
+};
+
 /// Writes into `directory` (made if it is missing; other files in it stay):
 /// - check.png: the scene with its bodies in different colours; each body from two sides with its faces numbered and
 ///   coloured by what holds there (support, load, contact), and a slice through its grid with the cut cells; legends.
 /// - check_faces.vtkhdf: the boundary; cell arrays body, face (the numbers of the picture), support, load, contact.
 /// - check_cells.vtkhdf: the cells; cell arrays body, cell, cut, volume_fraction.
-/// Returns warnings (no gnuplot, no picture). Throws InputError if the files cannot be written; the old ones are then
-/// still there.
-std::vector<std::string> write_check(const Scene& scene, const std::vector<CheckedBody>& bodies,
-                                     const std::string& directory);
+/// - check_repair.png, where surfaces have been repaired on request (core/output/output_repair.hpp).
+/// Throws InputError if the files cannot be written; the old ones are then still there.
+CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::string& directory);
 
 /// A face of a picture of draw_conditions.
 struct ConditionFace {

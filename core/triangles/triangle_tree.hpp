@@ -14,6 +14,20 @@ namespace cgcontact {
 /// Corners as indices into a list of points, counterclockwise seen from outside.
 using Triangle = std::array<int, 3>;
 
+/// Triangles in halves, these in halves again, and so on: divided across the longest side of the box around their
+/// centres.
+struct TriangleHalves {
+  /// A leaf has right < 0; the left child follows its parent.
+  struct Node {
+    int right, begin, end;  ///< its triangles: a range of `order`
+  };
+  /// Leaves have at most `leaf_size` triangles.
+  TriangleHalves(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles, int leaf_size);
+
+  std::vector<int> order;   ///< triangles, those of a node together
+  std::vector<Node> nodes;  ///< at least the root
+};
+
 class TriangleTree {
  public:
   TriangleTree() = default;
@@ -35,9 +49,9 @@ class TriangleTree {
     while (size > 0) {
       const int n = stack[--size];
       if (!enter(boxes_[n].min, boxes_[n].max)) continue;
-      const Node& node = topology_->nodes[n];
+      const TriangleHalves::Node& node = topology_->halves.nodes[n];
       if (node.right < 0) {
-        for (int i = node.begin; i < node.end; ++i) use(topology_->order[i]);
+        for (int i = node.begin; i < node.end; ++i) use(topology_->halves.order[i]);
       } else {
         stack[size++] = node.right;
         stack[size++] = n + 1;
@@ -55,10 +69,11 @@ class TriangleTree {
     while (size > 0) {
       const auto [distance, n] = stack[--size];
       if (distance > limit()) continue;
-      const Node& node = topology_->nodes[n];
-      if (group >= 0 && node.group >= 0 && node.group != group) continue;
+      const int group_of_node = topology_->group_of_node[n];
+      if (group >= 0 && group_of_node >= 0 && group_of_node != group) continue;
+      const TriangleHalves::Node& node = topology_->halves.nodes[n];
       if (node.right < 0) {
-        for (int i = node.begin; i < node.end; ++i) use(topology_->order[i]);
+        for (int i = node.begin; i < node.end; ++i) use(topology_->halves.order[i]);
         continue;
       }
       std::pair<double, int> near{squared_distance(n + 1, x), n + 1}, far{squared_distance(node.right, x), node.right};
@@ -73,14 +88,9 @@ class TriangleTree {
   struct Box {
     Vec3 min, max;
   };
-  /// A leaf has right < 0; the left child follows its parent.
-  struct Node {
-    int right, begin, end;
-    int group;  ///< of all its triangles, -1: of several
-  };
   struct Topology {
-    std::vector<int> order;  ///< triangles, those of a leaf together
-    std::vector<Node> nodes;
+    TriangleHalves halves;
+    std::vector<int> group_of_node;  ///< of all triangles of the node, -1: they are of several
   };
 
   double squared_distance(int node, const Vec3& x) const {

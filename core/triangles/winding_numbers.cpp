@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace cgcontact {
 namespace {
@@ -23,73 +22,51 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 WindingNumbers::WindingNumbers(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles,
                                const std::vector<Passes>& passes)
-    : points_(points), triangles_(triangles), passes_(passes), order_(triangles.size()) {
-  std::iota(order_.begin(), order_.end(), 0);
-  const auto centre = [&](int t) -> Vec3 {
-    return points[triangles[t][0]] + points[triangles[t][1]] + points[triangles[t][2]];
-  };
-  struct Task {
-    int begin, end, parent;
-  };
-  std::vector<Task> tasks;
-  if (!order_.empty()) tasks.push_back({0, static_cast<int>(order_.size()), -1});
-  while (!tasks.empty()) {
-    const auto [begin, end, parent] = tasks.back();
-    tasks.pop_back();
-    const int number = static_cast<int>(nodes_.size());
-    if (parent >= 0) nodes_[parent].right = number;
-    nodes_.push_back({-1, begin, end, Vec3::Zero(), 0});
-    fill(nodes_.back());
-    if (end - begin <= leaf_size) continue;
-    Eigen::AlignedBox3d box;
-    for (int i = begin; i < end; ++i) box.extend(centre(order_[i]));
-    int axis = 0;
-    box.sizes().maxCoeff(&axis);
-    const int middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](int a, int b) { return centre(a)[axis] < centre(b)[axis]; });
-    tasks.push_back({middle, end, number});  // the right child, numbered when the left one is complete
-    tasks.push_back({begin, middle, -1});
-  }
+    : points_(points), triangles_(triangles), passes_(passes), halves_(points, triangles, leaf_size) {
+  for (const TriangleHalves::Node& node : halves_.nodes) clusters_.push_back(cluster(node));
 }
 
-void WindingNumbers::fill(Node& node) const {
+WindingNumbers::Cluster WindingNumbers::cluster(const TriangleHalves::Node& node) const {
+  Cluster cluster;
   double area = 0;
-  for (Vec3& dipole : node.dipole) dipole.setZero();
+  for (Vec3& dipole : cluster.dipole) dipole.setZero();
   for (int i = node.begin; i < node.end; ++i) {
-    const Triangle& t = triangles_[order_[i]];
+    const int number = halves_.order[i];
+    const Triangle& t = triangles_[number];
     const Vec3 normal = (points_[t[1]] - points_[t[0]]).cross(points_[t[2]] - points_[t[0]]) / 2;
     area += normal.norm();
-    node.centre += normal.norm() * (points_[t[0]] + points_[t[1]] + points_[t[2]]) / 3;
-    for (std::size_t k = 0; k < num_surfaces; ++k) node.dipole[k] += passes_[order_[i]][k] * normal;
+    cluster.centre += normal.norm() * (points_[t[0]] + points_[t[1]] + points_[t[2]]) / 3;
+    for (std::size_t k = 0; k < num_surfaces; ++k) cluster.dipole[k] += passes_[number][k] * normal;
   }
-  if (area > 0) node.centre /= area;
+  if (area > 0) cluster.centre /= area;
   for (int i = node.begin; i < node.end; ++i)
-    for (const int p : triangles_[order_[i]]) node.radius = std::max(node.radius, (points_[p] - node.centre).norm());
+    for (const int p : triangles_[halves_.order[i]])
+      cluster.radius = std::max(cluster.radius, (points_[p] - cluster.centre).norm());
+  return cluster;
 }
 
 std::array<double, WindingNumbers::num_surfaces> WindingNumbers::at(const Vec3& x, int left_out) const {
   std::array<double, num_surfaces> sum{};
-  std::vector<int> open;
-  if (!nodes_.empty()) open.push_back(0);
+  std::vector<int> open{0};
   while (!open.empty()) {
     const int n = open.back();
     open.pop_back();
-    const Node& node = nodes_[n];
-    const Vec3 to = node.centre - x;
+    const TriangleHalves::Node& node = halves_.nodes[n];
+    const Cluster& cluster = clusters_[n];
+    const Vec3 to = cluster.centre - x;
     const double distance = to.norm();
-    if (distance > far * node.radius) {
+    if (distance > far * cluster.radius) {
       for (std::size_t k = 0; k < num_surfaces; ++k)
-        sum[k] += node.dipole[k].dot(to) / (4 * pi * distance * distance * distance);
+        sum[k] += cluster.dipole[k].dot(to) / (4 * pi * distance * distance * distance);
     } else if (node.right >= 0) {
       open.push_back(node.right);
       open.push_back(n + 1);
     } else {
       for (int i = node.begin; i < node.end; ++i) {
-        if (order_[i] == left_out) continue;
-        const Triangle& t = triangles_[order_[i]];
+        if (halves_.order[i] == left_out) continue;
+        const Triangle& t = triangles_[halves_.order[i]];
         const double angle = solid_angle(points_[t[0]] - x, points_[t[1]] - x, points_[t[2]] - x);
-        for (std::size_t k = 0; k < num_surfaces; ++k) sum[k] += passes_[order_[i]][k] * angle;
+        for (std::size_t k = 0; k < num_surfaces; ++k) sum[k] += passes_[halves_.order[i]][k] * angle;
       }
     }
   }

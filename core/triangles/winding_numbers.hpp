@@ -24,21 +24,20 @@ class WindingNumbers {
   std::array<double, num_surfaces> at(const Vec3& x, int left_out) const;
 
  private:
-  /// A leaf has right < 0; the left child follows its parent.
-  struct Node {
-    int right, begin, end;
-    Vec3 centre;                              ///< of the triangles' areas
-    double radius;                            ///< to the farthest corner
+  /// Seen from afar.
+  struct Cluster {
+    Vec3 centre = Vec3::Zero();               ///< of the triangles' areas
+    double radius = 0;                        ///< to the farthest corner
     std::array<Vec3, num_surfaces> dipole{};  ///< area vectors times passes
   };
 
-  void fill(Node& node) const;
+  Cluster cluster(const TriangleHalves::Node& node) const;
 
   const std::vector<Vec3>& points_;
   const std::vector<Triangle>& triangles_;
   const std::vector<Passes>& passes_;
-  std::vector<int> order_;  ///< triangles, those of a node together
-  std::vector<Node> nodes_;
+  const TriangleHalves halves_;
+  std::vector<Cluster> clusters_;  ///< of the nodes of halves_
 };
 
 }  // namespace cgcontact
