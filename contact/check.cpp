@@ -29,7 +29,8 @@ std::string describe_body(const BodyModel& body) {
   if (cc.num_levels() > 1) {
     text += "  levels:";
     for (int l = 0; l < cc.num_levels(); ++l)
-      text += fmt::format("{} {} cells of {:g} m", l == 0 ? "" : ",", cc.parts[l].cells.size(), cc.grid.cell_size_of(l));
+      text +=
+          fmt::format("{} {} cells of {:g} m", l == 0 ? "" : ",", cc.parts[l].cells.size(), cc.grid.cell_size_of(l));
     text += "\n";
   }
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";

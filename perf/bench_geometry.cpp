@@ -84,7 +84,7 @@ Kernel moments(int size, bool curved) {
       p->result[c] = cell_moments(*as_csg(p->cc.solid), p->local[c], p->cc.cells[p->cc.active_of_cut[c]]);
   };
   run();
-  p->cc.moments = p->result;
+  p->cc.moments = MomentList(p->result);
   Kernel k;
   k.unit = "cells";
   k.items = static_cast<double>(p->local.size());

@@ -49,8 +49,8 @@ int finest_level(const CutCells& cells, const Vec3& low, const Vec3& high) {
   return finest;
 }
 
-/// Planes of the other grid that cross a cell, in the cell's grid coordinates: of the smallest cells that there are near
-/// it, so that every part of a surface in the cell sees one cell only.
+/// Planes of the other grid that cross a cell, in the cell's grid coordinates: of the smallest cells that there are
+/// near it, so that every part of a surface in the cell sees one cell only.
 std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCells& other_cells) {
   const Grid &grid = own.grid, &other = other_cells.grid;
   const Mat3 to_other = other.rotation.transpose() * grid.rotation * (grid.cell_size / other.cell_size);

@@ -106,7 +106,8 @@ std::vector<Vec3> press_directions(int num_levels, const std::vector<CellPlace>&
   if (edges.empty()) return directions;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     bool near = false;
-    each_place_around(num_levels, cells[i], near_edge, [&](const CellPlace& at) { near = near || edges.count(at) > 0; });
+    each_place_around(num_levels, cells[i], near_edge,
+                      [&](const CellPlace& at) { near = near || edges.count(at) > 0; });
     if (!near) continue;
     FacingNormals around;
     places.visit(cells[i], near_edge, [&](const Places::Entry& other) { around.add(*other.normals); });

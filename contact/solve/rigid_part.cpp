@@ -12,9 +12,7 @@ namespace {
 /// Nodes per chunk of the parallel loops.
 constexpr std::size_t grain = 4096;
 
-Vec3 grid_position(const BodyMesh& mesh, std::size_t node) {
-  return mesh.node_position(static_cast<int>(node));
-}
+Vec3 grid_position(const BodyMesh& mesh, std::size_t node) { return mesh.node_position(static_cast<int>(node)); }
 
 Vec3 displacement(const BodyMesh& mesh, const RealView& u, std::size_t node) {
   const std::size_t first = dof_offset(mesh.first_node + node);

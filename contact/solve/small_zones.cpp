@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/base/parallel.hpp"
 #include "core/cells/cells_around.hpp"
@@ -23,23 +24,38 @@ constexpr double width_of_overlap = 0.7;
 /// Samples serve until the overlap has grown or shrunk by that.
 constexpr double grown = 1.5, shrunk = 0.5;
 
-/// Groups by the cells that they belong to, each place that of a cell of one body.
+/// Groups of a pair by the cells of its primary body that they have points in: several, under a larger cell of the
+/// other body.
 class GroupPlaces {
  public:
-  GroupPlaces(const CutCells& cells) : cells_(cells) {}
-  void add(int cell, std::size_t group) { groups_[place_of(cells_, cell)].push_back(group); }
+  /// first: number of the pair's first group.
+  GroupPlaces(const CutCells& cells, const ContactPair& pair, std::size_t first)
+      : cells_(cells), pair_(pair), first_(first) {}
+  void add(std::size_t group) {
+    for (const int cell : cells_of(group)) groups_[place_of(cells_, cell)].push_back(group);
+  }
   /// A group may be visited more than once.
   template <typename Visit>
-  void each_around(int cell, int reach, const Visit& visit) const {
-    each_place_around(cells_.num_levels(), place_of(cells_, cell), reach, [&](const CellPlace& at) {
-      const auto place = groups_.find(at);
-      if (place == groups_.end()) return;
-      for (const std::size_t g : place->second) visit(g);
-    });
+  void each_around(std::size_t group, int reach, const Visit& visit) const {
+    for (const int cell : cells_of(group))
+      each_place_around(cells_.num_levels(), place_of(cells_, cell), reach, [&](const CellPlace& at) {
+        const auto place = groups_.find(at);
+        if (place == groups_.end()) return;
+        for (const std::size_t g : place->second) visit(g);
+      });
   }
 
  private:
+  std::set<int> cells_of(std::size_t group) const {
+    const ContactGroup& own = pair_.groups[group - first_];
+    std::set<int> cells;
+    for (int q = own.first_point; q < own.last_point; ++q) cells.insert(pair_.points[q].primary_cell);
+    return cells;
+  }
+
   const CutCells& cells_;
+  const ContactPair& pair_;
+  const std::size_t first_;
   std::map<CellPlace, std::vector<std::size_t>> groups_;
 };
 
@@ -169,12 +185,10 @@ double SmallZones::effective_modulus(std::size_t pair) const {
 /// neighbours are all closed.
 std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   const ContactPair& p = pairs_[pair];
-  const CutCells& cells = bodies_[p.primary].cut_cells;
-  GroupPlaces places(cells);
+  GroupPlaces places(bodies_[p.primary].cut_cells, p, 0);
   std::vector<char> closed(p.groups.size(), 0), resolved(p.groups.size(), 0), near(p.groups.size(), 0);
-  const auto cell_of = [&](std::size_t g) { return p.points[p.groups[g].first_point].primary_cell; };
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
-    places.add(cell_of(g), g);
+    places.add(g);
     if (has(first_[pair] + g)) continue;
     for (int q = p.groups[g].first_point; q < p.groups[g].last_point; ++q) closed[g] |= p.points[q].active;
   }
@@ -182,15 +196,15 @@ std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
     if (!closed[g]) continue;
     bool inside = true;
-    places.each_around(cell_of(g), 1, [&](std::size_t other) { inside &= closed[other] != 0; });
+    places.each_around(g, 1, [&](std::size_t other) { inside &= closed[other] != 0; });
     if (inside) next.push_back(g);
   }
   for (const std::size_t g : next) resolved[g] = 1;
   while (!next.empty()) {
     const std::size_t g = next.back();
     next.pop_back();
-    places.each_around(cell_of(g), 2, [&](std::size_t other) { near[other] = 1; });
-    places.each_around(cell_of(g), 1, [&](std::size_t other) {
+    places.each_around(g, 2, [&](std::size_t other) { near[other] = 1; });
+    places.each_around(g, 1, [&](std::size_t other) {
       if (!closed[other] || resolved[other]) return;
       resolved[other] = 1;
       next.push_back(other);
@@ -216,12 +230,10 @@ void SmallZones::sample(std::size_t pair, std::size_t g, double overlap) {
 
 /// Groups with samples, joined over neighbouring cells.
 std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vector<std::size_t>& groups) const {
-  const CutCells& cells = bodies_[pairs_[pair].primary].cut_cells;
-  GroupPlaces places(cells);
-  const auto cell_of = [&](std::size_t g) { return first_point(pair, g).primary_cell; };
+  GroupPlaces places(bodies_[pairs_[pair].primary].cut_cells, pairs_[pair], first_[pair]);
   std::map<std::size_t, bool> seen;
   for (const std::size_t g : groups) {
-    places.add(cell_of(g), g);
+    places.add(g);
     seen[g] = false;
   }
   std::vector<Zone> zones;
@@ -234,7 +246,7 @@ std::vector<SmallZones::Zone> SmallZones::zones(std::size_t pair, const std::vec
       const std::size_t g = next.back();
       next.pop_back();
       zones.back().groups.push_back(g);
-      places.each_around(cell_of(g), 1, [&](std::size_t other) {
+      places.each_around(g, 1, [&](std::size_t other) {
         if (seen[other]) return;
         seen[other] = true;
         next.push_back(other);

@@ -89,9 +89,6 @@ class SmallZones {
                   const std::vector<double>& group_force) const;
   double effective_modulus(std::size_t pair) const;
   const ContactGroup& group(std::size_t pair, std::size_t g) const { return pairs_[pair].groups[g - first_[pair]]; }
-  const ContactPoint& first_point(std::size_t pair, std::size_t g) const {
-    return pairs_[pair].points[group(pair, g).first_point];
-  }
   double deepest_squeeze(const std::vector<double>& gap_change, const std::vector<double>& group_force) const;
   double nearest_distance(std::size_t pair, std::size_t g) const;
   void set_active_points(std::size_t pair, std::size_t g, double change, double extra);

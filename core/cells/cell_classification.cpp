@@ -40,8 +40,8 @@ class Classifier {
     visit(begin, end, std::vector<signed char>(body_.surfaces().size(), -1));
   }
 
-  /// The children of all refined cells, at the border of the grid with one more layer: by rounding, a face in it may lie
-  /// just outside.
+  /// The children of all refined cells, at the border of the grid with one more layer: by rounding, a face in it may
+  /// lie just outside.
   void visit_children() {
     leaves_.tree->refined(leaves_.level - 1).each([&](const Index3& parent) {
       Index3 begin, end;

@@ -22,8 +22,8 @@ struct LeafLevel {
   bool has(const Index3& cell) const { return !tree || tree->is_leaf(level, cell); }
 };
 
-/// By BodyGeometry::side_of_block, of a body in the coordinates of the grid (of that level). Throws InputError if a cell
-/// outside of the grid is wholly inside.
+/// By BodyGeometry::side_of_block, of a body in the coordinates of the grid (of that level). Throws InputError if a
+/// cell outside of the grid is wholly inside.
 CellClasses classify_cells(const BodyGeometry& body, const Grid& grid, const LeafLevel& leaves = {});
 
 /// The estimate of BodyGeometry::estimate_cells for a body in global axes, by classifying the cells of a coarser grid.

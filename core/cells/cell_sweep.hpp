@@ -1,4 +1,5 @@
-/// The cells of a grid (or of one level of it) that a body fills or crosses, found in parts that do not depend on each other.
+/// The cells of a grid (or of one level of it) that a body fills or crosses, found in parts that do not depend on each
+/// other.
 #pragma once
 
 #include <algorithm>

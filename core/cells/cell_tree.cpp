@@ -30,15 +30,17 @@ CellTree::CellTree(const Index3& num_cells, const std::vector<std::vector<Index3
   while (levels > 0 && refined[levels - 1].empty()) --levels;
   for (const int n : num_cells)
     if (levels > 0 && static_cast<double>(n) * std::pow(2.0, levels) > std::numeric_limits<int>::max())
-      throw InputError(fmt::format("{} cells and {} levels of refinement are more than 32-bit numbers hold", n, levels));
+      throw InputError(
+          fmt::format("{} cells and {} levels of refinement are more than 32-bit numbers hold", n, levels));
   refined_.resize(levels);
   for (int l = levels - 1; l >= 0; --l) {
     refined_[l] = GridNumbers(cells_of_level(num_cells, l));
     for (const Index3& cell : refined[l]) refined_[l].insert(cell);
     if (l + 1 < levels)
       refined_[l + 1].each([&](const Index3& cell) {
-        each_around(cell, cells_of_level(num_cells, l + 1),
-                    [&](const Index3& c) { refined_[l].insert({c[0] >> 1, c[1] >> 1, c[2] >> 1}); });
+        each_around(cell, cells_of_level(num_cells, l + 1), [&](const Index3& c) {
+          refined_[l].insert({c[0] >> 1, c[1] >> 1, c[2] >> 1});
+        });
       });
     refined_[l].number();
   }

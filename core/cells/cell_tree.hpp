@@ -17,9 +17,9 @@ class CellTree {
   /// One level: no cell is refined.
   CellTree() = default;
 
-  /// refined[l]: cells of level l (size 2^-l) to be divided, inside of the grid. Divides more where the balance asks for
-  /// it: the parents of the 3 x 3 x 3 block round each of them exist only if divided. Throws InputError if a level has
-  /// more cells per direction than 32-bit numbers hold.
+  /// refined[l]: cells of level l (size 2^-l) to be divided, inside of the grid. Divides more where the balance asks
+  /// for it: the parents of the 3 x 3 x 3 block round each of them exist only if divided. Throws InputError if a level
+  /// has more cells per direction than 32-bit numbers hold.
   CellTree(const Index3& num_cells, const std::vector<std::vector<Index3>>& refined);
 
   int num_levels() const { return static_cast<int>(refined_.size()) + 1; }
@@ -33,8 +33,8 @@ class CellTree {
     return !is_refined(level, cell) &&
            (level == 0 || is_refined(level - 1, {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1}));
   }
-  /// The tree with every cell whose parts are all leaves put together again, for as far as the balance allows: one level
-  /// less.
+  /// The tree with every cell whose parts are all leaves put together again, for as far as the balance allows: one
+  /// level less.
   CellTree coarsened() const;
   /// The divided cells of a level.
   const GridNumbers& refined(int level) const { return refined_[level]; }

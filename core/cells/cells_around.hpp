@@ -50,7 +50,8 @@ void each_cell_beside(const CutCells& cells, int active, const Use& use) {
     if (level > 0) take(level - 1, {next[0] >> 1, next[1] >> 1, next[2] >> 1});
     if (level + 1 >= cells.num_levels()) continue;
     for (int a = 0; a < 8; ++a)
-      if ((a >> d & 1) != side) take(level + 1, {2 * next[0] + (a & 1), 2 * next[1] + (a >> 1 & 1), 2 * next[2] + (a >> 2)});
+      if ((a >> d & 1) != side)
+        take(level + 1, {2 * next[0] + (a & 1), 2 * next[1] + (a >> 1 & 1), 2 * next[2] + (a >> 2)});
   }
 }
 

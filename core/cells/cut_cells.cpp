@@ -454,8 +454,7 @@ Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi)
 }
 
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
-                        const std::vector<Plane>& face_dividers, const GeometryOptions& options,
-                        const CellTree& tree) {
+                        const std::vector<Plane>& face_dividers, const GeometryOptions& options, const CellTree& tree) {
   for (int k = 0; k < 3; ++k)
     if (grid.num_cells[k] < 1) throw InputError("the grid has no cells");
   return CutCellBuilder(solid_in_grid_coordinates, grid, face_dividers, options, tree).run();

@@ -43,8 +43,8 @@ struct CutCells {
   /// unit of the grid coordinates; without solid, boundary and adoptions. Share the moments. Empty: one level.
   std::vector<CutCells> parts;
   std::shared_ptr<const CellTree> tree;  ///< which cells are refined
-  std::vector<Solid> part_solids;  ///< the body in the grid coordinates of each part
-  std::vector<int> first_of_part;  ///< first active cell of each part, and the end
+  std::vector<Solid> part_solids;        ///< the body in the grid coordinates of each part
+  std::vector<int> first_of_part;        ///< first active cell of each part, and the end
 
   int num_levels() const { return parts.empty() ? 1 : static_cast<int>(parts.size()); }
   int level(int active) const { return levels.empty() ? 0 : levels[active]; }

@@ -59,8 +59,8 @@ class BodyGeometry {
   virtual int side_of_block(const Vec3& centre, const Vec3& half_size, std::vector<signed char>& sides) const;
   /// The cells inside and their integrals where the boundary passes (core/cells/cell_sweep.hpp), of a body in the
   /// coordinates of the grid. Pieces of the boundary are cut at the dividers, `order`: of the rule on them
-  /// (boundary_points_of_cell). Cells that are no leaves of the level may be left out. This body, grid and dividers must
-  /// outlive the sweep.
+  /// (boundary_points_of_cell). Cells that are no leaves of the level may be left out. This body, grid and dividers
+  /// must outlive the sweep.
   virtual std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
                                                  const LeafLevel& leaves) const = 0;
   /// Appends the points on the pieces of boundary in one cell, of the surfaces that are `selected`; they belong to the

@@ -5,8 +5,8 @@
 /// A vector of free values x becomes a vector of all local values P x by two steps, each with its transpose:
 ///   ghosts       doImport with the importer, REPLACE    doExport, ADD_ASSIGN, into zero (ADD loses copies)
 ///   constraints  apply_constraints                      apply_constraints_transposed
-/// The products run with one rank today, and without constraints where all cells are of one size; then both steps are the
-/// identity and cost nothing.
+/// The products run with one rank today, and without constraints where all cells are of one size; then both steps are
+/// the identity and cost nothing.
 ///
 /// Two kinds of vectors: displacements are consistent (constrained nodes have the value that their masters give them),
 /// forces and residuals are zero at constrained nodes. Sums of each kind are of that kind, and the product of one with

@@ -1,5 +1,5 @@
-/// The constraints of the nodes where cells of different size meet. With cells that differ by one level at most, corners
-/// included (CellTree), no master is constrained itself.
+/// The constraints of the nodes where cells of different size meet. With cells that differ by one level at most,
+/// corners included (CellTree), no master is constrained itself.
 #pragma once
 
 #include <vector>

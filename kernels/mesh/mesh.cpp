@@ -22,8 +22,8 @@ BodyMesh empty_mesh(const CutCells& cut_cells, const Material& material, const S
   return mesh;
 }
 
-/// Faces of a part towards cells of twice the size, of one of the parts before it (or of the same size, which parts have
-/// on coarse levels of multigrid).
+/// Faces of a part towards cells of twice the size, of one of the parts before it (or of the same size, which parts
+/// have on coarse levels of multigrid).
 std::vector<LevelFace> find_level_faces(const std::vector<CutCells>& parts, std::size_t own) {
   std::vector<LevelFace> faces;
   const CutCells& cells = parts[own];

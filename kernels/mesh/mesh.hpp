@@ -18,12 +18,12 @@ struct Scales {
   double stress = 1;  ///< Pa
 };
 
-/// A face between a cell and a cell of twice the size beside it, that carries the ghost penalty. On its level the larger
-/// cell is represented by a virtual child, which has nodes but no stiffness.
+/// A face between a cell and a cell of twice the size beside it, that carries the ghost penalty. On its level the
+/// larger cell is represented by a virtual child, which has nodes but no stiffness.
 struct LevelFace {
-  int cell;        ///< the smaller cell
-  Index3 lower;    ///< place of the lower of the two cells: the smaller one or the virtual child
-  int direction;   ///< of the face's normal
+  int cell;       ///< the smaller cell
+  Index3 lower;   ///< place of the lower of the two cells: the smaller one or the virtual child
+  int direction;  ///< of the face's normal
 };
 
 /// Active nodes of one body (corners of active cells) and the nodes of its cells.
@@ -75,8 +75,8 @@ bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 /// The virtual children of a part, one per face.
 std::vector<Index3> virtual_cells(const BodyMesh& part);
 
-/// Of cells of one level, or of cells with parts of descending (or equal) size; with parts, the body's own lists are made
-/// if it has cells of its own beside those of its parts.
+/// Of cells of one level, or of cells with parts of descending (or equal) size; with parts, the body's own lists are
+/// made if it has cells of its own beside those of its parts.
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node);
 
 }  // namespace cgcontact

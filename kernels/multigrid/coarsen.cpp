@@ -60,7 +60,8 @@ const Moments& moments_of(const CutCells& cells, int active) {
 /// Children of a cell, -1 where there is none.
 std::array<int, 8> children_of(const CutCells& fine, const Index3& c) {
   std::array<int, 8> children;
-  for (int a = 0; a < 8; ++a) children[a] = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
+  for (int a = 0; a < 8; ++a)
+    children[a] = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
   return children;
 }
 

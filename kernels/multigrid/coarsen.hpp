@@ -35,8 +35,8 @@ class CoarseCells {
   std::vector<int> larger_;  ///< that with cells of twice the size, -1: none
 };
 
-/// Support points in their coarse cells, of all parts, with half the stiffness in a larger cell; at most 27 per cell and
-/// direction. Unchanged where the body is carried over.
+/// Support points in their coarse cells, of all parts, with half the stiffness in a larger cell; at most 27 per cell
+/// and direction. Unchanged where the body is carried over.
 std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse);
 
 /// Trilinear prolongation P: x_fine(n) = 1/8 sum_a x_coarse(parents(n, a)), parents repeated where n lies on a coarse

@@ -63,8 +63,8 @@ struct ElasticSystem {
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty);
 
-/// Entries of a row (DoF, coefficient) in any order, on the masters of constrained nodes instead of them; sorted by DoF,
-/// each once.
+/// Entries of a row (DoF, coefficient) in any order, on the masters of constrained nodes instead of them; sorted by
+/// DoF, each once.
 void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int, double>>& entries);
 
 /// Adds support terms to a body; support points lie in cut cells only. cell: of the body.

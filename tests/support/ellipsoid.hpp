@@ -106,7 +106,8 @@ class Ellipsoid final : public BodyGeometry {
     const double distance = shape_.to_unit(centre).norm(), reach = half_size.norm() / shape_.smallest();
     return distance + reach < 1 ? 1 : distance - reach > 1 ? 0 : -1;
   }
-  std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>&, int, const LeafLevel& leaves) const override {
+  std::unique_ptr<CellSweep> sweep_cells(const Grid& grid, const std::vector<Plane>&, int,
+                                         const LeafLevel& leaves) const override {
     return std::make_unique<CellByCell>(*this, grid, leaves, [this](const Index3& cell, SweptCells& found) {
       found.crossed.push_back({cell, moments(cell), {}});
       add_points(cell, {}, 0, found.crossed.back().points);
