@@ -8,6 +8,7 @@
 #include "contact/motions/statics.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
+#include "recovery/patch/patches.hpp"
 
 namespace cgcontact {
 namespace {
@@ -81,15 +82,16 @@ EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
   const Vec3 position = cc.grid.to_grid(row.x), xi = cell_coordinates(cc, row.cell, position);
   double N[8];
   hex_shape(xi.data(), N);
-  for (int a = 0; a < 8; ++a) {
-    const EdgeTerms::Term* term = field.edge->of_node(mesh.cell_nodes[row.cell][a] - mesh.first_node);
-    if (!term) continue;
-    const ContactEdge& edge = term->edge;
-    const double s = edge.inside(position);
-    result.inside = std::min(result.inside, s / edge.scale * h);
-    result.change += N[a] * std::abs(term->factor) *
-                     std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * state.scales.stress;
-  }
+  for (int a = 0; a < 8; ++a)
+    each_master(mesh, mesh.cell_nodes[row.cell][a] - mesh.first_node, [&](int node, double weight) {
+      const EdgeTerms::Term* term = field.edge->of_node(node);
+      if (!term) return;
+      const ContactEdge& edge = term->edge;
+      const double s = edge.inside(position);
+      result.inside = std::min(result.inside, s / edge.scale * h);
+      result.change += weight * N[a] * std::abs(term->factor) *
+                       std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * state.scales.stress;
+    });
   return result;
 }
 

@@ -1,6 +1,6 @@
 /// Constants of the edge of contact zones: how it is found, and what of it patches take. Lengths in cells, the larger
 /// ones of both bodies there. `build/serial/perf/edge_calibration` prints what each does (docs/recovery.md, "Constants
-/// of the edge").
+/// of the edge: an ablation").
 #pragma once
 
 #include "core/settings/settings.hpp"

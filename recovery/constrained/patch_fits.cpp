@@ -1,6 +1,7 @@
 /// The fits of a patch before constraints, and the integrals they are made of.
 #include <algorithm>
 
+#include "core/cells/cells_around.hpp"
 #include "recovery/constrained/patch_assembly.hpp"
 #include "recovery/patch/cells_in_box.hpp"
 
@@ -131,7 +132,7 @@ StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<Pat
     fit_cells(body, n, polynomials[n], cells);
     for (int c : cells) marked[c] = 1;
   }
-  mark_around(cc, closed, static_cast<int>(std::ceil(options.auxiliary_depth)) + rings, marked);
+  mark_cells_around(cc, closed, static_cast<int>(std::ceil(options.auxiliary_depth)) + rings, marked);
   return integrate_stress(*body.mesh, stress, Subset(marked));
 }
 

@@ -6,7 +6,6 @@
 
 #include "core/base/parallel.hpp"
 #include "core/geometry/solid_middle.hpp"
-#include "recovery/patch/cells_in_box.hpp"
 #include "recovery/patch/patch_arrays.hpp"
 
 namespace cgcontact {
@@ -182,43 +181,6 @@ PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cell
 }
 
 }  // namespace
-
-void mark_around(const CutCells& cc, std::vector<Index3> cells, int reach, std::vector<char>& marked) {
-  std::vector<Index3> grown;
-  for (int axis = 0; axis < 3; ++axis) {
-    // Line by line along the axis, so that each cell of the result comes once.
-    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
-    std::sort(cells.begin(), cells.end(), [&](const Index3& x, const Index3& y) {
-      return std::tie(x[c], x[b], x[axis]) < std::tie(y[c], y[b], y[axis]);
-    });
-    grown.clear();
-    for (Index3 cell : cells) {
-      const int last = cell[axis] + reach;
-      cell[axis] -= reach;
-      if (!grown.empty() && grown.back()[b] == cell[b] && grown.back()[c] == cell[c])
-        cell[axis] = std::max(cell[axis], grown.back()[axis] + 1);
-      for (; cell[axis] <= last; ++cell[axis]) grown.push_back(cell);
-    }
-    cells.swap(grown);
-  }
-  for (const Index3& c : cells) {
-    const int cell = cc.find(c);
-    if (cell >= 0) marked[cell] = 1;
-  }
-}
-
-void mark_around(const CutCells& cc, const std::vector<int>& cells, int reach, std::vector<char>& marked) {
-  if (cc.parts.empty()) {
-    std::vector<Index3> places;
-    for (int c : cells) places.push_back(cc.cells[c]);
-    mark_around(cc, std::move(places), reach, marked);
-    return;
-  }
-  for (int c : cells) {
-    const Vec3 low = cc.corner(c), width = Vec3::Constant(reach * cc.size(c));
-    each_cell_in(cc, low - width, low + Vec3::Constant(cc.size(c)) + width, [&](int cell) { marked[cell] = 1; });
-  }
-}
 
 void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked) {
   for (const int corner : mesh.cell_nodes[cell]) {

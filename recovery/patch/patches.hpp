@@ -61,9 +61,4 @@ void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked);
 /// least_volume: cells; smaller patches are joined with a neighbour's.
 PatchSet make_patches(const BodyMesh& mesh, double least_volume = 1);
 
-/// Marks the active cells at most `reach` cells away from any of the given ones along every axis: places in a grid of
-/// one level; active cells of any level, each with its own size as the unit.
-void mark_around(const CutCells& cut_cells, std::vector<Index3> cells, int reach, std::vector<char>& marked);
-void mark_around(const CutCells& cut_cells, const std::vector<int>& cells, int reach, std::vector<char>& marked);
-
 }  // namespace cgcontact

@@ -37,12 +37,17 @@ TEST(ContactPairs, PointsCoverTheFaceAndMeetTheOtherBody) {
 /// Half of the coarser body's cells are made smaller than the other body's: there a group is what lies under a cell of
 /// the other body, elsewhere what lies in a cell of its own.
 TEST(ContactPairs, GroupsBelongToTheLargerCell) {
-  const Scene scene = read("tests/scenes/gap.toml");
+  Scene scene = read("tests/scenes/gap.toml");
+  BodySpec& lower = scene.bodies[scene.bodies[0].name == "lower" ? 0 : 1];
+  RefineSpec half;
+  half.kind = RefineSpec::Kind::box;
+  half.min = Vec3(-1, -1, -1);
+  half.max = Vec3(0.3, 2, 2);
+  half.size = lower.cell_size / 8;
+  lower.refine = {half};
   std::vector<BodyModel> bodies = make_body_models(scene);
-  CutCells& coarser = bodies[scene.bodies[0].name == "lower" ? 0 : 1].cut_cells;
-  const auto is_small = [&](int cell) { return coarser.cells[cell][0] < coarser.grid.num_cells[0] / 2; };
-  coarser.grid.num_levels = 4;
-  for (int c = 0; c < static_cast<int>(coarser.cells.size()); ++c) coarser.levels.push_back(is_small(c) ? 3 : 0);
+  const CutCells& coarser = bodies[&lower - scene.bodies.data()].cut_cells;
+  ASSERT_EQ(coarser.num_levels(), 4);
   const std::vector<ContactPair> pairs = make_contact_pairs(scene, bodies);
   ASSERT_EQ(pairs.size(), 1u);
   const ContactPair& pair = pairs[0];
@@ -57,7 +62,8 @@ TEST(ContactPairs, GroupsBelongToTheLargerCell) {
     (group.body == pair.primary ? own : others) += 1;
     for (int q = group.first_point; q < group.last_point; ++q) {
       const ContactPoint& point = pair.points[q];
-      EXPECT_EQ(is_small(point.primary_cell), group.body == pair.secondary);
+      EXPECT_EQ(coarser.h(point.primary_cell) < bodies[pair.secondary].cut_cells.h(point.secondary_cell),
+                group.body == pair.secondary);
       EXPECT_EQ(group.body == pair.primary ? point.primary_cell : point.secondary_cell, group.cell);
       EXPECT_LE(group.h, coarser.h(point.primary_cell));
       EXPECT_LE(coarser.h(point.primary_cell), group.larger_cell);

@@ -1,6 +1,7 @@
 /// The fast loops of the recovery against plain ones: cell by cell with quadrature, patch by patch with dense matrices.
 #include <gtest/gtest.h>
 
+#include "core/cells/cells_around.hpp"
 #include "recovery/constrained/boundary_pieces.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 #include "recovery/error/error_estimate.hpp"
@@ -61,13 +62,14 @@ TEST(PlainTwins, CellStressIntegrals) {
 
 TEST(PlainTwins, CellsAround) {
   const Case c;
-  std::vector<Index3> some;
-  for (std::size_t e = 0; e < c.cc.cells.size(); e += 37) some.push_back(c.cc.cells[e]);
+  std::vector<int> some;
+  for (std::size_t e = 0; e < c.cc.cells.size(); e += 37) some.push_back(static_cast<int>(e));
   std::vector<char> marked(c.cc.cells.size(), 0);
-  mark_around(c.cc, some, 2, marked);
+  mark_cells_around(c.cc, some, 2, marked);
   int count = 0;
   for (std::size_t e = 0; e < c.cc.cells.size(); ++e) {
-    const bool near = std::any_of(some.begin(), some.end(), [&](const Index3& at) {
+    const bool near = std::any_of(some.begin(), some.end(), [&](const int other) {
+      const Index3& at = c.cc.cells[other];
       int most = 0;
       for (int d = 0; d < 3; ++d) most = std::max(most, std::abs(at[d] - c.cc.cells[e][d]));
       return most <= 2;
