@@ -497,20 +497,20 @@ void Clipper::drop_unused_points() {
 }
 
 /// Appends the mesh of one level of a body.
-void append_level(const ClippedMesh& level, double size, int first_cell, ClippedMesh& mesh) {
+void append_level(const ClippedMesh& level, int number, int first_cell, ClippedMesh& mesh) {
   const int first_point = static_cast<int>(mesh.points.size());
   const auto moved = [&](auto corners) {
     for (int& p : corners) p += first_point;
     return corners;
   };
-  for (const Vec3& x : level.points) mesh.points.emplace_back(size * x);
+  for (const Vec3& x : level.points) mesh.points.emplace_back(std::ldexp(1.0, -number) * x);
   for (const int cell : level.cell_of_point) mesh.cell_of_point.push_back(first_cell + cell);
   for (const auto& h : level.hexahedra) mesh.hexahedra.push_back(moved(h));
   for (const int cell : level.cell_of_hexahedron) mesh.cell_of_hexahedron.push_back(first_cell + cell);
   for (const auto& t : level.tetrahedra) mesh.tetrahedra.push_back(moved(t));
   for (const int cell : level.cell_of_tetrahedron) mesh.cell_of_tetrahedron.push_back(first_cell + cell);
   for (const BoundaryTriangle& t : level.boundary)
-    mesh.boundary.push_back({moved(t.points), first_cell + t.cell, t.surface});
+    mesh.boundary.push_back({moved(t.points), first_cell + t.cell, t.surface, number});
 }
 
 /// Level by level: points are shared within a level only.
@@ -525,7 +525,7 @@ ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip) {
     for (const Adoption& adoption : cut_cells.adoptions)
       if (adoption.level == l && cut_cells.level(adoption.active) == l)
         level.adoptions.push_back({adoption.active - first, adoption.donor, adoption.surface});
-    append_level(clip(level), std::ldexp(1.0, -l), first, mesh);
+    append_level(clip(level), l, first, mesh);
   }
   return mesh;
 }

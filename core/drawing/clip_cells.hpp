@@ -12,8 +12,9 @@ namespace cgcontact {
 /// Triangle of the body's boundary, counterclockwise seen from outside.
 struct BoundaryTriangle {
   std::array<int, 3> points;
-  int cell;     ///< active cell
-  int surface;  ///< index into the surfaces of the clipped solid
+  int cell;       ///< active cell
+  int surface;    ///< index into the surfaces of the clipped solid
+  int level = 0;  ///< of the cell
 };
 
 /// The six tetrahedra around the diagonal 0-6 of a hexahedron: one for each order in which the axes can be walked.

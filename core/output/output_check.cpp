@@ -263,6 +263,13 @@ void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, d
   }
 }
 
+/// Of the cells: "2 mm", "0.25 to 2 mm".
+std::string sizes_of(const CutCells& cells) {
+  const double largest = cells.grid.cell_size, smallest = cells.grid.cell_size_of(cells.num_levels() - 1);
+  const std::string one = in_unit(largest, length_unit(largest));
+  return cells.num_levels() == 1 ? one : fmt::format("{} to {}", in_unit(smallest, length_unit(smallest)), one);
+}
+
 void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
   std::vector<std::size_t> all(drawing.drawn.size());
   for (std::size_t b = 0; b < all.size(); ++b) all[b] = b;
@@ -274,8 +281,7 @@ void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
   for (std::size_t b = 0; b < drawing.drawn.size(); ++b) {
     const CutCells& cells = *drawing.bodies[b].cut_cells;
     legend.entry(colour_of_body(b), fmt::format("{}: {} cells of {}, {} of them cut", drawing.scene.bodies[b].name,
-                                                grouped(static_cast<long long>(cells.cells.size())),
-                                                in_unit(cells.grid.cell_size, length_unit(cells.grid.cell_size)),
+                                                grouped(static_cast<long long>(cells.cells.size())), sizes_of(cells),
                                                 grouped(static_cast<long long>(cells.moments.size()))));
   }
   std::set<int> contacts;

@@ -200,7 +200,7 @@ std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, 
     for (int v = 0; v < 3; ++v) {
       const int p = body.mesh.boundary[triangles[i][1]].points[v];
       drawn.vertices[v].position = drawn_position(body, p, view.exaggeration);
-      drawn.vertices[v].grid = body.mesh.points[p];
+      drawn.vertices[v].grid = std::ldexp(1.0, body.mesh.boundary[triangles[i][1]].level) * body.mesh.points[p];
       drawn.vertices[v].value = (von_mises(body.stress[p]) - view.low) / (view.high - view.low);
     }
     return drawn;
