@@ -11,6 +11,14 @@
 namespace cgcontact {
 namespace {
 
+/// Of a body: without nodes that are constrained.
+long long count_unknowns(const BodyModel& body) {
+  const long long all = static_cast<long long>(size_of(body.cut_cells).nodes);
+  if (body.cut_cells.num_levels() == 1) return dofs_per_node * all;
+  const BodyMesh mesh = make_body_mesh(body.cut_cells, body.spec->material, Scales{}, 0);
+  return dofs_per_node * (mesh.num_nodes - static_cast<long long>(mesh.constraints.size()));
+}
+
 std::string describe_body(const BodyModel& body) {
   const CutCells& cc = body.cut_cells;
   std::map<std::string, double> area;
@@ -25,7 +33,7 @@ std::string describe_body(const BodyModel& body) {
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",
       body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio,
       volume(cc) * std::pow(cc.grid.cell_size, 3), total_area, cc.grid.num_cells[0], cc.grid.num_cells[1],
-      cc.grid.num_cells[2], cc.grid.cell_size, active, cut, dofs_per_node * static_cast<long long>(size_of(cc).nodes));
+      cc.grid.num_cells[2], cc.grid.cell_size, active, cut, count_unknowns(body));
   if (cc.num_levels() > 1) {
     text += "  levels:";
     for (int l = 0; l < cc.num_levels(); ++l)
@@ -65,7 +73,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   for (const BodyModel& body : preparation.bodies) {
     text += describe_body(body);
     sizes.push_back(size_of(body.cut_cells));
-    unknowns += dofs_per_node * static_cast<long long>(sizes.back().nodes);
+    unknowns += count_unknowns(body);
   }
   text += fmt::format("{} support{}, {} load{}\n", scene.supports.size(), scene.supports.size() == 1 ? "" : "s",
                       scene.loads.size(), scene.loads.size() == 1 ? "" : "s");

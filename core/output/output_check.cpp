@@ -93,7 +93,7 @@ RenderedImage draw(const Drawing& drawing, const std::vector<std::size_t>& bodie
     const double value = packed(colour(b, i));
     for (int v = 0; v < 3; ++v) {
       const int p = body.mesh.boundary[i].points[v];
-      drawn.vertices[v] = {body.position[p], body.mesh.points[p], value};
+      drawn.vertices[v] = {body.position[p], std::ldexp(1.0, body.mesh.boundary[i].level) * body.mesh.points[p], value};
     }
     return drawn;
   };
