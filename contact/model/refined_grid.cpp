@@ -58,6 +58,7 @@ void add_cells_near_face(const CutCells& cells, const RefineSpec& refine, int le
 
 CellTree refined_tree(const BodySpec& body, const Solid& solid, const Grid& grid, const std::vector<Plane>& dividers,
                       const GeometryOptions& options) {
+  if (body.refine.empty()) return {};
   int levels = 1, face_levels = 1;
   for (const RefineSpec& refine : body.refine) {
     const int needed = 1 + halvings_for(grid.cell_size, refine.size);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "core/base/parallel.hpp"
 #include "core/cells/cells_around.hpp"
@@ -46,10 +45,13 @@ class GroupPlaces {
   }
 
  private:
-  std::set<int> cells_of(std::size_t group) const {
+  std::vector<int> cells_of(std::size_t group) const {
     const ContactGroup& own = pair_.groups[group - first_];
-    std::set<int> cells;
-    for (int q = own.first_point; q < own.last_point; ++q) cells.insert(pair_.points[q].primary_cell);
+    std::vector<int> cells;
+    for (int q = own.first_point; q < own.last_point; ++q)  // mostly of one cell
+      if (cells.empty() || cells.back() != pair_.points[q].primary_cell) cells.push_back(pair_.points[q].primary_cell);
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     return cells;
   }
 

@@ -61,6 +61,7 @@ Index3 CellTree::clamped(int level, Index3 cell) const {
 
 CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
                       const std::function<double(const Vec3&, const Vec3&)>& wanted, int most_levels) {
+  if (most_levels == 1) return {};
   std::vector<std::vector<Index3>> refined(most_levels - 1);
   const std::function<void(int, const Index3&)> visit = [&](int level, const Index3& cell) {
     if (level + 1 >= most_levels) return;

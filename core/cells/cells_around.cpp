@@ -24,24 +24,6 @@ void grow(std::vector<Index3>& places, int reach) {
   }
 }
 
-/// Marks the active cells that overlap a place: one that contains it, or all in it.
-void mark_overlapping(const CutCells& cells, const CellPlace& place, std::vector<char>& marked) {
-  Index3 c = place.cell;
-  for (int l = place.level; l >= 0; --l) {
-    if (const int found = cells.find(l, c); found >= 0) {
-      marked[found] = 1;
-      return;
-    }
-    for (int& x : c) x >>= 1;
-  }
-  if (!cells.tree || !cells.tree->is_refined(place.level, place.cell)) return;
-  for (int a = 0; a < 8; ++a)
-    mark_overlapping(cells,
-                     {place.level + 1,
-                      {2 * place.cell[0] + (a & 1), 2 * place.cell[1] + (a >> 1 & 1), 2 * place.cell[2] + (a >> 2)}},
-                     marked);
-}
-
 }  // namespace
 
 void mark_cells_around(const CutCells& cells, const std::vector<int>& active, int reach, std::vector<char>& marked) {
@@ -50,7 +32,7 @@ void mark_cells_around(const CutCells& cells, const std::vector<int>& active, in
     for (const int cell : active)
       if (cells.level(cell) == l) places.push_back(cells.cells[cell]);
     grow(places, reach);
-    for (const Index3& place : places) mark_overlapping(cells, {l, place}, marked);
+    for (const Index3& place : places) each_cell_at(cells, {l, place}, [&](int cell) { marked[cell] = 1; });
   }
 }
 

@@ -34,6 +34,24 @@ void each_place_around(int num_levels, const CellPlace& place, int reach, const 
       }
 }
 
+/// Calls use(active cell) for the active cells that overlap a place: the one that contains it, or all in it.
+template <class Use>
+void each_cell_at(const CutCells& cells, const CellPlace& place, const Use& use) {
+  Index3 c = place.cell;
+  for (int l = place.level; l >= 0; --l) {
+    if (const int found = cells.find(l, c); found >= 0) return use(found);
+    for (int& x : c) x >>= 1;
+  }
+  if (!cells.tree) return;
+  const Index3 end = cells_of_level(cells.grid.num_cells, place.level);
+  for (int d = 0; d < 3; ++d)
+    if (place.cell[d] < 0 || place.cell[d] >= end[d]) return;
+  if (!cells.tree->is_refined(place.level, place.cell)) return;
+  c = place.cell;
+  for (int a = 0; a < 8; ++a)
+    each_cell_at(cells, {place.level + 1, {2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)}}, use);
+}
+
 /// Calls use(active cell) for the active cells on the other sides of a cell's faces.
 template <class Use>
 void each_cell_beside(const CutCells& cells, int active, const Use& use) {

@@ -70,11 +70,11 @@ void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int,
 }
 
 void add_support_terms(ElasticSystem& system, int body, const std::vector<SupportTerm>& terms) {
+  const std::vector<const BodyMesh*> parts = system.parts();
   for (SupportTerm t : terms) {
     const auto [part, cell] = system.part_of(body, t.cell);
     t.cell = cell;
-    if (system.parts()[part]->cut_cells->cut_of_active[cell] < 0)
-      throw std::logic_error("support point in an interior cell");
+    if (parts[part]->cut_cells->cut_of_active[cell] < 0) throw std::logic_error("support point in an interior cell");
     system.supports[part].push_back(t);
   }
 }

@@ -16,26 +16,11 @@ constexpr std::size_t grain = 64;
 /// averages out over as large a patch as a polynomial follows.
 constexpr int most_rings = 4;
 int rings_of_thickness(int cells) { return (cells + 2) / 4; }
-/// Is it active, or one of those it is divided into?
-bool holds_active(const CutCells& cc, const CellPlace& c) {
-  if (cc.find(c.level, c.cell) >= 0) return true;
-  if (!cc.tree) return false;
-  const Index3 end = cells_of_level(cc.grid.num_cells, c.level);
-  for (int d = 0; d < 3; ++d)
-    if (c.cell[d] < 0 || c.cell[d] >= end[d]) return false;
-  if (!cc.tree->is_refined(c.level, c.cell)) return false;
-  for (int a = 0; a < 8; ++a) {
-    const Index3 part{2 * c.cell[0] + (a & 1), 2 * c.cell[1] + (a >> 1 & 1), 2 * c.cell[2] + (a >> 2)};
-    if (holds_active(cc, {c.level + 1, part})) return true;
-  }
-  return false;
-}
-
 /// Are there active cells at the place of a cell, whatever their size?
-bool is_occupied(const CutCells& cc, const CellPlace& c) {
-  for (int up = 1; up <= c.level; ++up)
-    if (cc.find(c.level - up, {c.cell[0] >> up, c.cell[1] >> up, c.cell[2] >> up}) >= 0) return true;
-  return holds_active(cc, c);
+bool is_occupied(const CutCells& cc, const CellPlace& place) {
+  bool found = false;
+  each_cell_at(cc, place, [&](int) { found = true; });
+  return found;
 }
 
 /// Cells of a body from the given one on along an axis of its grid, without that one; at most `limit`.
