@@ -11,6 +11,7 @@
 #include <exception>
 #include <filesystem>
 
+#include "contact/adaptive/adaptive_run.hpp"
 #include "contact/check.hpp"
 #include "contact/simulation.hpp"
 #include "contact/study/study.hpp"
@@ -67,10 +68,16 @@ std::string command_text(char** argv) {
   return text;
 }
 
-int check(const Scene& scene, const CommandLine& options) {
+/// The scene on the grids that its first solve has.
+Scene on_first_grids(const Scene& scene) {
+  return scene.accuracy.any() ? *scene_on_grids(scene, first_sizes(scene)) : scene;
+}
+
+int check(const Scene& given, const CommandLine& options) {
   Progress progress(Progress::Mode::terminal_only);
   const CleanUp clear_line([&] { progress.abandon(); });
   progress.begin_phase("cut cells");
+  const Scene scene = on_first_grids(given);
   Preparation preparation = lay_out(scene, false);  // a scene that nearly fits is described all the same
   CheckFiles drawn;
   if (!options.out.empty()) {  // before the checks: the picture shows what may be wrong
@@ -96,25 +103,34 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   Progress progress;
   const CleanUp clear_line([&] { progress.abandon(); });
   if (!threads_warning.empty()) progress.message("warning: " + threads_warning);
-  ProgressCallbacks callbacks;
+  AdaptiveCallbacks callbacks;
   callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
   callbacks.step = [&](const OuterStep& s) { progress.outer_iteration(s.iteration, s.active_points, s.residual); };
+  callbacks.solved = [&](int number, const SolveFigures& solve) { progress.message(describe(number, solve)); };
+  const auto write = [&](Results& results, const Scene& solved) {
+    progress.begin_phase("output");
+    const ProfiledRegion region("output");
+    results.command = command_text(argv);
+    results.backend = TrilinosScope::backend();
+    results.threads = TrilinosScope::concurrency();
+    if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
+    decisive_first(results.warnings);
+    for (const std::string& warning : write_results(results, solved, directory))
+      progress.message("warning: " + warning);
+    progress.finish();
+    fmt::print("{}", summary(results, directory));
+    if (results.converged) return 0;
+    fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
+    return 2;
+  };
+  if (scene.accuracy.any()) {
+    AdaptiveRun adaptive(scene);
+    adaptive.run(callbacks);
+    return write(adaptive.simulation().results, adaptive.scene());
+  }
   Simulation simulation(scene);
   simulation.run(callbacks);
-  progress.begin_phase("output");
-  const ProfiledRegion region("output");
-  Results& results = simulation.results;
-  results.command = command_text(argv);
-  results.backend = TrilinosScope::backend();
-  results.threads = TrilinosScope::concurrency();
-  if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
-  decisive_first(results.warnings);
-  for (const std::string& warning : write_results(results, scene, directory)) progress.message("warning: " + warning);
-  progress.finish();
-  fmt::print("{}", summary(results, directory));
-  if (results.converged) return 0;
-  fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
-  return 2;
+  return write(simulation.results, scene);
 }
 
 Scene read_scene_as_region(const CommandLine& options) {
@@ -124,7 +140,7 @@ Scene read_scene_as_region(const CommandLine& options) {
 
 /// What `check` would say of a scene; "": it passes.
 std::string fault_of(const std::string& text, const std::string& file) try {
-  const Scene scene = parse_scene(text, file);
+  const Scene scene = on_first_grids(parse_scene(text, file));
   check_memory(scene, prepare(scene));
   return "";
 } catch (const InputError& error) {

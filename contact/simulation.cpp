@@ -79,10 +79,18 @@ bool is_at_rest(const OuterResult& outer) {
 }  // namespace
 
 void Simulation::run(const ProgressCallbacks& progress) {
+  place(progress);
+  solve(progress);
+}
+
+void Simulation::place(const ProgressCallbacks& progress) {
+  PhaseClock(results.times_s, progress)("cut cells", [&] { place_on_grids(); });
+}
+
+void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier) {
   PhaseClock phase(results.times_s, progress);
-  phase("cut cells", [&] { place_on_grids(); });
   phase("operator", [&] { make_system(); });
-  phase("solve", [&] { solve_steps(progress); });
+  phase("solve", [&] { solve_steps(progress, earlier); });
   phase("recovery", [&] {
     recover();
     state.patches.clear();
@@ -93,11 +101,12 @@ void Simulation::run(const ProgressCallbacks& progress) {
 
 /// All steps, each from the solution of the one before; figures of each, if the scene asks for steps. The last one is
 /// the result.
-void Simulation::solve_steps(const ProgressCallbacks& progress) {
+void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier) {
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
   const auto make_solver = [&] {
-    return std::make_unique<ContactSolver>(OuterProblem{state.scene, state.bodies, state.patches, state.pairs,
-                                                        state.supports, state.system, state.scales});
+    return std::make_unique<ContactSolver>(
+        OuterProblem{state.scene, state.bodies, state.patches, state.pairs, state.supports, state.system, state.scales},
+        earlier);
   };
   auto solver = make_solver();
   std::string first_failure;

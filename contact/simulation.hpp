@@ -27,6 +27,9 @@ class Simulation {
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results. Throws
   /// InputError.
   void run(const ProgressCallbacks& progress);
+  /// Its two parts: the grids; all that is solved on them. earlier: a solution on other grids to start from, or none.
+  void place(const ProgressCallbacks& progress);
+  void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr);
 
   /// Its steps, for programs that measure them one by one; between the second and the third comes the solution.
   void place_on_grids();
@@ -35,7 +38,7 @@ class Simulation {
   void fill_results();
 
  private:
-  void solve_steps(const ProgressCallbacks& progress);
+  void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
   bool see_farther();
   void record_step(const StepSpec& step, bool is_last);

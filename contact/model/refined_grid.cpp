@@ -4,12 +4,15 @@
 #include <cmath>
 
 #include "core/cells/cells_around.hpp"
+#include "core/cells/size_field.hpp"
 
 namespace cgcontact {
 namespace {
 
 /// Sizes that differ by less are equal.
 constexpr double equal_sizes = 1e-9;
+/// Cells are larger than what is wanted if that is less than so much of their size.
+constexpr double too_large = 0.999;
 
 /// Halvings that make a cell as small as wanted.
 int halvings_for(double cell_size, double wanted) {
@@ -58,13 +61,14 @@ void add_cells_near_face(const CutCells& cells, const RefineSpec& refine, int le
 
 CellTree refined_tree(const BodySpec& body, const Solid& solid, const Grid& grid, const std::vector<Plane>& dividers,
                       const GeometryOptions& options) {
-  if (body.refine.empty()) return {};
+  if (body.refine.empty() && body.sizes.empty()) return {};
   int levels = 1, face_levels = 1;
   for (const RefineSpec& refine : body.refine) {
     const int needed = 1 + halvings_for(grid.cell_size, refine.size);
     (refine.kind == RefineSpec::Kind::face ? face_levels : levels) =
         std::max(refine.kind == RefineSpec::Kind::face ? face_levels : levels, needed);
   }
+  for (const auto& field : body.sizes) levels = std::max(levels, 1 + halvings_for(grid.cell_size, field->smallest()));
   const auto wanted = [&](const Vec3& low, const Vec3& high) {
     const Vec3 centre = grid.to_global(0.5 * (low + high));
     const double radius = 0.5 * grid.cell_size * (high - low).norm();
@@ -72,6 +76,9 @@ CellTree refined_tree(const BodySpec& body, const Solid& solid, const Grid& grid
     for (const RefineSpec& refine : body.refine)
       if (refine.kind != RefineSpec::Kind::face)
         smallest = std::min(smallest, wanted_size(refine, std::max(0.0, distance_to(refine, centre) - radius)));
+    const double size = grid.cell_size * (high - low)[0];
+    for (const auto& field : body.sizes)
+      if (field->asks_below(too_large * size, centre, radius)) smallest = std::min(smallest, size / 2);
     return smallest / grid.cell_size;
   };
   CellTree tree = refine_cells(solid.geometry(), grid, wanted, levels);

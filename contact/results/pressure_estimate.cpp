@@ -25,10 +25,10 @@ struct EdgeAtRow {
 /// The mean of transmitted less recovered pressure around a place. The rows of a cell count as one, at their centroid.
 class LocalMean {
  public:
-  /// largest: m, of the rows' larger cells; edges: of the rows, those nearer than spoilt_at_edge do not count.
-  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair, double largest,
+  /// edges: of the rows, those nearer than spoilt_at_edge do not count.
+  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair,
             const ResultOptions& options)
-      : options_(options), buckets_(mean_reach * options.mean_width * largest) {
+      : options_(options) {
     std::map<std::tuple<int, int>, Source> cells;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const ContactRow& r = rows[i];
@@ -42,8 +42,13 @@ class LocalMean {
     }
     for (auto& [cell, s] : cells) {
       s.centroid /= s.area;
-      buckets_.add(s.centroid, static_cast<int>(sources_.size()));
       sources_.push_back(s);
+    }
+    for (const ContactRow& r : rows) {
+      if (r.pair != pair || buckets_.count(r.larger_cell) > 0) continue;
+      PointBuckets& buckets =
+          buckets_.emplace(r.larger_cell, mean_reach * options.mean_width * r.larger_cell).first->second;
+      for (std::size_t i = 0; i < sources_.size(); ++i) buckets.add(sources_[i].centroid, static_cast<int>(i));
     }
   }
 
@@ -52,7 +57,7 @@ class LocalMean {
     const Vec3& x = row.x;
     const double width = options_.mean_width * row.larger_cell;
     double sum = 0, total = 0;
-    buckets_.each_near(x, [&](int i) {
+    buckets_.at(row.larger_cell).each_near(x, [&](int i) {
       const Source& s = sources_[i];
       const double weight = std::exp(-0.5 * (s.centroid - x).squaredNorm() / (width * width));
       sum += weight * s.force;
@@ -69,7 +74,7 @@ class LocalMean {
 
   const ResultOptions& options_;
   std::vector<Source> sources_;
-  PointBuckets buckets_;
+  std::map<double, PointBuckets> buckets_;  ///< by the rows' larger cells: few sizes, each with its own reach
 };
 
 EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
@@ -101,12 +106,11 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
   const ResultOptions& options = state.scene.results;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
-    const ContactPair& pair = state.pairs[p];
     std::vector<EdgeAtRow> edges(rows.size());
     parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
       if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(state, rows[i]);
     });
-    const LocalMean mean(rows, edges, static_cast<int>(p), pair.largest_cell, options);
+    const LocalMean mean(rows, edges, static_cast<int>(p), options);
     const double force_error = std::pow(results.estimated_error_relative, 2);
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     const bool resolved = verdict.state != Verdict::State::not_resolved;

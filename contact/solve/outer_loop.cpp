@@ -9,6 +9,7 @@
 #include "contact/solve/active_set.hpp"
 #include "contact/solve/active_set_history.hpp"
 #include "contact/solve/diagnosis.hpp"
+#include "contact/solve/earlier_solution.hpp"
 #include "contact/solve/lagged_stress.hpp"
 #include "contact/solve/line_search.hpp"
 #include "contact/solve/right_hand_side.hpp"
@@ -25,7 +26,7 @@ constexpr double hardly_any_stiffness = 1e-3;
 }  // namespace
 
 struct ContactSolver::Impl {
-  explicit Impl(const OuterProblem& problem);
+  Impl(const OuterProblem& problem, const SolvedState* earlier);
   OuterResult run(const std::function<void(const OuterStep&)>& progress);
 
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress);
@@ -39,6 +40,7 @@ struct ContactSolver::Impl {
   const SolverOptions& settings() const { return problem_.scene.solver; }
 
   OuterProblem problem_;
+  const SolvedState* earlier_;  // of other grids, for the first start; or none
   LinearSolver solver_;
   Iterate now_;
   LaggedStress lagged_stress_;
@@ -48,8 +50,9 @@ struct ContactSolver::Impl {
   std::string solver_error_;  // of Trilinos, where it gave up
 };
 
-ContactSolver::Impl::Impl(const OuterProblem& problem)
+ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
     : problem_(problem),
+      earlier_(earlier),
       solver_(problem.system, problem.scene.solver.preconditioner),
       now_(problem),
       lagged_stress_(problem),
@@ -61,7 +64,8 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   if (!warm_) {
     now_.forget();
     right_hand_side_.forget();
-    initialise_active_set(now_);
+    if (!earlier_ || !start_from(*earlier_, now_)) initialise_active_set(now_);
+    earlier_ = nullptr;
   }
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress);
@@ -203,7 +207,8 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
   }
 }
 
-ContactSolver::ContactSolver(const OuterProblem& problem) : impl_(std::make_unique<Impl>(problem)) {}
+ContactSolver::ContactSolver(const OuterProblem& problem, const SolvedState* earlier)
+    : impl_(std::make_unique<Impl>(problem, earlier)) {}
 ContactSolver::~ContactSolver() = default;
 
 OuterResult ContactSolver::solve(const std::function<void(const OuterStep&)>& progress) { return impl_->run(progress); }

@@ -39,11 +39,14 @@ struct OuterResult {
   std::string diagnosis;
 };
 
+struct SolvedState;
+
 /// Solves one system under changing loads, prescribed displacements and gaps (those of the bodies, supports and pairs
 /// at each call): the second and later calls start from the solution before, if that converged.
 class ContactSolver {
  public:
-  explicit ContactSolver(const OuterProblem& problem);
+  /// earlier: a solution on other grids that the first call starts from, or none.
+  explicit ContactSolver(const OuterProblem& problem, const SolvedState* earlier = nullptr);
   ~ContactSolver();
   OuterResult solve(const std::function<void(const OuterStep&)>& progress);
 

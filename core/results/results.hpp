@@ -145,6 +145,30 @@ struct StepFigures {
   std::vector<PairFigures> pairs;
 };
 
+/// One solve of a run to an accuracy (AdaptiveRun).
+struct SolveFigures {
+  long long unknowns = 0;
+  double seconds = 0;  ///< wall time, with its grids
+  int outer_iterations = 0, levels = 1;
+  double smallest_cell = 0;  ///< m
+  bool converged = false;
+  /// Estimated relative errors: of the pressure and the force the largest of all pairs that matter, none while their
+  /// zones are not resolved; of the stress in the energy norm.
+  std::optional<double> pressure, force;
+  double stress = 0;
+  /// Relative L2 norm of the change of the pressure since the solve before, the largest of all pairs; none: the zones
+  /// of that were not resolved.
+  std::optional<double> change;
+};
+
+/// What was asked for, and how the run went.
+struct AccuracyFigures {
+  bool asked = false, reached = false;
+  std::string text;                               ///< what stopped it, if it is not reached
+  std::optional<double> pressure, force, stress;  ///< targets
+  std::vector<SolveFigures> solves;
+};
+
 /// Relative L2 error of the pressure in a zone.
 struct ZoneError {
   std::string zone;
@@ -189,6 +213,7 @@ struct Results {
   bool path_from_largest = false;  ///< the path runs through the largest pressure of each pair, s is zero there
   std::vector<StressErrorSample> stress_errors;
   std::vector<ZoneError> pressure_errors;
+  AccuracyFigures accuracy;
 };
 
 }  // namespace cgcontact

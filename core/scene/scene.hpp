@@ -12,6 +12,7 @@
 #include "core/base/types.hpp"
 #include "core/geometry/solid.hpp"
 #include "core/scene/expression.hpp"
+#include "core/settings/accuracy_options.hpp"
 #include "core/settings/contact_options.hpp"
 #include "core/settings/geometry_options.hpp"
 #include "core/settings/output_options.hpp"
@@ -22,6 +23,7 @@
 namespace cgcontact {
 
 struct RepairedSurface;
+class SizeField;
 
 struct Material {
   double youngs_modulus = 0;  ///< Pa
@@ -64,8 +66,9 @@ struct BodySpec {
   std::string name;
   Solid solid;  ///< global coordinates, m
   Material material;
-  double cell_size = 0;  ///< m; of the largest cells
+  double cell_size = 0;  ///< m; of the largest cells. 0: chosen from the shape, with [accuracy] only
   std::vector<RefineSpec> refine;
+  std::vector<std::shared_ptr<const SizeField>> sizes;  ///< as `refine`, from an earlier solution ([accuracy])
   Vec3 grid_offset =
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
   Mat3 grid_rotation = Mat3::Identity();
@@ -151,6 +154,7 @@ struct Scene {
   SolverOptions solver;
   RecoveryOptions recovery;
   ResultOptions results;
+  AccuracyOptions accuracy;
   OutputOptions output;
   ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
   /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it

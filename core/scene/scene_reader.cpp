@@ -224,6 +224,7 @@ RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body
   }
   const TomlCursor size = node.at("size", "> 0 m");
   refine.size = size.number(Range::positive("m"));
+  if (body.cell_size == 0) node.fail("stands without cell_size", "cell_size, the size of the largest cells, beside it");
   if (refine.size < std::ldexp(body.cell_size, -most_halvings))
     size.fail(fmt::format("is less than cell_size halved {} times", most_halvings),
               fmt::format(">= {:.3g} m", std::ldexp(body.cell_size, -most_halvings)));
@@ -243,7 +244,8 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
   body.warnings = shape.warnings;
   body.repairs = shape.repairs;
   body.material = read_material(node.at("material", "{E = .., nu = ..}"));
-  body.cell_size = read_cell_size(node, shape);
+  // Without it the first grid of a run to an accuracy comes from the shape.
+  if (node.find("cell_size") || !scene_.accuracy.any()) body.cell_size = read_cell_size(node, shape);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);
   if (const auto force = node.find("body_force")) body.body_force = read_vector_field(*force, "N/m^3");
   if (const auto faces = node.find("faces")) {
@@ -462,8 +464,8 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 }
 
 const std::vector<std::string>& scene_keys() {
-  static const std::vector<std::string> keys{"title", "parameters", "body",     "support", "load",     "contact",
-                                             "steps", "solver",     "recovery", "output",  "reference"};
+  static const std::vector<std::string> keys{"title", "parameters", "body",   "support",  "load",   "contact",
+                                             "steps", "accuracy",   "solver", "recovery", "output", "reference"};
   return keys;
 }
 
@@ -472,6 +474,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   scene_.file = root.text().file;
   scene_.parameters = root.text().parameters;
   if (const auto title = root.find("title")) scene_.title = printable(title->string());
+  if (const auto node = root.find("accuracy")) scene_.accuracy = read_accuracy(*node);
   read_bodies(root);
   read_supports(root);
   read_loads(root);

@@ -49,6 +49,7 @@ std::vector<StepSpec> read_steps(const TomlCursor& node);
 SolverOptions read_solver(const TomlCursor& node);
 RecoveryOptions read_recovery(const TomlCursor& node);
 OutputOptions read_output(const TomlCursor& node);
+AccuracyOptions read_accuracy(const TomlCursor& node);
 
 // [reference] (scene_reference.cpp).
 

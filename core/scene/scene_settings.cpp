@@ -35,9 +35,10 @@ void read_setting(const TomlCursor& node, const Setting& setting) {
   std::visit(Reader{node, setting}, setting.value);
 }
 
-/// The settings of a section, or of a table in it (`prefix`: "table."); others in tables of it are left to the caller.
-void read_settings(const TomlCursor& section, const std::vector<Setting>& settings, const std::string& prefix = "") {
-  std::vector<std::string> keys;
+/// The settings of a section, or of a table in it (`prefix`: "table."); others in tables of it, and the given keys, are
+/// left to the caller.
+void read_settings(const TomlCursor& section, const std::vector<Setting>& settings, const std::string& prefix = "",
+                   std::vector<std::string> keys = {}) {
   std::vector<const Setting*> here;
   for (const Setting& setting : settings) {
     if (!setting.of_scene || setting.key.compare(0, prefix.size(), prefix) != 0) continue;
@@ -72,7 +73,37 @@ std::vector<double> read_factors(const TomlCursor& node) {
   return factors;
 }
 
+/// A relative error: a number, or text with a per cent sign.
+double read_target(const TomlCursor& node) {
+  Range range = Range::fraction();
+  range.text = "more than 0 and less than 1 (100 %), as 0.01 or \"1 %\"";
+  if (!node.is_string()) return node.number(range);
+  std::string text = node.string(range.text);
+  const std::size_t sign = text.find_last_not_of(" \t");
+  if (sign == std::string::npos || text[sign] != '%') return node.number(range);
+  text.resize(sign);
+  const double value = evaluate_constant(text, node.place(), node.text().parameters) / 100;
+  if (!range.contains(value)) node.fail("out of range", range.text);
+  return value;
+}
+
 }  // namespace
+
+AccuracyOptions read_accuracy(const TomlCursor& node) {
+  AccuracyOptions options;
+  const std::pair<const char*, std::optional<double> AccuracyOptions::*> targets[] = {
+      {"pressure", &AccuracyOptions::pressure},
+      {"force", &AccuracyOptions::force},
+      {"stress", &AccuracyOptions::stress}};
+  std::vector<std::string> also;
+  for (const auto& [key, member] : targets) {
+    also.emplace_back(key);
+    if (const auto target = node.find(key)) options.*member = read_target(*target);
+  }
+  read_settings(node, options.settings(), "", also);
+  if (!options.any()) node.fail("asks for nothing", "at least one of pressure, force, stress = \"1 %\"");
+  return options;
+}
 
 std::vector<StepSpec> read_steps(const TomlCursor& node) {
   node.expect_keys({"factors", "loads", "displacements", "interference"});

@@ -1,0 +1,160 @@
+#include "contact/adaptive/adaptive_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/model/memory.hpp"
+#include "core/base/text.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Unknowns of graded grids go with the size of their cells to about this power.
+constexpr double unknowns_power = -2.5;
+/// What a limit leaves of the wanted change of size must be more than that to be worth a solve.
+constexpr double least_gain = 1.15;
+/// Grids that are too large for a limit are made so much coarser beyond what the power says.
+constexpr double step = 1.03;
+/// A last solve with fields and pictures takes longer per unknown than those before it.
+constexpr double dearer = 1.2;
+
+double count_unknowns(const std::vector<BodyModel>& bodies) {
+  double nodes = 0;
+  for (const BodyModel& body : bodies) nodes += size_of(body.cut_cells).nodes;
+  return dofs_per_node * nodes;
+}
+
+std::string number(double unknowns) { return grouped(static_cast<long long>(std::round(unknowns))); }
+
+std::string percent(const std::optional<double>& error) {
+  return error ? percent_number(*error) + " %" : "not known, the zone is not resolved";
+}
+
+}  // namespace
+
+std::string describe(int number, const SolveFigures& solve) {
+  return fmt::format(
+      "solve {}: {} unknowns, {:.1f} s, {} outer iterations, cells from {:.3g} m, error of pressure {} (change {}), "
+      "force {}, stress {}",
+      number, grouped(solve.unknowns), solve.seconds, solve.outer_iterations, solve.smallest_cell,
+      solve.pressure ? percent_number(*solve.pressure) + " %" : "-",
+      solve.change ? percent_number(*solve.change) + " %" : "-",
+      solve.force ? percent_number(*solve.force) + " %" : "-", percent_number(solve.stress) + " %");
+}
+
+AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes(scene)) {
+  figures_.pressure = scene.accuracy.pressure;
+  figures_.force = scene.accuracy.force;
+  figures_.stress = scene.accuracy.stress;
+}
+
+double AdaptiveRun::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+/// Of the next solve; sets which limit it is.
+double AdaptiveRun::allowed_unknowns() {
+  const AccuracyOptions& options = given_.accuracy;
+  limit_ = "max_unknowns";
+  if (figures_.solves.empty()) return options.max_unknowns;
+  const SolveFigures& last = figures_.solves.back();
+  const double in_time = (options.max_time - seconds()) / (dearer * last.seconds) * static_cast<double>(last.unknowns);
+  if (in_time < options.max_unknowns) limit_ = "max_time";
+  return std::min(in_time, options.max_unknowns);
+}
+
+/// Cells of the next grid; beyond a limit they become larger. False: they would be hardly smaller than those before.
+bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
+  const double allowed = allowed_unknowns();
+  double factor = 1;
+  if (resolved_) {  // not even the cells of a grid that is too large by far
+    const double foreseen =
+        static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
+    if (foreseen > 4 * allowed) factor = std::pow(allowed / foreseen, 1 / unknowns_power);
+    needed_ = foreseen;
+  }
+  while (factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
+    next_scene_ = scene_on_grids(given_, sizes_, factor);
+    next_ = std::make_unique<Simulation>(*next_scene_);
+    next_->place(callbacks);
+    const double unknowns = count_unknowns(next_->state.bodies);
+    if (factor == 1) needed_ = unknowns;
+    if (unknowns <= allowed) return true;
+    if (figures_.solves.empty())
+      throw InputError(fmt::format("{}: accuracy.max_unknowns = {:g}: the first grid has {} already", given_.file,
+                                   allowed, number(unknowns)));
+    factor *= step * std::pow(std::max(allowed, 1.0) / unknowns, 1 / unknowns_power);
+  }
+  next_.reset();
+  return false;
+}
+
+void AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
+  const double before = figures_.solves.empty() ? 0 : seconds();
+  next_->solve(callbacks, resolved_ ? &simulation_->state : nullptr);
+  simulation_ = std::move(next_);
+  scene_ = std::move(next_scene_);
+  const Results& results = simulation_->results;
+  SolveFigures solve;
+  solve.unknowns = results.unknowns;
+  solve.seconds = seconds() - before;
+  solve.outer_iterations = results.outer_iterations;
+  solve.converged = results.converged;
+  solve.smallest_cell = 1e300;
+  for (const BodyModel& body : simulation_->state.bodies) {
+    solve.levels = std::max(solve.levels, body.cut_cells.num_levels());
+    solve.smallest_cell =
+        std::min(solve.smallest_cell, body.cut_cells.grid.cell_size_of(body.cut_cells.num_levels() - 1));
+  }
+  figures_.solves.push_back(solve);
+}
+
+void AdaptiveRun::run(const AdaptiveCallbacks& callbacks) {
+  const AccuracyOptions& options = given_.accuracy;
+  for (;;) {
+    if (!place(callbacks)) {
+      figures_.text =
+          fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed", limit_, number(needed_));
+      break;
+    }
+    solve(callbacks);
+    SolveFigures& last = figures_.solves.back();
+    const std::vector<ZoneState> zones = zone_states(simulation_->state, simulation_->results);
+    const ErrorFigures errors = error_figures(*scene_, zones, simulation_->results);
+    if (resolved_ && errors.pressure)
+      for (std::size_t p = 0; p < zones.size(); ++p)
+        if (zones[p].relevant)
+          last.change =
+              std::max(last.change.value_or(0), pressure_change(simulation_->results, static_cast<int>(p), earlier_));
+    earlier_ = keep_pressure(simulation_->results, zones);
+    resolved_ = errors.pressure.has_value();
+    last.pressure = errors.pressure;
+    last.force = errors.force;
+    last.stress = errors.stress;
+    callbacks.solved(static_cast<int>(figures_.solves.size()), last);
+    if (!last.converged) {
+      figures_.text = "a solve did not converge";
+      break;
+    }
+    if (errors.met) {
+      figures_.reached = true;
+      break;
+    }
+    if (static_cast<int>(figures_.solves.size()) >= options.max_solves) {
+      figures_.text = fmt::format("accuracy.max_solves = {} stopped the refinement", options.max_solves);
+      break;
+    }
+    sizes_ = next_sizes(simulation_->state, simulation_->results, zones, sizes_);
+  }
+  Results& results = simulation_->results;
+  results.accuracy = figures_;
+  results.accuracy.asked = true;
+  if (!figures_.reached)
+    results.warnings.push_back(
+        fmt::format("the accuracy asked for is not reached: {}; estimated error of the pressure {}", figures_.text,
+                    percent(figures_.solves.back().pressure)));
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,54 @@
+/// A run whose parameter is the accuracy: solves on grids that refine themselves until the estimated errors are below
+/// the targets of [accuracy], or a limit is reached. The method: docs/adaptivity.md.
+#pragma once
+
+#include <chrono>
+#include <memory>
+
+#include "contact/adaptive/next_grid.hpp"
+#include "contact/adaptive/pressure_change.hpp"
+#include "contact/simulation.hpp"
+
+namespace cgcontact {
+
+struct AdaptiveCallbacks : ProgressCallbacks {
+  /// After each solve; its number begins with 1.
+  std::function<void(int number, const SolveFigures&)> solved = [](int, const SolveFigures&) {};
+};
+
+/// One line: unknowns, time, estimated errors.
+std::string describe(int number, const SolveFigures& solve);
+
+class AdaptiveRun {
+ public:
+  /// The scene must outlive this. Throws InputError for a body without volume.
+  explicit AdaptiveRun(const Scene& scene);
+
+  /// Throws InputError for what a single run would refuse on the first grid.
+  void run(const AdaptiveCallbacks& callbacks);
+
+  /// The last solve; Results::accuracy tells of all.
+  Simulation& simulation() { return *simulation_; }
+  /// Its scene: with its grids.
+  const Scene& scene() const { return *scene_; }
+
+ private:
+  bool place(const AdaptiveCallbacks& callbacks);
+  void solve(const AdaptiveCallbacks& callbacks);
+  double allowed_unknowns();
+  double seconds() const;
+  std::string cost_of_more() const;
+
+  const Scene& given_;
+  GridSizes sizes_;
+  std::unique_ptr<Scene> scene_, next_scene_;
+  std::unique_ptr<Simulation> simulation_, next_;
+  AccuracyFigures figures_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  KeptPressure earlier_;    // of the last solve
+  bool resolved_ = false;   // are the zones of the last solve?
+  const char* limit_ = "";  // that binds the next grid
+  double needed_ = 0;       // unknowns of the grid that the targets ask for
+};
+
+}  // namespace cgcontact

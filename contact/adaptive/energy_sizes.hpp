@@ -1,0 +1,23 @@
+/// What the estimated error of the energy norm (ZZ) asks of the next grid.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/cells/size_field.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// The relative error of the energy norm that is expected once the cells are as small as `zones` (of each body) ask:
+/// the error of a place falls like the size of its cells.
+double expected_energy_error(const Results& results, const std::vector<std::unique_ptr<SizeField>>& zones);
+
+/// For each body the sizes of the grid of fewest cells that has a relative error of `target` in the energy norm, all
+/// bodies together (Fuenmayor and Oliver, IJNME 39 (1996) 4039, with p = 1 in three dimensions): error_of_cell falls
+/// with the size to the power 1 + 3/2, so h_new/h = E e^(-2/5) (sum of e^(6/5))^(-1/2). Only where that is less than
+/// the first cells of the body (m).
+std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double target,
+                                                 const std::vector<double>& first_sizes);
+
+}  // namespace cgcontact

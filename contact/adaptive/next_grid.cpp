@@ -1,0 +1,119 @@
+#include "contact/adaptive/next_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/adaptive/energy_sizes.hpp"
+#include "contact/adaptive/first_grid.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Halvings of a cell of at most `largest` that end with `smallest`.
+int halvings(double largest, double smallest) {
+  return std::max(0, static_cast<int>(std::floor(std::log2(largest / smallest) + 1e-9)));
+}
+
+/// The largest error of the energy norm that the targets allow, relative; infinite: any.
+double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results) {
+  const AccuracyOptions& options = scene.accuracy;
+  double allowed = std::numeric_limits<double>::infinity();
+  if (options.stress) allowed = *options.stress;
+  for (std::size_t p = 0; p < zones.size(); ++p) {
+    if (!zones[p].relevant || !zones[p].resolved) continue;
+    const PairFigures& figures = results.pairs[p];
+    const double by_energy = std::pow(results.estimated_error_relative, 2);
+    // The force's error is some multiple of the square of the energy norm's (pressure_estimate.hpp).
+    const double factor = figures.force_error_estimate && by_energy > 0 ? *figures.force_error_estimate / by_energy : 0;
+    if (options.force && factor > 0) allowed = std::min(allowed, std::sqrt(*options.force / factor));
+    if (options.pressure) allowed = std::min(allowed, std::sqrt(options.force_part * *options.pressure));
+  }
+  return allowed;
+}
+
+}  // namespace
+
+GridSizes first_sizes(const Scene& scene) {
+  GridSizes sizes;
+  for (const BodySpec& body : scene.bodies)
+    sizes.first.push_back(body.cell_size > 0 ? body.cell_size : first_cell_size(body, scene.geometry, scene.accuracy));
+  sizes.zones.resize(sizes.first.size());
+  sizes.energy.resize(sizes.first.size());
+  return sizes;
+}
+
+std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor) {
+  const AccuracyOptions& options = given.accuracy;
+  auto scene = std::make_unique<Scene>(given);
+  for (std::size_t b = 0; b < scene->bodies.size(); ++b) {
+    BodySpec& body = scene->bodies[b];
+    const double finest = std::ldexp(sizes.first[b], 1 - options.max_levels);
+    double smallest = sizes.first[b];
+    const auto add = [&](std::vector<SizedBall> balls, double grading) {
+      for (SizedBall& ball : balls) {
+        ball.size = std::max(ball.size * factor, finest);
+        smallest = std::min(smallest, ball.size);
+      }
+      if (!balls.empty()) body.sizes.push_back(std::make_shared<const SizeField>(std::move(balls), grading));
+    };
+    add(sizes.zones[b], options.grading);
+    add(sizes.energy[b], options.energy_grading);
+    body.cell_size = std::ldexp(smallest, halvings(sizes.first[b], smallest));  // halvings end with the smallest size
+  }
+  return scene;
+}
+
+ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results) {
+  const AccuracyOptions& options = scene.accuracy;
+  ErrorFigures errors;
+  errors.stress = results.estimated_error_relative;
+  bool known = true, any = false;
+  double pressure = 0, force = 0;
+  for (std::size_t p = 0; p < zones.size(); ++p) {
+    if (!zones[p].relevant) continue;
+    any = true;
+    known &= zones[p].resolved && results.pairs[p].force_error_estimate.has_value();
+    pressure = std::max(pressure, results.pairs[p].pressure_error_estimate);
+    force = std::max(force, results.pairs[p].force_error_estimate.value_or(0));
+  }
+  if (known && any) {
+    errors.pressure = pressure;
+    errors.force = force;
+  }
+  errors.met = known && (!options.pressure || pressure <= *options.pressure) &&
+               (!options.force || force <= *options.force) && (!options.stress || errors.stress <= *options.stress);
+  return errors;
+}
+
+GridSizes next_sizes(const SolvedState& state, const Results& results, const std::vector<ZoneState>& zones,
+                     const GridSizes& present) {
+  const AccuracyOptions& options = state.scene.accuracy;
+  GridSizes next;
+  next.first = present.first;
+  next.zones.resize(present.first.size());
+  next.energy.resize(present.first.size());
+  bool all_resolved = true;
+  for (std::size_t p = 0; p < zones.size(); ++p) {
+    const ZoneState& zone = zones[p];
+    if (!zone.relevant) continue;
+    all_resolved &= zone.resolved;
+    const double ratio = next_size_ratio(zone, results.pairs[p].pressure_error_estimate, options.pressure, options);
+    next.change = std::min(next.change, ratio);
+    for (SizedBall ball : zone.places) {
+      ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
+      ball.size = ratio * zone.cell;
+      for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);
+    }
+  }
+  if (!all_resolved) return next;
+  const double allowed = allowed_energy_error(state.scene, zones, results);
+  std::vector<std::unique_ptr<SizeField>> fields;
+  for (const auto& balls : next.zones) fields.push_back(std::make_unique<SizeField>(balls, options.grading));
+  if (allowed < expected_energy_error(results, fields))
+    next.energy = energy_sizes(results, options.aim * allowed, present.first);
+  else
+    next.energy = present.energy;
+  return next;
+}
+
+}  // namespace cgcontact

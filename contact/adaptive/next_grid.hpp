@@ -1,0 +1,36 @@
+/// From a solution to the sizes of the cells of the next grids.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "contact/adaptive/zone_sizes.hpp"
+
+namespace cgcontact {
+
+/// Sizes of the cells of all bodies, m.
+struct GridSizes {
+  std::vector<double> first;                          ///< of each body: the largest cells
+  std::vector<std::vector<SizedBall>> zones, energy;  ///< of each body: where they are to be smaller
+  double change = 1;                                  ///< smallest ratio of a zone's cells to those before
+};
+
+/// Those of the first grids: cell_size, or from the shape.
+GridSizes first_sizes(const Scene& scene);
+
+/// The scene on grids of these sizes; cells smaller than the first become larger by a factor.
+std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1);
+
+/// Relative estimated errors after a solve; none: not known, as the zone is not resolved.
+struct ErrorFigures {
+  std::optional<double> pressure, force;  ///< the largest of the pairs that matter
+  double stress = 0;
+  bool met = false;  ///< all that the scene asks for
+};
+ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results);
+
+/// Sizes of the next grids, from the present ones.
+GridSizes next_sizes(const SolvedState& state, const Results& results, const std::vector<ZoneState>& zones,
+                     const GridSizes& present);
+
+}  // namespace cgcontact

@@ -1,0 +1,191 @@
+#include "contact/adaptive/small_zone_places.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/model/gap_samples.hpp"
+#include "core/base/parallel.hpp"
+#include "recovery/zone_edge/connected_sets.hpp"
+#include "recovery/zone_edge/symmetry_planes.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// As in SmallZones: indentation of a half-space by a convex punch; width of a contact zone over that of the overlap.
+constexpr double indentation = 1.07, width_of_overlap = 0.7;
+/// Cells: closed groups are of one zone, and groups beside them may hold it, if their centres are no farther apart.
+constexpr double connected = 2;
+/// Cells: a plane of symmetry so near to a zone's centre cuts it.
+constexpr double near_plane = 1.5;
+/// Of the groups' area: an overlap that fills more is not smaller than the cells.
+constexpr double fills = 0.5;
+constexpr int most_doublings = 30, bisections = 40;
+
+struct Group {
+  const ContactGroup* group;
+  Vec3 centre;
+  double force;  // N, compression positive
+  bool closed;
+};
+
+std::vector<Group> groups_of(const SolvedState& state, std::size_t p) {
+  std::size_t row = 0;
+  for (std::size_t k = 0; k < p; ++k) row += state.pairs[k].groups.size();
+  const ContactPair& pair = state.pairs[p];
+  const double unit = state.scales.stress * state.scales.length * state.scales.length;
+  std::vector<Group> groups;
+  for (const ContactGroup& group : pair.groups) {
+    Group g{&group, Vec3::Zero(), unit * state.outer.group_force[row++], false};
+    for (int q = group.first_point; q < group.last_point; ++q) {
+      g.centre += pair.points[q].weight / group.area * pair.points[q].x;
+      g.closed |= pair.points[q].active;
+    }
+    groups.push_back(g);
+  }
+  return groups;
+}
+
+double inverse_plane_modulus(const Material& m) { return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus; }
+
+/// One zone: its closed groups and those beside them.
+class Overlap {
+ public:
+  Overlap(const SolvedState& state, std::size_t p, std::vector<Group> groups)
+      : state_(state), pair_(state.pairs[p]), groups_(std::move(groups)) {
+    for (const Group& g : groups_) {
+      area_ += g.group->area;
+      force_ += std::max(g.force, 0.0);
+      cell_ = std::max(cell_, g.group->larger_cell);
+      for (int q = g.group->first_point; q < g.group->last_point; ++q)
+        nearest_ = std::min(nearest_, pair_.points[q].distance);
+    }
+    modulus_ = 1 / (inverse_plane_modulus(state.scene.bodies[pair_.primary].material) +
+                    inverse_plane_modulus(state.scene.bodies[pair_.secondary].material));
+  }
+
+  /// Samples of the overlap under the zone's force; empty: it fills the groups, or there is no force.
+  std::vector<GapSample> samples() {
+    if (!(force_ > 0)) return {};
+    double depth = 0.01 * force_ / (modulus_ * cell_), limit = 0;
+    std::vector<GapSample> found;
+    for (int k = 0;; ++k, depth *= 2) {
+      limit = nearest_ + depth;
+      found = sampled(limit);
+      double area = 0;
+      for (const GapSample& s : found)
+        if (s.distance < limit) area += s.area;
+      if (area > fills * area_ || k == most_doublings) return {};
+      if (force_at(found, limit) >= force_) break;
+    }
+    double low = limit - depth, high = limit;
+    for (int k = 0; k < bisections; ++k) {
+      const double middle = 0.5 * (low + high);
+      (force_at(found, middle) < force_ ? low : high) = middle;
+    }
+    found.erase(std::remove_if(found.begin(), found.end(), [&](const GapSample& s) { return s.distance >= high; }),
+                found.end());
+    return found;
+  }
+
+  double cell() const { return cell_; }
+
+  /// m: short axis of the ellipse with the same moments, planes of symmetry being respected.
+  double width(const std::vector<GapSample>& samples) {
+    double area = 0;
+    Vec3 first = Vec3::Zero();
+    Mat3 second = Mat3::Zero();
+    for (const GapSample& s : samples)
+      for (const Vec3& x : with_images(s.x, planes_)) {
+        area += s.area;
+        first += s.area * x;
+        second += s.area * (x * x.transpose() + s.area / 12 * Mat3::Identity());
+      }
+    const Vec3 mean = first / area;
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(second / area - mean * mean.transpose());
+    return width_of_overlap * 4 * std::sqrt(std::max(solver.eigenvalues()[1], 0.0));
+  }
+
+ private:
+  std::vector<GapSample> sampled(double limit) {
+    std::vector<std::vector<GapSample>> parts(groups_.size());
+    parallel_for("cgcontact::small_zone_places::sample", parts.size(), 1,
+                 [&](std::size_t g) { parts[g] = sample_gap(state_.bodies, pair_, *groups_[g].group, limit); });
+    std::vector<GapSample> all;
+    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+    choose_planes(all);
+    return all;
+  }
+
+  /// Those that cut the overlap.
+  void choose_planes(const std::vector<GapSample>& samples) {
+    planes_.clear();
+    if (samples.empty()) return;
+    Vec3 mean = Vec3::Zero();
+    for (const GapSample& s : samples) mean += s.x / static_cast<double>(samples.size());
+    const BodyModel &a = state_.bodies[pair_.primary], &b = state_.bodies[pair_.secondary];
+    for (const SymmetryPlane& plane :
+         common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
+                       a.cut_cells.grid.cell_size))
+      if ((with_images(mean, {plane}).back() - mean).norm() < 2 * near_plane * cell_) planes_.push_back(plane);
+  }
+
+  double force_at(const std::vector<GapSample>& samples, double limit) const {
+    double volume = 0, area = 0;
+    for (const GapSample& s : samples) {
+      if (s.distance >= limit) continue;
+      volume += (limit - s.distance) * s.area;
+      area += s.area;
+    }
+    const double images = std::ldexp(1.0, static_cast<int>(planes_.size()));
+    return area > 0 ? indentation * modulus_ * volume / std::sqrt(area * images) : 0;
+  }
+
+  const SolvedState& state_;
+  const ContactPair& pair_;
+  std::vector<Group> groups_;
+  std::vector<SymmetryPlane> planes_;
+  double area_ = 0, force_ = 0, cell_ = 0, nearest_ = 1e300, modulus_ = 0;
+};
+
+}  // namespace
+
+void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zone) {
+  const std::vector<Group> groups = groups_of(state, pair);
+  const auto joined = [&](int i, int k) {
+    return (groups[i].centre - groups[k].centre).norm() <=
+           connected * std::max(groups[i].group->larger_cell, groups[k].group->larger_cell);
+  };
+  double reach = 0;
+  std::vector<int> closed;
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (!groups[g].closed) continue;
+    closed.push_back(static_cast<int>(g));
+    reach = std::max(reach, connected * groups[g].group->larger_cell);
+  }
+  const std::vector<int> set = connected_sets(
+      closed.size(), reach, [&](std::size_t i) { return groups[closed[i]].centre; },
+      [&](int i, int k) { return joined(closed[i], closed[k]); });
+  std::vector<SizedBall> places;
+  double narrowest = 1e300;
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    if (set[i] != static_cast<int>(i)) continue;
+    std::vector<Group> members;
+    for (std::size_t g = 0; g < groups.size(); ++g)
+      for (std::size_t k = 0; k < closed.size(); ++k)
+        if (set[k] == static_cast<int>(i) && joined(static_cast<int>(g), closed[k])) {
+          members.push_back(groups[g]);
+          break;
+        }
+    Overlap overlap(state, pair, members);
+    const std::vector<GapSample> samples = overlap.samples();
+    if (samples.empty()) return;
+    narrowest = std::min(narrowest, overlap.width(samples));
+    for (const GapSample& s : samples) places.push_back({s.x, std::sqrt(s.area), 0});
+  }
+  if (places.empty()) return;
+  zone.places = std::move(places);
+  zone.width = narrowest;
+  zone.narrowed = true;
+}
+
+}  // namespace cgcontact

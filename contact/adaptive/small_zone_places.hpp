@@ -1,0 +1,14 @@
+/// Where a contact zone lies that is smaller than its cells.
+#pragma once
+
+#include "contact/adaptive/zone_sizes.hpp"
+
+namespace cgcontact {
+
+/// Narrows a zone that is not resolved to where the undeformed bodies overlap, sampled between the quadrature points,
+/// when they are pressed together by the force that its groups transmit: F = 1.07 E* V / sqrt(A), as in small_zones.hpp
+/// (planes of symmetry of both bodies complete it). Sets places and width. Does nothing where the overlap fills the
+/// groups: then their cells are about as large as the zone.
+void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zone);
+
+}  // namespace cgcontact

@@ -1,0 +1,32 @@
+/// What a solution asks of the next grid where its bodies touch.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "contact/solve/solved_state.hpp"
+#include "core/cells/size_field.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// One contact pair after a solve.
+struct ZoneState {
+  bool relevant = false;          ///< carries enough to matter, or may touch and is not resolved
+  bool resolved = false;          ///< its pressure can be relied on
+  double cell = 0;                ///< m, of the larger cells in the zone
+  std::optional<double> width;    ///< m; none: the zone ends where the faces end
+  std::optional<double> needed;   ///< m; the size that would resolve it, as the verdict says
+  bool narrowed = false;          ///< found between the quadrature points of cells that are larger
+  std::vector<SizedBall> places;  ///< closed groups or what may touch; size: that of the present cells
+};
+
+/// One per pair of the state.
+std::vector<ZoneState> zone_states(const SolvedState& state, const Results& results);
+
+/// Size of the cells of a zone on the next grid over the present one. error: estimated, of the pressure; target: of the
+/// same, none: the pressure is not asked for, the zone is to be found and resolved only.
+double next_size_ratio(const ZoneState& zone, double error, std::optional<double> target,
+                       const AccuracyOptions& options);
+
+}  // namespace cgcontact

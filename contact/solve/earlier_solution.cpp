@@ -1,0 +1,70 @@
+#include "contact/solve/earlier_solution.hpp"
+
+#include <algorithm>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Points per chunk of the parallel loops.
+constexpr std::size_t grain = 256;
+/// Of the largest pressure of a pair: less than that is not closed. SPR-C leaves none outside of the zone.
+constexpr double presses = 1e-3;
+
+/// n . sigma* . d of the earlier solution at a place of a body, Pa; 0 beyond its cells.
+double earlier_traction(const SolvedState& earlier, int body, const Vec3& x, const Vec3& n, const Vec3& d) {
+  const CutCells& cells = earlier.bodies[body].cut_cells;
+  const Vec3 position = cells.grid.to_grid(x);
+  const int cell = cells.locate(position);
+  if (cell < 0) return 0;
+  const Sym3 stress =
+      recovered_stress(earlier, earlier.sprc[body], body, cell, cell_coordinates(cells, cell, position));
+  return n.dot(tensor(stress) * d);
+}
+
+/// Lagged pressure of a pair's points, Pa: that of both bodies.
+std::vector<double> earlier_pressure(const SolvedState& earlier, const ContactPair& pair) {
+  std::vector<double> pressure(pair.points.size());
+  parallel_for("cgcontact::earlier_solution::contact", pressure.size(), grain, [&](std::size_t q) {
+    const ContactPoint& point = pair.points[q];
+    pressure[q] = -0.5 * (earlier_traction(earlier, pair.primary, point.x, point.normal, point.normal) +
+                          earlier_traction(earlier, pair.secondary, point.x, point.normal, point.normal));
+  });
+  return pressure;
+}
+
+}  // namespace
+
+bool start_from(const SolvedState& earlier, Iterate& iterate) {
+  const OuterProblem& problem = iterate.problem;
+  std::vector<std::vector<double>> pressures;
+  bool any = false;
+  for (const ContactPair& pair : problem.pairs) {
+    pressures.push_back(earlier_pressure(earlier, pair));
+    const auto largest = std::max_element(pressures.back().begin(), pressures.back().end());
+    any |= largest != pressures.back().end() && *largest > 0;
+  }
+  if (!any) return false;
+  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
+    ContactPair& pair = problem.pairs[k];
+    const double largest = *std::max_element(pressures[k].begin(), pressures[k].end());
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      pair.points[q].active = pressures[k][q] > presses * std::max(largest, 0.0);
+      iterate.contact_stress[k][q] = pressures[k][q] / problem.scales.stress;
+    }
+  }
+  parallel_for("cgcontact::earlier_solution::supports", problem.supports.size(), grain, [&](std::size_t s) {
+    const SupportPoint& p = problem.supports[s];
+    if (p.support < 0) return;
+    const Vec3 x = global_position(problem.bodies[p.body].cut_cells, p.cell, p.xi);
+    iterate.support_stress[s] = earlier_traction(earlier, p.body, x, p.normal, p.direction) / problem.scales.stress;
+  });
+  for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
+    const RigidPart& part = earlier.outer.rigid_parts[b];
+    iterate.rigid_parts.move(b, part.translation, part.rotation, part.centre);
+  }
+  return true;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,35 @@
+#include "core/settings/accuracy_options.hpp"
+
+namespace cgcontact {
+
+std::vector<Setting> AccuracyOptions::settings() {
+  return {{"max_unknowns", &max_unknowns, Range::from_to(1000, 2e9, "1000 to 2e9 unknowns")},
+          {"max_time", &max_time, Range::from_to(0.001, 1e9, "0.001 to 1e9 s")},
+          {"max_levels", &max_levels, Range::integers(1, 20)},
+          {"max_solves", &max_solves, Range::integers(1, 100)},
+          method_constant("first_cells_through", first_cells_through, Range::positive("cells")),
+          method_constant("most_first_cells", most_first_cells, Range::positive("cells")),
+          method_constant("grading", grading, Range::from_to(0.05, 1, "0.05 to 1")),
+          method_constant("beyond_zone", beyond_zone, Range::not_negative()),
+          method_constant("middle_cells", middle_cells, Range::positive("cells")),
+          method_constant("narrowing", narrowing, Range::from_to(2, 1000, "2 to 1000")),
+          method_constant("aim", aim, Range::fraction()),
+          method_constant("rate", rate, Range::positive()),
+          method_constant("least_change", least_change, Range::from_to(1, 100, "1 to 100")),
+          method_constant("most_change", most_change, Range::from_to(1, 100, "1 to 100")),
+          method_constant("force_part", force_part, Range::fraction()),
+          method_constant("energy_grading", energy_grading, Range::from_to(0.05, 1, "0.05 to 1")),
+          method_constant("near_gap", near_gap, Range::fraction())};
+}
+
+void AccuracyOptions::check() const {
+  AccuracyOptions copy = *this;
+  check_settings("accuracy", copy.settings());
+}
+
+std::string AccuracyOptions::print() const {
+  AccuracyOptions copy = *this;
+  return print_settings("accuracy", copy.settings());
+}
+
+}  // namespace cgcontact

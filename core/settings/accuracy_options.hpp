@@ -1,0 +1,52 @@
+/// Settings of runs that refine their grids until a figure is as accurate as asked for.
+#pragma once
+
+#include <optional>
+
+#include "core/settings/settings.hpp"
+
+namespace cgcontact {
+
+struct AccuracyOptions {
+  // Wanted relative errors; none: not asked for.
+  std::optional<double> pressure;  ///< contact pressure, L2 norm over the faces of each pair
+  std::optional<double> force;     ///< contact force of each pair
+  std::optional<double> stress;    ///< stress, energy norm, all bodies together
+
+  // What a run may cost at most.
+  double max_unknowns = 5e6;  ///< of one solve
+  double max_time = 1e6;      ///< s, all solves together
+  int max_levels = 20;        ///< of each body's grid
+  int max_solves = 10;
+
+  // Constants of the method (docs/adaptivity.md).
+
+  /// First grid without cell_size: cells over the mean thickness (twice the volume over the surface; a third of a
+  /// cube's side), and at most so many in a body.
+  double first_cells_through = 2.7, most_first_cells = 40000;
+  /// Growth of the cells with the distance from the contact zone.
+  double grading = 0.25;
+  /// The cells of a zone's size go on by that part of half its width beyond its closed points.
+  double beyond_zone = 0.15;
+  /// Cells over half the width of a zone on the first grid that resolves it.
+  double middle_cells = 6;
+  /// How many times smaller cells become where nothing but the group of a zone is known.
+  double narrowing = 24;
+  /// Part of the target that the next grid aims at, and the power of the size that errors are taken to fall with.
+  double aim = 0.75, rate = 1.1;
+  /// The size changes at least and at most by these factors from one solve to the next.
+  double least_change = 1.4, most_change = 8;
+  /// Part of the target of the pressure that the force's error may take.
+  double force_part = 0.5;
+  /// Growth of cells with the distance from those that the energy norm's error asks for.
+  double energy_grading = 0.5;
+  /// Part of a cell: faces of an open pair that are so near may touch between the points where the gap is known.
+  double near_gap = 0.05;
+
+  bool any() const { return pressure || force || stress; }
+  std::vector<Setting> settings();
+  void check() const;
+  std::string print() const;
+};
+
+}  // namespace cgcontact
