@@ -91,24 +91,38 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   return false;
 }
 
-void AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
+/// Solves on the next grid, which becomes the present one, and estimates its errors.
+ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   const double before = figures_.solves.empty() ? 0 : seconds();
-  next_->solve(callbacks, resolved_ ? &simulation_->state : nullptr);
-  simulation_ = std::move(next_);
-  scene_ = std::move(next_scene_);
-  const Results& results = simulation_->results;
+  EarlierSolution earlier;
+  if (resolved_) earlier.state = &simulation_->state;
+  for (const ZoneState& zone : zones_) earlier.cell.push_back(zone.cell);
+  next_->solve(callbacks, earlier.state);
+  SolvedState& state = next_->state;
+  Results& results = next_->results;
+  zones_ = zone_states(state, results);
   SolveFigures solve;
+  solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
+  const ErrorFigures errors = error_figures(*next_scene_, zones_, results);
+  resolved_ = errors.pressure.has_value();
   solve.unknowns = results.unknowns;
-  solve.seconds = seconds() - before;
   solve.outer_iterations = results.outer_iterations;
   solve.converged = results.converged;
   solve.smallest_cell = 1e300;
-  for (const BodyModel& body : simulation_->state.bodies) {
-    solve.levels = std::max(solve.levels, body.cut_cells.num_levels());
-    solve.smallest_cell =
-        std::min(solve.smallest_cell, body.cut_cells.grid.cell_size_of(body.cut_cells.num_levels() - 1));
+  for (const BodyModel& body : state.bodies) {
+    const Grid& grid = body.cut_cells.grid;
+    solve.levels = std::max(solve.levels, grid.num_levels);
+    solve.smallest_cell = std::min(solve.smallest_cell, grid.cell_size_of(grid.num_levels - 1));
   }
+  solve.pressure = errors.pressure;
+  solve.force = errors.force;
+  solve.stress = errors.stress;
+  simulation_ = std::move(next_);
+  scene_ = std::move(next_scene_);
+  solve.seconds = seconds() - before;
   figures_.solves.push_back(solve);
+  callbacks.solved(static_cast<int>(figures_.solves.size()), solve);
+  return errors;
 }
 
 void AdaptiveRun::run(const AdaptiveCallbacks& callbacks) {
@@ -119,22 +133,8 @@ void AdaptiveRun::run(const AdaptiveCallbacks& callbacks) {
           fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed", limit_, number(needed_));
       break;
     }
-    solve(callbacks);
-    SolveFigures& last = figures_.solves.back();
-    const std::vector<ZoneState> zones = zone_states(simulation_->state, simulation_->results);
-    const ErrorFigures errors = error_figures(*scene_, zones, simulation_->results);
-    if (resolved_ && errors.pressure)
-      for (std::size_t p = 0; p < zones.size(); ++p)
-        if (zones[p].relevant)
-          last.change =
-              std::max(last.change.value_or(0), pressure_change(simulation_->results, static_cast<int>(p), earlier_));
-    earlier_ = keep_pressure(simulation_->results, zones);
-    resolved_ = errors.pressure.has_value();
-    last.pressure = errors.pressure;
-    last.force = errors.force;
-    last.stress = errors.stress;
-    callbacks.solved(static_cast<int>(figures_.solves.size()), last);
-    if (!last.converged) {
+    const ErrorFigures errors = solve(callbacks);
+    if (!figures_.solves.back().converged) {
       figures_.text = "a solve did not converge";
       break;
     }
@@ -146,7 +146,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& callbacks) {
       figures_.text = fmt::format("accuracy.max_solves = {} stopped the refinement", options.max_solves);
       break;
     }
-    sizes_ = next_sizes(simulation_->state, simulation_->results, zones, sizes_);
+    sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_);
   }
   Results& results = simulation_->results;
   results.accuracy = figures_;

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "contact/adaptive/next_grid.hpp"
-#include "contact/adaptive/pressure_change.hpp"
+#include "contact/adaptive/two_grid_estimate.hpp"
 #include "contact/simulation.hpp"
 
 namespace cgcontact {
@@ -34,7 +34,7 @@ class AdaptiveRun {
 
  private:
   bool place(const AdaptiveCallbacks& callbacks);
-  void solve(const AdaptiveCallbacks& callbacks);
+  ErrorFigures solve(const AdaptiveCallbacks& callbacks);
   double allowed_unknowns();
   double seconds() const;
   std::string cost_of_more() const;
@@ -45,8 +45,8 @@ class AdaptiveRun {
   std::unique_ptr<Simulation> simulation_, next_;
   AccuracyFigures figures_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  KeptPressure earlier_;    // of the last solve
-  bool resolved_ = false;   // are the zones of the last solve?
+  std::vector<ZoneState> zones_;  // of the last solve
+  bool resolved_ = false;         // are they all?
   const char* limit_ = "";  // that binds the next grid
   double needed_ = 0;       // unknowns of the grid that the targets ask for
 };

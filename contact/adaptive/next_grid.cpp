@@ -110,7 +110,7 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
   std::vector<std::unique_ptr<SizeField>> fields;
   for (const auto& balls : next.zones) fields.push_back(std::make_unique<SizeField>(balls, options.grading));
   if (allowed < expected_energy_error(results, fields))
-    next.energy = energy_sizes(results, options.aim * allowed, present.first);
+    next.energy = energy_sizes(results, options.energy_aim * allowed, present.first);
   else
     next.energy = present.energy;
   return next;

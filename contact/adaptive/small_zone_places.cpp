@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/model/gap_samples.hpp"
+#include "contact/model/indentation.hpp"
 #include "core/base/parallel.hpp"
 #include "recovery/zone_edge/connected_sets.hpp"
 #include "recovery/zone_edge/symmetry_planes.hpp"
@@ -11,14 +12,13 @@
 namespace cgcontact {
 namespace {
 
-/// As in SmallZones: indentation of a half-space by a convex punch; width of a contact zone over that of the overlap.
-constexpr double indentation = 1.07, width_of_overlap = 0.7;
-/// Cells: closed groups are of one zone, and groups beside them may hold it, if their centres are no farther apart.
-constexpr double connected = 2;
+/// Cells: closed groups are of one zone if their centres are no farther apart; groups so far from them may hold its
+/// overlap, which is wider than the zone.
+constexpr double connected = 2, around = 3;
 /// Cells: a plane of symmetry so near to a zone's centre cuts it.
 constexpr double near_plane = 1.5;
 /// Of the groups' area: an overlap that fills more is not smaller than the cells.
-constexpr double fills = 0.5;
+constexpr double fills = 0.8;
 constexpr int most_doublings = 30, bisections = 40;
 
 struct Group {
@@ -45,8 +45,6 @@ std::vector<Group> groups_of(const SolvedState& state, std::size_t p) {
   return groups;
 }
 
-double inverse_plane_modulus(const Material& m) { return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus; }
-
 /// One zone: its closed groups and those beside them.
 class Overlap {
  public:
@@ -59,8 +57,8 @@ class Overlap {
       for (int q = g.group->first_point; q < g.group->last_point; ++q)
         nearest_ = std::min(nearest_, pair_.points[q].distance);
     }
-    modulus_ = 1 / (inverse_plane_modulus(state.scene.bodies[pair_.primary].material) +
-                    inverse_plane_modulus(state.scene.bodies[pair_.secondary].material));
+    modulus_ = effective_modulus(state.scene.bodies[pair_.primary].material,
+                                 state.scene.bodies[pair_.secondary].material);
   }
 
   /// Samples of the overlap under the zone's force; empty: it fills the groups, or there is no force.
@@ -87,23 +85,8 @@ class Overlap {
     return found;
   }
 
-  double cell() const { return cell_; }
-
-  /// m: short axis of the ellipse with the same moments, planes of symmetry being respected.
-  double width(const std::vector<GapSample>& samples) {
-    double area = 0;
-    Vec3 first = Vec3::Zero();
-    Mat3 second = Mat3::Zero();
-    for (const GapSample& s : samples)
-      for (const Vec3& x : with_images(s.x, planes_)) {
-        area += s.area;
-        first += s.area * x;
-        second += s.area * (x * x.transpose() + s.area / 12 * Mat3::Identity());
-      }
-    const Vec3 mean = first / area;
-    const Eigen::SelfAdjointEigenSolver<Mat3> solver(second / area - mean * mean.transpose());
-    return width_of_overlap * 4 * std::sqrt(std::max(solver.eigenvalues()[1], 0.0));
-  }
+  /// m: of the contact zone in the overlap.
+  double width(const std::vector<GapSample>& samples) const { return width_of_overlap * axes(samples, 1e300).second; }
 
  private:
   std::vector<GapSample> sampled(double limit) {
@@ -137,7 +120,28 @@ class Overlap {
       area += s.area;
     }
     const double images = std::ldexp(1.0, static_cast<int>(planes_.size()));
-    return area > 0 ? indentation * modulus_ * volume / std::sqrt(area * images) : 0;
+    if (!(area > 0)) return 0;
+    const auto [length, breadth] = axes(samples, limit);
+    return indentation * modulus_ * slenderness_factor(length / breadth) * volume / std::sqrt(area * images);
+  }
+
+  /// Long and short axis of the ellipse with the same moments as the overlap, planes of symmetry being respected, m.
+  std::pair<double, double> axes(const std::vector<GapSample>& samples, double limit) const {
+    double area = 0;
+    Vec3 first = Vec3::Zero();
+    Mat3 second = Mat3::Zero();
+    for (const GapSample& s : samples) {
+      if (s.distance >= limit) continue;
+      for (const Vec3& x : with_images(s.x, planes_)) {
+        area += s.area;
+        first += s.area * x;
+        second += s.area * (x * x.transpose() + s.area / 12 * Mat3::Identity());
+      }
+    }
+    const Vec3 mean = first / area;
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(second / area - mean * mean.transpose());
+    const double largest = solver.eigenvalues()[2];
+    return {4 * std::sqrt(largest), 4 * std::sqrt(std::max(solver.eigenvalues()[1], 1e-8 * largest))};
   }
 
   const SolvedState& state_;
@@ -151,9 +155,9 @@ class Overlap {
 
 void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zone) {
   const std::vector<Group> groups = groups_of(state, pair);
-  const auto joined = [&](int i, int k) {
+  const auto joined = [&](int i, int k, double cells = connected) {
     return (groups[i].centre - groups[k].centre).norm() <=
-           connected * std::max(groups[i].group->larger_cell, groups[k].group->larger_cell);
+           cells * std::max(groups[i].group->larger_cell, groups[k].group->larger_cell);
   };
   double reach = 0;
   std::vector<int> closed;
@@ -172,7 +176,7 @@ void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zo
     std::vector<Group> members;
     for (std::size_t g = 0; g < groups.size(); ++g)
       for (std::size_t k = 0; k < closed.size(); ++k)
-        if (set[k] == static_cast<int>(i) && joined(static_cast<int>(g), closed[k])) {
+        if (set[k] == static_cast<int>(i) && joined(static_cast<int>(g), closed[k], around)) {
           members.push_back(groups[g]);
           break;
         }

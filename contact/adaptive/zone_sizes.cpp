@@ -19,6 +19,9 @@ constexpr double relevant_part = 0.01;
 /// Where the place of a zone is known, its cells may become so many times smaller at once.
 constexpr double most_narrowing = 1000;
 
+/// Cells across a zone below which its closed groups hardly tell where it is and how wide.
+constexpr double about_a_cell = 2.5;
+
 /// N; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
 double force_of(const PairFigures& figures) {
   return std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
@@ -87,7 +90,8 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
       zone.resolved = verdict.state == Verdict::State::resolved;
       add_closed_groups(pair, widths[p], zone);
       zone.needed = verdict.cell_size_needed;
-      if (zone.relevant && !zone.resolved) narrow_to_overlap(state, p, zone);
+      if (zone.relevant && !zone.resolved && verdict.cells_across && *verdict.cells_across < about_a_cell)
+        narrow_to_overlap(state, p, zone);
       continue;
     }
     for (const MissedOverlap& overlap : missed)

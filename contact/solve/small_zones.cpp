@@ -4,22 +4,19 @@
 #include <cmath>
 #include <map>
 
+#include "contact/model/indentation.hpp"
 #include "core/base/parallel.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
 namespace {
 
-/// F = indentation E* V / sqrt(A): 1.064 for spheres, 1.077 for cones, 1.13 for flat punches.
-constexpr double indentation = 1.07;
 /// Mean displacement of a square of side h under a uniform pressure, times E* h / F.
 constexpr double own_displacement = 0.946;
 /// Of the change of a force: what the cells' own deformation may do.
 constexpr double largest_own_part = 0.8;
 /// Cells: what acts on the depth at one place as a zone does, not as cells see it: the next groups.
 constexpr double zone_reach = 1.5;
-/// Width of a contact zone over that of the overlap: 0.71 for spheres, 0.64 for cones and wedges.
-constexpr double width_of_overlap = 0.7;
 /// Samples serve until the overlap has grown or shrunk by that.
 constexpr double grown = 1.5, shrunk = 0.5;
 
@@ -60,16 +57,6 @@ class GroupPlaces {
   const std::size_t first_;
   std::map<CellPlace, std::vector<std::size_t>> groups_;
 };
-
-/// Stiffness of an elliptic punch over that of a circular one of the same area (Johnson, section 3.6, equation 3.70).
-double slenderness_factor(double aspect) {
-  return 0.5 * M_PI * std::sqrt(aspect) / std::comp_ellint_1(std::sqrt(std::max(0.0, 1 - 1 / (aspect * aspect))));
-}
-
-double inverse_plane_modulus(const BodyModel& body) {
-  const Material& m = body.spec->material;
-  return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
-}
 
 }  // namespace
 
@@ -179,8 +166,8 @@ ZoneSpring SmallZones::spring(std::size_t g) const {
 }
 
 double SmallZones::effective_modulus(std::size_t pair) const {
-  return 1 / (inverse_plane_modulus(bodies_[pairs_[pair].primary]) +
-              inverse_plane_modulus(bodies_[pairs_[pair].secondary]));
+  return cgcontact::effective_modulus(bodies_[pairs_[pair].primary].spec->material,
+                                      bodies_[pairs_[pair].secondary].spec->material);
 }
 
 /// Groups of zones that are several cells wide, and those within two cells of them: closed ones that join one whose

@@ -1,0 +1,64 @@
+#include "contact/adaptive/two_grid_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/results/contact_rows.hpp"
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Rows per chunk of the parallel loop.
+constexpr std::size_t grain = 128;
+
+/// SPR-C pressure of the earlier solution at a row, Pa.
+double pressure_at(const SolvedState& earlier, const ContactRow& row) {
+  const CutCells& cells = earlier.bodies[row.body].cut_cells;
+  const Vec3 position = cells.grid.to_grid(row.x);
+  const int cell = cells.locate(position);
+  return cell < 0 ? 0 : contact_row(earlier, row.body, row.pair, cell, position, row.normal).pressure_sprc;
+}
+
+/// Relative L2 norm over the present rows of a pair.
+double pressure_change(const Results& results, int pair, const SolvedState& earlier) {
+  const std::vector<ContactRow>& rows = results.contact_rows;
+  std::vector<double> change(rows.size());
+  parallel_for("cgcontact::two_grid_estimate::change", rows.size(), grain, [&](std::size_t i) {
+    if (rows[i].pair == pair) change[i] = rows[i].pressure_sprc - pressure_at(earlier, rows[i]);
+  });
+  double difference = 0, norm = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].pair != pair) continue;
+    difference += rows[i].weight * change[i] * change[i];
+    norm += rows[i].weight * rows[i].pressure_sprc * rows[i].pressure_sprc;
+  }
+  return norm > 0 ? std::sqrt(difference / norm) : 0;
+}
+
+}  // namespace
+
+std::optional<double> estimate_from_two_grids(const std::vector<ZoneState>& zones, const EarlierSolution& earlier,
+                                              const AccuracyOptions& options, Results& results) {
+  std::optional<double> largest;
+  std::vector<double> factor(zones.size(), 1);
+  for (std::size_t p = 0; p < zones.size(); ++p) {
+    const ZoneState& zone = zones[p];
+    if (!zone.relevant || !zone.resolved) continue;
+    PairFigures& figures = results.pairs[p];
+    double error = options.safety * figures.pressure_error_estimate;
+    if (zone.width) error *= 1 + std::pow(options.doubtful_width * zone.cell / *zone.width, 2);
+    if (earlier.state) {
+      const double change = pressure_change(results, static_cast<int>(p), *earlier.state);
+      const double r = zone.cell / earlier.cell[p];
+      error = std::max(error, change * r / std::sqrt(1 + r * r));
+      largest = std::max(largest.value_or(0), change);
+    }
+    if (figures.pressure_error_estimate > 0) factor[p] = error / figures.pressure_error_estimate;
+    figures.pressure_error_estimate = error;
+  }
+  for (ContactRow& row : results.contact_rows) row.pressure_error *= factor[row.pair];
+  return largest;
+}
+
+}  // namespace cgcontact

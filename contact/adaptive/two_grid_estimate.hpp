@@ -1,0 +1,25 @@
+/// The estimated error of the contact pressure, from the solutions on two grids.
+#pragma once
+
+#include "contact/adaptive/zone_sizes.hpp"
+
+namespace cgcontact {
+
+/// A solution that is kept while the next one is made.
+struct EarlierSolution {
+  const SolvedState* state = nullptr;  ///< none: there is none whose zones are resolved
+  std::vector<double> cell;            ///< m, in each pair's zone
+};
+
+/// Of every pair that matters: sets PairFigures::pressure_error_estimate, and ContactRow::pressure_error in proportion,
+/// to the larger one of
+/// - the estimate of the present solution (pressure_estimate.hpp), times AccuracyOptions::safety and, as it fails where a
+///   zone is few cells wide, 1 + (doubtful_width / cells across)^2;
+/// - with an earlier solution on cells 1/r times as large, whose errors are independent and fall like the size:
+///   change * r / sqrt(1 + r^2), the change being the relative L2 norm of the difference of the two SPR-C pressures at
+///   the present contact rows.
+/// Returns the largest change; none without an earlier solution.
+std::optional<double> estimate_from_two_grids(const std::vector<ZoneState>& zones, const EarlierSolution& earlier,
+                                              const AccuracyOptions& options, Results& results);
+
+}  // namespace cgcontact
