@@ -10,6 +10,8 @@ namespace {
 constexpr double half_diagonal = 0.87;
 /// Cells change by no more than these factors at once: the estimate of a cell is one of its present surroundings.
 constexpr double smallest_ratio = 0.125, largest_ratio = 2;
+/// Halvings make cells up to twice as small as asked for: so they are too large as often as too small.
+constexpr double rounding = 1.41;
 
 /// How many times smaller a field asks cells of size h to be, in halvings.
 double asked_ratio(const SizeField& zones, const Vec3& x, double h) {
@@ -49,7 +51,7 @@ std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double 
       const double e = body.error_of_cell[c];
       if (!(e > 0)) continue;
       const double ratio = wanted * std::pow(e, -0.4) / std::sqrt(sum), h = cells.h(c);
-      const double size = h * std::clamp(ratio, smallest_ratio, largest_ratio);
+      const double size = rounding * h * std::clamp(ratio, smallest_ratio, largest_ratio);
       if (size < first_sizes[b]) balls[b].push_back({global_position(cells, c, Vec3::Zero()), half_diagonal * h, size});
     }
   }

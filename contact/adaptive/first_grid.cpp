@@ -1,5 +1,6 @@
 #include "contact/adaptive/first_grid.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "contact/model/model.hpp"
@@ -10,29 +11,36 @@ namespace {
 /// Cells along the longest side of the grid on which volume and surface are measured: both are exact on any.
 constexpr double measuring_cells = 8;
 
+/// Along the axes of its grid, m.
+Vec3 extent(const BodySpec& body) {
+  Vec3 min, max;
+  if (!body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max))
+    throw InputError(body.place, "\"" + body.name + "\"", "the body is not bounded",
+                     "intersect half-spaces with a box");
+  return max - min;
+}
+
 }  // namespace
 
-double first_cell_size(const BodySpec& body, const GeometryOptions& geometry, const AccuracyOptions& options) {
-  BodySpec measured = body;
-  Vec3 min, max;
-  measured.cell_size = 1;
-  if (measured.solid.bounding_box(min, max)) measured.cell_size = (max - min).maxCoeff() / measuring_cells;
-  const Grid grid = make_grid(measured);
-  CutCells cells;
-  try {
-    cells = make_cut_cells(
-        body.solid.transformed(grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size,
-                               1.0 / grid.cell_size),
-        grid, {}, geometry);
-  } catch (const InputError& error) {
-    throw InputError(body.place, "\"" + body.name + "\"", error.what());
+std::vector<double> first_cell_sizes(const Scene& scene) {
+  const AccuracyOptions& options = scene.accuracy;
+  std::vector<double> sizes;
+  Scene measured = scene;
+  for (BodySpec& body : measured.bodies) {
+    sizes.push_back(body.cell_size);
+    body.cell_size = extent(body).maxCoeff() / measuring_cells;
+    body.refine.clear();
   }
-  double area = 0;
-  for (const double weight : cells.boundary.weight) area += weight;
-  const double thickness = 2 * volume(cells) / area;
-  const double through = thickness / options.first_cells_through;
-  const double affordable = std::cbrt(volume(cells) / options.most_first_cells);
-  return grid.cell_size * std::max(through, affordable);
+  if (std::all_of(sizes.begin(), sizes.end(), [](double size) { return size > 0; })) return sizes;
+  const std::vector<BodyModel> models = make_body_models(measured);
+  for (std::size_t b = 0; b < sizes.size(); ++b) {
+    if (sizes[b] > 0) continue;
+    const double through = models[b].free_thickness / options.first_cells_through;
+    const double affordable = std::cbrt(volume(models[b].cut_cells) / options.most_first_cells);
+    const double size = measured.bodies[b].cell_size * std::max(through, affordable);
+    sizes[b] = std::min(size, extent(measured.bodies[b]).minCoeff());
+  }
+  return sizes;
 }
 
 }  // namespace cgcontact

@@ -1,12 +1,15 @@
-/// The first grid of a body without a cell size, from its shape.
+/// The first grids of bodies without a cell size, from their shape.
 #pragma once
+
+#include <vector>
 
 #include "core/scene/scene.hpp"
 
 namespace cgcontact {
 
-/// m: so many cells over the mean thickness (twice the volume over the surface) as [accuracy] says, fewer where that
-/// would be too many in all. Throws InputError for a body without volume.
-double first_cell_size(const BodySpec& body, const GeometryOptions& geometry, const AccuracyOptions& options);
+/// m, of each body: its cell_size; without one so many cells as [accuracy] says over the mean thickness (twice the
+/// volume over the surface that no support holds), at least one over its shortest side, fewer where that would be too
+/// many in all. Throws InputError for a body without volume or a face without points.
+std::vector<double> first_cell_sizes(const Scene& scene);
 
 }  // namespace cgcontact

@@ -35,8 +35,7 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
 
 GridSizes first_sizes(const Scene& scene) {
   GridSizes sizes;
-  for (const BodySpec& body : scene.bodies)
-    sizes.first.push_back(body.cell_size > 0 ? body.cell_size : first_cell_size(body, scene.geometry, scene.accuracy));
+  sizes.first = first_cell_sizes(scene);
   sizes.zones.resize(sizes.first.size());
   sizes.energy.resize(sizes.first.size());
   return sizes;

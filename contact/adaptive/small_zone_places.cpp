@@ -57,8 +57,8 @@ class Overlap {
       for (int q = g.group->first_point; q < g.group->last_point; ++q)
         nearest_ = std::min(nearest_, pair_.points[q].distance);
     }
-    modulus_ = effective_modulus(state.scene.bodies[pair_.primary].material,
-                                 state.scene.bodies[pair_.secondary].material);
+    modulus_ =
+        effective_modulus(state.scene.bodies[pair_.primary].material, state.scene.bodies[pair_.secondary].material);
   }
 
   /// Samples of the overlap under the zone's force; empty: it fills the groups, or there is no force.

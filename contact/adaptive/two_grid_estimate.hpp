@@ -13,7 +13,8 @@ struct EarlierSolution {
 
 /// Of every pair that matters: sets PairFigures::pressure_error_estimate, and ContactRow::pressure_error in proportion,
 /// to the larger one of
-/// - the estimate of the present solution (pressure_estimate.hpp), times AccuracyOptions::safety and, as it fails where a
+/// - the estimate of the present solution (pressure_estimate.hpp), times AccuracyOptions::safety and, as it fails where
+/// a
 ///   zone is few cells wide, 1 + (doubtful_width / cells across)^2;
 /// - with an earlier solution on cells 1/r times as large, whose errors are independent and fall like the size:
 ///   change * r / sqrt(1 + r^2), the change being the relative L2 norm of the difference of the two SPR-C pressures at
