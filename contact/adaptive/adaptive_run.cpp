@@ -13,8 +13,12 @@ namespace {
 
 /// Unknowns of graded grids go with the size of their cells to about this power.
 constexpr double unknowns_power = -2.5;
+/// Those of narrow zones to a smaller one; grids that are found too large shrink by this one.
+constexpr double coarsening_power = -1.7;
 /// What a limit leaves of the wanted change of size must be more than that to be worth a solve.
 constexpr double least_gain = 1.15;
+/// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
+constexpr double first_exploration = 2.5e5;
 /// Grids that are too large for a limit are made so much coarser beyond what the power says.
 constexpr double step = 1.03;
 /// A last solve with fields and pictures takes longer per unknown than those before it.
@@ -65,16 +69,31 @@ double AdaptiveRun::allowed_unknowns() {
   return std::min(in_time, options.max_unknowns);
 }
 
-/// Cells of the next grid; beyond a limit they become larger. False: they would be hardly smaller than those before.
+/// Cells of the first grid, or of the next one; beyond a limit they become larger. False: they would be hardly smaller
+/// than those before.
 bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   const double allowed = allowed_unknowns();
-  double factor = 1;
-  if (resolved_) {  // not even the cells of a grid that is too large by far
-    const double foreseen =
-        static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
-    if (foreseen > 4 * allowed) factor = std::pow(allowed / foreseen, 1 / unknowns_power);
-    needed_ = foreseen;
+  if (figures_.solves.empty()) {
+    place_within(1e300, 1, callbacks);
+    if (count_unknowns(next_->state.bodies) > allowed)
+      throw InputError(fmt::format("{}: accuracy.max_unknowns = {:g}: the first grid has {} already", given_.file,
+                                   allowed, number(count_unknowns(next_->state.bodies))));
+    return true;
   }
+  if (!resolved_) {  // where zones are is not known for certain: the grid that finds them is not to be a large one
+    const double enough = first_exploration * std::pow(4.0, static_cast<double>(figures_.solves.size() - 1));
+    if (enough < allowed && place_within(enough, 1, callbacks)) return true;
+    return place_within(allowed, 1, callbacks);
+  }
+  // Not even the cells of a grid that is too large by far.
+  needed_ = static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
+  const double factor = needed_ > 4 * allowed ? std::pow(allowed / needed_, 1 / unknowns_power) : 1;
+  return place_within(allowed, factor, callbacks);
+}
+
+/// Places the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`.
+/// False: the cells would be hardly smaller than those before.
+bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
   while (factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
     next_scene_ = scene_on_grids(given_, sizes_, factor);
     next_ = std::make_unique<Simulation>(*next_scene_);
@@ -82,10 +101,7 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
     const double unknowns = count_unknowns(next_->state.bodies);
     if (factor == 1) needed_ = unknowns;
     if (unknowns <= allowed) return true;
-    if (figures_.solves.empty())
-      throw InputError(fmt::format("{}: accuracy.max_unknowns = {:g}: the first grid has {} already", given_.file,
-                                   allowed, number(unknowns)));
-    factor *= step * std::pow(std::max(allowed, 1.0) / unknowns, 1 / unknowns_power);
+    factor *= step * std::pow(std::max(allowed, 1.0) / unknowns, 1 / coarsening_power);
   }
   next_.reset();
   return false;

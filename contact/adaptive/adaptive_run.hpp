@@ -34,6 +34,7 @@ class AdaptiveRun {
 
  private:
   bool place(const AdaptiveCallbacks& callbacks);
+  bool place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks);
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
   double allowed_unknowns();
   double seconds() const;

@@ -93,14 +93,17 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
   next.energy.resize(present.first.size());
   bool all_resolved = true;
   for (std::size_t p = 0; p < zones.size(); ++p) {
-    const ZoneState& zone = zones[p];
+    ZoneState zone = zones[p];
     if (!zone.relevant) continue;
     all_resolved &= zone.resolved;
     const double ratio = next_size_ratio(zone, results.pairs[p].pressure_error_estimate, options.pressure, options);
     next.change = std::min(next.change, ratio);
-    for (SizedBall ball : zone.places) {
+    if (zone.resolved && !zone.width && ratio < 1)
+      size_by_error(state, results, static_cast<int>(p), options.aim * *options.pressure, zone);
+    else
+      for (SizedBall& ball : zone.places) ball.size = ratio * zone.cell;
+    for (SizedBall& ball : zone.places) {
       ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
-      ball.size = ratio * zone.cell;
       for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "contact/adaptive/small_zone_places.hpp"
 #include "contact/results/missed_contact.hpp"
@@ -21,6 +22,9 @@ constexpr double most_narrowing = 1000;
 
 /// Cells across a zone below which its closed groups hardly tell where it is and how wide.
 constexpr double about_a_cell = 2.5;
+
+/// Of a place's cells from one grid to the next.
+constexpr double largest_growth = 2;
 
 /// N; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
 double force_of(const PairFigures& figures) {
@@ -103,6 +107,33 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
     zone.relevant = !zone.places.empty();
   }
   return zones;
+}
+
+void size_by_error(const SolvedState& state, const Results& results, int p, double target, ZoneState& zone) {
+  const ContactPair& pair = state.pairs[p];
+  std::map<std::pair<int, int>, double> squared;  // by body and cell
+  double norm = 0, all = 0;
+  for (const ContactRow& row : results.contact_rows) {
+    if (row.pair != p) continue;
+    const double error = row.weight * row.pressure_error * row.pressure_error;
+    squared[{row.body, row.cell}] += error;
+    all += error;
+    norm += row.weight * row.pressure_sprc * row.pressure_sprc;
+  }
+  std::vector<double> errors;
+  double of_groups = 0;
+  for (const ContactGroup& group : pair.groups)
+    if (is_closed(pair, group)) {
+      errors.push_back(squared[{group.body, group.cell}]);
+      of_groups += errors.back();
+    }
+  if (!(of_groups > 0)) return;
+  double sum = 0;
+  for (double& e : errors) sum += e = std::sqrt(e * all / of_groups);  // as if one body had the errors of both
+  for (std::size_t g = 0; g < errors.size(); ++g) {
+    const double ratio = target * std::sqrt(norm) / std::sqrt(errors[g] * sum);
+    zone.places[g].size *= std::clamp(ratio, 1 / state.scene.accuracy.most_change, largest_growth);
+  }
 }
 
 double next_size_ratio(const ZoneState& zone, double error, std::optional<double> target,

@@ -9,9 +9,9 @@
 #include "contact/solve/active_set.hpp"
 #include "contact/solve/active_set_history.hpp"
 #include "contact/solve/diagnosis.hpp"
-#include "contact/solve/earlier_solution.hpp"
 #include "contact/solve/lagged_stress.hpp"
 #include "contact/solve/line_search.hpp"
+#include "contact/solve/outer_start.hpp"
 #include "contact/solve/right_hand_side.hpp"
 #include "core/base/memory.hpp"
 #include "kernels/solver/linear_solver.hpp"
@@ -40,7 +40,7 @@ struct ContactSolver::Impl {
   const SolverOptions& settings() const { return problem_.scene.solver; }
 
   OuterProblem problem_;
-  const SolvedState* earlier_;  // of other grids, for the first start; or none
+  const SolvedState* earlier_;  // that the first run starts from, or none
   LinearSolver solver_;
   Iterate now_;
   LaggedStress lagged_stress_;

@@ -45,7 +45,7 @@ struct SolvedState;
 /// at each call): the second and later calls start from the solution before, if that converged.
 class ContactSolver {
  public:
-  /// earlier: a solution on other grids that the first call starts from, or none.
+  /// earlier: a solution on other grids that the first call starts from (outer_start.hpp), or none.
   explicit ContactSolver(const OuterProblem& problem, const SolvedState* earlier = nullptr);
   ~ContactSolver();
   OuterResult solve(const std::function<void(const OuterStep&)>& progress);

@@ -1,7 +1,9 @@
-#include "contact/solve/earlier_solution.hpp"
+#include "contact/solve/outer_start.hpp"
 
 #include <algorithm>
 
+#include "contact/solve/iterate.hpp"
+#include "contact/solve/solved_state.hpp"
 #include "core/base/parallel.hpp"
 
 namespace cgcontact {
@@ -26,7 +28,7 @@ double earlier_traction(const SolvedState& earlier, int body, const Vec3& x, con
 /// Lagged pressure of a pair's points, Pa: that of both bodies.
 std::vector<double> earlier_pressure(const SolvedState& earlier, const ContactPair& pair) {
   std::vector<double> pressure(pair.points.size());
-  parallel_for("cgcontact::earlier_solution::contact", pressure.size(), grain, [&](std::size_t q) {
+  parallel_for("cgcontact::outer_start::contact", pressure.size(), grain, [&](std::size_t q) {
     const ContactPoint& point = pair.points[q];
     pressure[q] = -0.5 * (earlier_traction(earlier, pair.primary, point.x, point.normal, point.normal) +
                           earlier_traction(earlier, pair.secondary, point.x, point.normal, point.normal));
@@ -54,7 +56,7 @@ bool start_from(const SolvedState& earlier, Iterate& iterate) {
       iterate.contact_stress[k][q] = pressures[k][q] / problem.scales.stress;
     }
   }
-  parallel_for("cgcontact::earlier_solution::supports", problem.supports.size(), grain, [&](std::size_t s) {
+  parallel_for("cgcontact::outer_start::supports", problem.supports.size(), grain, [&](std::size_t s) {
     const SupportPoint& p = problem.supports[s];
     if (p.support < 0) return;
     const Vec3 x = global_position(problem.bodies[p.body].cut_cells, p.cell, p.xi);
