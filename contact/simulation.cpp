@@ -81,6 +81,11 @@ bool is_at_rest(const OuterResult& outer) {
 void Simulation::run(const ProgressCallbacks& progress) {
   place(progress);
   solve(progress);
+  sample_paths(progress);
+}
+
+void Simulation::sample_paths(const ProgressCallbacks& progress) {
+  PhaseClock(results.times_s, progress)("error estimate", [&] { fill_paths(state, results); });
 }
 
 void Simulation::place(const ProgressCallbacks& progress) {
@@ -271,7 +276,6 @@ void Simulation::fill_results() {
   fill_body_fields(state, results);
   estimate_contact_errors(state, results);
   fill_conditions(state, results);
-  fill_paths(state, results);
   fill_pressure_errors(state, results);
   if (state.outer.converged)
     for (const auto& warnings :

@@ -100,6 +100,7 @@ void StudyRunner::take_over(const std::map<std::string, StudyRow>& earlier, std:
   row.wall_s = found->second.wall_s;
   row.report = found->second.report;
   row.figures = found->second.figures;
+  if (row.figures.smallest_cell) row.cell_size = *row.figures.smallest_cell;
   row.errors = row.figures.pressure_errors;
 }
 
@@ -111,6 +112,7 @@ void StudyRunner::read_results(StudyRow& row, const fs::path& directory, double 
   row.report = report;
   row.figures = figures;
   row.wall_s = wall_s;
+  if (figures.smallest_cell) row.cell_size = *figures.smallest_cell;
   row.errors = figures.pressure_errors;
   row.status = figures.converged ? StudyRow::Status::solved : StudyRow::Status::not_converged;
   row.message = figures.converged ? fmt::format("{}", fmt::join(figures.warnings, "; ")) : figures.diagnosis;

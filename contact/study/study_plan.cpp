@@ -129,6 +129,11 @@ StudyPlan plan_study(const CommandLine& line) {
     read_changed_scene(line.scene, line.overrides, "solver.preconditioner", name, "--preconditioner " + name);
   for (const std::string& size : options.key.empty() ? std::vector<std::string>() : options.sizes)
     read_changed_scene(line.scene, line.overrides, options.key, size, "--vary " + options.key + "=" + size);
+  if (options.key.empty())
+    for (const BodySpec& body : as_it_is.bodies)
+      if (body.cell_size == 0)
+        throw InputError(body.place, "\"" + body.name + "\"", "has no cell_size that --refine could divide",
+                         "--vary accuracy.pressure=5%,2%,1%");
   StudyPlan plan;
   Study& study = plan.study;
   study.scene_file = line.scene;

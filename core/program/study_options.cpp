@@ -42,11 +42,13 @@ int integer(const std::string& text, int largest, const std::string& what) {
   return value;
 }
 
-/// Different texts may be the same number.
-void expect_different(const std::vector<std::string>& numbers, const std::string& allowed) {
+/// Different texts may be the same number. may_be_percent: "5%" is one.
+void expect_different(const std::vector<std::string>& numbers, const std::string& allowed, bool may_be_percent) {
   std::vector<double> seen;
   for (const std::string& text : numbers) {
-    const double value = number(text, allowed);
+    const bool percent = may_be_percent && text.back() == '%';
+    const double value =
+        percent ? number(trimmed(text.substr(0, text.size() - 1)), allowed) / 100 : number(text, allowed);
     if (std::find(seen.begin(), seen.end(), value) != seen.end()) refuse(text, "is there twice", allowed);
     seen.push_back(value);
   }
@@ -77,12 +79,12 @@ std::vector<std::string> parse_list(const std::string& text, const std::string& 
 }
 
 std::pair<std::string, std::vector<std::string>> parse_vary(const std::string& text) {
-  const std::string allowed = "KEY=NUMBER,NUMBER,..., for example n=8,16,32";
+  const std::string allowed = "KEY=NUMBER,NUMBER,..., for example n=8,16,32 or accuracy.pressure=5%,2%,1%";
   const std::size_t equal = text.find('=');
   const std::string key = trimmed(text.substr(0, equal));
   if (equal == std::string::npos || key.empty()) refuse(text, "has no key or no values", allowed);
   std::vector<std::string> numbers = parse_list(text.substr(equal + 1), allowed);
-  expect_different(numbers, allowed);
+  expect_different(numbers, allowed, true);
   return {key, std::move(numbers)};
 }
 
@@ -91,7 +93,7 @@ std::vector<std::string> parse_factors(const std::string& text) {
   std::vector<std::string> factors = parse_list(text, allowed);
   for (const std::string& factor : factors)
     if (number(factor, allowed) <= 0) refuse(factor, "is out of range", allowed);
-  expect_different(factors, allowed);
+  expect_different(factors, allowed, false);
   return factors;
 }
 

@@ -30,6 +30,8 @@ RunFigures figures_of(const Json& json) {
     if (const auto& estimate = pair.at("force_error_estimate"); !estimate.is_null())
       figures.force_error_estimate = estimate.get<double>();
   }
+  if (const auto accuracy = json.find("accuracy"); accuracy != json.end() && !accuracy->at("solves").empty())
+    figures.smallest_cell = accuracy->at("solves").back().at("smallest_cell").get<double>();
   figures.active_points = json.at("active_points");
   figures.outer_iterations = json.at("outer_iterations");
   for (const Json& iterations : json.at("linear_iterations")) figures.linear_iterations += iterations.get<long long>();

@@ -27,6 +27,7 @@ struct RunFigures {
   std::optional<double> force;                                          ///< N, of the first contact pair
   std::optional<double> pressure_error_estimate, force_error_estimate;  ///< relative, of the first contact pair
   std::vector<ZoneError> pressure_errors;
+  std::optional<double> smallest_cell;  ///< m, of a run to an accuracy
   struct Pair {
     std::string name;
     double force = 0, area = 0, max_pressure = 0;  ///< N, m^2, Pa
