@@ -31,8 +31,8 @@ double RasterImage::line_cover(const Vec3& grid, const Screen& screen) {
   double cover = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (screen.line_strength[axis] <= cover) continue;
-    const double distance = std::abs(grid[axis] - std::round(grid[axis])) / screen.cells_per_pixel[axis];
-    if (distance < line_half_width) cover = screen.line_strength[axis];
+    const double distance = std::abs(grid[axis] - std::floor(grid[axis] + 0.5));  // floor is one instruction
+    if (distance < line_half_width * screen.cells_per_pixel[axis]) cover = screen.line_strength[axis];
   }
   return cover;
 }
@@ -64,6 +64,8 @@ bool RasterImage::project(const std::array<RasterVertex, 3>& triangle, double sh
   }
   const Vec3 side = triangle[1].position - triangle[0].position, other = triangle[2].position - triangle[0].position;
   screen.normal = side.cross(other).normalized();
+  screen.plain = triangle[0].value == triangle[1].value && triangle[0].value == triangle[2].value;
+  if (screen.plain) screen.colour = colour_(triangle[0].value);
   const Vec3 light = (camera_.eye + 0.5 * camera_.up + 0.35 * camera_.right).normalized();
   screen.shade = 1 - shading * 0.4 * (1 - std::max(0.0, screen.normal.dot(light)));
   return true;
@@ -80,7 +82,7 @@ void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const 
   const auto depth = static_cast<float>(weight[0] * screen.z[0] + weight[1] * screen.z[1] + weight[2] * screen.z[2]);
   if (depth <= pixel.depth) return;
   const double value = weight[0] * triangle[0].value + weight[1] * triangle[1].value + weight[2] * triangle[2].value;
-  const std::array<double, 3> colour = colour_(value);
+  const std::array<double, 3> colour = screen.plain ? screen.colour : colour_(value);
   const double factor = screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
   pixel.depth = depth;
   pixel.red = static_cast<float>(factor * colour[0]);

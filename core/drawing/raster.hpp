@@ -51,10 +51,12 @@ class RasterImage {
     double x[3], y[3], z[3];
     Mat3 slope, grid;
     Vec3 normal;
-    Vec3 cells_per_pixel;  ///< by axis, of the averaged image
-    Vec3 line_strength;    ///< of the grid lines across each axis
+    Vec3 cells_per_pixel;          ///< by axis, of the averaged image
+    Vec3 line_strength;            ///< of the grid lines across each axis
+    std::array<double, 3> colour;  ///< of a triangle of one value
     double shade;
     int part;
+    bool plain;  ///< of one value
   };
   /// False if the triangle is seen from behind or from the side.
   bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
