@@ -24,6 +24,10 @@ struct Curve {
   std::vector<std::optional<double>> errors;
 };
 
+bool has_errors(const Curve& curve) {
+  return std::any_of(curve.errors.begin(), curve.errors.end(), [](const auto& error) { return error.has_value(); });
+}
+
 std::vector<Curve> curves_of(const AccuracyFigures& accuracy) {
   Curve pressure{"pressure", "#d2501e", accuracy.pressure, {}}, force{"force", "#2070b8", accuracy.force, {}},
       stress{"stress", "#6a9a3a", accuracy.stress, {}};
@@ -36,8 +40,7 @@ std::vector<Curve> curves_of(const AccuracyFigures& accuracy) {
   for (Curve& curve : std::vector<Curve>{pressure, force, stress}) {
     for (std::optional<double>& error : curve.errors)
       if (error && !(*error > 0 && std::isfinite(*error))) error.reset();
-    const bool any = std::any_of(curve.errors.begin(), curve.errors.end(), [](const auto& e) { return e.has_value(); });
-    if (any || curve.target) curves.push_back(std::move(curve));
+    if (curve.target || has_errors(curve)) curves.push_back(std::move(curve));
   }
   return curves;
 }
@@ -115,9 +118,9 @@ std::string script_of(const Results& results, const std::vector<Curve>& curves) 
 }  // namespace
 
 void write_accuracy_plot(const Results& results, GnuplotRuns& runs) {
-  if (!results.accuracy.asked || results.accuracy.solves.empty()) return;
+  if (!results.accuracy.asked) return;
   const std::vector<Curve> curves = curves_of(results.accuracy);
-  if (curves.empty()) return;
+  if (std::none_of(curves.begin(), curves.end(), has_errors)) return;
   write_text(runs.directory() + "/plots/accuracy.dat", data_of(results.accuracy, curves));
   runs.start("accuracy", script_of(results, curves), {"accuracy.svg"});
 }
