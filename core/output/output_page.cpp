@@ -198,11 +198,10 @@ std::string accuracy_verdict(const AccuracyFigures& accuracy) {
                                          : "not known, the contact zone is not resolved",
                           figure(error.target, fine_percent(error.target)));
   const std::size_t count = accuracy.solves.size();
-  std::string text =
-      fmt::format("The accuracy asked for is {} after {} solve{}: estimated error of the {}.",
-                  accuracy.reached ? "reached" : "<b>not reached</b>", count, count == 1 ? "" : "s", errors);
-  if (!accuracy.reached && !accuracy.text.empty()) text += " " + html_text(sentence(accuracy.text)) + ".";
-  return text + " ";
+  const bool stopped = !accuracy.reached && !accuracy.text.empty();
+  return fmt::format("The accuracy asked for is {} after {} solve{}: estimated error of the {}{}. ",
+                     accuracy.reached ? "reached" : "<b>not reached</b>", count, count == 1 ? "" : "s", errors,
+                     stopped ? "; " + html_text(accuracy.text) : "");
 }
 
 std::string verdict(const Results& results, const std::vector<std::string>& warnings) {

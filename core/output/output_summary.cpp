@@ -247,7 +247,7 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
 std::string summary(const Results& results, const std::string& directory) {
   Lines lines;
   for (const Allowance allowance : {Allowance{8, 3, 4, 6}, Allowance{6, 2, 3, 4}, Allowance{4, 1, 3, 3},
-                                    Allowance{3, 1, 2, 2}, Allowance{2, 1, 1, 0}}) {
+                                    Allowance{3, 1, 2, 2}, Allowance{2, 1, 1, 2}, Allowance{2, 1, 1, 0}}) {
     lines = summary_lines(results, directory, allowance);
     if (lines.size() <= screen_lines) break;
   }

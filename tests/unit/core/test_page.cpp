@@ -146,7 +146,7 @@ TEST(page, the_solves_to_an_accuracy_are_listed) {
   results.accuracy.text = "accuracy.max_time stopped <the refinement>";
   text = page(results, {});
   for (const char* shown : {"verdict doubtful", "not as accurate as asked", "<b>not reached</b>", "1.04 %",
-                            "Accuracy.max_time stopped &lt;the refinement&gt;."})
+                            "; accuracy.max_time stopped &lt;the refinement&gt;."})
     EXPECT_TRUE(has(text, shown)) << shown;
   results.accuracy.solves.back().pressure.reset();
   EXPECT_TRUE(has(page(results, {}), "not known, the contact zone is not resolved"));
