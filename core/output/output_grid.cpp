@@ -168,7 +168,8 @@ std::string colour_bar(const StressErrors& errors, double left, double bottom, i
   const double low = errors.low * unit.factor, high = errors.high * unit.factor;
   std::string text = gnuplot_palette();
   text += fmt::format("set logscale cb\nset cbrange [{}:{}]\nset cbtics {}\n", low, high, bar_tics(low, high));
-  text += fmt::format("set cblabel 'estimated error of the stress [{}]'\n", unit.name);
+  text += fmt::format("set label 'estimated error of the stress [{}]' at {},{} center rotate by 90\n", unit.name,
+                      left + 105, bottom + side / 2.0);
   text += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", left / width,
                       (bottom + 0.1 * side) / height, 22.0 / width, 0.8 * side / height);
   return text;
@@ -203,8 +204,9 @@ void add_grounds(const Panel& view, Sheet& sheet) {
   const double right = view.left + side, scale_width = 0.34 * side;
   for (const auto& [left, width, height] :
        {std::array<double, 3>{view.left, 68, 72}, std::array<double, 3>{right - scale_width, scale_width, 24}})
-    sheet.settings += fmt::format("set object rectangle from {},{} to {},{} front fs solid 1 noborder fc rgb 'white'\n",
-                                  left, view.bottom, left + width, view.bottom + height);
+    sheet.settings += fmt::format(
+        "set object rectangle from {},{} to {},{} front fs solid 1 border lc rgb '#c0c0c0' fc rgb 'white'\n", left,
+        view.bottom, left + width, view.bottom + height);
 }
 
 void add_legend(const Results& results, double top, Sheet& sheet) {
