@@ -64,7 +64,9 @@ class RasterImage {
   void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row);
   /// Fraction of the pixel that lies on a grid line.
   static double line_cover(const Vec3& grid, const Screen& screen);
+  static bool are_apart(const Pixel& a, const Pixel& b);
   bool is_outline(int x, int y) const;
+  void mend_speck(int x, int y);
 
   int width_, height_, oversampling_;
   Camera camera_;
