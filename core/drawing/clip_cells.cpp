@@ -518,6 +518,7 @@ template <class Clip>
 ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip) {
   if (cut_cells.parts.empty()) return clip(cut_cells);
   ClippedMesh mesh;
+  mesh.level_of_cell = cut_cells.levels;
   for (int l = 0; l < cut_cells.num_levels(); ++l) {
     CutCells level = cut_cells.parts[l];
     level.solid = cut_cells.part_solids[l];

@@ -30,7 +30,9 @@ struct ClippedMesh {
   std::vector<std::array<int, 4>> tetrahedra;  ///< positively oriented
   std::vector<int> cell_of_tetrahedron;        ///< active cell
   std::vector<BoundaryTriangle> boundary;
+  std::vector<signed char> level_of_cell;  ///< of each active cell; empty: 0
 
+  int level(int cell) const { return level_of_cell.empty() ? 0 : level_of_cell[cell]; }
   double volume() const;         ///< in cell units cubed
   double boundary_area() const;  ///< in cell units squared
 };

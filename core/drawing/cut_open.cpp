@@ -60,6 +60,12 @@ class Opening {
       height_.push_back({(x - corner).dot(directions[0]), (x - corner).dot(directions[1])});
   }
 
+  /// All of the boundary, nothing cut.
+  DrawnBody boundary() {
+    for (const BoundaryTriangle& triangle : whole_.mesh.boundary) keep(triangle);
+    return std::move(open_);
+  }
+
   DrawnBody run() {
     for (const BoundaryTriangle& triangle : whole_.mesh.boundary) add_boundary(triangle);
     const ClippedMesh& mesh = whole_.mesh;
@@ -137,7 +143,7 @@ class Opening {
     const int first = static_cast<int>(open_.position.size());
     for (const Vertex& v : polygon) add_point(v, cell);
     for (int i = 2; i < static_cast<int>(polygon.size()); ++i)
-      open_.mesh.boundary.push_back({{first, first + i - 1, first + i}, cell, surface});
+      open_.mesh.boundary.push_back({{first, first + i - 1, first + i}, cell, surface, whole_.mesh.level(cell)});
   }
 
   const DrawnBody& whole_;
@@ -148,6 +154,10 @@ class Opening {
 };
 
 }  // namespace
+
+DrawnBody boundary_of(const DrawnBody& whole) {
+  return Opening(whole, Vec3::Zero(), {Vec3::UnitX(), Vec3::UnitY()}).boundary();
+}
 
 DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions) {
   return Opening(whole, corner, directions).run();

@@ -12,4 +12,7 @@ namespace cgcontact {
 /// of the sections have `surface` -1.
 DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions);
 
+/// The boundary alone, with the points that it has.
+DrawnBody boundary_of(const DrawnBody& whole);
+
 }  // namespace cgcontact

@@ -31,8 +31,8 @@ double RasterImage::line_cover(const Vec3& grid, const Screen& screen) {
   double cover = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (screen.line_strength[axis] <= cover) continue;
-    const double distance = std::abs(grid[axis] - std::round(grid[axis])) / screen.cells_per_pixel[axis];
-    if (distance < line_half_width) cover = screen.line_strength[axis];
+    const double distance = std::abs(grid[axis] - std::floor(grid[axis] + 0.5));  // floor is one instruction
+    if (distance < line_half_width * screen.cells_per_pixel[axis]) cover = screen.line_strength[axis];
   }
   return cover;
 }
@@ -64,6 +64,8 @@ bool RasterImage::project(const std::array<RasterVertex, 3>& triangle, double sh
   }
   const Vec3 side = triangle[1].position - triangle[0].position, other = triangle[2].position - triangle[0].position;
   screen.normal = side.cross(other).normalized();
+  screen.plain = triangle[0].value == triangle[1].value && triangle[0].value == triangle[2].value;
+  if (screen.plain) screen.colour = colour_(triangle[0].value);
   const Vec3 light = (camera_.eye + 0.5 * camera_.up + 0.35 * camera_.right).normalized();
   screen.shade = 1 - shading * 0.4 * (1 - std::max(0.0, screen.normal.dot(light)));
   return true;
@@ -80,7 +82,7 @@ void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const 
   const auto depth = static_cast<float>(weight[0] * screen.z[0] + weight[1] * screen.z[1] + weight[2] * screen.z[2]);
   if (depth <= pixel.depth) return;
   const double value = weight[0] * triangle[0].value + weight[1] * triangle[1].value + weight[2] * triangle[2].value;
-  const std::array<double, 3> colour = colour_(value);
+  const std::array<double, 3> colour = screen.plain ? screen.colour : colour_(value);
   const double factor = screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
   pixel.depth = depth;
   pixel.red = static_cast<float>(factor * colour[0]);
@@ -125,19 +127,32 @@ std::array<int, 2> RasterImage::columns_of_row(const Screen& screen, int row, co
   return {static_cast<int>(std::min(first, columns[1] + 1.0)), static_cast<int>(std::max(last, columns[0] - 1.0))};
 }
 
+/// Do two neighbouring pixels show different parts, or places of one part that are apart or meet at an edge?
+bool RasterImage::are_apart(const Pixel& a, const Pixel& b) {
+  if (a.part != b.part) return true;
+  if (a.part < 0) return false;
+  return a.nx * b.nx + a.ny * b.ny + a.nz * b.nz < 0.8f || std::abs(a.depth - b.depth) > 20.0f;
+}
+
 bool RasterImage::is_outline(int x, int y) const {
-  const Pixel& here = fine_[static_cast<std::size_t>(y) * width_ + x];
-  const int steps[2][2] = {{1, 0}, {0, 1}};
-  for (const auto& step : steps) {
-    const int nx = x + step[0], ny = y + step[1];
-    if (nx >= width_ || ny >= height_) continue;
-    const Pixel& there = fine_[static_cast<std::size_t>(ny) * width_ + nx];
-    if (here.part != there.part) return true;
-    if (here.part < 0) continue;
-    if (here.nx * there.nx + here.ny * there.ny + here.nz * there.nz < 0.8f) return true;
-    if (std::abs(here.depth - there.depth) > 20.0f) return true;
-  }
-  return false;
+  const auto pixel = [&](int column, int row) -> const Pixel& {
+    return fine_[static_cast<std::size_t>(row) * width_ + column];
+  };
+  return (x + 1 < width_ && are_apart(pixel(x, y), pixel(x + 1, y))) ||
+         (y + 1 < height_ && are_apart(pixel(x, y), pixel(x, y + 1)));
+}
+
+/// A pixel that is apart from all its neighbours, which belong together, is a crack between cells of two sizes on a
+/// curved face, or a sliver: it becomes what is beside it.
+void RasterImage::mend_speck(int x, int y) {
+  if (x == 0 || y == 0 || x + 1 == width_ || y + 1 == height_) return;
+  const std::size_t place = static_cast<std::size_t>(y) * width_ + x;
+  Pixel& here = fine_[place];
+  const Pixel &left = fine_[place - 1], &right = fine_[place + 1], &below = fine_[place - width_],
+              &above = fine_[place + width_];
+  for (const Pixel* other : {&left, &right, &below, &above})
+    if (other->part < 0 || !are_apart(here, *other)) return;
+  if (!are_apart(left, right) && !are_apart(below, above) && !are_apart(left, below)) here = left;
 }
 
 void RasterImage::draw_outlines() {
@@ -145,12 +160,18 @@ void RasterImage::draw_outlines() {
   for (int y = 0; y < height_; ++y)
     for (int x = 0; x < width_; ++x)
       if (is_outline(x, y)) outline.push_back(static_cast<std::size_t>(y) * width_ + x);
+  const auto column = [&](std::size_t place) { return static_cast<int>(place % width_); };
+  const auto row = [&](std::size_t place) { return static_cast<int>(place / width_); };
+  for (std::size_t place : outline) mend_speck(column(place), row(place));
+  outline.erase(std::remove_if(outline.begin(), outline.end(),
+                               [&](std::size_t place) { return !is_outline(column(place), row(place)); }),
+                outline.end());
   const int reach = oversampling_ / 2;
   for (std::size_t place : outline) {
-    const int y = static_cast<int>(place / width_), x = static_cast<int>(place % width_);
-    for (int row = std::max(0, y - reach); row <= std::min(height_ - 1, y + reach); ++row)
-      for (int column = std::max(0, x - reach); column <= std::min(width_ - 1, x + reach); ++column) {
-        Pixel& pixel = fine_[static_cast<std::size_t>(row) * width_ + column];
+    const int x = column(place), y = row(place);
+    for (int j = std::max(0, y - reach); j <= std::min(height_ - 1, y + reach); ++j)
+      for (int i = std::max(0, x - reach); i <= std::min(width_ - 1, x + reach); ++i) {
+        Pixel& pixel = fine_[static_cast<std::size_t>(j) * width_ + i];
         pixel.red = pixel.green = pixel.blue = 0.12f;
       }
   }

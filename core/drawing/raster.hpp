@@ -51,10 +51,12 @@ class RasterImage {
     double x[3], y[3], z[3];
     Mat3 slope, grid;
     Vec3 normal;
-    Vec3 cells_per_pixel;  ///< by axis, of the averaged image
-    Vec3 line_strength;    ///< of the grid lines across each axis
+    Vec3 cells_per_pixel;          ///< by axis, of the averaged image
+    Vec3 line_strength;            ///< of the grid lines across each axis
+    std::array<double, 3> colour;  ///< of a triangle of one value
     double shade;
     int part;
+    bool plain;  ///< of one value
   };
   /// False if the triangle is seen from behind or from the side.
   bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
@@ -62,7 +64,9 @@ class RasterImage {
   void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row);
   /// Fraction of the pixel that lies on a grid line.
   static double line_cover(const Vec3& grid, const Screen& screen);
+  static bool are_apart(const Pixel& a, const Pixel& b);
   bool is_outline(int x, int y) const;
+  void mend_speck(int x, int y);
 
   int width_, height_, oversampling_;
   Camera camera_;

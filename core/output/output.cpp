@@ -22,6 +22,7 @@
 #include "core/drawing/drawn_body.hpp"
 #include "core/output/output_check.hpp"
 #include "core/output/output_csv.hpp"
+#include "core/output/output_grid.hpp"
 #include "core/output/output_page.hpp"
 #include "core/output/output_picture.hpp"
 #include "core/output/output_plots.hpp"
@@ -244,7 +245,9 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
     const ContactSurface surface = make_contact_surface(results, drawn);
     results.extremes = extremes_of(drawn);
     const auto draw = [&] {
-      write_picture(results, drawn, runs);
+      const SceneView scene_view = look_at_scene(results, drawn);
+      write_picture(results, drawn, scene_view, runs);
+      write_grid_picture(results, drawn, scene_view, runs);
       if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), runs);
       parts.pressure_maps = write_pressure_maps(results, surface, runs);
     };

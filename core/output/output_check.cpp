@@ -61,12 +61,6 @@ Rgb colour_of(Role role, int k) {
   }
 }
 
-Rgb colour_of_body(std::size_t b) {
-  static const Rgb colours[] = {{0.45, 0.62, 0.80}, {0.90, 0.68, 0.40}, {0.55, 0.75, 0.55}, {0.78, 0.55, 0.70},
-                                {0.70, 0.70, 0.45}, {0.50, 0.72, 0.75}, {0.85, 0.58, 0.52}, {0.62, 0.60, 0.82}};
-  return colours[b % 8];
-}
-
 /// All that the panels draw from.
 struct Drawing {
   const Scene& scene;
@@ -261,13 +255,6 @@ void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, d
     sheet.add_axes_and_scale(view);
     if (numbered) add_marks(drawing, view, image, sheet);
   }
-}
-
-/// Of the cells: "2 mm", "0.25 to 2 mm".
-std::string sizes_of(const CutCells& cells) {
-  const double largest = cells.grid.cell_size, smallest = cells.grid.cell_size_of(cells.num_levels() - 1);
-  const std::string one = in_unit(largest, length_unit(largest));
-  return cells.num_levels() == 1 ? one : fmt::format("{} to {}", in_unit(smallest, length_unit(smallest)), one);
 }
 
 void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {

@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "core/base/text.hpp"
+#include "core/output/asked_accuracy.hpp"
 #include "core/output/output_page_style.hpp"
 #include "core/output/output_plots.hpp"
 
@@ -176,6 +177,8 @@ std::pair<const char*, const char*> verdict_heading(const Results& results) {
       if (results.pairs.empty()) return {"good", "Solved"};
       return {"doubtful", "Solved, without contact"};
     default:
+      if (results.accuracy.asked && !results.accuracy.reached)
+        return {"doubtful", "Solved, but not as accurate as asked"};
       return {"good", "Solved"};
   }
 }
@@ -186,11 +189,27 @@ std::string sentence(std::string text) {
   return text;
 }
 
+/// Whether the accuracy asked for is reached, with every target and its estimate.
+std::string accuracy_verdict(const AccuracyFigures& accuracy) {
+  std::string errors;
+  for (const AskedError& error : asked_errors(accuracy))
+    errors += fmt::format("{}{} {} (asked: {})", errors.empty() ? "" : ", of the ", error.name,
+                          error.estimate ? figure(*error.estimate, fine_percent(*error.estimate))
+                                         : "not known, the contact zone is not resolved",
+                          figure(error.target, fine_percent(error.target)));
+  const std::size_t count = accuracy.solves.size();
+  const bool stopped = !accuracy.reached && !accuracy.text.empty();
+  return fmt::format("The accuracy asked for is {} after {} solve{}: estimated error of the {}{}. ",
+                     accuracy.reached ? "reached" : "<b>not reached</b>", count, count == 1 ? "" : "s", errors,
+                     stopped ? "; " + html_text(accuracy.text) : "");
+}
+
 std::string verdict(const Results& results, const std::vector<std::string>& warnings) {
   std::string text;
   if (results.converged) {
     const auto [style, heading] = verdict_heading(results);
     text += fmt::format("<div class=\"verdict {}\"><strong>{}.</strong> ", style, heading);
+    if (results.accuracy.asked) text += accuracy_verdict(results.accuracy);
     if (!results.verdict.text.empty()) text += html_text(sentence(results.verdict.text)) + ". ";
     text += fmt::format("Converged after {} outer iteration{}", results.outer_iterations,
                         results.outer_iterations == 1 ? "" : "s");
@@ -291,6 +310,37 @@ std::string reliability(const Results& results) {
                               "perfect).",
                               figure(results.effectivity, fmt::format("{:.3f}", results.effectivity))));
   return text;
+}
+
+/// The solves of a run to an accuracy.
+std::string accuracy_section(const Results& results, const PageParts& parts) {
+  const AccuracyFigures& accuracy = results.accuracy;
+  if (!accuracy.asked) return "";
+  std::vector<std::string> rows;
+  double most = 0;
+  for (const SolveFigures& solve : accuracy.solves) most = std::max(most, solve.seconds);
+  const auto error = [](const std::optional<double>& e) { return cell(e ? percent(*e) : "not resolved"); };
+  for (std::size_t k = 0; k < accuracy.solves.size(); ++k) {
+    const SolveFigures& solve = accuracy.solves[k];
+    rows.push_back(
+        name_cell(fmt::format("{}{}", k + 1, solve.converged ? "" : " (did not converge)")) +
+        cell(count(solve.unknowns)) + cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) +
+        cell(count(solve.levels)) + cell(count(solve.outer_iterations)) + error(solve.pressure) +
+        cell(solve.change ? percent(*solve.change) : "-") + error(solve.force) + cell(percent(solve.stress)) +
+        "<td class=\"run\">" + seconds(solve.seconds) + "</td>" + bar(most > 0 ? solve.seconds / most : 0, "bar run"));
+  }
+  std::string targets;
+  for (const AskedError& asked : asked_errors(accuracy))
+    targets += fmt::format("{}{} {}", targets.empty() ? "" : ", ", asked.name, fine_percent(asked.target));
+  return paragraph("Asked for: " + targets +
+                   ". Each solve has smaller cells where the estimates of the one before asked for them; the figures, "
+                   "pictures and files are those of the last one.") +
+         table({"Solve", "Unknowns", "Smallest cell", "Levels", "Outer iterations", "Est. error of the pressure",
+                "its change", "of the force", "of the stress", "Time", ""},
+               rows) +
+         picture(parts.directory, "accuracy.svg", "Estimated errors and time over the unknowns of the solves",
+                 "The errors are estimates; a target is the dashed line in the colour of its error. The change of the "
+                 "pressure since the solve before tells how far to trust them.");
 }
 
 std::string pairs_section(const Results& results) {
@@ -438,6 +488,19 @@ std::string convergence_section(const Results& results) {
          table({"Iteration", "Residual", "", "Closed points", "Linear iterations"}, rows);
 }
 
+constexpr const char* grid_caption =
+    "Every square is the side of a cell. The stress error is the root mean square of the difference between recovered "
+    "and finite element stress in a cell; its colours are logarithmic.";
+
+/// "2 mm", "0.25 to 2 mm".
+std::string cell_sizes(const CutCells& cells) {
+  const double largest = cells.grid.cell_size, smallest = cells.grid.cell_size_of(cells.num_levels() - 1);
+  const DisplayUnit unit = length_unit(largest);
+  if (cells.num_levels() == 1) return figure(largest, unit);
+  return figure(largest, fmt::format("{} to {}&#160;{}", short_number(smallest * unit.factor, 3),
+                                     short_number(largest * unit.factor), pretty(unit.name)));
+}
+
 std::string bodies_section(const Results& results) {
   std::vector<std::string> rows;
   double total = 0;
@@ -455,8 +518,7 @@ std::string bodies_section(const Results& results) {
     const bool drawn = b < results.extremes.size();
     rows.push_back(
         name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
-        cell(figure(cells.grid.cell_size, length_unit(cells.grid.cell_size))) +
-        cell(count(static_cast<long long>(cells.cells.size()))) +
+        cell(cell_sizes(cells)) + cell(count(static_cast<long long>(cells.cells.size()))) +
         cell(count(static_cast<long long>(cells.moments.size()))) +
         (drawn ? cell(stress(results.extremes[b].von_mises) + "<br/>" + place(results.extremes[b].von_mises_at)) +
                      cell(figure(results.extremes[b].displacement, length_unit(results.extremes[b].displacement)) +
@@ -517,6 +579,8 @@ std::string cost_section(const Results& results) {
   std::string text =
       paragraph(fmt::format("{} unknowns, {} cells: {} cut by a boundary, {} inside.", count(results.unknowns),
                             count(results.cells.active), count(results.cells.cut), count(results.cells.interior)));
+  if (results.accuracy.asked)
+    text += "<p class=\"run\">All solves: " + html_text(solves_text(results.accuracy)) + ". Of the last one:</p>\n";
   if (!rows.empty()) {
     rows.push_back(name_cell("sum") + "<td class=\"run\">" + seconds(total) + "</td>" + cell(""));
     text += table({"Phase", "Wall time", ""}, rows);
@@ -561,6 +625,7 @@ std::string page(const Results& results, const PageParts& parts) {
   text += "<header><h1>" + title + "</h1>\n" + note("Scene " + html_text(results.scene_file)) + "</header>\n<main>\n";
   text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results) + "</section>\n";
   text += section("reliability", "How accurate is this?", reliability(results));
+  text += section("accuracy", "The way to the accuracy", accuracy_section(results, parts));
   text += section("picture", "Deformed bodies", picture(parts.directory, "scene.png", "Deformed bodies", ""));
   text += section("contact", "Contact", pairs_section(results));
   text += section("steps", "Steps", steps_section(results, parts));
@@ -569,6 +634,8 @@ std::string page(const Results& results, const PageParts& parts) {
   text += section("reference", "Against the reference", reference_section(results));
   text += section("conditions", "Supports, loads and interferences", conditions_section(results, parts));
   text += section("balance", "Forces", balance_section(results));
+  text +=
+      section("grid", "The final grid", picture(parts.directory, "grid.png", "The cells of the bodies", grid_caption));
   text += section("bodies", "Bodies and where the error is", bodies_section(results));
   text += section("convergence", "Convergence", convergence_section(results));
   text += section("recovery", "Recovery of the stress", recovery_section(results));

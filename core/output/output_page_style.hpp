@@ -26,7 +26,7 @@ p { margin: 0.4rem 0; }
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(9.4rem, 1fr)); gap: 0.7rem; margin: 1rem 0; }
 .tile { border: 1px solid #d6dde6; border-radius: 6px; padding: 0.6rem 0.8rem; }
 .tile span { display: block; color: #566273; font-size: 0.82rem; line-height: 1.35; }
-.tile b { display: block; font-size: 1.3rem; font-weight: 600; white-space: nowrap; }
+.tile b { display: block; font-size: 1.15rem; font-weight: 600; white-space: nowrap; }
 figure { margin: 0.8rem 0 1.2rem; text-align: center; }
 img { max-width: 100%; max-height: 56rem; height: auto; }
 figcaption { text-align: left; }

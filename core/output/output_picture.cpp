@@ -8,7 +8,6 @@
 #include <optional>
 
 #include "core/base/text.hpp"
-#include "core/drawing/cut_open.hpp"
 #include "core/drawing/drawn_fits.hpp"
 #include "core/drawing/render.hpp"
 #include "core/output/output_gnuplot.hpp"
@@ -18,53 +17,28 @@ namespace cgcontact {
 namespace {
 
 constexpr int long_side = 1000;
+/// Pixels: the last body is drawn so much nearer to the viewer than the first one. Sections of bodies whose exaggerated
+/// displacements overlap lie in one plane; without that rounding would decide pixel by pixel which one is seen.
+constexpr double nearer = 2;
 /// Largest drawn displacement over the diagonal of the scene.
 constexpr double drawn_displacement = 0.03;
-/// The contact is inside the scene, and the scene cut open, if it is this far (fraction of the extent) from its sides.
-constexpr double inside_fraction = 0.15;
-
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
-  void add(const Vec3& x) {
-    low = low.cwiseMin(x);
-    high = high.cwiseMax(x);
-  }
-  Vec3 extent() const { return high - low; }
-};
-
-Box bounds(const std::vector<DrawnBody>& bodies) {
-  Box box;
-  for (const DrawnBody& body : bodies)
-    for (const Vec3& x : body.position) box.add(x);
-  return box;
-}
 
 /// How the scene is looked at.
 struct View {
   Camera camera;
-  int thin_axis = -1;        ///< axis along which a thin scene is seen, or -1: view in space
+  int thin_axis = -1;        ///< of SceneView
   double exaggeration = 1;   ///< of the displacement
   double low = 0, high = 1;  ///< Pa, range of colours
-  Box box;
+  SceneBox box;
 };
 
-double choose_exaggeration(const std::vector<DrawnBody>& bodies, const Box& box) {
+double choose_exaggeration(const std::vector<DrawnBody>& bodies, const SceneBox& box) {
   double largest = 0;
   for (const DrawnBody& body : bodies)
     for (const Vec3& u : body.displacement) largest = std::max(largest, u.norm());
   if (!(largest > 0) || !std::isfinite(largest)) return 1;
   const double factor = drawn_displacement * box.extent().norm() / largest;
   return factor <= 1 || factor > 1e9 ? 1 : round_down(factor);  // smaller displacements are rounding
-}
-
-int find_thin_axis(const Results& results, const Box& box) {
-  double cell = std::numeric_limits<double>::max();
-  for (const BodyFields& body : results.bodies) cell = std::min(cell, body.cut_cells->grid.cell_size);
-  const Vec3 extent = box.extent();
-  int axis = 0;
-  extent.minCoeff(&axis);
-  const double others = std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);
-  return extent[axis] < 2.01 * cell && extent[axis] < 0.34 * others ? axis : -1;
 }
 
 /// Range of the stress on the boundary without its highest half per cent; the picture says where it is cut.
@@ -78,42 +52,6 @@ void choose_colours(const std::vector<DrawnBody>& bodies, View& view) {
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), place, values.end());
   view.high = *place > 0 ? *place : 1;
-}
-
-/// Stress-weighted area that faces the viewer.
-double visible_stress(const std::vector<DrawnBody>& bodies, const Vec3& eye) {
-  double sum = 0;
-  for (const DrawnBody& body : bodies)
-    for (const BoundaryTriangle& triangle : body.mesh.boundary) {
-      const auto& t = triangle.points;
-      const Vec3& a = body.position[t[0]];
-      const double area = (body.position[t[1]] - a).cross(body.position[t[2]] - a).dot(eye);
-      if (area > 0) sum += area * von_mises(body.stress[t[0]]);
-    }
-  return sum;
-}
-
-void look_along_axis(int axis, Camera& camera) {
-  camera.right = axis == 0 ? Vec3::UnitY() : Vec3::UnitX();
-  camera.up = axis == 2 ? Vec3::UnitY() : Vec3::UnitZ();
-  camera.eye = camera.right.cross(camera.up);
-}
-
-/// From above, from the corner that shows the most stress.
-void look_from_corner(const std::vector<DrawnBody>& bodies, Camera& camera) {
-  double best = -1;
-  Vec3 eye = Vec3::UnitZ();
-  for (double x : {1.0, -1.0})
-    for (double y : {-1.0, 1.0}) {
-      const Vec3 candidate = Vec3(0.55 * x, 0.75 * y, 0.42).normalized();
-      const double stress = visible_stress(bodies, candidate);
-      if (stress <= best * (1 + 1e-6)) continue;
-      best = stress;
-      eye = candidate;
-    }
-  camera.eye = eye;
-  camera.right = Vec3::UnitZ().cross(eye).normalized();
-  camera.up = eye.cross(camera.right);
 }
 
 /// Scales the camera so that the deformed scene fits; returns width and height in pixels, 0 if there is nothing to see.
@@ -144,44 +82,6 @@ std::array<int, 2> fit_camera(const std::vector<DrawnBody>& bodies, View& view) 
   return size;
 }
 
-/// Centre and main direction of the closed contact, if it lies inside the scene.
-struct ContactPlace {
-  Vec3 centre;
-  int axis;  ///< coordinate axis nearest to the normal
-};
-
-std::optional<ContactPlace> contact_inside(const Results& results, const Box& box) {
-  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
-  double area = 0;
-  for (const ContactRow& row : results.contact_rows) {
-    if (!row.active) continue;
-    centre += row.weight * row.x;
-    normal += row.weight * row.normal.cwiseAbs();
-    area += row.weight;
-  }
-  if (!(area > 0)) return std::nullopt;
-  ContactPlace place{centre / area, 0};
-  normal.maxCoeff(&place.axis);
-  for (int k = 0; k < 3; ++k) {
-    if (k == place.axis) continue;
-    const double fraction = (place.centre[k] - box.low[k]) / box.extent()[k];
-    if (fraction < inside_fraction || fraction > 1 - inside_fraction) return std::nullopt;
-  }
-  return place;
-}
-
-/// The bodies without the quarter towards the viewer around the contact.
-std::vector<DrawnBody> cut_open(const std::vector<DrawnBody>& bodies, const ContactPlace& place, const Vec3& eye) {
-  std::array<Vec3, 2> towards_viewer;
-  for (int i = 0; i < 2; ++i) {
-    const int k = (place.axis + 1 + i) % 3;
-    towards_viewer[i] = Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0);
-  }
-  std::vector<DrawnBody> open;
-  for (const DrawnBody& body : bodies) open.push_back(cut_open(body, place.centre, towards_viewer));
-  return open;
-}
-
 Vec3 drawn_position(const DrawnBody& body, int point, double exaggeration) {
   return body.displacement.empty() ? body.position[point]
                                    : Vec3(body.position[point] + exaggeration * body.displacement[point]);
@@ -193,13 +93,15 @@ std::string draw_bodies(const std::vector<DrawnBody>& bodies, const View& view, 
   for (std::size_t b = 0; b < bodies.size(); ++b)
     for (std::size_t i = 0; i < bodies[b].mesh.boundary.size(); ++i)
       triangles.push_back({static_cast<int>(b), static_cast<int>(i)});
+  const double step = nearer / (view.camera.pixels_per_metre * static_cast<double>(bodies.size()));
   const auto triangle = [&](std::size_t i) {
     const DrawnBody& body = bodies[triangles[i][0]];
+    const Vec3 shift = triangles[i][0] * step * view.camera.eye;
     RasterTriangle drawn;
     drawn.part = triangles[i][0];
     for (int v = 0; v < 3; ++v) {
       const int p = body.mesh.boundary[triangles[i][1]].points[v];
-      drawn.vertices[v].position = drawn_position(body, p, view.exaggeration);
+      drawn.vertices[v].position = drawn_position(body, p, view.exaggeration) + shift;
       drawn.vertices[v].grid = std::ldexp(1.0, body.mesh.boundary[triangles[i][1]].level) * body.mesh.points[p];
       drawn.vertices[v].value = (von_mises(body.stress[p]) - view.low) / (view.high - view.low);
     }
@@ -346,41 +248,38 @@ std::string picture_script(const Results& results, const View& view, const std::
 }
 
 /// Where the largest von Mises stress is drawn; nothing if it has been cut away.
-std::optional<Vec3> place_of_largest(const Results& results, const std::vector<DrawnBody>& drawn, const View& view) {
+std::optional<Vec3> place_of_largest(const Results& results, const std::vector<DrawnBody>& whole,
+                                     const std::vector<DrawnBody>& drawn, bool opened, const View& view) {
   const auto most = most_stressed(results);
   if (!most) return std::nullopt;
   const Vec3& place = results.extremes[*most].von_mises_at;
-  const DrawnBody& body = drawn[*most];
-  for (std::size_t p = 0; p < body.position.size(); ++p)
-    if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);
-  return std::nullopt;
+  const auto found_in = [&](const DrawnBody& body) -> std::optional<Vec3> {
+    for (std::size_t p = 0; p < body.position.size(); ++p)
+      if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);
+    return std::nullopt;
+  };
+  const auto on_boundary = found_in(drawn[*most]);
+  return on_boundary || opened ? on_boundary : found_in(whole[*most]);
 }
 
 }  // namespace
 
-void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, GnuplotRuns& runs) {
-  const bool complete =
-      std::all_of(bodies.begin(), bodies.end(), [](const DrawnBody& body) { return !body.stress.empty(); });
-  if (bodies.empty() || !complete) return;
+void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
+                   GnuplotRuns& runs) {
+  if (scene.shown.empty()) return;
   View view;
-  view.box = bounds(bodies);
-  view.thin_axis = find_thin_axis(results, view.box);
+  view.box = scene.box;
+  view.camera = scene.camera;
+  view.thin_axis = scene.thin_axis;
   view.exaggeration = choose_exaggeration(bodies, view.box);
-
-  std::vector<DrawnBody> opened;
-  if (view.thin_axis >= 0) {
-    look_along_axis(view.thin_axis, view.camera);
-  } else {
-    look_from_corner(bodies, view.camera);
-    if (const auto place = contact_inside(results, view.box)) opened = cut_open(bodies, *place, view.camera.eye);
-  }
-  std::vector<DrawnBody> drawn = opened.empty() ? bodies : std::move(opened);
+  std::vector<DrawnBody> drawn = scene.shown;
   draw_fits_closed(results, view.exaggeration, drawn);
   choose_colours(drawn, view);
   const std::array<int, 2> size = fit_camera(drawn, view);
   if (size[0] < 1 || size[1] < 1) return;
   write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
-  runs.start("scene", picture_script(results, view, size, place_of_largest(results, drawn, view)), {"scene.png"});
+  runs.start("scene", picture_script(results, view, size, place_of_largest(results, bodies, drawn, scene.opened, view)),
+             {"scene.png"});
 }
 
 }  // namespace cgcontact

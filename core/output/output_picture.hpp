@@ -4,13 +4,14 @@
 #include <vector>
 
 #include "core/drawing/drawn_body.hpp"
+#include "core/drawing/scene_view.hpp"
 #include "core/output/output_gnuplot.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
 
-/// Thin bodies (at most two cells across) are seen from the front, others from above at an angle, cut open
-/// where the contact lies inside. Needs the folder plots of the result directory.
-void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, GnuplotRuns& runs);
+/// `scene`: look_at_scene of the bodies. Needs the folder plots of the result directory.
+void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
+                   GnuplotRuns& runs);
 
 }  // namespace cgcontact

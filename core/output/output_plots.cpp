@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "core/base/text.hpp"
+#include "core/output/output_accuracy.hpp"
 #include "core/output/output_gnuplot.hpp"
 #include "core/output/output_pressure_map.hpp"
 #include "core/output/output_stress_error.hpp"
@@ -196,6 +197,7 @@ void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs) 
   std::filesystem::create_directory(runs.directory() + "/plots");
   write_pressure_plots(results, scene, runs);
   write_stress_error_plot(results, runs);
+  write_accuracy_plot(results, runs);
   if (!results.steps.empty() && !results.pairs.empty()) write_steps_plot(results, runs);
 }
 

@@ -43,10 +43,16 @@ struct Face {
   std::vector<int> index;  ///< of the triangles in the contact surface
 };
 
+/// m, of the smallest cells of a body.
+double smallest_cell(const Results& results, int body) {
+  const CutCells& cells = *results.bodies[body].cut_cells;
+  return cells.grid.cell_size_of(cells.num_levels() - 1);
+}
+
 /// The face of the pair's body with the smaller cells; empty if no triangle is there.
 Face face_of_pair(const Results& results, const ContactSurface& surface, std::size_t pair) {
   Face face{pair, -1, {}, {}};
-  const auto cell_size = [&](int body) { return results.bodies[body].cut_cells->grid.cell_size; };
+  const auto cell_size = [&](int body) { return smallest_cell(results, body); };
   for (std::size_t i = 0; i < surface.size(); ++i)
     if (surface.pair[i] == static_cast<int>(pair) &&
         (face.body < 0 || cell_size(surface.body[i]) < cell_size(face.body)))
@@ -198,8 +204,9 @@ class Pieces {
       divide(ab, bc, ca, divisions - 1);
       return;
     }
+    const double cells_per_unit = 1 / body_.cut_cells->size(cell_);
     const auto vertex = [&](const Corner& p) {
-      return RasterVertex{chart_.place(p.x, near_), body_.cut_cells->grid.to_grid(p.x), p.value};
+      return RasterVertex{chart_.place(p.x, near_), cells_per_unit * body_.cut_cells->grid.to_grid(p.x), p.value};
     };
     pieces_.push_back(chart_.mirrored() ? Piece{vertex(a), vertex(c), vertex(b)}
                                         : Piece{vertex(a), vertex(b), vertex(c)});
@@ -357,7 +364,7 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
   for (std::size_t pair : pairs_to_draw(results)) {
     const Face face = face_of_pair(results, surface, pair);
     if (face.body < 0 || !results.bodies[face.body].stress_recovered) continue;
-    const double cell_size = results.bodies[face.body].cut_cells->grid.cell_size;
+    const double cell_size = smallest_cell(results, face.body);
     const FaceTriangles zone = zone_of(surface, face, highest(results.pairs[pair]));
     const FaceChart chart(face.shape), zone_chart(zone);
     const Paper whole = bounds(face.shape, chart);

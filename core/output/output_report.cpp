@@ -66,6 +66,28 @@ Json json_of(const StepFigures& step) {
           {"contact", contact}};
 }
 
+Json json_of(const AccuracyFigures& accuracy) {
+  Json solves = Json::array();
+  for (const SolveFigures& solve : accuracy.solves)
+    solves.push_back({{"unknowns", solve.unknowns},
+                      {"seconds", solve.seconds},
+                      {"outer_iterations", solve.outer_iterations},
+                      {"levels", solve.levels},
+                      {"smallest_cell", solve.smallest_cell},
+                      {"converged", solve.converged},
+                      {"pressure", json_of(solve.pressure)},
+                      {"force", json_of(solve.force)},
+                      {"stress", solve.stress},
+                      {"change", json_of(solve.change)}});
+  return {{"targets",
+           {{"pressure", json_of(accuracy.pressure)},
+            {"force", json_of(accuracy.force)},
+            {"stress", json_of(accuracy.stress)}}},
+          {"reached", accuracy.reached},
+          {"text", accuracy.text},
+          {"solves", solves}};
+}
+
 void add_errors(const Results& results, Json& json) {
   json["estimated_error"] = {{"absolute", results.estimated_error}, {"relative", results.estimated_error_relative}};
   if (results.has_effectivity) {
@@ -127,6 +149,8 @@ Json json_of_bodies(const Results& results) {
     const BodyFields& body = results.bodies[b];
     Json json{{"name", body.name}, {"E", body.material.youngs_modulus}, {"nu", body.material.poisson_ratio}};
     json["cell_size"] = body.cut_cells->grid.cell_size;
+    if (const int levels = body.cut_cells->num_levels(); levels > 1)
+      json["smallest_cell_size"] = body.cut_cells->grid.cell_size_of(levels - 1);
     json["cells"] = body.cut_cells->cells.size();
     json["cut_cells"] = body.cut_cells->moments.size();
     double squared = 0;
@@ -156,6 +180,7 @@ void write_report(const Results& results, const std::vector<std::string>& files,
   json["scene"] = results.scene_file;
   json["title"] = results.title;
   json["verdict"] = json_of(results.verdict);
+  if (results.accuracy.asked) json["accuracy"] = json_of(results.accuracy);
   json["version"] = CGCONTACT_VERSION;
   json["command"] = results.command;
   json["backend"] = results.backend;

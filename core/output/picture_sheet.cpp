@@ -19,12 +19,24 @@ Rgb unpacked(double value) {
   return {static_cast<double>(v >> 16 & 255) / 255, static_cast<double>(v >> 8 & 255) / 255,
           static_cast<double>(v & 255) / 255};
 }
+Rgb colour_of_body(std::size_t b) {
+  static const Rgb colours[] = {{0.45, 0.62, 0.80}, {0.90, 0.68, 0.40}, {0.55, 0.75, 0.55}, {0.78, 0.55, 0.70},
+                                {0.70, 0.70, 0.45}, {0.50, 0.72, 0.75}, {0.85, 0.58, 0.52}, {0.62, 0.60, 0.82}};
+  return colours[b % 8];
+}
+
 std::string hex(const Rgb& c) {
   return fmt::format("#{:02x}{:02x}{:02x}", std::lround(255 * c[0]), std::lround(255 * c[1]), std::lround(255 * c[2]));
 }
 
 std::string in_unit(double value, const DisplayUnit& unit) {
   return short_number(value * unit.factor, 4) + " " + unit.name;
+}
+
+std::string sizes_of(const CutCells& cells) {
+  const double largest = cells.grid.cell_size, smallest = cells.grid.cell_size_of(cells.num_levels() - 1);
+  const std::string one = in_unit(largest, length_unit(largest));
+  return cells.num_levels() == 1 ? one : fmt::format("{} to {}", in_unit(smallest, length_unit(smallest)), one);
 }
 
 void Panel::fit(const std::vector<Vec3>& positions) {
@@ -36,9 +48,9 @@ void Panel::fit(const std::vector<Vec3>& positions) {
       high[k] = std::max(high[k], place);
     }
   const double largest = std::max({high[0] - low[0], high[1] - low[1], 1e-300});
-  size = {panel, panel};
-  camera.pixels_per_metre = 0.86 * panel / largest;
-  for (int k = 0; k < 2; ++k) camera.low[k] = (low[k] + high[k]) / 2 - panel / (2 * camera.pixels_per_metre);
+  size = {side, side};
+  camera.pixels_per_metre = 0.86 * side / largest;
+  for (int k = 0; k < 2; ++k) camera.low[k] = (low[k] + high[k]) / 2 - side / (2 * camera.pixels_per_metre);
 }
 
 void look_from(bool behind, Camera& camera) {
@@ -58,7 +70,7 @@ void Sheet::heading(const std::string& text, double bottom) {
 void Sheet::add_panel(const Panel& view, const RenderedImage& image, const std::string& name, const std::string& title,
                       const std::string& folder) {
   write_text(folder + "/" + name + ".rgb", image.pixels);
-  label(title, view.left + panel / 2.0, view.bottom + panel + 14, "center font ',13' tc rgb '#404a58'");
+  label(title, view.left + view.side / 2.0, view.bottom + view.side + 14, "center font ',13' tc rgb '#404a58'");
   panels += fmt::format("{}'{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) with rgbimage",
                         panels.empty() ? "plot " : ", \\\n  ", name, image.width, image.height, view.left + 0.5,
                         view.bottom + 0.5);
@@ -74,8 +86,9 @@ void Sheet::add_axes_and_scale(const Panel& view) {
                             x + axis_length * right, y + axis_length * up);
     label(names[k], x + (axis_length + 8) * right, y + (axis_length + 8) * up, "center front font ',11'");
   }
-  const double length = round_down(0.3 * panel / view.camera.pixels_per_metre);
-  const double end = view.left + panel, begin = end - length * view.camera.pixels_per_metre, line = view.bottom + foot;
+  const double length = round_down(0.3 * view.side / view.camera.pixels_per_metre);
+  const double end = view.left + view.side, begin = end - length * view.camera.pixels_per_metre,
+               line = view.bottom + foot;
   settings += fmt::format("set arrow from {},{} to {},{} heads front size 4,90 lw 1.5 lc rgb '#303030'\n", begin, line,
                           end, line);
   const DisplayUnit unit = length_unit(length);

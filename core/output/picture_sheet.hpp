@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/text.hpp"
+#include "core/cells/cut_cells.hpp"
 #include "core/drawing/render.hpp"
 
 namespace cgcontact {
@@ -21,13 +22,19 @@ double packed(const Rgb& c);
 Rgb unpacked(double value);
 std::string hex(const Rgb& c);
 
+Rgb colour_of_body(std::size_t b);
+
 std::string in_unit(double value, const DisplayUnit& unit);
+
+/// Of the cells: "2 mm", "0.25 mm to 2 mm".
+std::string sizes_of(const CutCells& cells);
 
 /// The plane of a panel: a picture and where it lies.
 struct Panel {
   Camera camera;
   std::array<int, 2> size;
   double left, bottom;  ///< pixels in the whole picture
+  int side = panel;     ///< pixels
 
   /// Scales the camera so that the points fit the panel.
   void fit(const std::vector<Vec3>& positions);

@@ -47,7 +47,7 @@ class Pages(unittest.TestCase):
     def check(self, written, text, root, sections):
         """What every page must be: complete, self-contained, and in agreement with report.json."""
         self.assertEqual([s.get("id") for s in root.iter("section")], sections)
-        self.assertNotIn("http", text)
+        self.assertNotIn("http", re.sub('base64,[^"]*', "", text))  # letters of a picture may spell it
         self.assertEqual([e.tag for e in root.iter() if e.tag in ("script", "link", "iframe", "object", "a")], [])
         self.assertIn("report.html", written["files"])
         for image in root.iter("img"):
@@ -101,7 +101,8 @@ class Pages(unittest.TestCase):
             self.close(values(row), [math.hypot(*support["force"]), *support["force"]])
         self.assertIn(written["verdict"]["text"][1:], words(section(root, "verdict")))
         self.assertEqual('class="verdict good"' in text,
-                         written["verdict"]["state"] == "resolved" or written["converged"] and not written["contact"])
+                         (written["verdict"]["state"] == "resolved" or written["converged"] and not written["contact"])
+                         and written.get("accuracy", {"reached": True})["reached"])
         for warning in written["warnings"]:
             self.assertIn(" ".join(warning.split()), words(section(root, "verdict")))
         self.assertIn("cgcontact run", words(section(root, "reproduce")).replace(harness.PROGRAM, "cgcontact"))
@@ -149,6 +150,55 @@ class Pages(unittest.TestCase):
         self.assertEqual(len(section(root, "pressure").findall(".//img")), 2)
         self.assertLessEqual({"pressure_map.png", "pressure_map_2.png"}, set(written["files"]))
         self.assertEqual([body["body"] for body in written["balance"]], ["a", "b", "c"])
+
+    def run_to_accuracy(self, target, **limits):
+        """The ball on a plate without cell sizes, to so many per cent of the pressure."""
+        lines = [line for line in scene("ball_on_plate").read_text().splitlines()
+                 if not line.startswith(("cell_size", "refine"))]
+        pathlib.Path("adaptive.toml").write_text("\n".join([*lines, "[accuracy]", f'pressure = "{target} %"', ""]))
+        outcome, written, text, root = self.run_scene("adaptive.toml", **{f"accuracy__{k}": v for k, v in limits.items()})
+        self.check(written, text, root, ["verdict", "reliability", "accuracy", "picture", "contact", "pressure", "profile",
+                                         "reference", "conditions", "balance", "grid", *ALWAYS[5:]])
+        story = written["accuracy"]
+        self.assertEqual(story["targets"], {"pressure": target / 100, "force": None, "stress": None})
+        last = story["solves"][-1]
+        self.assertEqual((last["unknowns"], last["outer_iterations"], last["converged"]),
+                         (written["unknowns"], written["outer_iterations"], True))
+        self.assertEqual(last["stress"], written["estimated_error"]["relative"])
+        self.assertEqual(last["smallest_cell"], min(body["smallest_cell_size"] for body in written["bodies"]))
+        rows = section(root, "accuracy").findall(".//tbody/tr")
+        self.assertEqual(len(rows), len(story["solves"]))
+        for row, solve in zip(rows, story["solves"]):
+            shown = [solve[key] for key in ("unknowns", "smallest_cell", "levels", "outer_iterations", "pressure", "change",
+                                            "force", "stress", "seconds")]
+            self.close(values(row), [value for value in shown if value is not None])
+        self.assertLessEqual({"accuracy.svg", "grid.png"}, set(written["files"]))
+        self.assertEqual([len(section(root, name).findall(".//img")) for name in ("accuracy", "grid")], [1, 1])
+        screen = outcome.out.splitlines()
+        self.assertLessEqual(len(screen), 24)
+        self.assertLessEqual(max(map(len, screen)), 80)
+        self.assertIn(f"{last['unknowns']:,}", "".join(line for line in screen if line.startswith(f"  {len(rows)} ")))
+        return outcome, story, words(section(root, "verdict"))
+
+    def test_to_an_accuracy(self):
+        """Solves to 5 % of the pressure: they are listed and drawn, the final grid too; page, report and screen agree."""
+        outcome, story, verdict = self.run_to_accuracy(5)
+        self.assertTrue(story["reached"])
+        self.assertEqual(story["text"], "")
+        self.assertLess(story["solves"][-1]["pressure"], 0.05)
+        self.assertIn(f"reached after {len(story['solves'])} solves: estimated error of the pressure", verdict)
+        self.assertIn("(asked: 5 %)", verdict)
+        self.assertIn("accuracy:   reached after", outcome.out)
+
+    def test_to_an_accuracy_that_is_not_reached(self):
+        """A limit stops the refinement: verdict and screen say so first, and which limit it was."""
+        outcome, story, verdict = self.run_to_accuracy(0.1, max_unknowns=40000)
+        self.assertFalse(story["reached"])
+        self.assertIn("max_unknowns", story["text"])
+        self.assertIn("not as accurate as asked", verdict)
+        self.assertIn(story["text"], verdict)
+        self.assertTrue(outcome.out.startswith("solved, but NOT AS ACCURATE AS ASKED"), outcome.out)
+        self.assertIn("NOT REACHED", outcome.out)
 
     def test_not_converged(self):
         """A run that did not converge: the page says so and why, before anything else."""

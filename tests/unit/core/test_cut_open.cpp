@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/drawing/cut_open.hpp"
+#include "core/drawing/scene_view.hpp"
 
 namespace cgcontact {
 namespace {
@@ -43,6 +44,47 @@ TEST(cut_open, boundary_is_closed_and_exact) {
     for (std::size_t p = 0; p < open.position.size(); ++p)
       EXPECT_LT((open.displacement[p] - displacement_at(open.position[p])).norm(), 1e-12);
   }
+}
+
+// Sections carry the levels of their cells: the pictures draw the lines of those.
+TEST(cut_open, sections_have_the_levels_of_their_cells) {
+  Grid grid;
+  grid.num_cells = {4, 4, 4};
+  const Solid solid = Solid::box({0.3, 0.3, 0.3}, {3.6, 3.6, 3.6}, "box");
+  const CutCells cells = make_cut_cells(solid, grid, {}, {}, CellTree(grid.num_cells, {{{1, 1, 1}}}));
+  ASSERT_EQ(cells.num_levels(), 2);
+  BodyFields fields;
+  fields.cut_cells = &cells;
+  const DrawnBody open = cut_open(draw_body(fields), {1.8, 1.8, 0}, {Vec3::UnitX(), Vec3::UnitY()});
+  std::array<int, 2> sections{0, 0};
+  for (const BoundaryTriangle& t : open.mesh.boundary) {
+    EXPECT_EQ(t.level, cells.level(t.cell));
+    if (t.surface < 0) ++sections[static_cast<std::size_t>(t.level)];
+  }
+  EXPECT_GT(sections[0], 0);
+  EXPECT_GT(sections[1], 0);
+}
+
+TEST(scene_view, a_zone_is_seen_from_a_side_that_it_reaches_or_cut_open) {
+  const std::vector<DrawnBody> bodies{drawn_box(Mat3::Identity(), Vec3::Zero(), {1, 1, 1}, {5, 5, 5})};
+  SceneView scene;
+  scene.box.low = Vec3::Constant(0.5);
+  scene.box.high = Vec3::Constant(2.5);
+  scene.camera.eye = Vec3(0.55, -0.75, 0.42).normalized();
+  ContactZoneBox zone;
+  zone.box.low = Vec3(0.5, 1.2, 2.5);
+  zone.box.high = Vec3(0.9, 1.6, 2.5);
+  const SceneView beside = look_at_zone(bodies, scene, zone);  // the zone reaches the lower side in x
+  EXPECT_FALSE(beside.opened);
+  EXPECT_LT(beside.camera.eye[0], 0);
+  EXPECT_NEAR(enclosed_volume(beside.shown[0]), 8, 1e-12);
+  EXPECT_TRUE(beside.shown[0].mesh.hexahedra.empty());
+  zone.box.low[0] = 0.8;
+  zone.box.high[0] = 1.2;
+  const SceneView inside = look_at_zone(bodies, scene, zone);  // a quarter at x > 1, y < 1.4 is taken away
+  EXPECT_TRUE(inside.opened);
+  EXPECT_GT(inside.camera.eye[0], 0);
+  EXPECT_NEAR(enclosed_volume(inside.shown[0]), 8 - 1.5 * 0.9 * 2, 1e-12);
 }
 
 TEST(cut_open, turned_bodies_and_directions) {

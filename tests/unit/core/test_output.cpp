@@ -204,6 +204,55 @@ TEST_F(output, report_holds_the_figures) {
   EXPECT_EQ(json["cells"]["active"], 0);
 }
 
+/// A run to 1 % of the pressure in so many solves.
+AccuracyFigures solves_to_an_accuracy(int count, bool reached) {
+  AccuracyFigures accuracy;
+  accuracy.asked = true;
+  accuracy.reached = reached;
+  accuracy.pressure = 0.01;
+  for (int k = 0; k < count; ++k) {
+    SolveFigures solve;
+    solve.unknowns = 5000 << k;
+    solve.seconds = 0.5 * (k + 1);
+    solve.outer_iterations = 7;
+    solve.levels = k + 1;
+    solve.smallest_cell = std::ldexp(1e-3, -k);
+    solve.converged = true;
+    if (k > 0) solve.pressure = reached && k + 1 == count ? 0.00783 : 0.04 / k;
+    if (k > 1) solve.change = 0.03;
+    solve.force = 0;  // given by the loads
+    solve.stress = 0.5 / (k + 1);
+    accuracy.solves.push_back(solve);
+  }
+  if (!reached) accuracy.text = "accuracy.max_unknowns stopped the refinement: 9,876,543 unknowns would be needed";
+  return accuracy;
+}
+
+TEST_F(output, report_holds_the_solves_to_an_accuracy) {
+  const auto blocks = make_blocks();
+  blocks->scene.output.vtk = blocks->scene.output.plots = false;
+  write_results(blocks->results, blocks->scene, out_);
+  EXPECT_FALSE(nlohmann::json::parse(read_text(file("report.json"))).contains("accuracy"));
+  blocks->results.accuracy = solves_to_an_accuracy(3, false);
+  write_results(blocks->results, blocks->scene, out_);
+  const auto json = nlohmann::json::parse(read_text(file("report.json")))["accuracy"];
+  EXPECT_EQ(json["targets"], nlohmann::json({{"pressure", 0.01}, {"force", nullptr}, {"stress", nullptr}}));
+  EXPECT_EQ(json["reached"], false);
+  EXPECT_EQ(json["text"], blocks->results.accuracy.text);
+  ASSERT_EQ(json["solves"].size(), 3u);
+  EXPECT_EQ(json["solves"][2], nlohmann::json({{"unknowns", 20000},
+                                               {"seconds", 1.5},
+                                               {"outer_iterations", 7},
+                                               {"levels", 3},
+                                               {"smallest_cell", 0.00025},
+                                               {"converged", true},
+                                               {"pressure", 0.02},
+                                               {"force", 0.0},
+                                               {"stress", 0.5 / 3},
+                                               {"change", 0.03}}));
+  EXPECT_TRUE(json["solves"][0]["pressure"].is_null());
+}
+
 TEST_F(output, a_result_is_replaced_and_foreign_files_stay) {
   const auto blocks = make_blocks();
   blocks->scene.output.vtk = blocks->scene.output.plots = false;
@@ -336,6 +385,25 @@ TEST_F(output, gnuplot_draws_the_pictures) {
   EXPECT_FALSE(fs::exists(file("plots")));
 }
 
+TEST_F(output, the_story_of_a_run_to_an_accuracy_is_drawn) {
+  if (std::system("gnuplot --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot is not installed";
+  const auto blocks = make_blocks();
+  write_results(blocks->results, blocks->scene, out_);
+  for (const char* name : {"accuracy.svg", "grid.png"}) EXPECT_FALSE(fs::exists(file(name))) << name;
+  for (const int count : {1, 4}) {  // one solve alone is one point on logarithmic axes
+    blocks->results.accuracy = solves_to_an_accuracy(count, true);
+    EXPECT_EQ(write_results(blocks->results, blocks->scene, out_), std::vector<std::string>{});
+    for (const char* name : {"accuracy.svg", "grid.png"}) EXPECT_GT(fs::file_size(file(name)), 1000u) << name;
+    EXPECT_NE(read_text(file("accuracy.svg")).find("pressure asked for"), std::string::npos);
+  }
+  blocks->results.contact_rows.clear();  // no zone to look at, no estimates
+  for (BodyFields& body : blocks->results.bodies) body.error_of_cell.clear();
+  blocks->results.accuracy.solves = {SolveFigures()};
+  EXPECT_EQ(write_results(blocks->results, blocks->scene, out_), std::vector<std::string>{});
+  EXPECT_TRUE(fs::exists(file("grid.png")));
+  EXPECT_FALSE(fs::exists(file("accuracy.svg")));
+}
+
 TEST_F(output, a_run_without_contact_or_recovery_is_written_too) {
   const auto blocks = make_blocks();
   Results& results = blocks->results;
@@ -400,6 +468,7 @@ TEST_F(output, the_summary_fits_one_screen_whatever_there_is) {
     results.warnings.push_back(results.diagnosis);
   }
   results.times_s = {{"cut cells", 1e5}, {"operator", 2e5}, {"solve", 3e5}, {"recovery", 4e5}, {"output", 5e5}};
+  results.accuracy = solves_to_an_accuracy(12, false);
   const std::vector<std::string> lines = lines_of(summary(results, "out/some/where"));
   EXPECT_LE(lines.size(), 24u);
   for (const std::string& line : lines) EXPECT_LE(width(line), 80u) << line;
@@ -407,6 +476,26 @@ TEST_F(output, the_summary_fits_one_screen_whatever_there_is) {
   for (const char* part : {"DID NOT CONVERGE", "diagnosis:", "more pairs, see the report", "more warnings",
                            "est. error:", "results in out/some/where:"})
     EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
+TEST_F(output, the_summary_says_whether_the_accuracy_is_reached) {
+  const auto blocks = make_blocks();
+  Results& results = blocks->results;
+  results.accuracy = solves_to_an_accuracy(4, true);
+  std::string text = summary(results, out_);
+  for (const char* part : {"solved: two blocks", "reached after 4 solves, 5.0 s: estimated error of the pressure",
+                           "0.783 % (asked: 1 %)", "cells from", "40,000", "125 um"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  results.accuracy = solves_to_an_accuracy(9, false);
+  text = summary(results, out_);
+  for (const char* part :
+       {"solved, but NOT AS ACCURATE AS ASKED: two blocks", "NOT REACHED after 9 solves", "9,876,543"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  const std::vector<std::string> lines = lines_of(text);
+  EXPECT_LE(lines.size(), 24u);
+  for (const std::string& line : lines) EXPECT_LE(width(line), 80u) << line;
+  results.accuracy.solves.back().pressure.reset();
+  EXPECT_NE(summary(results, out_).find("not known, the zone"), std::string::npos);
 }
 
 TEST_F(output, the_summary_has_units_and_errors_and_says_what_to_open) {

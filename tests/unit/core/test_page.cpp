@@ -112,6 +112,46 @@ TEST(page, a_run_that_did_not_converge_says_so_first) {
   EXPECT_FALSE(has(text, "verdict good"));
 }
 
+AccuracyFigures two_solves(bool reached) {
+  AccuracyFigures accuracy;
+  accuracy.asked = true;
+  accuracy.reached = reached;
+  accuracy.pressure = 0.01;
+  accuracy.stress = 0.05;
+  SolveFigures solve;
+  solve.unknowns = 5120;
+  solve.seconds = 0.25;
+  solve.stress = 0.5;
+  solve.smallest_cell = 1e-3;
+  solve.converged = true;
+  accuracy.solves = {solve, solve};
+  accuracy.solves[1].unknowns = 123456;
+  accuracy.solves[1].pressure = reached ? 0.00783 : 0.0104;
+  accuracy.solves[1].change = 0.02;
+  accuracy.solves[1].stress = 0.03125;
+  return accuracy;
+}
+
+TEST(page, the_solves_to_an_accuracy_are_listed) {
+  Results results = small_results();
+  EXPECT_FALSE(has(page(results, {}), "<section id=\"accuracy\">"));
+  results.accuracy = two_solves(true);
+  std::string text = page(results, {});
+  for (const char* shown :
+       {"<section id=\"accuracy\">", "verdict good", "is reached after 2 solves: estimated error of the pressure",
+        "<data value=\"0.00783\">0.783 %</data> (asked: <data value=\"0.01\">1 %</data>)",
+        "<data value=\"123456\">123,456</data>", "<data value=\"0.02\">2&#160;%</data>", "All solves: 2 solves, 0.5 s"})
+    EXPECT_TRUE(has(text, shown)) << shown;
+  results.accuracy = two_solves(false);
+  results.accuracy.text = "accuracy.max_time stopped <the refinement>";
+  text = page(results, {});
+  for (const char* shown : {"verdict doubtful", "not as accurate as asked", "<b>not reached</b>", "1.04 %",
+                            "; accuracy.max_time stopped &lt;the refinement&gt;."})
+    EXPECT_TRUE(has(text, shown)) << shown;
+  results.accuracy.solves.back().pressure.reset();
+  EXPECT_TRUE(has(page(results, {}), "not known, the contact zone is not resolved"));
+}
+
 TEST(page, values_that_are_not_numbers_are_called_so) {
   Results results = small_results();
   results.pairs[0].max_pressure = results.estimated_error_relative = std::nan("");

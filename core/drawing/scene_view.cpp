@@ -1,0 +1,161 @@
+#include "core/drawing/scene_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/drawing/cut_open.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+/// The contact is inside the scene, and the scene cut open, if it is this far (fraction of the extent) from its sides.
+constexpr double inside_fraction = 0.15;
+/// Of its own extent: a zone that is so near to a side of the scene reaches it.
+constexpr double beside = 0.05;
+
+SceneBox bounds(const std::vector<DrawnBody>& bodies) {
+  SceneBox box;
+  for (const DrawnBody& body : bodies)
+    for (const Vec3& x : body.position) box.add(x);
+  return box;
+}
+
+int find_thin_axis(const Results& results, const SceneBox& box) {
+  double cell = std::numeric_limits<double>::max();
+  for (const BodyFields& body : results.bodies) cell = std::min(cell, body.cut_cells->grid.cell_size);
+  const Vec3 extent = box.extent();
+  int axis = 0;
+  extent.minCoeff(&axis);
+  const double others = std::min(extent[(axis + 1) % 3], extent[(axis + 2) % 3]);
+  return extent[axis] < 2.01 * cell && extent[axis] < 0.34 * others ? axis : -1;
+}
+
+/// Stress-weighted area that faces the viewer.
+double visible_stress(const std::vector<DrawnBody>& bodies, const Vec3& eye) {
+  double sum = 0;
+  for (const DrawnBody& body : bodies)
+    for (const BoundaryTriangle& triangle : body.mesh.boundary) {
+      const auto& t = triangle.points;
+      const Vec3& a = body.position[t[0]];
+      const double area = (body.position[t[1]] - a).cross(body.position[t[2]] - a).dot(eye);
+      if (area > 0) sum += area * von_mises(body.stress[t[0]]);
+    }
+  return sum;
+}
+
+void look_along_axis(int axis, Camera& camera) {
+  camera.right = axis == 0 ? Vec3::UnitY() : Vec3::UnitX();
+  camera.up = axis == 2 ? Vec3::UnitY() : Vec3::UnitZ();
+  camera.eye = camera.right.cross(camera.up);
+}
+
+/// `eye`: to the viewer, of length 1.
+void look_from(const Vec3& eye, Camera& camera) {
+  camera.eye = eye;
+  camera.right = Vec3::UnitZ().cross(eye).normalized();
+  camera.up = eye.cross(camera.right);
+}
+
+/// From above, from the corner that shows the most stress.
+void look_from_corner(const std::vector<DrawnBody>& bodies, Camera& camera) {
+  double best = -1;
+  Vec3 eye = Vec3::UnitZ();
+  for (double x : {1.0, -1.0})
+    for (double y : {-1.0, 1.0}) {
+      const Vec3 candidate = Vec3(0.55 * x, 0.75 * y, 0.42).normalized();
+      const double stress = visible_stress(bodies, candidate);
+      if (stress <= best * (1 + 1e-6)) continue;
+      best = stress;
+      eye = candidate;
+    }
+  look_from(eye, camera);
+}
+
+/// Centre and main direction of the closed contact, if it lies inside the scene.
+struct ContactPlace {
+  Vec3 centre;
+  int axis;  ///< coordinate axis nearest to the normal
+};
+
+std::optional<ContactPlace> contact_inside(const Results& results, const SceneBox& box) {
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  double area = 0;
+  for (const ContactRow& row : results.contact_rows) {
+    if (!row.active) continue;
+    centre += row.weight * row.x;
+    normal += row.weight * row.normal.cwiseAbs();
+    area += row.weight;
+  }
+  if (!(area > 0)) return std::nullopt;
+  ContactPlace place{centre / area, 0};
+  normal.maxCoeff(&place.axis);
+  for (int k = 0; k < 3; ++k) {
+    if (k == place.axis) continue;
+    const double fraction = (place.centre[k] - box.low[k]) / box.extent()[k];
+    if (fraction < inside_fraction || fraction > 1 - inside_fraction) return std::nullopt;
+  }
+  return place;
+}
+
+/// The bodies without the quarter towards the viewer around the contact.
+std::vector<DrawnBody> cut_open(const std::vector<DrawnBody>& bodies, const ContactPlace& place, const Vec3& eye) {
+  std::array<Vec3, 2> towards_viewer;
+  for (int i = 0; i < 2; ++i) {
+    const int k = (place.axis + 1 + i) % 3;
+    towards_viewer[i] = Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0);
+  }
+  std::vector<DrawnBody> open;
+  for (const DrawnBody& body : bodies) open.push_back(cut_open(body, place.centre, towards_viewer));
+  return open;
+}
+
+std::vector<DrawnBody> boundaries_of(const std::vector<DrawnBody>& bodies) {
+  std::vector<DrawnBody> boundaries;
+  for (const DrawnBody& body : bodies) boundaries.push_back(boundary_of(body));
+  return boundaries;
+}
+
+}  // namespace
+
+SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies) {
+  SceneView view;
+  const bool complete =
+      std::all_of(bodies.begin(), bodies.end(), [](const DrawnBody& body) { return !body.stress.empty(); });
+  if (bodies.empty() || !complete) return view;
+  view.box = bounds(bodies);
+  view.thin_axis = find_thin_axis(results, view.box);
+  if (view.thin_axis >= 0) {
+    look_along_axis(view.thin_axis, view.camera);
+  } else {
+    look_from_corner(bodies, view.camera);
+    if (const auto place = contact_inside(results, view.box)) {
+      view.shown = cut_open(bodies, *place, view.camera.eye);
+      view.opened = true;
+    }
+  }
+  if (!view.opened) view.shown = boundaries_of(bodies);
+  return view;
+}
+
+SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone) {
+  SceneView view = scene;
+  if (scene.thin_axis >= 0) return view;
+  bool reaches_side = false;
+  Vec3 eye = scene.camera.eye;
+  for (int k = 0; k < 3; ++k) {
+    if (k == zone.axis) continue;
+    const double near = beside * zone.box.extent()[k];
+    const bool low = zone.box.low[k] - scene.box.low[k] <= near, high = scene.box.high[k] - zone.box.high[k] <= near;
+    reaches_side |= low || high;
+    if (low != high) eye[k] = (low ? -1 : 1) * std::abs(eye[k]);
+  }
+  look_from(eye, view.camera);
+  view.opened = !reaches_side;
+  view.shown =
+      reaches_side ? boundaries_of(bodies) : cut_open(bodies, {(zone.box.low + zone.box.high) / 2, zone.axis}, eye);
+  return view;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,44 @@
+/// From where the pictures of a result look at the scene, and what they leave out so that the contact is seen.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "core/drawing/drawn_body.hpp"
+#include "core/drawing/raster.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+struct SceneBox {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+  void add(const Vec3& x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  Vec3 extent() const { return high - low; }
+};
+
+struct SceneView {
+  Camera camera;                 ///< directions only
+  int thin_axis = -1;            ///< axis along which a thin scene is seen, or -1: view in space
+  SceneBox box;                  ///< of the whole bodies, undeformed
+  bool opened = false;           ///< without the quarter towards the viewer around the contact
+  std::vector<DrawnBody> shown;  ///< boundaries, and sections where they are opened
+};
+
+/// Thin bodies (at most two cells across) are seen from the front, others from above at an angle, from the corner that
+/// shows the most stress, cut open where the contact lies inside.
+SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies);
+
+/// Where a pair is pressed.
+struct ContactZoneBox {
+  SceneBox box;
+  int axis = 2;  ///< coordinate axis nearest to its normal
+};
+
+/// The same scene for a look at a contact zone: from a side of the scene that the zone reaches, else cut open in the
+/// middle of the zone.
+SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone);
+
+}  // namespace cgcontact

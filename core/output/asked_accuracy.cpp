@@ -1,0 +1,29 @@
+#include "core/output/asked_accuracy.hpp"
+
+#include <fmt/format.h>
+
+#include "core/base/text.hpp"
+
+namespace cgcontact {
+
+std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy) {
+  const SolveFigures last = accuracy.solves.empty() ? SolveFigures() : accuracy.solves.back();
+  std::vector<AskedError> errors;
+  if (accuracy.pressure) errors.push_back({"pressure", *accuracy.pressure, last.pressure});
+  if (accuracy.force) errors.push_back({"force", *accuracy.force, last.force});
+  if (accuracy.stress) errors.push_back({"stress", *accuracy.stress, last.stress});
+  return errors;
+}
+
+std::string fine_percent(double fraction) {
+  return (fraction < 0.001 ? percent_number(fraction) : short_number(100 * fraction, 3)) + " %";
+}
+
+std::string solves_text(const AccuracyFigures& accuracy) {
+  double seconds = 0;
+  for (const SolveFigures& solve : accuracy.solves) seconds += solve.seconds;
+  const std::size_t count = accuracy.solves.size();
+  return fmt::format("{} solve{}, {:.1f} s", count, count == 1 ? "" : "s", seconds);
+}
+
+}  // namespace cgcontact

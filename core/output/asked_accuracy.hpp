@@ -1,0 +1,27 @@
+/// The accuracy that [accuracy] asks for beside the one that a run estimates, for people.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// One target; relative errors.
+struct AskedError {
+  const char* name;  ///< "pressure", "force", "stress"
+  double target;
+  std::optional<double> estimate;  ///< of the last solve; none: the contact zone is not resolved
+};
+
+std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy);
+
+/// "0.783 %": with the digits that tell an estimate from its target.
+std::string fine_percent(double fraction);
+
+/// "4 solves, 19.4 s".
+std::string solves_text(const AccuracyFigures& accuracy);
+
+}  // namespace cgcontact

@@ -1,0 +1,18 @@
+/// grid.png: the cells of a locally refined grid and the estimated error in them, of the whole scene and near the
+/// contact zone.
+#pragma once
+
+#include <vector>
+
+#include "core/drawing/scene_view.hpp"
+#include "core/output/output_gnuplot.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// Of runs to an accuracy and of grids of several levels; nothing for others. `scene`: look_at_scene of the bodies.
+/// Needs the folder plots of the result directory.
+void write_grid_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
+                        GnuplotRuns& runs);
+
+}  // namespace cgcontact
