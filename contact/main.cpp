@@ -11,7 +11,7 @@
 #include <exception>
 #include <filesystem>
 
-#include "contact/adaptive/adaptive_run.hpp"
+#include "contact/adaptive_run.hpp"
 #include "contact/check.hpp"
 #include "contact/simulation.hpp"
 #include "contact/study/study.hpp"

@@ -10,7 +10,7 @@ declare -A rooms=(
   [core]="base settings triangles quadrature geometry cells bodies scene results drawing program output"
   [kernels]="simd mesh operator reference assembled multigrid solver"
   [recovery]="patch spr zone_edge batched constrained error"
-  [contact]="model motions solve results study"
+  [contact]="model motions solve results adaptive study"
 )
 
 include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'

@@ -1,4 +1,4 @@
-#include "contact/adaptive/adaptive_run.hpp"
+#include "contact/adaptive_run.hpp"
 
 #include <fmt/format.h>
 
@@ -31,10 +31,6 @@ double count_unknowns(const std::vector<BodyModel>& bodies) {
 }
 
 std::string number(double unknowns) { return grouped(static_cast<long long>(std::round(unknowns))); }
-
-std::string percent(const std::optional<double>& error) {
-  return error ? percent_number(*error) + " %" : "not known, the zone is not resolved";
-}
 
 }  // namespace
 
