@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "contact/model/plane_strain.hpp"
 #include "contact/model/refined_grid.hpp"
 #include "core/scene/face_dividers.hpp"
 
@@ -124,6 +125,10 @@ Grid make_grid(const BodySpec& body) {
   const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
   if (!rotated.bounding_box(min, max))
     throw InputError(body.place, in_quotes(body.name), "the body is not bounded", "intersect half-spaces with a box");
+  if (body.plane_strain) {
+    grid.plane_strain = static_cast<int>(*body.plane_strain);
+    check_thickness(body, (max - min)[grid.plane_strain]);
+  }
   Vec3 start = min - body.cell_size * body.grid_offset;
   for (int d = 0; d < 3; ++d) {
     // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
@@ -154,6 +159,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     } catch (const InputError& error) {
       throw InputError(model.spec->place, in_quotes(model.spec->name), error.what());
     }
+    if (model.spec->plane_strain) check_extruded(*model.spec, model.cut_cells);
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     set_loads(scene, 1, model);
     measure_thickness(model);
@@ -206,6 +212,7 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
           n, n, body.area(p)};
+      point.by_plane_strain = support.by_plane_strain;
       const auto add = [&](double value) {
         point.prescribed = point.value = value;
         points.push_back(point);

@@ -33,7 +33,7 @@ double frobenius(const Sym3& s) { return tensor(s).norm(); }
 void fill_counts(const SolvedState& state, Results& results) {
   results.scene_file = state.scene.file;
   results.title = state.scene.title;
-  results.unknowns = state.system.num_dofs() - dof_of(static_cast<int>(state.system.constraints.size()));
+  results.unknowns = state.system.num_free_dofs();
   for (const BodyModel& body : state.bodies) {
     const long long active = static_cast<long long>(body.cut_cells.cells.size());
     const long long cut = static_cast<long long>(body.cut_cells.moments.size());

@@ -23,6 +23,11 @@ namespace cgcontact {
 
 struct RepairedSurface;
 
+enum class Coordinate { x, y, z };
+const std::vector<std::string>& coordinate_names();
+/// Its name in scenes.
+const std::string& name_of(Coordinate coordinate);
+
 struct Material {
   double youngs_modulus = 0;  ///< Pa
   double poisson_ratio = 0;
@@ -66,6 +71,8 @@ struct BodySpec {
   Material material;
   double cell_size = 0;  ///< m; of the largest cells
   std::vector<RefineSpec> refine;
+  std::optional<Coordinate> plane_strain;  ///< nothing varies and nothing moves along this axis
+  SourcePlace plane_strain_place;
   Vec3 grid_offset =
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
   Mat3 grid_rotation = Mat3::Identity();
@@ -88,6 +95,7 @@ struct FaceRef {
 struct SupportSpec {
   FaceRef face;
   bool symmetry = false;                                  ///< direction is the normal of the face, value 0
+  bool by_plane_strain = false;                           ///< an end of a body in plane strain: holds of itself
   std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
   std::optional<Expression> normal_displacement;          ///< m, along the outward normal
 
@@ -111,11 +119,6 @@ struct ContactSpec {
   double search_distance = 0;
   SourcePlace place;
 };
-
-enum class Coordinate { x, y, z };
-const std::vector<std::string>& coordinate_names();
-/// Its name in scenes.
-const std::string& name_of(Coordinate coordinate);
 
 /// Pressure along a line on a contact face, and what it is compared with.
 struct ReferenceSpec {

@@ -76,10 +76,14 @@ ConstraintRows make_rows(const std::vector<NodeConstraint>& constraints) {
 
 }  // namespace
 
-DofMap::DofMap(long long num_nodes, const std::vector<NodeConstraint>& constraints)
+DofMap::DofMap(long long num_nodes, const std::vector<NodeConstraint>& constraints, const std::vector<int>& zero_dofs)
     : num_owned_(checked_count(num_nodes)), num_nodes_(num_owned_) {
   check(constraints, num_nodes_);
   if (!constraints.empty()) constraints_ = make_rows(constraints);
+  for (const int dof : zero_dofs)
+    if (dof < 0 || dof >= num_dofs())
+      throw std::invalid_argument(fmt::format("degree of freedom {} is to be zero: it does not exist", dof));
+  if (!zero_dofs.empty()) zero_dofs_ = copy_to_view<IntView>("cgcontact::dof_map::zero_dofs", zero_dofs);
 }
 
 DofMap::DofMap(const std::vector<long long>& owned, const std::vector<long long>& ghosts,

@@ -1,16 +1,17 @@
 /// The nodes of this rank and their degrees of freedom: owned nodes, ghost nodes (owned by another rank, or copies of
 /// an owned one), and constrained nodes, whose value is a weighted sum of other nodes (hanging nodes where small cells
-/// meet large ones). Local numbers: owned nodes first, ghosts after them.
+/// meet large ones, the two sides of a body in plane strain). Local numbers: owned nodes first, ghosts after them.
+/// Single degrees of freedom may be zero (across a body in plane strain): that belongs to the constraints.
 ///
 /// A vector of free values x becomes a vector of all local values P x by two steps, each with its transpose:
 ///   ghosts       doImport with the importer, REPLACE    doExport, ADD_ASSIGN, into zero (ADD loses copies)
 ///   constraints  apply_constraints                      apply_constraints_transposed
-/// The products run with one rank today, and without constraints where all cells are of one size; then both steps are
-/// the identity and cost nothing.
+/// The products run with one rank today, and without constraints where all cells are of one size and no body is in
+/// plane strain; then both steps are the identity and cost nothing.
 ///
 /// Two kinds of vectors: displacements are consistent (constrained nodes have the value that their masters give them),
-/// forces and residuals are zero at constrained nodes. Sums of each kind are of that kind, and the product of one with
-/// the other is that of the free values.
+/// forces and residuals are zero at constrained nodes; both at what is zero. Sums of each kind are of that kind, and
+/// the product of one with the other is that of the free values.
 #pragma once
 
 #include <Teuchos_Comm.hpp>
@@ -50,7 +51,8 @@ class DofMap {
 
   /// One rank owns all nodes; global numbers are local ones. Throws InputError if there are more than 32-bit numbers of
   /// degrees of freedom hold.
-  explicit DofMap(long long num_nodes = 0, const std::vector<NodeConstraint>& constraints = {});
+  explicit DofMap(long long num_nodes = 0, const std::vector<NodeConstraint>& constraints = {},
+                  const std::vector<int>& zero_dofs = {});
 
   /// Global numbers of the owned nodes (each once) and of the ghosts. Throws std::invalid_argument where a number is
   /// negative or owned twice, and where a constraint names a node that does not exist, constrains a node twice, has no
@@ -67,6 +69,7 @@ class DofMap {
   int num_dofs() const { return dof_of(num_nodes_); }
   long long global_node(int node) const { return one_rank_ ? node : global_[node]; }
   const ConstraintRows& constraints() const { return constraints_; }
+  const IntView& zero_dofs() const { return zero_dofs_; }
 
   /// Maps of the degrees of freedom and of the nodes; with ghosts the local ones overlap.
   Teuchos::RCP<const Map> owned_map(const Comm& comm) const;
@@ -82,11 +85,21 @@ class DofMap {
   bool one_rank_ = true;           ///< global numbers are local ones
   std::vector<long long> global_;  ///< else: of each local node
   ConstraintRows constraints_;
+  IntView zero_dofs_;
 };
 
-/// x at constrained nodes = weighted sums of x at their masters. x: DofMap::num_dofs entries.
+template <class Exec, class X>
+void set_to_zero(const Exec& exec, const IntView& dofs, const X& x) {
+  if (dofs.extent(0) == 0) return;
+  Kokkos::parallel_for(
+      "cgcontact::dof_map::zero_dofs", Kokkos::RangePolicy<Exec>(exec, 0, dofs.extent(0)),
+      KOKKOS_LAMBDA(const int i) { x(dofs(i)) = 0; });
+}
+
+/// x at constrained nodes = weighted sums of x at their masters, x = 0 where it is to be. x: DofMap::num_dofs entries.
 template <class Exec, class X>
 void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
+  set_to_zero(exec, dofs.zero_dofs(), x);
   const ConstraintRows rows = dofs.constraints();
   if (rows.num_nodes() == 0) return;
   using Real = typename X::non_const_value_type;
@@ -106,6 +119,7 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
 /// master gathers.
 template <class Exec, class Y>
 void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y& y) {
+  set_to_zero(exec, dofs.zero_dofs(), y);
   const ConstraintRows rows = dofs.constraints();
   if (rows.num_nodes() == 0) return;
   using Real = typename Y::non_const_value_type;

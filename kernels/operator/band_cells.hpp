@@ -43,6 +43,7 @@ struct BandCells {
   struct Law {
     Real across, lambda;  ///< (lambda + 2 mu) / mu, lambda / mu
     Real full[3];         ///< mu times the full cell's moments 1, x x, x x y y
+    int fold;             ///< plane strain: bit of the corners on the upper side, which are the lower ones; or 0
   };
   struct Batch {
     int body, count;       ///< cells in use: the first lanes
@@ -299,16 +300,22 @@ inline void apply_chunk(const BandCells<Real>& cells, int chunk, const Real* x, 
 }
 
 /// Node blocks (xx, yy, zz, xy, yz, zx) and the blocks between different nodes of a column, from unit displacements of
-/// every corner.
+/// every corner; in plane strain of both corners that are one, at the lower one.
 template <class Real, class Blocks>
 inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const Blocks& blocks,
                                 const NodeColumns<Real>& columns) {
   for (int b = cells.chunk_begin(chunk); b < cells.chunk_begin(chunk + 1); ++b)
     for (int a = 0; a < 8; ++a)
       for (int j = 0; j < 3; ++j) {
+        const int fold = cells.laws(cells.batches(b).body).fold;
+        if (a & fold) continue;
         Vector<Real> u[3][8] = {};
         u[j][a] += Real(1);
+        if (fold) u[j][a | fold] += Real(1);
         batch_forces(cells, b, u);
+        for (int i = 0; i < 3 && fold; ++i)
+          for (int c = 0; c < 8; ++c)
+            if (!(c & fold)) u[i][c] += u[i][c | fold];
         for (int l = 0; l < cells.batches(b).count; ++l) {
           const int node = cells.nodes(b, a / 2, l) + a % 2;
           blocks(node, j) += u[j][a][l];
