@@ -198,6 +198,27 @@ double support_stiffness(const Scene& scene, const BodyModel& body, int cell) {
   return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(cell);
 }
 
+namespace {
+
+/// In each cell three points that do not lie on a line: what they hold as a rigid body is what plane strain holds. One
+/// end will do.
+void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyFace& face,
+                          std::vector<SupportPoint>& points) {
+  const int axis = body.cut_cells.grid.plane_strain;
+  const Vec3 direction = Vec3::Unit(axis), up = Vec3::Unit((axis + 1) % 3), across = Vec3::Unit((axis + 2) % 3);
+  std::vector<double> area(body.cut_cells.cells.size(), 0.0);
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
+    if (face.contains(p)) area[body.cut_cells.boundary.cell[p]] += body.area(p);
+  for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
+    for (const Vec3& xi : {Vec3(0.5 * up), Vec3(0.5 * (across - up)), Vec3(-0.5 * (across + up))}) {
+      SupportPoint point{support, b, cell, xi, direction, direction, area[cell] / 3};
+      point.by_plane_strain = true;
+      points.push_back(point);
+    }
+}
+
+}  // namespace
+
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {
   std::vector<SupportPoint> points;
   for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s) {
@@ -206,13 +227,16 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
     const BodyModel& body = bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     const BodyFace face(support.face.face, body);
+    if (support.by_plane_strain) {
+      if ((*support.face.face.normal_cone).first.sum() > 0) hold_in_plane_strain(s, b, body, face, points);
+      continue;
+    }
     for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
       if (!face.contains(p)) continue;
       const Vec3 x = body.point(p), n = body.normal(p);
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
           n, n, body.area(p)};
-      point.by_plane_strain = support.by_plane_strain;
       const auto add = [&](double value) {
         point.prescribed = point.value = value;
         points.push_back(point);

@@ -85,7 +85,7 @@ struct SupportPoint {
   double weight = 0;             ///< m^2
   double prescribed = 0;         ///< displacement along the direction, m
   double value = 0;              ///< its part in the present step, m
-  bool by_plane_strain = false;  ///< holds of itself: no term of the linear system
+  bool by_plane_strain = false;  ///< holds of itself: for the search for free motions, no term of the linear system
   bool follows = false;          ///< value becomes the displacement in every outer iteration: no force in the end
 };
 
