@@ -43,6 +43,9 @@ struct ConstraintRows {
   int num_masters() const { return static_cast<int>(master_node.extent(0)); }
 };
 
+/// (pair, master and constrained node)
+using TwinsView = Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace>;
+
 class DofMap {
  public:
   using Map = Tpetra::Map<>;
@@ -63,12 +66,15 @@ class DofMap {
 
   int num_owned_nodes() const { return num_owned_; }
   int num_ghost_nodes() const { return num_nodes_ - num_owned_; }
-  int num_constrained_nodes() const { return constraints_.num_nodes(); }
+  int num_constrained_nodes() const { return static_cast<int>(twins_.extent(0)) + sums_.num_nodes(); }
   int num_nodes() const { return num_nodes_; }
   int num_owned_dofs() const { return dof_of(num_owned_); }
   int num_dofs() const { return dof_of(num_nodes_); }
   long long global_node(int node) const { return one_rank_ ? node : global_[node]; }
-  const ConstraintRows& constraints() const { return constraints_; }
+  /// The constraints are of two kinds: nodes that equal a master which no other node depends on (across a body in plane
+  /// strain, half of all nodes), and the others.
+  const TwinsView& twins() const { return twins_; }
+  const ConstraintRows& sums() const { return sums_; }
   const IntView& zero_dofs() const { return zero_dofs_; }
 
   /// Maps of the degrees of freedom and of the nodes; with ghosts the local ones overlap.
@@ -79,12 +85,14 @@ class DofMap {
   Teuchos::RCP<const Import> importer(const Comm& comm) const;
 
  private:
+  void set_constraints(const std::vector<NodeConstraint>& constraints);
   Teuchos::RCP<const Map> map_of(int num_nodes, int per_node, const Comm& comm) const;
 
   int num_owned_ = 0, num_nodes_ = 0;
   bool one_rank_ = true;           ///< global numbers are local ones
   std::vector<long long> global_;  ///< else: of each local node
-  ConstraintRows constraints_;
+  TwinsView twins_;
+  ConstraintRows sums_;
   IntView zero_dofs_;
 };
 
@@ -100,7 +108,13 @@ void set_to_zero(const Exec& exec, const IntView& dofs, const X& x) {
 template <class Exec, class X>
 void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
   set_to_zero(exec, dofs.zero_dofs(), x);
-  const ConstraintRows rows = dofs.constraints();
+  const TwinsView twins = dofs.twins();
+  if (twins.extent(0) > 0)
+    Kokkos::parallel_for(
+        "cgcontact::dof_map::twins", Kokkos::RangePolicy<Exec>(exec, 0, twins.extent(0)), KOKKOS_LAMBDA(const int t) {
+          for (int i = 0; i < dofs_per_node; ++i) x(dof_of(twins(t, 1), i)) = x(dof_of(twins(t, 0), i));
+        });
+  const ConstraintRows rows = dofs.sums();
   if (rows.num_nodes() == 0) return;
   using Real = typename X::non_const_value_type;
   Kokkos::parallel_for(
@@ -119,9 +133,18 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
 /// master gathers.
 template <class Exec, class Y>
 void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y& y) {
-  set_to_zero(exec, dofs.zero_dofs(), y);
-  const ConstraintRows rows = dofs.constraints();
-  if (rows.num_nodes() == 0) return;
+  const TwinsView twins = dofs.twins();
+  if (twins.extent(0) > 0)
+    Kokkos::parallel_for(
+        "cgcontact::dof_map::twins_transposed", Kokkos::RangePolicy<Exec>(exec, 0, twins.extent(0)),
+        KOKKOS_LAMBDA(const int t) {
+          for (int i = 0; i < dofs_per_node; ++i) {
+            y(dof_of(twins(t, 0), i)) += y(dof_of(twins(t, 1), i));
+            y(dof_of(twins(t, 1), i)) = 0;
+          }
+        });
+  const ConstraintRows rows = dofs.sums();
+  if (rows.num_nodes() == 0) return set_to_zero(exec, dofs.zero_dofs(), y);
   using Real = typename Y::non_const_value_type;
   Kokkos::parallel_for(
       "cgcontact::dof_map::constraints_transposed", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_masters()),
@@ -138,6 +161,7 @@ void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y&
       KOKKOS_LAMBDA(const int c) {
         for (int i = 0; i < dofs_per_node; ++i) y(dof_of(rows.node(c), i)) = 0;
       });
+  set_to_zero(exec, dofs.zero_dofs(), y);
 }
 
 }  // namespace cgcontact
