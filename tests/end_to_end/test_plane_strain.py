@@ -55,6 +55,17 @@ class PlaneStrain(unittest.TestCase):
         self.assertIn("4 supports, 1 load", outcome.out)
         self.assertTrue((pathlib.Path("drawn") / "check.png").exists())
 
+    @unittest.skipIf(harness.SLOW_BUILD, "sanitizers take memory of their own")
+    def test_memory_is_forecast(self):
+        pathlib.Path("shared.toml").write_text(in_plane_strain("two_solids", "x"))
+        arguments = ["--set", "n=96", "--set", "output.vtk=false"]
+        outcome = cgcontact("check", "shared.toml", *QUIET, *arguments)
+        expected = float(re.search(r"about (\d+) MB", outcome.out).group(1))
+        measured = self.run_scene("shared.toml", *arguments)[0]["peak_memory_bytes"] / 1e6
+        print(f"{expected:.0f} MB expected, {measured:.0f} MB measured", flush=True)
+        self.assertLess(expected, 1.5 * measured)
+        self.assertLess(measured, 1.2 * expected)
+
     def test_too_thick_is_refused_at_once(self):
         pathlib.Path("shared.toml").write_text(in_plane_strain("two_solids", "x"))
         for command in (["check", "shared.toml"], ["run", "shared.toml", "--out", "refused"]):
