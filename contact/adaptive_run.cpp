@@ -19,6 +19,8 @@ constexpr double coarsening_power = -1.7;
 constexpr double least_gain = 1.15;
 /// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
 constexpr double first_exploration = 2.5e5;
+/// Cells of a grid that was refused become so many times larger.
+constexpr double refused_growth = 1.5;
 /// Grids that are too large for a limit are made so much coarser beyond what the power says.
 constexpr double step = 1.03;
 /// A last solve with fields and pictures takes longer per unknown than those before it.
@@ -93,7 +95,14 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
   while (factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
     next_scene_ = scene_on_grids(given_, sizes_, factor);
     next_ = std::make_unique<Simulation>(*next_scene_);
-    next_->place(callbacks);
+    try {
+      next_->place(callbacks);
+    } catch (const InputError& error) {  // too large for the memory, as the first grid was not
+      if (figures_.solves.empty()) throw;
+      refused_ = error.what();
+      factor *= refused_growth;
+      continue;
+    }
     const double unknowns = count_unknowns(next_->state.bodies);
     if (factor == 1) needed_ = unknowns;
     if (unknowns <= allowed) return true;
@@ -150,8 +159,9 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   };
   for (;;) {
     if (!place(callbacks)) {
-      figures_.text =
-          fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed", limit_, number(needed_));
+      figures_.text = refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",
+                                                     limit_, number(needed_))
+                                       : "the next grid was refused: " + refused_;
       break;
     }
     const ErrorFigures errors = solve(callbacks);

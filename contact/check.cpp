@@ -14,9 +14,9 @@ namespace {
 /// Of a body: without nodes that are constrained.
 long long count_unknowns(const BodyModel& body) {
   const long long all = static_cast<long long>(size_of(body.cut_cells).nodes);
+  if (body.spec->plane_strain) return (dofs_per_node - 1) * all / 2;
   if (body.cut_cells.num_levels() == 1) return dofs_per_node * all;
-  const BodyMesh mesh = make_body_mesh(body.cut_cells, body.spec->material, Scales{}, 0);
-  return dofs_per_node * (mesh.num_nodes - static_cast<long long>(mesh.constraints.size()));
+  return make_body_mesh(body.cut_cells, body.spec->material, Scales{}, 0).num_free_dofs();
 }
 
 std::string describe_body(const BodyModel& body) {
@@ -41,6 +41,10 @@ std::string describe_body(const BodyModel& body) {
           fmt::format("{} {} cells of {:g} m", l == 0 ? "" : ",", cc.parts[l].cells.size(), cc.grid.cell_size_of(l));
     text += "\n";
   }
+  if (body.spec->plane_strain)
+    text += fmt::format(
+        "  plane strain across {0}: the nodes on both sides share their unknowns, nothing moves along {0}\n",
+        name_of(*body.spec->plane_strain));
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   for (const FaceSpec& spec : body.spec->faces) {
@@ -75,8 +79,10 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
     sizes.push_back(size_of(body.cut_cells));
     unknowns += count_unknowns(body);
   }
-  text += fmt::format("{} support{}, {} load{}\n", scene.supports.size(), scene.supports.size() == 1 ? "" : "s",
-                      scene.loads.size(), scene.loads.size() == 1 ? "" : "s");
+  const auto supports = std::count_if(scene.supports.begin(), scene.supports.end(),
+                                      [](const SupportSpec& support) { return !support.by_plane_strain; });
+  text += fmt::format("{} support{}, {} load{}\n", supports, supports == 1 ? "" : "s", scene.loads.size(),
+                      scene.loads.size() == 1 ? "" : "s");
   for (const ContactPair& pair : preparation.pairs) {
     double area = 0, smallest = 1e300, largest = -1e300;
     for (const ContactPoint& q : pair.points) {

@@ -6,6 +6,7 @@
 
 #include "contact/model/condition_checks.hpp"
 #include "contact/model/memory.hpp"
+#include "contact/model/plane_strain.hpp"
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/free_pieces.hpp"
 #include "contact/results/reference.hpp"
@@ -146,6 +147,7 @@ Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
 
 void complete(const Scene& scene, Preparation& preparation) {
   check_conditions(scene, preparation.bodies, preparation.pairs);
+  check_plane_strain(scene, preparation.bodies, preparation.supports, preparation.pairs);
   check_free_motions(scene, preparation);
   check_body_forces(preparation.bodies);
   check_reference(scene, preparation.pairs);

@@ -9,6 +9,7 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
                   const Scales& scales, ElasticSystem& system) {
   std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
   for (const SupportPoint& p : supports) {
+    if (p.by_plane_strain) continue;
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
     const double stiffness =
         support_stiffness(scene, bodies[p.body], p.cell) * p.weight / (scales.stress * scales.length);

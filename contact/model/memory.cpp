@@ -56,24 +56,28 @@ std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodie
 BodySize estimate_size(const BodySpec& body, bool finer) {
   const BodyGeometry& geometry = body.solid.geometry();
   const CellEstimate estimate = geometry.estimate_cells(make_grid(body), finer ? finer_cells : coarse_cells);
-  return {estimate.nodes, estimate.cut_cells, static_cast<double>(geometry.num_facets())};
+  return {estimate.nodes, estimate.cut_cells, static_cast<double>(geometry.num_facets()),
+          body.plane_strain.has_value()};
 }
 
 BodySize size_of(const CutCells& cc) {
   double nodes = cc.parts.empty() ? static_cast<double>(cc.numbers.corners().size()) : 0;
   for (const CutCells& part : cc.parts) nodes += static_cast<double>(part.numbers.corners().size());
-  return {nodes, static_cast<double>(cc.moments.size()), static_cast<double>(cc.solid.geometry().num_facets())};
+  return {nodes, static_cast<double>(cc.moments.size()), static_cast<double>(cc.solid.geometry().num_facets()),
+          cc.grid.plane_strain >= 0};
 }
 
 /// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). What grows like the surface weighs
-/// most. Cells of the grid that are empty cost nothing.
+/// most; in plane strain, where all cells are cut, there are no points of supports on the ends. Cells of the grid that
+/// are empty cost nothing.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
   double bytes =
       program_itself() + (extras.pictures ? 25e6 : 0) + 900 * extras.contact_points + 500 * extras.contact_rows;
   if (extras.fields_beside_pictures) bytes += 10e6;
-  const double of_cut_cell = 11.5e3 + (extras.fields_beside_pictures ? 1.8e3 : 0);
+  const double of_fields = extras.fields_beside_pictures ? 1.8e3 : 0;
   for (const BodySize& body : bodies)
-    bytes += dofs_per_node * 170.0 * body.nodes + of_cut_cell * body.cut_cells + 1.1e3 * body.facets;
+    bytes += dofs_per_node * 170.0 * body.nodes + ((body.plane_strain ? 5e3 : 11.5e3) + of_fields) * body.cut_cells +
+             1.1e3 * body.facets;
   return bytes;
 }
 

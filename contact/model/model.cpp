@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "contact/model/plane_strain.hpp"
 #include "contact/model/refined_grid.hpp"
 #include "core/scene/face_dividers.hpp"
 
@@ -124,6 +125,10 @@ Grid make_grid(const BodySpec& body) {
   const Solid rotated = body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero());
   if (!rotated.bounding_box(min, max))
     throw InputError(body.place, in_quotes(body.name), "the body is not bounded", "intersect half-spaces with a box");
+  if (body.plane_strain) {
+    grid.plane_strain = static_cast<int>(*body.plane_strain);
+    check_thickness(body, (max - min)[grid.plane_strain]);
+  }
   Vec3 start = min - body.cell_size * body.grid_offset;
   for (int d = 0; d < 3; ++d) {
     // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
@@ -154,6 +159,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     } catch (const InputError& error) {
       throw InputError(model.spec->place, in_quotes(model.spec->name), error.what());
     }
+    if (model.spec->plane_strain) check_extruded(*model.spec, model.cut_cells);
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     set_loads(scene, 1, model);
     measure_thickness(model);
@@ -192,6 +198,27 @@ double support_stiffness(const Scene& scene, const BodyModel& body, int cell) {
   return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(cell);
 }
 
+namespace {
+
+/// In each cell three points that do not lie on a line: what they hold as a rigid body is what plane strain holds. One
+/// end will do.
+void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyFace& face,
+                          std::vector<SupportPoint>& points) {
+  const int axis = body.cut_cells.grid.plane_strain;
+  const Vec3 direction = Vec3::Unit(axis), up = Vec3::Unit((axis + 1) % 3), across = Vec3::Unit((axis + 2) % 3);
+  std::vector<double> area(body.cut_cells.cells.size(), 0.0);
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
+    if (face.contains(p)) area[body.cut_cells.boundary.cell[p]] += body.area(p);
+  for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
+    for (const Vec3& xi : {Vec3(0.5 * up), Vec3(0.5 * (across - up)), Vec3(-0.5 * (across + up))}) {
+      SupportPoint point{support, b, cell, xi, direction, direction, area[cell] / 3};
+      point.by_plane_strain = true;
+      points.push_back(point);
+    }
+}
+
+}  // namespace
+
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies) {
   std::vector<SupportPoint> points;
   for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s) {
@@ -200,6 +227,10 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
     const BodyModel& body = bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     const BodyFace face(support.face.face, body);
+    if (support.by_plane_strain) {
+      if ((*support.face.face.normal_cone).first.sum() > 0) hold_in_plane_strain(s, b, body, face, points);
+      continue;
+    }
     for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
       if (!face.contains(p)) continue;
       const Vec3 x = body.point(p), n = body.normal(p);

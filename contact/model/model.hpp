@@ -79,13 +79,14 @@ double support_stiffness(const Scene& scene, const BodyModel& body, int cell);
 struct SupportPoint {
   int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
   int body = 0, cell = 0;
-  Vec3 xi;                ///< cell coordinates
-  Vec3 direction;         ///< unit, global axes
-  Vec3 normal;            ///< outward, global axes
-  double weight = 0;      ///< m^2
-  double prescribed = 0;  ///< displacement along the direction, m
-  double value = 0;       ///< its part in the present step, m
-  bool follows = false;   ///< value becomes the displacement in every outer iteration: no force in the end
+  Vec3 xi;                       ///< cell coordinates
+  Vec3 direction;                ///< unit, global axes
+  Vec3 normal;                   ///< outward, global axes
+  double weight = 0;             ///< m^2
+  double prescribed = 0;         ///< displacement along the direction, m
+  double value = 0;              ///< its part in the present step, m
+  bool by_plane_strain = false;  ///< holds of itself: for the search for free motions, no term of the linear system
+  bool follows = false;          ///< value becomes the displacement in every outer iteration: no force in the end
 };
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.

@@ -77,6 +77,7 @@ void add_body_forces(const SolvedState& state, Results& results) {
 
 std::string condition_of(const SolvedState& state, int support) {
   const SupportSpec& spec = state.scene.supports[support];
+  if (spec.by_plane_strain) return "plane strain";
   if (spec.symmetry) return "symmetry";
   Values normal, axes[3];
   for (const SupportPoint& point : state.supports) {

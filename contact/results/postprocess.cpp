@@ -33,7 +33,7 @@ double frobenius(const Sym3& s) { return tensor(s).norm(); }
 void fill_counts(const SolvedState& state, Results& results) {
   results.scene_file = state.scene.file;
   results.title = state.scene.title;
-  results.unknowns = state.system.num_dofs() - dof_of(static_cast<int>(state.system.constraints.size()));
+  results.unknowns = state.system.num_free_dofs();
   for (const BodyModel& body : state.bodies) {
     const long long active = static_cast<long long>(body.cut_cells.cells.size());
     const long long cut = static_cast<long long>(body.cut_cells.moments.size());
@@ -105,12 +105,32 @@ void fill_body_fields(const SolvedState& state, Results& results) {
   }
 }
 
+namespace {
+
+/// Of an end of a body in plane strain: that of the finite elements' stress, which is what holds the displacements.
+Vec3 force_on_end(const SolvedState& state, const FaceRef& reference) {
+  const BodyModel& body = state.bodies[reference.body];
+  const BoundaryPoints& boundary = body.cut_cells.boundary;
+  const BodyFace face(reference.face, body);
+  Vec3 force = Vec3::Zero();
+  for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+    if (!face.contains(p)) continue;
+    const int cell = boundary.cell[p];
+    const Vec3 xi = cell_coordinates(body.cut_cells, cell, boundary.position[p]), n = body.normal(p);
+    force += body.area(p) * n.dot(tensor(raw_stress(state, reference.body, cell, xi)) * n) * n;
+  }
+  return force;
+}
+
+}  // namespace
+
 void fill_support_figures(const SolvedState& state, Results& results) {
   for (const SupportSpec& support : state.scene.supports)
-    results.supports.push_back(
-        {state.scene.bodies[support.face.body].name + "." + support.face.face.name, Vec3::Zero(), "", 0});
+    results.supports.push_back({state.scene.bodies[support.face.body].name + "." + support.face.face.name,
+                                support.by_plane_strain ? force_on_end(state, support.face) : Vec3(Vec3::Zero()), "",
+                                0});
   for (std::size_t s = 0; s < state.supports.size(); ++s)
-    if (state.supports[s].support >= 0)
+    if (state.supports[s].support >= 0 && !state.supports[s].by_plane_strain)
       results.supports[state.supports[s].support].force +=
           state.supports[s].weight * state.outer.support_stress[s] * state.supports[s].direction;
 }

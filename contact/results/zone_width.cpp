@@ -179,9 +179,14 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
       if (least.cells) widths[p] = {std::max(*least.cells, narrowest), least.cell};
     }
   }
+  std::size_t group = 0;
   for (std::size_t p = 0; p < state.pairs.size() && p < state.outer.small_zone_width.size(); ++p) {
-    const auto [width, cell] = state.outer.small_zone_width[p];
-    if (width > 0 && width / cell < widths[p].cells.value_or(1e300)) widths[p] = {width / cell, cell};
+    double total = 0;
+    for (std::size_t g = 0; g < state.pairs[p].groups.size(); ++g)
+      total += std::abs(state.outer.group_force[group++]) * state.scales.stress * std::pow(state.scales.length, 2);
+    const auto [width, cell, force] = state.outer.small_zone_width[p];
+    if (width > 0 && force > relevant_part * total && width / cell < widths[p].cells.value_or(1e300))
+      widths[p] = {width / cell, cell};
   }
   return widths;
 }

@@ -16,7 +16,8 @@ Subset nodes_of_cells(const BodyMesh& mesh, const std::vector<int>& cells) {
 std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
                                                const std::vector<ContactPair>& pairs, std::size_t num_bodies) {
   std::vector<std::vector<int>> cells(num_bodies);
-  for (const SupportPoint& p : supports) cells[p.body].push_back(p.cell);
+  for (const SupportPoint& p : supports)
+    if (!p.by_plane_strain) cells[p.body].push_back(p.cell);
   for (const ContactPair& pair : pairs)
     for (const ContactPoint& q : pair.points) {
       cells[pair.primary].push_back(q.primary_cell);

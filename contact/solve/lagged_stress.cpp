@@ -36,7 +36,7 @@ struct Change {
 /// a norm that is more than that.
 double square_of_rounding(const Iterate& iterate) {
   double area = 0, stiffest = 0;
-  for (const SupportPoint& p : iterate.problem.supports) area += p.weight;
+  for (const SupportPoint& p : iterate.problem.supports) area += p.by_plane_strain ? 0 : p.weight;
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
     stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
   return area * std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.u), 2);
@@ -56,7 +56,7 @@ double LaggedStress::update(Iterate& iterate) {
   for (BoundaryStress& s : stress_) s.update(iterate.u);
   Change change;
   change.replace(iterate.support_stress, problem.supports, [&](const SupportPoint& p) {
-    if (p.support < 0) return 0.0;  // carries no force: there is no stress to lag
+    if (p.support < 0 || p.by_plane_strain) return 0.0;  // no force in the system: there is no stress to lag
     return stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
   });
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {

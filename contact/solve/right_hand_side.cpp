@@ -21,6 +21,7 @@ void add_supports(const Iterate& iterate, std::vector<double>& stress_forces, st
   const double length = problem.scales.length, area_scale = length * length;
   for (std::size_t s = 0; s < problem.supports.size(); ++s) {
     const SupportPoint& p = problem.supports[s];
+    if (p.by_plane_strain) continue;
     const Vec3 d = problem.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
     const double stress_force = iterate.support_stress[s] * p.weight / area_scale;
     const double value = p.value - iterate.rigid_displacement(p);

@@ -73,8 +73,12 @@ void RigidParts::set_aside(const RealView& u) {
     const BodyMesh& mesh = meshes_[b];
     const Grid& grid = mesh.cut_cells->grid;
     const Momentum found = momentum(mesh, centre_[b], u);
-    const Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
-    const Vec3 rotation = inertia_[b].llt().solve(found.moment);
+    Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
+    Vec3 rotation = inertia_[b].llt().solve(found.moment);
+    if (mesh.in_plane_strain()) {  // the others are zero, but for rounding
+      translation[grid.plane_strain] = 0;
+      for (int i = 0; i < 3; ++i) rotation[i] = i == grid.plane_strain ? rotation[i] : 0;
+    }
     parallel_for("cgcontact::rigid_part::subtract", mesh.nodes.size(), grain, [&](std::size_t n) {
       const Vec3 moved = translation + rotation.cross(grid_position(mesh, n) - centre_[b]);
       for (int i = 0; i < 3; ++i) u(dof_offset(mesh.first_node + n, i)) -= moved[i];

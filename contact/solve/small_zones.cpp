@@ -143,6 +143,7 @@ SmallZones::Width SmallZones::width(int pair) const {
     if (state.force > largest) largest = state.force, mean.cell = group(pair, g).larger_cell;
   }
   if (force > 0) mean.width = sum / force;
+  mean.force = force;
   return mean;
 }
 

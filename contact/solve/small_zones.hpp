@@ -56,6 +56,7 @@ class SmallZones {
   int count(int pair) const;
   struct Width {
     double width = 0, cell = 0;  ///< m; size of the cell that transmits most
+    double force = 0;            ///< N, of all
   };
   /// Mean width of a pair's small zones, by their forces; 0 without any.
   Width width(int pair) const;

@@ -16,6 +16,9 @@ struct Grid {
   double cell_size = 1;              ///< of level 0: the unit of the grid coordinates, m
   Index3 num_cells{0, 0, 0};         ///< of level 0
   int num_levels = 1;
+  /// Axis of the grid across which the body is one layer of cells thick and nothing varies (plane strain): nodes that
+  /// differ in it only share their displacements, whose component along it is zero. -1: none.
+  int plane_strain = -1;
 
   double cell_size_of(int level) const { return std::ldexp(cell_size, -level); }
   Vec3 to_grid(const Vec3& x) const { return rotation.transpose() * (x - origin) / cell_size; }

@@ -25,6 +25,11 @@ namespace cgcontact {
 struct RepairedSurface;
 class SizeField;
 
+enum class Coordinate { x, y, z };
+const std::vector<std::string>& coordinate_names();
+/// Its name in scenes.
+const std::string& name_of(Coordinate coordinate);
+
 struct Material {
   double youngs_modulus = 0;  ///< Pa
   double poisson_ratio = 0;
@@ -69,6 +74,8 @@ struct BodySpec {
   double cell_size = 0;  ///< m; of the largest cells. 0: chosen from the shape, with [accuracy] only
   std::vector<RefineSpec> refine;
   std::vector<std::shared_ptr<const SizeField>> sizes;  ///< as `refine`, from an earlier solution ([accuracy])
+  std::optional<Coordinate> plane_strain;  ///< nothing varies and nothing moves along this axis
+  SourcePlace plane_strain_place;
   Vec3 grid_offset =
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
   Mat3 grid_rotation = Mat3::Identity();
@@ -91,6 +98,7 @@ struct FaceRef {
 struct SupportSpec {
   FaceRef face;
   bool symmetry = false;                                  ///< direction is the normal of the face, value 0
+  bool by_plane_strain = false;                           ///< an end of a body in plane strain: holds of itself
   std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
   std::optional<Expression> normal_displacement;          ///< m, along the outward normal
 
@@ -114,11 +122,6 @@ struct ContactSpec {
   double search_distance = 0;
   SourcePlace place;
 };
-
-enum class Coordinate { x, y, z };
-const std::vector<std::string>& coordinate_names();
-/// Its name in scenes.
-const std::string& name_of(Coordinate coordinate);
 
 /// Pressure along a line on a contact face, and what it is compared with.
 struct ReferenceSpec {

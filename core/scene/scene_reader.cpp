@@ -17,6 +17,8 @@ constexpr double degree = 3.14159265358979323846 / 180;
 constexpr double most_cells = 2e9;      // of the box around a body: beyond, the unit is wrong
 constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
 constexpr std::size_t most_parameters = 1000;
+constexpr double same_axis = 1e-12;  // rounding of a rotation
+constexpr double end_cone = 45;      // degrees; the normals of a body in plane strain lie along the axis or across it
 
 /// The elements of an optional array of tables.
 std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::string& key) {
@@ -261,11 +263,67 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
   return body;
 }
 
+namespace {
+
+void set_plane_strain(const TomlCursor& node, BodySpec& body) {
+  const int axis = node.one_of(coordinate_names());
+  body.plane_strain = static_cast<Coordinate>(axis);
+  body.plane_strain_place = node.place();
+  const std::string& name = coordinate_names()[axis];
+  if (!body.refine.empty())
+    node.fail(fmt::format("body \"{}\" has refine: cells of a body in plane strain are of one size", body.name),
+              "plane_strain or refine");
+  if (const Vec3 e = Vec3::Unit(axis); (body.grid_rotation * e - e).norm() > same_axis)
+    node.fail(fmt::format("the grid of body \"{}\" is turned about another axis than {}", body.name, name),
+              fmt::format("grid.rotation about {} only", name));
+}
+
+}  // namespace
+
+/// That of the scene for bodies without one of their own; one axis for all.
+void SceneReader::read_plane_strain(const TomlCursor& root) {
+  const std::vector<TomlCursor> nodes = root.at("body").elements("[[body]] sections");
+  const auto of_scene = root.find("plane_strain");
+  std::optional<Coordinate> first;
+  for (std::size_t b = 0; b < nodes.size(); ++b) {
+    const auto own = nodes[b].find("plane_strain");
+    if (!own && !of_scene) continue;
+    BodySpec& body = scene_.bodies[b];
+    if (scene_.accuracy.any())
+      (own ? *own : *of_scene)
+          .fail("stands beside [accuracy], and cells in plane strain cannot be refined",
+                "a slice between two planes of symmetry, [[support]] with symmetry = true");
+    set_plane_strain(own ? *own : *of_scene, body);
+    if (!first) first = body.plane_strain;
+    if (body.plane_strain != first)
+      own->fail("is another axis than that of an earlier body", '"' + name_of(*first) + '"');
+  }
+}
+
+/// Both ends of a body in plane strain are symmetry planes, for everything but the linear system.
+void SceneReader::add_ends_in_plane_strain() {
+  for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const BodySpec& body = scene_.bodies[b];
+    if (!body.plane_strain) continue;
+    for (const int side : {-1, 1}) {
+      SupportSpec end;
+      end.symmetry = end.by_plane_strain = true;
+      end.place = end.face.place = end.face.face.place = body.plane_strain_place;
+      end.face.body = static_cast<int>(b);
+      end.face.face.name = "plane_strain." + name_of(*body.plane_strain) + (side < 0 ? '-' : '+');
+      end.face.face.normal_cone =
+          std::make_pair(side * Vec3(Vec3::Unit(static_cast<int>(*body.plane_strain))), std::cos(end_cone * degree));
+      scene_.supports.push_back(end);
+    }
+  }
+}
+
 void SceneReader::read_bodies(const TomlCursor& root) {
   std::set<std::string> seen;
   const TomlCursor list = root.at("body", "one [[body]] section per body");
   for (const TomlCursor& node : list.elements("[[body]] sections")) {
-    node.expect_keys({"name", "shape", "material", "cell_size", "grid", "body_force", "faces", "refine"});
+    node.expect_keys(
+        {"name", "shape", "material", "cell_size", "grid", "body_force", "faces", "refine", "plane_strain"});
     const TomlCursor name = node.at("name", "a name");
     check_unique(name, read_name(name), seen, "body");
     shapes_.push_back(read_shape(node));
@@ -464,8 +522,9 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 }
 
 const std::vector<std::string>& scene_keys() {
-  static const std::vector<std::string> keys{"title", "parameters", "body",   "support",  "load",   "contact",
-                                             "steps", "accuracy",   "solver", "recovery", "output", "reference"};
+  static const std::vector<std::string> keys{"title",    "parameters", "plane_strain", "accuracy", "body",
+                                             "support",  "load",       "contact",      "steps",    "solver",
+                                             "recovery", "output",     "reference"};
   return keys;
 }
 
@@ -476,7 +535,9 @@ Scene SceneReader::read(const TomlCursor& root) {
   if (const auto title = root.find("title")) scene_.title = printable(title->string());
   if (const auto node = root.find("accuracy")) scene_.accuracy = read_accuracy(*node);
   read_bodies(root);
+  read_plane_strain(root);
   read_supports(root);
+  add_ends_in_plane_strain();
   read_loads(root);
   read_contacts(root);
   if (const auto node = root.find("steps")) scene_.steps = read_steps(*node);

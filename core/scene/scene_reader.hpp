@@ -25,6 +25,8 @@ class SceneReader {
 
  private:
   void read_bodies(const TomlCursor& root);
+  void read_plane_strain(const TomlCursor& root);
+  void add_ends_in_plane_strain();
   BodySpec read_body(const TomlCursor& node, const Shape& shape) const;
   FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
   RefineSpec read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const;

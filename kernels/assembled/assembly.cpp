@@ -255,7 +255,7 @@ GhostMatrixView ghost_matrix_of(const BodyMesh& mesh, double penalty) {
   return view;
 }
 
-/// P^T A P of the free values, and the identity at constrained nodes.
+/// P^T A P of the free values, and the identity at constrained nodes and where the displacement is zero.
 Teuchos::RCP<TpetraMatrix> constrained(const ElasticSystem& system, const TpetraMatrix& matrix) {
   const auto map = matrix.getRowMap();
   TpetraMatrix P(map, 8), identity(map, 1), product(map, 0);
@@ -263,15 +263,18 @@ Teuchos::RCP<TpetraMatrix> constrained(const ElasticSystem& system, const Tpetra
     const int c = system.constraint_of_node[node_of_dof(dof)];
     std::vector<TpetraMatrix::global_ordinal_type> columns{dof};
     std::vector<double> weights{1.0};
-    if (c >= 0) {
+    const bool zero = system.is_zero(dof);
+    if (c >= 0 || zero) {
       identity.insertGlobalValues(dof, 1, weights.data(), columns.data());
       columns.clear();
       weights.clear();
+    }
+    if (zero) continue;
+    if (c >= 0)
       for (const auto& [master, weight] : system.constraints[c].masters) {
         columns.push_back(dof_of(master, component_of_dof(dof)));
         weights.push_back(weight);
       }
-    }
     P.insertGlobalValues(dof, static_cast<int>(columns.size()), weights.data(), columns.data());
   }
   P.fillComplete(map, map);

@@ -5,6 +5,7 @@
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -76,10 +77,14 @@ ConstraintRows make_rows(const std::vector<NodeConstraint>& constraints) {
 
 }  // namespace
 
-DofMap::DofMap(long long num_nodes, const std::vector<NodeConstraint>& constraints)
+DofMap::DofMap(long long num_nodes, const std::vector<NodeConstraint>& constraints, const std::vector<int>& zero_dofs)
     : num_owned_(checked_count(num_nodes)), num_nodes_(num_owned_) {
   check(constraints, num_nodes_);
-  if (!constraints.empty()) constraints_ = make_rows(constraints);
+  set_constraints(constraints);
+  for (const int dof : zero_dofs)
+    if (dof < 0 || dof >= num_dofs())
+      throw std::invalid_argument(fmt::format("degree of freedom {} is to be zero: it does not exist", dof));
+  if (!zero_dofs.empty()) zero_dofs_ = copy_to_view<IntView>("cgcontact::dof_map::zero_dofs", zero_dofs);
 }
 
 DofMap::DofMap(const std::vector<long long>& owned, const std::vector<long long>& ghosts,
@@ -96,7 +101,25 @@ DofMap::DofMap(const std::vector<long long>& owned, const std::vector<long long>
       throw std::invalid_argument(fmt::format("global node {} is owned twice", global_[n]));
   }
   check(constraints, num_nodes_);
-  if (!constraints.empty()) constraints_ = make_rows(constraints);
+  set_constraints(constraints);
+}
+
+void DofMap::set_constraints(const std::vector<NodeConstraint>& constraints) {
+  if (constraints.empty()) return;
+  std::vector<int> dependent(num_nodes_, 0);
+  for (const NodeConstraint& c : constraints)
+    for (const auto& [master, weight] : c.masters) ++dependent[master];
+  std::vector<std::array<int, 2>> twins;
+  std::vector<NodeConstraint> sums;
+  for (const NodeConstraint& c : constraints) {
+    const auto& [master, weight] = c.masters.front();
+    if (c.masters.size() == 1 && weight == 1 && dependent[master] == 1)
+      twins.push_back({master, c.node});
+    else
+      sums.push_back(c);
+  }
+  if (!twins.empty()) twins_ = copy_rows_to_view<TwinsView>("cgcontact::dof_map::twins", twins);
+  if (!sums.empty()) sums_ = make_rows(sums);
 }
 
 RCP<const DofMap::Map> DofMap::map_of(int num_nodes, int per_node, const Comm& comm) const {

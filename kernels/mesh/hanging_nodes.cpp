@@ -113,4 +113,17 @@ int halvings(const Grid& larger, const Grid& smaller) {
 
 std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& parts) { return Constrainer(parts).run(); }
 
+std::vector<NodeConstraint> constrain_across(const BodyMesh& mesh) {
+  const int axis = mesh.cut_cells->grid.plane_strain, layer = mesh.cut_cells->cells.front()[axis];
+  for (const Index3& cell : mesh.cut_cells->cells)
+    if (cell[axis] != layer) throw std::logic_error("plane strain: more than one layer of cells");
+  std::vector<NodeConstraint> constraints;
+  for (int n = 0; n < mesh.num_nodes; ++n) {
+    Index3 opposite = mesh.nodes[n];
+    if (opposite[axis]-- == layer) continue;
+    constraints.push_back({mesh.first_node + n, {{mesh.find_node(opposite), 1.0}}});
+  }
+  return constraints;
+}
+
 }  // namespace cgcontact

@@ -1,5 +1,5 @@
-/// The constraints of the nodes where cells of different size meet. With cells that differ by one level at most,
-/// corners included (CellTree), no master is constrained itself.
+/// The constraints of nodes: where cells of different size meet, and across a body in plane strain. With cells that
+/// differ by one level at most, corners included (CellTree), no master is constrained itself.
 #pragma once
 
 #include <vector>
@@ -16,5 +16,9 @@ int halvings(const Grid& larger, const Grid& smaller);
 ///   a node on an edge or a face of a larger cell is the mean of that edge's or face's corners;
 ///   a node of a virtual child is interpolated in the larger cell.
 std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& parts);
+
+/// Of a body of one layer of cells across an axis of its grid (Grid::plane_strain): each node of the upper side is the
+/// one opposite, ascending in node. Throws std::logic_error if there are more layers.
+std::vector<NodeConstraint> constrain_across(const BodyMesh& mesh);
 
 }  // namespace cgcontact

@@ -78,8 +78,16 @@ BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, con
     part.nodes = std::move(nodes.places);
     part.cell_nodes = std::move(nodes.of_cell);
   };
+  const auto look_up_constraints = [&] {
+    mesh.constraint_of_node.assign(mesh.num_nodes, -1);
+    for (std::size_t c = 0; c < mesh.constraints.size(); ++c)
+      mesh.constraint_of_node[mesh.constraints[c].node - first_node] = static_cast<int>(c);
+  };
   if (cut_cells.parts.empty()) {
     number(mesh);
+    if (!mesh.in_plane_strain()) return mesh;
+    mesh.constraints = constrain_across(mesh);
+    look_up_constraints();
     return mesh;
   }
   for (std::size_t p = 0; p < cut_cells.parts.size(); ++p) {
@@ -89,9 +97,7 @@ BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, con
     mesh.num_nodes += mesh.parts.back().num_nodes;
   }
   mesh.constraints = constrain_nodes(mesh.parts);
-  mesh.constraint_of_node.assign(mesh.num_nodes, -1);
-  for (std::size_t c = 0; c < mesh.constraints.size(); ++c)
-    mesh.constraint_of_node[mesh.constraints[c].node - first_node] = static_cast<int>(c);
+  look_up_constraints();
   if (!cut_cells.cells.empty()) join_parts(mesh);
   return mesh;
 }

@@ -32,7 +32,8 @@ struct LevelFace {
 ///
 /// A body of several levels has a part for each: a mesh of its own, on a grid of one level, with numbers of its own for
 /// all corners of its cells. The body's own lists are those of the parts one after the other. Where levels meet, nodes
-/// are constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children.
+/// are constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane
+/// strain (Grid::plane_strain, one level) those of the upper side are.
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;
@@ -57,6 +58,11 @@ struct BodyMesh {
   Vec3 node_position(int node) const {
     const Vec3 place(nodes[node][0], nodes[node][1], nodes[node][2]);
     return node_levels.empty() ? place : Vec3(std::ldexp(1.0, -node_levels[node]) * place);
+  }
+  bool in_plane_strain() const { return cut_cells->grid.plane_strain >= 0; }
+  /// Degrees of freedom that neither constraints nor plane strain give.
+  int num_free_dofs() const {
+    return (in_plane_strain() ? dofs_per_node - 1 : dofs_per_node) * (num_nodes - static_cast<int>(constraints.size()));
   }
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }
   /// Number among the nodes of all bodies of the one at a place of the grid, or -1. A body of one level.

@@ -150,6 +150,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
     for (int p = 0; p < 3; ++p)
       law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.h_of_level(0)) * 8 / std::pow(3, p));
+    law.fold = mesh.in_plane_strain() ? 1 << cc.grid.plane_strain : 0;
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };
     std::vector<Kind> kind(cc.cells.size());

@@ -43,6 +43,7 @@ struct BandCells {
   struct Law {
     Real across, lambda;  ///< (lambda + 2 mu) / mu, lambda / mu
     Real full[3];         ///< mu times the full cell's moments 1, x x, x x y y
+    int fold;             ///< plane strain: bit of the corners on the upper side, which are the lower ones; or 0
   };
   struct Batch {
     int body, count;       ///< cells in use: the first lanes
@@ -239,6 +240,56 @@ KOKKOS_FORCEINLINE_FUNCTION void batch_forces(const BandCells<Real>& cells, int 
   }
 }
 
+/// Corner forces of a cell in plane strain along d, in place: stresses and forces in the plane alone, from the lower
+/// corners' displacements; both corners that are one have the force that each would have. moments: nullptr: full.
+template <int d, class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void plane_forces(const typename BandCells<Real>::Law& law, const Real* moments,
+                                              V u[3][8]) {
+  constexpr int e = (d + 1) % 3, g = (d + 2) % 3, D = 1 << d, E = 1 << e, G = 1 << g;
+  const V* m = reinterpret_cast<const V*>(moments);
+  const V m0 = moments ? m[0] : V{} + law.full[0], none = {};
+  const V mE = moments ? m[moment_index(E)] : none, mG = moments ? m[moment_index(G)] : none;
+  const V mEG = moments ? m[moment_index(E) + moment_index(G)] : none;
+  const V mEE = moments ? m[2 * moment_index(E)] : V{} + law.full[1];
+  const V mGG = moments ? m[2 * moment_index(G)] : V{} + law.full[1];
+  V c[2][3];  // modes E, G, EG of u_e and u_g: twice those of one layer
+  for (int k = 0; k < 2; ++k) {
+    const V* v = u[k == 0 ? e : g];
+    const V low = v[E] - v[0], high = v[E | G] - v[G];
+    c[k][0] = Real(2) * (high + low);
+    c[k][1] = Real(2) * ((v[E | G] + v[G]) - (v[E] + v[0]));
+    c[k][2] = Real(2) * (high - low);
+  }
+  const V &p = c[0][2], &q = c[1][2];
+  const V ee = law.across * c[0][0] + law.lambda * c[1][1], gg = law.across * c[1][1] + law.lambda * c[0][0];
+  const V eg = c[0][1] + c[1][0], across_p = law.across * p, across_q = law.across * q;
+  const V lambda_p = law.lambda * p, lambda_q = law.lambda * q;
+  const V shear = m0 * eg + mE * p + mG * q;
+  const V f[2][3] = {{m0 * ee + mG * across_p + mE * lambda_q, shear,
+                      mG * ee + mGG * across_p + mEG * lambda_q + mE * eg + mEE * p + mEG * q},
+                     {shear, m0 * gg + mE * across_q + mG * lambda_p,
+                      mE * gg + mEE * across_q + mEG * lambda_p + mG * eg + mEG * p + mGG * q}};
+  for (int k = 0; k < 2; ++k) {
+    V* v = u[k == 0 ? e : g];
+    v[0] = v[D] = f[k][2] - f[k][0] - f[k][1];
+    v[E] = v[D | E] = f[k][0] - f[k][1] - f[k][2];
+    v[G] = v[D | G] = f[k][1] - f[k][0] - f[k][2];
+    v[E | G] = v[7] = f[k][0] + f[k][1] + f[k][2];
+  }
+  for (int a = 0; a < 8; ++a) u[d][a] = none;
+}
+
+/// The same of a batch without supports. No node of a single layer is the stencil's.
+template <class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void plane_batch_forces(const BandCells<Real>& cells, int b, V u[3][8]) {
+  const auto& batch = cells.batches(b);
+  const auto& law = cells.laws(batch.body);
+  const Real* moments = batch.moments < 0 ? nullptr : &cells.moments(batch.moments, 0, 0);
+  if (law.fold == 1) return plane_forces<0>(law, moments, u);
+  if (law.fold == 2) return plane_forces<1>(law, moments, u);
+  plane_forces<2>(law, moments, u);
+}
+
 /// Corner values of a batch: u[component][corner].
 template <class Real, class V>
 inline void gather(const BandCells<Real>& cells, int b, const Real* x, V u[3][8]) {
@@ -293,22 +344,31 @@ inline void apply_chunk(const BandCells<Real>& cells, int chunk, const Real* x, 
     }
     Vector<Real> u[3][8];
     gather(cells, b, x, u);
-    batch_forces(cells, b, u);
+    if (cells.laws(cells.batches(b).body).fold && !cells.batches(b).pair_mask)
+      plane_batch_forces(cells, b, u);
+    else
+      batch_forces(cells, b, u);
     scatter<subtract>(cells, b, u, y);
   }
 }
 
 /// Node blocks (xx, yy, zz, xy, yz, zx) and the blocks between different nodes of a column, from unit displacements of
-/// every corner.
+/// every corner; in plane strain of both corners that are one, at the lower one.
 template <class Real, class Blocks>
 inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const Blocks& blocks,
                                 const NodeColumns<Real>& columns) {
   for (int b = cells.chunk_begin(chunk); b < cells.chunk_begin(chunk + 1); ++b)
     for (int a = 0; a < 8; ++a)
       for (int j = 0; j < 3; ++j) {
+        const int fold = cells.laws(cells.batches(b).body).fold;
+        if (a & fold) continue;
         Vector<Real> u[3][8] = {};
         u[j][a] += Real(1);
+        if (fold) u[j][a | fold] += Real(1);
         batch_forces(cells, b, u);
+        for (int i = 0; i < 3 && fold; ++i)
+          for (int c = 0; c < 8; ++c)
+            if (!(c & fold)) u[i][c] += u[i][c | fold];
         for (int l = 0; l < cells.batches(b).count; ++l) {
           const int node = cells.nodes(b, a / 2, l) + a % 2;
           blocks(node, j) += u[j][a][l];

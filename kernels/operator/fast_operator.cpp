@@ -293,7 +293,16 @@ void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView&
 
 template <class Real>
 void FastOperator<Real>::gather_constrained_blocks(const ExecSpace& exec, const BlockView& blocks) const {
-  const ConstraintRows rows = dofs_.constraints();
+  const TwinsView twins = dofs_.twins();
+  Kokkos::parallel_for(
+      "cgcontact::fast_operator::twin_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, twins.extent(0)),
+      KOKKOS_LAMBDA(const int t) {
+        for (int p = 0; p < 6; ++p) {
+          blocks(twins(t, 0), p) += blocks(twins(t, 1), p);
+          blocks(twins(t, 1), p) = p < 3 ? Real(1) : Real(0);
+        }
+      });
+  const ConstraintRows rows = dofs_.sums();
   if (rows.num_nodes() == 0) return;
   Kokkos::parallel_for(
       "cgcontact::fast_operator::gather_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, rows.num_masters()),

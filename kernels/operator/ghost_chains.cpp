@@ -15,6 +15,12 @@ Index3 next_in(Index3 c, int d) {
   return c;
 }
 
+/// Bit of the axis of plane strain in a corner's number on a face: the lower tangential axis first.
+int fold_of_face(const BodyMesh& mesh, int direction) {
+  if (!mesh.in_plane_strain()) return 0;
+  return mesh.cut_cells->grid.plane_strain == (direction == 0 ? 1 : 0) ? 1 : 2;
+}
+
 }  // namespace
 
 template <class Real>
@@ -72,7 +78,8 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
   std::vector<int> row, chunk_begin(slabs.colour_of_slab.size() + 1, 0);
   for (const Start& s : starts) {
     const BodyMesh& mesh = *parts[s.body];
-    chains.push_back({s.direction, s.faces, static_cast<int>(row.size()), static_cast<Real>(factor[s.body])});
+    chains.push_back({s.direction, s.faces, static_cast<int>(row.size()), static_cast<Real>(factor[s.body]),
+                      fold_of_face(mesh, s.direction)});
     ++chunk_begin[s.slab + 1];
     if (s.direction == 0) {
       for (int t = 0; t < 4; ++t)

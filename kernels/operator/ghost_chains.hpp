@@ -17,6 +17,7 @@ struct GhostChains {
     int direction, faces;
     int rows;     ///< first entry in `row`
     Real factor;  ///< gamma (2 mu + lambda) h / 36, softer where a body is thinner than a cell
+    int fold;     ///< plane strain: bit of the corners of a face on the upper side, which are the lower ones; or 0
   };
   Kokkos::View<Chain*, MemSpace> chains;
   /// Direction x: the first nodes of the four rows (y, z). Otherwise (layer, second tangential corner): the first of
@@ -167,13 +168,14 @@ inline void apply_chunk(const GhostChains<Real>& ghosts, int chunk, const Real* 
   }
 }
 
-/// Node blocks, and the blocks between different nodes of a column.
+/// Node blocks, and the blocks between different nodes of a column. In plane strain two corners are one, at the lower
+/// one: the sum of their masses 1, 1/2, 1/2, 1 is three.
 template <class Real, class Blocks>
 inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, const Blocks& blocks,
                                 const NodeColumns<Real>& columns) {
   for (int e = ghosts.chunk_begin(chunk); e < ghosts.chunk_begin(chunk + 1); ++e) {
     const auto& chain = ghosts.chains(e);
-    const Real mass = 4 * chain.factor;  // of one corner of one face
+    const Real mass = (chain.fold ? 3 : 1) * 4 * chain.factor;  // of one corner of one face
     const int* row = &ghosts.row(chain.rows);
     const Real jump[3] = {1, -2, 1};
     for (int f = 0; f < chain.faces; ++f) {
@@ -184,6 +186,7 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
               chain.direction == 0 ? row[corner] + f + layer : row[2 * (f + layer) + corner / 2] + corner % 2;
       for (int n = 0; n < 12; ++n) {
         const int layer = n / 4, corner = n % 4, node = nodes[layer][corner];
+        if (corner & chain.fold) continue;
         for (int i = 0; i < 3; ++i) blocks(node, i) += layer == 1 ? 4 * mass : mass;
         const int c = columns.column_of_node(node);
         if (c < 0) continue;
@@ -191,7 +194,7 @@ inline void add_diagonal_blocks(const GhostChains<Real>& ghosts, int chunk, cons
         const int place = columns.place(column, node);
         for (int k = 0; k < 12; ++k) {
           const int other = nodes[k / 4][k % 4];
-          if (other == node || columns.column_of_node(other) != c) continue;
+          if (other == node || (k & chain.fold) || columns.column_of_node(other) != c) continue;
           const int across = corner ^ k % 4;  // mass: a half per tangential direction in which the corners differ
           const Real value = jump[layer] * jump[k / 4] * mass *
                              (across == 0   ? Real(1)

@@ -25,6 +25,14 @@ std::pair<int, int> ElasticSystem::part_of(int body, int cell) const {
   return {part + cells.level(cell), cell - cells.first_of_part[cells.level(cell)]};
 }
 
+int ElasticSystem::num_free_dofs() const {
+  int sum = 0;
+  for (const BodyMesh& mesh : meshes) sum += mesh.num_free_dofs();
+  return sum;
+}
+
+bool ElasticSystem::is_zero(int dof) const { return std::binary_search(zero_dofs.begin(), zero_dofs.end(), dof); }
+
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty) {
   ElasticSystem system;
@@ -40,7 +48,11 @@ ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, co
     const std::vector<NodeConstraint>& own = system.meshes.back().constraints;
     system.constraints.insert(system.constraints.end(), own.begin(), own.end());
   }
-  system.dofs = DofMap(num_nodes, system.constraints);
+  for (const BodyMesh& mesh : system.meshes)
+    if (mesh.in_plane_strain())
+      for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
+        system.zero_dofs.push_back(dof_of(n, mesh.cut_cells->grid.plane_strain));
+  system.dofs = DofMap(num_nodes, system.constraints, system.zero_dofs);
   if (!system.constraints.empty()) system.constraint_of_node.assign(system.num_nodes, -1);
   for (std::size_t c = 0; c < system.constraints.size(); ++c)
     system.constraint_of_node[system.constraints[c].node] = static_cast<int>(c);
@@ -51,6 +63,7 @@ ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, co
 void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int, double>>& entries) {
   std::vector<std::pair<int, double>> resolved;
   for (const auto& [dof, value] : entries) {
+    if (system.is_zero(dof)) continue;
     const int node = node_of_dof(dof), component = component_of_dof(dof);
     const int c = system.constraint_of_node.empty() ? -1 : system.constraint_of_node[node];
     if (c < 0) {

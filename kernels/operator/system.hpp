@@ -50,6 +50,7 @@ struct ElasticSystem {
   /// Of all bodies, ascending in node; of each node the index of its constraint or -1 (empty: no node is constrained).
   std::vector<NodeConstraint> constraints;
   std::vector<int> constraint_of_node;
+  std::vector<int> zero_dofs;  ///< ascending: across bodies in plane strain
 
   /// What the kernels run on, one after the other: bodies of one level, and the parts of the others.
   std::vector<const BodyMesh*> parts() const;
@@ -57,14 +58,17 @@ struct ElasticSystem {
   std::pair<int, int> part_of(int body, int cell) const;
 
   int num_dofs() const { return dofs.num_dofs(); }
+  /// Degrees of freedom that neither constraints nor plane strain give.
+  int num_free_dofs() const;
+  bool is_zero(int dof) const;
 };
 
 /// Meshes of all bodies.
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty);
 
-/// Entries of a row (DoF, coefficient) in any order, on the masters of constrained nodes instead of them; sorted by
-/// DoF, each once.
+/// Entries of a row (DoF, coefficient) in any order, on the masters of constrained nodes instead of them, without those
+/// that are zero; sorted by DoF, each once.
 void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int, double>>& entries);
 
 /// Adds support terms to a body; support points lie in cut cells only. cell: of the body.

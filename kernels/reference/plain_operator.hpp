@@ -27,7 +27,7 @@ class PlainOperator {
       matrices_.push_back(make_cell_matrices<degree>(*parts[p], system.supports[p]));
       ghosts_.push_back(make_ghost_matrix<degree>(*parts[p], system.ghost_penalty));
     }
-    dofs_ = DofMap(num_nodes, system.constraints);
+    dofs_ = DofMap(num_nodes, system.constraints, system.zero_dofs);
   }
 
   const DofMap& dofs() const { return dofs_; }

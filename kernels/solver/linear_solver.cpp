@@ -14,6 +14,30 @@ namespace cgcontact {
 using Teuchos::RCP;
 using Teuchos::rcp;
 
+namespace {
+
+/// Another preconditioner, whose result is made consistent (DofMap): MueLu knows the free values only.
+class Consistent : public TpetraOperator {
+ public:
+  Consistent(RCP<const TpetraOperator> inner, const DofMap& dofs) : inner_(std::move(inner)), dofs_(dofs) {}
+
+  RCP<const TpetraMap> getDomainMap() const override { return inner_->getDomainMap(); }
+  RCP<const TpetraMap> getRangeMap() const override { return inner_->getRangeMap(); }
+  void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override {
+    inner_->apply(X, Y, mode, alpha, beta);
+    const ExecSpace exec;
+    const auto y = Kokkos::subview(Y.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL, 0);
+    apply_constraints(exec, dofs_, y);
+    exec.fence();
+  }
+
+ private:
+  RCP<const TpetraOperator> inner_;
+  const DofMap& dofs_;
+};
+
+}  // namespace
+
 struct LinearSolver::Impl {
   const ElasticSystem& system;
   Preconditioner kind;
@@ -41,7 +65,7 @@ void LinearSolver::update() {
   if (s.kind == Preconditioner::muelu) {
     const std::vector<double> stiffness = group_stiffness(s.system);
     if (!s.preconditioner.is_null() && !changed_much(s.muelu_groups, stiffness)) return;
-    s.preconditioner = make_muelu(s.system, s.map);
+    s.preconditioner = rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs));
     s.muelu_groups = stiffness;
     ++s.report.setups;
     return;

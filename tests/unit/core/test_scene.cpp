@@ -263,6 +263,42 @@ TEST(Scene, bodies_from_mesh_files) {
                   {"faces[1].smooth.triangle = 999: there is no such triangle"});
 }
 
+/// On top for all bodies, or in a body; both ends become symmetry planes of their own, after the supports of the scene.
+TEST(Scene, plane_strain_of_the_scene_or_a_body) {
+  const std::string second = R"(
+[[body]]
+name = "other"
+shape = {box = {min = [2, 0, 0], max = [3, 2, 3]}}
+material = {E = 1, nu = 0}
+cell_size = 1
+)";
+  const TemporaryScene all(std::string("plane_strain = \"z\"\n") + one_block + second);
+  const Scene scene = read_scene(all.file());
+  for (const BodySpec& body : scene.bodies) EXPECT_EQ(body.plane_strain, Coordinate::z);
+  ASSERT_EQ(scene.supports.size(), 5u);
+  EXPECT_FALSE(scene.supports[0].by_plane_strain);
+  for (int k = 1; k < 5; ++k) {
+    const SupportSpec& end = scene.supports[k];
+    EXPECT_TRUE(end.by_plane_strain && end.symmetry);
+    EXPECT_EQ(end.face.body, (k - 1) / 2);
+    EXPECT_EQ(end.face.face.name, k % 2 ? "plane_strain.z-" : "plane_strain.z+");
+    EXPECT_EQ(end.face.face.contains({}, Vec3(1, 1, 0), Vec3(0, 0, -1)), k % 2 == 1);
+  }
+  const TemporaryScene one(one_block + second + "plane_strain = \"y\"\n");
+  const Scene of_body = read_scene(one.file());
+  EXPECT_FALSE(of_body.bodies[0].plane_strain.has_value());
+  EXPECT_EQ(of_body.bodies[1].plane_strain, Coordinate::y);
+  EXPECT_EQ(of_body.supports.size(), 3u);
+  // A grid may be turned about the axis only, and there is one axis.
+  const TemporaryScene turned(one_block + second +
+                              "grid = {rotation = {axis = [0, 0, -1], angle = 30}}\nplane_strain = \"y\"\n");
+  expect_contains(message_of(turned.file()),
+                  {"body[1].plane_strain = \"y\"", "turned about another axis", "about y only"});
+  EXPECT_EQ(message_of(turned.file(), {"body.other.plane_strain=z"}), "");
+  expect_contains(message_of(all.file(), {"body.other.plane_strain=x"}),
+                  {"body[1].plane_strain", "another axis than that of an earlier body", "\"z\""});
+}
+
 /// Every file in tests/bad_scenes says in "# expect: text" lines what the message must contain; those of the stage
 /// "solve" are found bad later, when there are grids.
 TEST(Scene, bad_scenes_give_one_message_with_place_key_value_and_range) {

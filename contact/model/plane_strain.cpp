@@ -1,0 +1,143 @@
+#include "contact/model/plane_strain.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace cgcontact {
+namespace {
+
+/// Cells: so much may rounding stick out of the layer, so thin may it be. Cells filled by less than a quarter do not
+/// hold their nodes; those that the sides cut are filled by less than the thickness.
+constexpr double rounding = 1e-6, thinnest = 0.5;
+/// Of the normals and, in cells, of the ends' places: triangle surfaces have coordinates in single precision.
+constexpr double flat = 1e-3;
+/// Part of a load along the axis.
+constexpr double along_axis = 1e-3;
+
+[[noreturn]] void refuse(const BodySpec& body, const std::string& problem, const std::string& allowed) {
+  throw InputError(body.plane_strain_place, '"' + name_of(*body.plane_strain) + '"',
+                   "body \"" + body.name + "\": " + problem, allowed);
+}
+
+std::string at(const Vec3& x) { return fmt::format("at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
+
+std::string name_of_face(const Scene& scene, const FaceRef& face) {
+  return '"' + scene.bodies[face.body].name + "." + face.face.name + '"';
+}
+
+int axis_of(const BodySpec& body) { return static_cast<int>(*body.plane_strain); }
+
+/// Is a boundary point on an end?
+bool on_end(const BodyModel& body, int point) { return std::abs(body.normal(point)[axis_of(*body.spec)]) > 0.5; }
+
+void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
+                    const std::vector<SupportPoint>& supports) {
+  for (const SupportPoint& p : supports) {
+    const BodySpec& body = scene.bodies[p.body];
+    if (!body.plane_strain || p.support < 0 || p.by_plane_strain) continue;
+    const SupportSpec& support = scene.supports[p.support];
+    const std::string& axis = name_of(*body.plane_strain);
+    const Vec3 x = global_position(bodies[p.body].cut_cells, p.cell, p.xi);
+    if (std::abs(p.normal[axis_of(body)]) > 0.5)
+      throw InputError(support.place, name_of_face(scene, support.face),
+                       fmt::format("lies on an end of a body in plane strain across {}, {}: its ends hold of "
+                                   "themselves",
+                                   axis, at(x)),
+                       "supports on the sides only");
+    if (p.value != 0 && std::abs(p.direction[axis_of(body)]) > flat)
+      throw InputError(support.place, name_of_face(scene, support.face),
+                       fmt::format("moves a body in plane strain along {0}, {1}", axis, at(x)),
+                       "no displacement along " + axis + ", or 0");
+  }
+}
+
+void check_load(const Scene& scene, const LoadSpec& load, const BodyModel& body) {
+  const BodyFace face(load.face.face, body);
+  const int axis = axis_of(*body.spec);
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
+    if (!face.contains(p)) continue;
+    const Vec3 x = body.point(p);
+    const std::string& name = name_of(*body.spec->plane_strain);
+    if (on_end(body, p))
+      throw InputError(load.place, name_of_face(scene, load.face),
+                       fmt::format("lies on an end of a body in plane strain across {}, {}", name, at(x)),
+                       "loads on the sides only");
+    const Vec3 traction =
+        Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * body.normal(p);
+    if (std::abs(traction[axis]) > along_axis * traction.norm())
+      throw InputError(load.place, name_of_face(scene, load.face),
+                       fmt::format("acts along {}, across which the body is in plane strain, {}", name, at(x)),
+                       "no traction along " + name);
+  }
+}
+
+void check_body_force(const BodyModel& body) {
+  if (!body.boundary.body_force_at) return;
+  const int axis = axis_of(*body.spec);
+  for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {
+    const Vec3 x = global_position(body.cut_cells, cell, Vec3::Zero()), force = body.boundary.body_force_at(x);
+    if (std::abs(force[axis]) > along_axis * force.norm())
+      refuse(*body.spec, "its body_force acts along the axis of plane strain, " + at(x), "no body force along it");
+  }
+}
+
+}  // namespace
+
+void check_thickness(const BodySpec& body, double thickness) {
+  const double offset = body.grid_offset[axis_of(body)], cells = thickness / body.cell_size;
+  if (cells >= thinnest && cells + offset <= 1 + rounding) return;
+  refuse(
+      body,
+      fmt::format("it is {:.6g} m thick along the axis of plane strain, {:.3g} of its cells, which begin {:.3g} cells "
+                  "before it: it must lie in one layer of cells and fill half of it",
+                  thickness, cells, offset),
+      fmt::format("a thickness of {:.6g} to {:.6g} m", thinnest * body.cell_size, (1 - offset) * body.cell_size));
+}
+
+void check_extruded(const BodySpec& body, const CutCells& cells) {
+  const int axis = axis_of(body);
+  const BoundaryPoints& boundary = cells.boundary;
+  double low = 1e300, high = -1e300;  // the ends, grid coordinates
+  for (std::size_t p = 0; p < boundary.size(); ++p) {
+    if (std::abs(boundary.normal[p][axis]) <= 0.5) continue;
+    low = std::min(low, boundary.position[p][axis]);
+    high = std::max(high, boundary.position[p][axis]);
+  }
+  for (std::size_t p = 0; p < boundary.size(); ++p) {
+    const double normal = boundary.normal[p][axis], place = boundary.position[p][axis];
+    const bool side = std::abs(normal)<flat, end = std::abs(normal)> 1 - flat;
+    if (side || (end && std::abs(place - (normal < 0 ? low : high)) < flat)) continue;
+    refuse(body,
+           "its boundary is neither an end nor along the axis of plane strain, " +
+               at(cells.grid.to_global(boundary.position[p])),
+           "a prism between two planes across the axis");
+  }
+  for (const Index3& cell : cells.cells)
+    if (cell[axis] != cells.cells.front()[axis])
+      refuse(body, "it lies in more than one layer of cells across the axis of plane strain",
+             "a little less thickness, or another grid.offset");
+}
+
+void check_plane_strain(const Scene& scene, const std::vector<BodyModel>& bodies,
+                        const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
+  check_supports(scene, bodies, supports);
+  for (const LoadSpec& load : scene.loads)
+    if (scene.bodies[load.face.body].plane_strain) check_load(scene, load, bodies[load.face.body]);
+  for (const BodyModel& body : bodies)
+    if (body.spec->plane_strain) check_body_force(body);
+  for (const ContactPair& pair : pairs)
+    for (const int b : {pair.primary, pair.secondary}) {
+      const BodySpec& body = scene.bodies[b];
+      if (!body.plane_strain) continue;
+      for (const ContactPoint& point : pair.points)
+        if (std::abs(point.normal[axis_of(body)]) > 0.5)
+          throw InputError(pair.spec->place, '"' + pair.spec->name + '"',
+                           fmt::format("presses body \"{}\" along {}, across which it is in plane strain, {}",
+                                       body.name, name_of(*body.plane_strain), at(point.x)),
+                           "contact of the sides only");
+    }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,223 @@
+/// Bodies in plane strain: the system of the shared unknowns is that of the slab, restricted to displacements that do
+/// not vary across it.
+#include <gtest/gtest.h>
+
+#include <Tpetra_Core.hpp>
+
+#include "kernels/assembled/assembly.hpp"
+#include "kernels/multigrid/coarsen.hpp"
+#include "kernels/reference/plain_operator.hpp"
+#include "kernels/solver/linear_solver.hpp"
+#include "tests/support/bodies.hpp"
+
+namespace cgcontact {
+namespace {
+
+using test::dot;
+using test::norm;
+
+constexpr double eps = 2.2e-16;
+
+struct Body {
+  const char* name;
+  CutCells cells;
+};
+
+/// A prism between the planes 0 and `thickness` (cells) of an axis: part of a ring, cut everywhere by round sides.
+CutCells ring(int axis, double thickness, int n) {
+  const double h = 1.0 / n, t = thickness * h;
+  Vec3 low = Vec3::Zero(), high = Vec3::Ones(), base = Vec3::Zero(), top = Vec3::Zero();
+  high[axis] = t;
+  base[axis] = -1;
+  top[axis] = 1;
+  const Solid quarter = Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, 0.9, "rim"));
+  const Solid solid = Solid::subtract(quarter, Solid::cylinder(base, top, 0.45, "bore"));
+  Grid grid;
+  grid.cell_size = h;
+  grid.plane_strain = axis;
+  grid.num_cells = {n + 2, n + 2, n + 2};
+  grid.num_cells[axis] = 1;
+  grid.origin = -h * Vec3(std::sqrt(2.0) - 1.2, std::sqrt(3.0) - 1.5, std::sqrt(5.0) - 2.1);
+  grid.origin[axis] = thickness < 1 ? -0.1 * h : 0;
+  return test::cut(solid, grid);
+}
+
+std::vector<Body> bodies() {
+  return {{"across x", ring(0, 1, 9)},
+          {"across y, thin", ring(1, 0.77, 9)},
+          {"across z", ring(2, 1, 9)},
+          {"across x, thin", ring(0, 0.77, 9)}};
+}
+
+ElasticSystem make_system(const CutCells& cells, double ghost_penalty = 0.01) {
+  return make_elastic_system({&cells}, {Material{2.0, 0.3}}, Scales{1.0, 1.0}, ghost_penalty);
+}
+
+CutCells slab(const CutCells& cells) {
+  CutCells same = cells;
+  same.grid.plane_strain = -1;
+  return same;
+}
+
+/// Supports along two odd directions in the plane on some of the boundary.
+void add_supports(ElasticSystem& system, const CutCells& cells) {
+  const int axis = system.meshes[0].cut_cells->grid.plane_strain;
+  std::vector<SupportTerm> terms;
+  for (std::size_t p = 0; p < cells.boundary.size(); p += 3) {
+    const int cell = cells.boundary.cell[p];
+    Vec3 direction(0.6, 0.6, 0.6);
+    direction[axis < 0 ? 0 : axis] = 0;
+    direction[(axis + 1) % 3] *= p % 2 ? 1 : -0.5;
+    terms.push_back({cell, cell_coordinates(cells, cell, cells.boundary.position[p]), direction.normalized(), 0.7});
+  }
+  add_support_terms(system, 0, terms);
+}
+
+RealView consistent(const ElasticSystem& system, const RealView& x) {
+  RealView y("y", x.extent(0));
+  Kokkos::deep_copy(y, x);
+  apply_constraints(ExecSpace(), system.dofs, y);
+  return y;
+}
+
+RealView random_force(const ElasticSystem& system, unsigned seed) {
+  RealView f = test::random_vector(system.num_dofs(), seed);
+  for (const NodeConstraint& c : system.constraints)
+    for (int i = 0; i < 3; ++i) f(dof_of(c.node, i)) = 0;
+  for (const int dof : system.zero_dofs) f(dof) = 0;
+  return f;
+}
+
+RealView apply(const ElasticSystem& system, const RealView& x) {
+  RealView y("y", x.extent(0));
+  FastOperator<double>(system).apply(ExecSpace(), x, y);
+  return y;
+}
+
+RealView difference(const RealView& a, const RealView& b) {
+  RealView d("d", a.extent(0));
+  for (std::size_t i = 0; i < a.extent(0); ++i) d(i) = a(i) - b(i);
+  return d;
+}
+
+TEST(PlaneStrain, AThirdOfTheUnknowns) {
+  for (const Body& body : bodies()) {
+    const ElasticSystem system = make_system(body.cells);
+    EXPECT_EQ(system.num_free_dofs(), system.num_dofs() / 3) << body.name;
+    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 1));
+    const int axis = body.cells.grid.plane_strain;
+    const BodyMesh& mesh = system.meshes[0];
+    for (int n = 0; n < mesh.num_nodes; ++n) {
+      EXPECT_EQ(x(dof_of(n, axis)), 0);
+      Index3 opposite = mesh.nodes[n];
+      opposite[axis] = 1 - opposite[axis];
+      for (int i = 0; i < 3; ++i) EXPECT_EQ(x(dof_of(n, i)), x(dof_of(mesh.find_node(opposite), i)));
+    }
+  }
+}
+
+/// P^T A P of the slab, by the fast operator, its plain twin and the matrix.
+TEST(PlaneStrain, SystemIsTheSlabRestricted) {
+  for (const Body& body : bodies()) {
+    ElasticSystem system = make_system(body.cells);
+    add_supports(system, body.cells);
+    const CutCells slab_cells = slab(body.cells);
+    ElasticSystem whole = make_system(slab_cells);
+    whole.supports = system.supports;
+    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 4)), y = apply(system, x);
+    const RealView restricted = apply(whole, x);
+    apply_constraints_transposed(ExecSpace(), system.dofs, restricted);
+    EXPECT_LT(norm(difference(y, restricted)), 100 * eps * norm(restricted)) << body.name;
+    RealView plain("plain", x.extent(0));
+    PlainOperator(system).apply(ExecSpace(), x, plain);
+    EXPECT_LT(norm(difference(y, plain)), 100 * eps * norm(plain)) << body.name;
+    const auto map = system.dofs.owned_map(Tpetra::getDefaultComm());
+    const auto matrix = assemble_matrix(system, map);
+    TpetraVector in(map, 1), out(map, 1);
+    const RealView f = random_force(system, 5);
+    {
+      auto view = in.getLocalViewHost(Tpetra::Access::OverwriteAll);
+      for (std::size_t i = 0; i < f.extent(0); ++i) view(i, 0) = f(i);
+    }
+    matrix->apply(in, out);
+    const RealView Af = apply(system, consistent(system, f));
+    RealView assembled("assembled", f.extent(0));
+    const auto view = out.getLocalViewHost(Tpetra::Access::ReadOnly);
+    for (std::size_t i = 0; i < f.extent(0); ++i) assembled(i) = view(i, 0);
+    EXPECT_LT(norm(difference(Af, assembled)), 100 * eps * norm(Af)) << body.name;
+  }
+}
+
+/// The smoother's node blocks are those of the shared unknowns, nothing left out.
+TEST(PlaneStrain, NodeBlocksAreExact) {
+  for (const Body& body : bodies()) {
+    ElasticSystem system = make_system(body.cells);
+    add_supports(system, body.cells);
+    const FastOperator<double> op(system);
+    const FastOperator<double>::BlockView blocks("blocks", system.num_nodes);
+    op.diagonal_blocks(ExecSpace(), blocks);
+    const int axis = body.cells.grid.plane_strain;
+    constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    for (int n = 0; n < system.num_nodes; n += 7) {
+      if (!system.meshes[0].is_free(n)) continue;
+      for (int i = 0; i < 3; ++i) {
+        if (i == axis) continue;
+        RealView unit("unit", system.num_dofs());
+        unit(dof_of(n, i)) = 1;
+        const RealView column = apply(system, consistent(system, unit));
+        for (int j = 0; j < 3; ++j) {
+          if (j == axis) continue;
+          EXPECT_NEAR(blocks(n, at[j][i]), column(dof_of(n, j)), 1e-13 * norm(column)) << body.name;
+        }
+      }
+    }
+  }
+}
+
+TEST(PlaneStrain, CoarseningIsTheGalerkinProduct) {
+  for (const Body& body : bodies()) {
+    CutCells fine_cells = body.cells;
+    for (int level = 0; level < 2; ++level) {
+      CutCells coarse_cells = coarse_cut_cells(fine_cells);
+      const ElasticSystem fine = make_system(fine_cells, 0), coarse = make_system(coarse_cells, 0);
+      EXPECT_EQ(coarse.num_free_dofs(), coarse.num_dofs() / 3);
+      const Transfer transfer = make_transfer(fine, coarse);
+      const RealView x = consistent(coarse, test::random_vector(coarse.num_dofs(), 3)), f = random_force(fine, 5);
+      RealView Px("Px", fine.num_dofs()), Rf("Rf", coarse.num_dofs()), galerkin("galerkin", coarse.num_dofs());
+      prolongate_add(ExecSpace(), transfer, fine.dofs, x, Px);
+      restrict_to(ExecSpace(), transfer, coarse.dofs, f, Rf);
+      EXPECT_NEAR(dot(Px, f), dot(x, Rf), 1e-13 * norm(Px) * norm(f)) << body.name << ": adjoint";
+      restrict_to(ExecSpace(), transfer, coarse.dofs, apply(fine, Px), galerkin);
+      const RealView Ax = apply(coarse, x);
+      EXPECT_LT(norm(difference(galerkin, Ax)), 1e-12 * norm(Ax)) << body.name;
+      fine_cells = std::move(coarse_cells);
+    }
+  }
+}
+
+/// Multigrid and MueLu; measured: 7 to 10 and 27 to 35.
+TEST(PlaneStrain, FewIterations) {
+  for (const int axis : {0, 1, 2})
+    for (const double thickness : {1.0, 0.77}) {
+      const CutCells cells = ring(axis, thickness, 60);
+      ElasticSystem system = make_system(cells, 0.02);
+      add_supports(system, cells);
+      RealView solution[2];
+      for (const Preconditioner kind : {Preconditioner::multigrid, Preconditioner::muelu}) {
+        LinearSolver solver(system, kind);
+        solver.update();
+        const RealView b = random_force(system, 6), x("x", system.num_dofs());
+        const LinearSolveResult result = solver.solve(b, x, 1e-10 * norm(b), 200);
+        std::printf("axis %d, thickness %g: %d unknowns, %d iterations\n", axis, thickness, system.num_free_dofs(),
+                    result.iterations);
+        EXPECT_TRUE(result.converged);
+        EXPECT_LE(result.iterations, kind == Preconditioner::multigrid ? 20 : 80);
+        EXPECT_LT(norm(difference(consistent(system, x), x)), 1e-12 * norm(x)) << "the solution is consistent";
+        solution[kind == Preconditioner::muelu] = x;
+      }
+      EXPECT_LT(norm(difference(solution[0], solution[1])), 1e-8 * norm(solution[0]));
+    }
+}
+
+}  // namespace
+}  // namespace cgcontact
