@@ -48,7 +48,7 @@ class AdaptiveRun {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<ZoneState> zones_;  // of the last solve
   bool resolved_ = false;         // are they all?
-  std::string refused_;  // why a next grid could not be made
+  std::string refused_;           // why a next grid could not be made
   const char* limit_ = "";        // that binds the next grid
   double needed_ = 0;             // unknowns of the grid that the targets ask for
 };

@@ -15,7 +15,7 @@ struct EarlierSolution {
 /// to the larger one of
 /// - the estimate of the present solution (pressure_estimate.hpp), times AccuracyOptions::safety and, as it fails where
 /// a
-///   zone is few cells wide, 1 + (doubtful_width / cells across)^2;
+///   zone is few cells wide, 1 + (doubtful_width / cells across)^2; without an earlier solution times 1.8 as well;
 /// - with an earlier solution on cells 1/r times as large, whose errors are independent and fall like the size:
 ///   change * r / sqrt(1 + r^2), the change being the relative L2 norm of the difference of the two SPR-C pressures at
 ///   the present contact rows.

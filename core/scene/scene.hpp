@@ -74,7 +74,7 @@ struct BodySpec {
   double cell_size = 0;  ///< m; of the largest cells. 0: chosen from the shape, with [accuracy] only
   std::vector<RefineSpec> refine;
   std::vector<std::shared_ptr<const SizeField>> sizes;  ///< as `refine`, from an earlier solution ([accuracy])
-  std::optional<Coordinate> plane_strain;  ///< nothing varies and nothing moves along this axis
+  std::optional<Coordinate> plane_strain;               ///< nothing varies and nothing moves along this axis
   SourcePlace plane_strain_place;
   Vec3 grid_offset =
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)

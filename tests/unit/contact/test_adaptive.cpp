@@ -1,5 +1,5 @@
-/// What a solution asks of the next grid: where a zone lies that its cells do not resolve, sizes from errors, a start from
-/// another grid, errors from two grids.
+/// What a solution asks of the next grid: where a zone lies that its cells do not resolve, sizes from errors, a start
+/// from another grid, errors from two grids.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -41,9 +41,9 @@ TEST(FirstGrid, ComesFromTheShape) {
   EXPECT_EQ(first_cell_sizes(read_scene(scene.file, {"body.plate.cell_size=3e-3"}))[0], 3e-3);
 }
 
-/// Zones of a sixteenth and less of a cell of the plate: the overlap under the computed force is where the ball's lowest
-/// point is, and about as wide as Hertz's circle (the law of the overlap's force holds within 6 %, the force of a zone
-/// that small within 10 %, so the width within some 10 %).
+/// Zones of a sixteenth and less of a cell of the plate: the overlap under the computed force is where the ball's
+/// lowest point is, and about as wide as Hertz's circle (the law of the overlap's force holds within 6 %, the force of
+/// a zone that small within 10 %, so the width within some 10 %).
 TEST(SmallZonePlaces, AreFoundBetweenTheQuadraturePoints) {
   for (const double force : {50.0, 0.5}) {
     const FirstSolve first({"F=" + std::to_string(force)});
