@@ -3,12 +3,15 @@
 ///   cube     no cell cut: stencil nodes, and full cells at the faces; sizes are cells along an edge
 ///   ball     about 20 % of the cells cut at 46 cells across
 ///   contact  the groups of scenes/two_solids_3d.toml; sizes are n of the scene
+///   tree     a block refined to 6 levels, in turns with the block of as many unknowns on a uniform grid (`of_uniform`:
+///            the rate per unknown over the uniform grid's); sizes are cells along an edge of the latter
 /// All results are compared with the plain kernels'.
 ///
 /// Bytes: every vector entry once (x read; y written, which counts twice), and what is stored of cells and faces. The
 /// parts of cut cells and ghost faces add to y: it is read and written at the nodes they touch.
 #include <Tpetra_Core.hpp>
 #include <array>
+#include <functional>
 #include <memory>
 
 #include "kernels/assembled/assembly.hpp"
@@ -115,12 +118,12 @@ std::array<double, 2> touched_nodes(const ElasticSystem& system) {
 /// face 156 and 96 per chain's two last layers. Bytes: a cut cell 27 moments, 4 node numbers, lanes; a full one the
 /// latter; a chain 16 and two node numbers per layer; a run of stencil nodes little.
 template <class Real>
-Cost part_cost(const Body& body, const FastOperator<Real>& op, Part part) {
+Cost part_cost(const ElasticSystem& system, const FastOperator<Real>& op, Part part) {
   const auto& s = op.sizes();
   const double real = sizeof(Real), nodes = static_cast<double>(s.num_nodes);
   const auto number = [](long long n) { return static_cast<double>(n); };
   const std::array<double, 2> touched =
-      part == Part::cut || part == Part::ghost ? touched_nodes(body.system) : std::array<double, 2>{};
+      part == Part::cut || part == Part::ghost ? touched_nodes(system) : std::array<double, 2>{};
   Cost interior{108 * number(s.stencil_nodes), 0}, vectors{0, 9 * real * nodes};
   Cost cells{780 * number(s.cut_cells) + 243 * number(s.full_cells),
              number(s.cut_cells) * 27 * real + (number(s.cut_cells) + number(s.full_cells)) * 24};
@@ -138,9 +141,8 @@ Cost part_cost(const Body& body, const FastOperator<Real>& op, Part part) {
 /// Largest difference of a part from the plain kernels. The stencil gives the cells' share at nodes of full cells only;
 /// elsewhere the cut cells complete it (or take back), so that both together are the plain sum over all cells.
 template <class Real>
-double part_error(const Body& body, const FastOperator<Real>& op, Part part, const RealView& xd,
+double part_error(const ElasticSystem& system, const FastOperator<Real>& op, Part part, const RealView& xd,
                   const RealVector<Real>& x) {
-  const ElasticSystem& system = body.system;
   const BodyMesh& mesh = system.meshes[0];
   const RealView plain("cgcontact::perf::plain", xd.extent(0));
   const RealVector<Real> y("cgcontact::perf::y", xd.extent(0));
@@ -184,8 +186,8 @@ Kernel operator_kernel(Shape shape, int n, Part part) {
   const RealVector<Real> y("cgcontact::perf::y", num_dofs);
   Kernel k;
   k.items = num_dofs;
-  k.cost = part_cost(*body, *op, part);
-  k.error = part_error(*body, *op, part, xd, x), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
+  k.cost = part_cost(body->system, *op, part);
+  k.error = part_error(body->system, *op, part, xd, x), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
   k.against = "the plain kernels";
   k.run = [op, x, y, part] {
     const ExecSpace exec;
@@ -266,10 +268,68 @@ Kernel setup(int n) {
   const RealView x = single_precision_vector(body->system.num_dofs());
   Kernel k;
   k.items = body->system.num_dofs();
-  k.error = part_error(*body, FastOperator<Real>(body->system), Part::all, x, copy<Real>(x));
+  k.error = part_error(body->system, FastOperator<Real>(body->system), Part::all, x, copy<Real>(x));
   k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5, k.against = "the plain kernels";
   k.run = [body] { benchmark::DoNotOptimize(FastOperator<Real>(body->system).num_dofs()); };
   return k;
+}
+
+constexpr int tree_levels = 6;
+
+/// The block on a tree and on a uniform grid, with all that one application needs.
+template <class Real>
+struct BlockOperator {
+  BlockProblem problem;
+  FastOperator<Real> op;
+  RealView xd;
+  RealVector<Real> x, y;
+  BlockOperator(int size, int levels)
+      : problem(size, levels),
+        op(problem.system),
+        xd(single_precision_vector(problem.system.num_dofs())),
+        y("cgcontact::perf::y", xd.extent(0)) {
+    apply_constraints(ExecSpace(), problem.system.dofs, xd);
+    x = copy<Real>(xd);
+  }
+  void apply() const { op.apply(ExecSpace(), x, y); }
+  double error() const { return part_error(problem.system, op, Part::all, xd, x); }
+};
+
+template <class Real>
+Kernel tree_against_uniform(int n, const std::function<void(const BlockOperator<Real>&)>& run) {
+  auto tree = std::make_shared<BlockOperator<Real>>(n, tree_levels),
+       uniform = std::make_shared<BlockOperator<Real>>(n, 1);
+  Kernel k;
+  k.items = tree->problem.num_unknowns(), k.baseline_items = uniform->problem.num_unknowns();
+  k.error = std::max(tree->error(), uniform->error()), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
+  k.against = "the plain kernels";
+  k.run = [tree, run] { run(*tree); };
+  k.baseline = [uniform, run] { run(*uniform); };
+  k.ratio = "of_uniform";
+  const auto share = [](const BlockOperator<Real>& b) {
+    const CutCells& cc = b.problem.cut_cells;
+    return static_cast<double>(cc.moments.size()) / static_cast<double>(cc.cells.size());
+  };
+  k.figures = {
+      {"cut_share", share(*tree)},
+      {"constrained", static_cast<double>(tree->problem.system.constraints.size()) / tree->problem.system.num_nodes},
+      {"B/DoF", static_cast<double>(tree->op.sizes().bytes) / k.items},
+      {"uniform_DoF", k.baseline_items},
+      {"uniform_cut_share", share(*uniform)},
+      {"uniform_B/DoF", static_cast<double>(uniform->op.sizes().bytes) / k.baseline_items}};
+  return k;
+}
+
+template <class Real>
+Kernel tree(int n) {
+  return tree_against_uniform<Real>(n, [](const BlockOperator<Real>& b) { b.apply(); });
+}
+
+template <class Real>
+Kernel tree_setup(int n) {
+  return tree_against_uniform<Real>(n, [](const BlockOperator<Real>& b) {
+    benchmark::DoNotOptimize(FastOperator<Real>(b.problem.system).num_dofs());
+  });
 }
 
 /// Per entry of the rows two multiply-adds (gap and force), number and value in both directions; y is read and written.
@@ -306,6 +366,8 @@ void add_all(const std::string& precision) {
   add("operator/ghost_" + precision, part(Shape::ball, Part::ghost), {{6}, {46}});
   add("operator/contact_" + precision, groups<Real>, {{5}, {32}});
   add("operator/setup_" + precision, setup<Real>, {{6}, {46}});
+  add("operator/tree_" + precision, tree<Real>, {{6}, {68}});
+  add("operator/tree_setup_" + precision, tree_setup<Real>, {{6}, {68}});
 }
 
 }  // namespace

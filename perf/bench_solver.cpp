@@ -3,6 +3,10 @@
 /// with multigrid and, in the same run, as others would do it: matrix assembled, MueLu, the same CG on the assembled
 /// matrix (`times_muelu`: its time over ours). Sizes are n of the scene: 26 makes 105,000 unknowns, 56 about a million.
 ///
+/// solver/tree is the same way with multigrid for one block, held at its lower face, refined to 6 levels, in turns with
+/// the block of as many unknowns on a uniform grid (`of_uniform`: the unknowns per second over the uniform grid's; of
+/// set-up and solve alone too); sizes are cells along an edge of the latter. system_B/DoF: cells, mesh and system.
+///
 /// Memory (B/DoF, muelu_B/DoF) is the largest resident set during set-up and solve beyond that before them, when there
 /// are the system and its right-hand side only (before_B/DoF); set_up_B/DoF is what the solver holds.
 #include <Tpetra_Core.hpp>
@@ -39,19 +43,20 @@ double dot(const RealView& x, const RealView& y) {
   return sum;
 }
 
+/// |b - A x| / |b| with the plain operator.
+double relative_residual(const ElasticSystem& system, const RealView& b, const RealView& x) {
+  const RealView r("cgcontact::perf::residual", b.extent(0));
+  PlainOperator(system).apply(ExecSpace(), x, r);
+  Kokkos::fence();
+  for (std::size_t i = 0; i < b.extent(0); ++i) r(i) = b(i) - r(i);
+  return std::sqrt(dot(r, r) / dot(b, b));
+}
+
 struct SolverProblem : SceneProblem {
   RealView b;
   explicit SolverProblem(int n)
       : SceneProblem("scenes/two_solids_3d.toml", {"n=" + std::to_string(n)}), b(random_vector(system.num_dofs(), 5)) {}
   RealView zero() const { return RealView("cgcontact::perf::zero", system.num_dofs()); }
-  /// |b - A x| / |b| with the plain operator.
-  double residual(const RealView& x) const {
-    const RealView r = zero();
-    PlainOperator(system).apply(ExecSpace(), x, r);
-    Kokkos::fence();
-    for (std::size_t i = 0; i < b.extent(0); ++i) r(i) = b(i) - r(i);
-    return std::sqrt(dot(r, r) / dot(b, b));
-  }
 };
 
 /// What the operator moves and computes on one level, single precision: bench_operator.cpp.
@@ -211,6 +216,14 @@ Kernel setup(int n) {
   return k;
 }
 
+/// Held by the process, without what was freed before.
+double trimmed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
+  return status_bytes("VmRSS");
+}
+
 /// Times and memory of one way to the solution.
 class Way {
  public:
@@ -219,11 +232,8 @@ class Way {
   double part_s = 0;  ///< of the set-up: assembly
 
   void start() {
-#ifdef __GLIBC__
-    malloc_trim(0);  // what was freed before does not hide what is taken now
-#endif
+    before = trimmed_memory();  // what was freed before does not hide what is taken now
     reset_peak_memory();
-    before = status_bytes("VmRSS");
     last_ = now();
   }
   void lap(double& seconds) {
@@ -241,14 +251,14 @@ class Way {
   double last_ = 0;
 };
 
-void solve_with_multigrid(const SolverProblem& p, const RealView& x, Way& way) {
+void solve_with_multigrid(const ElasticSystem& system, const RealView& b, const RealView& x, Way& way) {
   Kokkos::deep_copy(x, 0.0);
   way.start();
-  LinearSolver solver(p.system, Preconditioner::multigrid);
+  LinearSolver solver(system, Preconditioner::multigrid);
   solver.update();
   way.lap(way.setup_s);
   way.set_up();
-  way.iterations = solver.solve(p.b, x, tolerance * std::sqrt(dot(p.b, p.b)), most_iterations).iterations;
+  way.iterations = solver.solve(b, x, tolerance * std::sqrt(dot(b, b)), most_iterations).iterations;
   way.lap(way.solve_s);
   way.stop();
 }
@@ -288,7 +298,7 @@ Kernel solve(int n) {
   k.tolerance = 1.01 * tolerance, k.against = "the plain operator times the solution";
   k.run = [c] {
     Way way;
-    solve_with_multigrid(c->problem, c->x, way);
+    solve_with_multigrid(c->problem.system, c->problem.b, c->x, way);
     c->multigrid.keep_faster(way);
   };
   k.baseline = [c] {
@@ -298,7 +308,9 @@ Kernel solve(int n) {
   };
   k.ratio = "times_muelu";
   k.finish = [c](Kernel& kernel) {
-    kernel.error = std::max(c->problem.residual(c->x), c->problem.residual(c->x_muelu));
+    const ElasticSystem& system = c->problem.system;
+    kernel.error =
+        std::max(relative_residual(system, c->problem.b, c->x), relative_residual(system, c->problem.b, c->x_muelu));
     const double size = kernel.items;
     const Way &ours = c->multigrid, &theirs = c->muelu;
     kernel.figures = {{"iterations", static_cast<double>(ours.iterations)},
@@ -318,6 +330,62 @@ Kernel solve(int n) {
   return k;
 }
 
+constexpr int tree_levels = 6;
+
+/// The block, a random force on its unknowns, and the way to the solution.
+struct HeldBlock {
+  double before;  ///< memory before the block is made
+  BlockProblem problem;
+  double system_bytes;
+  RealView b, x;
+  Way way;
+  HeldBlock(int size, int levels) : before(trimmed_memory()), problem(size, levels) {
+    problem.hold_lower_face();
+    system_bytes = trimmed_memory() - before;
+    b = random_vector(problem.system.num_dofs(), 5);
+    for (const NodeConstraint& c : problem.system.constraints)
+      for (int i = 0; i < dofs_per_node; ++i) b(dof_of(c.node, i)) = 0;
+    x = RealView("cgcontact::perf::x", b.extent(0));
+  }
+  void solve() {
+    Way next;
+    solve_with_multigrid(problem.system, b, x, next);
+    way.keep_faster(next);
+  }
+  double error() const { return relative_residual(problem.system, b, x); }
+};
+
+Kernel tree(int n) {
+  auto tree = std::make_shared<HeldBlock>(n, tree_levels), uniform = std::make_shared<HeldBlock>(n, 1);
+  Kernel k;
+  k.items = tree->problem.num_unknowns(), k.baseline_items = uniform->problem.num_unknowns();
+  k.tolerance = 1.01 * tolerance, k.against = "the plain operator times the solution";
+  k.run = [tree] { tree->solve(); };
+  k.baseline = [uniform] { uniform->solve(); };
+  k.ratio = "of_uniform";
+  k.finish = [tree, uniform](Kernel& kernel) {
+    kernel.error = std::max(tree->error(), uniform->error());
+    const double size = kernel.items, uniform_size = kernel.baseline_items;
+    const Way &ours = tree->way, &theirs = uniform->way;
+    kernel.figures = {{"iterations", static_cast<double>(ours.iterations)},
+                      {"setup_s", ours.setup_s},
+                      {"solve_s", ours.solve_s},
+                      {"setup_of_uniform", theirs.setup_s / uniform_size / (ours.setup_s / size)},
+                      {"solve_of_uniform", theirs.solve_s / uniform_size / (ours.solve_s / size)},
+                      {"system_B/DoF", tree->system_bytes / size},
+                      {"set_up_B/DoF", ours.held / size},
+                      {"B/DoF", ours.peak / size},
+                      {"uniform_DoF", uniform_size},
+                      {"uniform_iterations", static_cast<double>(theirs.iterations)},
+                      {"uniform_setup_s", theirs.setup_s},
+                      {"uniform_solve_s", theirs.solve_s},
+                      {"uniform_system_B/DoF", uniform->system_bytes / uniform_size},
+                      {"uniform_set_up_B/DoF", theirs.held / uniform_size},
+                      {"uniform_B/DoF", theirs.peak / uniform_size}};
+  };
+  return k;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -326,5 +394,6 @@ int main(int argc, char** argv) {
     add("multigrid/v_cycle", v_cycle, {{5}, {26, 56}});
     add("multigrid/setup", setup, {{5}, {26, 56}});
     add("solver/solve", solve, {{5}, {26, 56}});
+    add("solver/tree", tree, {{6}, {32, 68}});
   });
 }

@@ -106,7 +106,8 @@ void report(benchmark::State& state, const Kernel& kernel, double seconds, doubl
     set("triad%", 100 * kernel.cost.bytes / seconds / limits.triad);
   }
   if (kernel.cost.flop > 0 && kernel.cost.bytes > 0) set("flop/byte", kernel.cost.flop / kernel.cost.bytes);
-  if (kernel.baseline) set(kernel.ratio, baseline_seconds / seconds);
+  const double items_of_one = kernel.baseline_items > 0 ? kernel.items / kernel.baseline_items : 1;
+  if (kernel.baseline) set(kernel.ratio, baseline_seconds / seconds * items_of_one);
   if (kernel.cost.single) set("single", 1);
   set("error", kernel.error);
   for (const auto& [name, value] : kernel.figures) set(name, value);

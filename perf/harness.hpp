@@ -48,6 +48,7 @@ struct Kernel {
   /// The straightforward alternative, timed in turns with `run`: the ratio of the times is reported. Optional.
   std::function<void()> baseline;
   std::string ratio = "speedup";  ///< what it is called
+  double baseline_items = 0;      ///< per call of the baseline; 0: as many. The ratio is that of the times per item
   /// Long runs, of seconds and more: no warm-up. Called after the timing; verifies the last run (error) and adds to the
   /// figures. Optional.
   std::function<void(Kernel&)> finish;

@@ -11,11 +11,18 @@
 namespace cgcontact::perf {
 
 /// A block of `size` cells along each edge on a grid shifted by irrational fractions: 6 size^2 cut cells, sliver
-/// fractions as they come. Dimensionless: h = 1, E = 1, nu = 0.3.
+/// fractions as they come. With more than one level: coarsest cells of twice the size, refined towards the middle of
+/// the upper face so that all finer levels have about as many cells, together with the coarsest about as many as the
+/// block of one level has. Dimensionless: h = 1 (of the coarsest cells), E = 1, nu = 0.3.
 struct BlockProblem {
   CutCells cut_cells;
   ElasticSystem system;
-  explicit BlockProblem(int size);
+  explicit BlockProblem(int size, int levels = 1);
+  BlockProblem(const BlockProblem&) = delete;  // the system refers to the cells
+  /// Holds the lower face in all directions, by weak supports of 10 E/h.
+  void hold_lower_face();
+  /// Degrees of freedom of the nodes that no constraint sets.
+  double num_unknowns() const { return system.num_dofs() - 3.0 * static_cast<double>(system.constraints.size()); }
 };
 
 /// A scene on its grids up to the linear system, unsolved; all contact points closed.

@@ -120,12 +120,15 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
   Kokkos::parallel_for(
       "cgcontact::dof_map::constraints", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_nodes()),
       KOKKOS_LAMBDA(const int c) {
-        for (int i = 0; i < dofs_per_node; ++i) {
-          Real sum = 0;
-          for (int e = rows.begin(c); e < rows.begin(c + 1); ++e)
-            sum += static_cast<Real>(rows.weight(e)) * x(dof_of(rows.master(e), i));
-          x(dof_of(rows.node(c), i)) = sum;
+        Real sum[dofs_per_node] = {};
+        const int end = rows.begin(c + 1);
+        for (int e = rows.begin(c); e < end; ++e) {
+          const Real weight = static_cast<Real>(rows.weight(e));
+          const int master = rows.master(e);
+          for (int i = 0; i < dofs_per_node; ++i) sum[i] += weight * x(dof_of(master, i));
         }
+        const int node = rows.node(c);
+        for (int i = 0; i < dofs_per_node; ++i) x(dof_of(node, i)) = sum[i];
       });
 }
 
@@ -149,12 +152,15 @@ void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y&
   Kokkos::parallel_for(
       "cgcontact::dof_map::constraints_transposed", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_masters()),
       KOKKOS_LAMBDA(const int m) {
-        for (int i = 0; i < dofs_per_node; ++i) {
-          Real sum = y(dof_of(rows.master_node(m), i));
-          for (int e = rows.master_begin(m); e < rows.master_begin(m + 1); ++e)
-            sum += static_cast<Real>(rows.master_weight(e)) * y(dof_of(rows.constrained(e), i));
-          y(dof_of(rows.master_node(m), i)) = sum;
+        const int node = rows.master_node(m), end = rows.master_begin(m + 1);
+        Real sum[dofs_per_node];
+        for (int i = 0; i < dofs_per_node; ++i) sum[i] = y(dof_of(node, i));
+        for (int e = rows.master_begin(m); e < end; ++e) {
+          const Real weight = static_cast<Real>(rows.master_weight(e));
+          const int constrained = rows.constrained(e);
+          for (int i = 0; i < dofs_per_node; ++i) sum[i] += weight * y(dof_of(constrained, i));
         }
+        for (int i = 0; i < dofs_per_node; ++i) y(dof_of(node, i)) = sum[i];
       });
   Kokkos::parallel_for(
       "cgcontact::dof_map::constrained_to_zero", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_nodes()),
