@@ -11,8 +11,8 @@ namespace {
 
 /// Rows per chunk of the parallel loop.
 constexpr std::size_t grain = 128;
-/// What the estimate of one solution is multiplied by while there is no other to compare it with: on the first grid that
-/// resolves an elliptic zone, by 14 cells, it was down to 0.43 of the true error (docs/adaptivity.md).
+/// What the estimate of one solution is multiplied by while there is no other to compare it with: on the first grid
+/// that resolves an elliptic zone, by 14 cells, it was down to 0.43 of the true error (docs/adaptivity.md).
 constexpr double alone = 1.8;
 
 /// SPR-C pressure of the earlier solution at a row, Pa.
