@@ -88,6 +88,7 @@ int check(const Scene& given, const CommandLine& options) {
   for (const std::string& warning : drawn.warnings) fmt::print("warning: {}\n", warning);
   if (!options.out.empty()) fmt::print("drawn in {}: {}\n", options.out, fmt::join(drawn.names, ", "));
   complete(scene, preparation);
+  if (scene.accuracy.any()) fmt::print("[accuracy]: these are the first grids, which a run refines\n");
   fmt::print("{}", describe(scene, preparation));
   if (options.settings) fmt::print("{}", describe_settings(scene));
   check_memory(scene, preparation);

@@ -102,7 +102,9 @@ class Accuracy(unittest.TestCase):
     def test_check_shows_the_first_grids(self):
         outcome = cgcontact("check", scene("ball_on_plate"))
         self.assertEqual(outcome.code, 0, outcome.err)
-        self.assertRegex(outcome.out, r"cells of 0\.00\d+ m")
+        self.assertRegex(outcome.out, r"first grids, which a run refines(.|\n)*cells of 0\.00\d+ m")
+        outcome = cgcontact("check", scene("ball_on_plate"), "--settings")
+        self.assertRegex(outcome.out, r"\[accuracy\]\nmax_unknowns = 5000000")
 
     def test_study_over_the_accuracy(self):
         with tempfile.TemporaryDirectory() as directory:

@@ -57,7 +57,7 @@ class Refined(unittest.TestCase):
         self.assertLess(abs(forces[1] / forces[0] - 1), 0.02, "coarse cells far away: 1 % stiffer")
 
     def test_check_lists_the_levels(self):
-        outcome = cgcontact("check", scene("ball_on_plate"), "--set", "n=5")
+        outcome = cgcontact("check", scene("ball_refined"), "--set", "n=5")
         self.assertEqual(outcome.code, 0, outcome.err)
         self.assertEqual(outcome.out.count("levels:"), 2)
         self.assertIn("of 6e-05 m", outcome.out)

@@ -153,7 +153,7 @@ class Pages(unittest.TestCase):
 
     def run_to_accuracy(self, target, **limits):
         """The ball on a plate without cell sizes, to so many per cent of the pressure."""
-        lines = [line for line in scene("ball_on_plate").read_text().splitlines()
+        lines = [line for line in scene("ball_refined").read_text().splitlines()
                  if not line.startswith(("cell_size", "refine"))]
         pathlib.Path("adaptive.toml").write_text("\n".join([*lines, "[accuracy]", f'pressure = "{target} %"', ""]))
         outcome, written, text, root = self.run_scene("adaptive.toml", **{f"accuracy__{k}": v for k, v in limits.items()})
