@@ -118,11 +118,11 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   EarlierSolution earlier;
   if (resolved_) earlier.state = &simulation_->state;
   for (const ZoneState& zone : zones_) earlier.cell.push_back(zone.cell);
-  next_->solve(callbacks, earlier.state);
+  next_->solve(callbacks, earlier.state, false);
   if (!next_->results.converged && earlier.state) {  // once more, from nothing
     next_ = std::make_unique<Simulation>(*next_scene_);
     next_->place(callbacks);
-    next_->solve(callbacks);
+    next_->solve(callbacks, nullptr, false);
   }
   SolvedState& state = next_->state;
   Results& results = next_->results;

@@ -81,7 +81,6 @@ bool is_at_rest(const OuterResult& outer) {
 void Simulation::run(const ProgressCallbacks& progress) {
   place(progress);
   solve(progress);
-  sample_paths(progress);
 }
 
 void Simulation::sample_paths(const ProgressCallbacks& progress) {
@@ -92,7 +91,7 @@ void Simulation::place(const ProgressCallbacks& progress) {
   PhaseClock(results.times_s, progress)("cut cells", [&] { place_on_grids(); });
 }
 
-void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier) {
+void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier, bool with_paths) {
   PhaseClock phase(results.times_s, progress);
   phase("operator", [&] { make_system(); });
   phase("solve", [&] { solve_steps(progress, earlier); });
@@ -100,7 +99,10 @@ void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* ear
     recover();
     state.patches.clear();
   });
-  phase("error estimate", [&] { fill_results(); });
+  phase("error estimate", [&] {
+    fill_results();
+    if (with_paths) fill_paths(state, results);
+  });
   results.peak_memory_bytes = peak_memory_bytes();
 }
 

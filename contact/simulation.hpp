@@ -27,10 +27,11 @@ class Simulation {
   /// Reads as the flow: grids, cut cells, operator, contact, solve, recovery, error estimate, results. Throws
   /// InputError.
   void run(const ProgressCallbacks& progress);
-  /// Its parts: the grids; all that is solved on them, and what it says; the pressure along the paths that are drawn.
+  /// Its parts: the grids; all that is solved on them and what it says. The pressure along the paths that are drawn may
+  /// come later.
   /// earlier: a solution on other grids to start from, or none.
   void place(const ProgressCallbacks& progress);
-  void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr);
+  void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
   void sample_paths(const ProgressCallbacks& progress);
 
   /// Its steps, for programs that measure them one by one; between the second and the third comes the solution.

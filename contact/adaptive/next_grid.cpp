@@ -111,10 +111,12 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
   const double allowed = allowed_energy_error(state.scene, zones, results);
   std::vector<std::unique_ptr<SizeField>> fields;
   for (const auto& balls : next.zones) fields.push_back(std::make_unique<SizeField>(balls, options.grading));
-  if (allowed < expected_energy_error(results, fields))
+  if (allowed < expected_energy_error(results, fields)) {
     next.energy = energy_sizes(results, options.energy_aim * allowed, present.first);
-  else
+    next.change = std::min(next.change, options.energy_aim * allowed / results.estimated_error_relative);
+  } else {
     next.energy = present.energy;
+  }
   return next;
 }
 

@@ -12,7 +12,7 @@ namespace cgcontact {
 struct GridSizes {
   std::vector<double> first;                          ///< of each body: the largest cells
   std::vector<std::vector<SizedBall>> zones, energy;  ///< of each body: where they are to be smaller
-  double change = 1;                                  ///< smallest ratio of a zone's cells to those before
+  double change = 1;  ///< smallest ratio of cells to those before: of a zone, of the energy norm's error in the mean
 };
 
 /// Those of the first grids: cell_size, or from the shape.
