@@ -75,7 +75,8 @@ class Overlap {
       if (area > fills * area_ || k == most_doublings) return {};
       if (force_at(found, limit) >= force_) break;
     }
-    double low = limit - depth, high = limit;
+    double low = limit, high = limit;
+    for (const GapSample& s : found) low = std::min(low, s.distance);  // nearer than any contact point
     for (int k = 0; k < bisections; ++k) {
       const double middle = 0.5 * (low + high);
       (force_at(found, middle) < force_ ? low : high) = middle;
