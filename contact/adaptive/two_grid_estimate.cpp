@@ -41,24 +41,24 @@ double pressure_change(const Results& results, int pair, const SolvedState& earl
 
 }  // namespace
 
-std::optional<double> estimate_from_two_grids(const std::vector<ZoneState>& zones, const EarlierSolution& earlier,
+std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, const EarlierSolution& earlier,
                                               const AccuracyOptions& options, Results& results) {
   std::optional<double> largest;
   std::vector<double> factor(zones.size(), 1);
   for (std::size_t p = 0; p < zones.size(); ++p) {
-    const ZoneState& zone = zones[p];
+    ZoneState& zone = zones[p];
     if (!zone.relevant || !zone.resolved) continue;
     PairFigures& figures = results.pairs[p];
     double error = options.safety * figures.pressure_error_estimate;
     if (zone.width) error *= 1 + std::pow(options.doubtful_width * zone.cell / *zone.width, 2);
-    if (!earlier.state) {
-      error *= alone;
-    } else {
+    if (earlier.state) {
       const double change = pressure_change(results, static_cast<int>(p), *earlier.state);
       const double r = zone.cell / earlier.cell[p];
       error = std::max(error, change * r / std::sqrt(1 + r * r));
       largest = std::max(largest.value_or(0), change);
     }
+    zone.error = error;
+    if (!earlier.state) error *= alone;
     if (figures.pressure_error_estimate > 0) factor[p] = error / figures.pressure_error_estimate;
     figures.pressure_error_estimate = error;
   }

@@ -19,8 +19,8 @@ struct EarlierSolution {
 /// - with an earlier solution on cells 1/r times as large, whose errors are independent and fall like the size:
 ///   change * r / sqrt(1 + r^2), the change being the relative L2 norm of the difference of the two SPR-C pressures at
 ///   the present contact rows.
-/// Returns the largest change; none without an earlier solution.
-std::optional<double> estimate_from_two_grids(const std::vector<ZoneState>& zones, const EarlierSolution& earlier,
+/// ZoneState::error is that without the factor of 1.8. Returns the largest change; none without an earlier solution.
+std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, const EarlierSolution& earlier,
                                               const AccuracyOptions& options, Results& results);
 
 }  // namespace cgcontact

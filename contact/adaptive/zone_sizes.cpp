@@ -136,7 +136,7 @@ void size_by_error(const SolvedState& state, const Results& results, int p, doub
   }
 }
 
-double next_size_ratio(const ZoneState& zone, double error, std::optional<double> target,
+double next_size_ratio(const ZoneState& zone, double estimate, std::optional<double> target,
                        const AccuracyOptions& options) {
   if (!zone.relevant) return 1;
   if (!zone.resolved) {
@@ -145,8 +145,8 @@ double next_size_ratio(const ZoneState& zone, double error, std::optional<double
     return std::clamp(std::min(by_width, zone.narrowed ? 1 : needed),
                       1 / (zone.narrowed ? most_narrowing : options.narrowing), 1 / options.least_change);
   }
-  if (!target || error <= *target) return 1;
-  return std::clamp(std::pow(options.aim * *target / error, 1 / options.rate), 1 / options.most_change,
+  if (!target || estimate <= *target) return 1;
+  return std::clamp(std::pow(options.aim * *target / zone.error, 1 / options.rate), 1 / options.most_change,
                     1 / options.least_change);
 }
 

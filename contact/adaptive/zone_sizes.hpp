@@ -18,6 +18,7 @@ struct ZoneState {
   std::optional<double> width;    ///< m; none: the zone ends where the faces end
   std::optional<double> needed;   ///< m; the size that would resolve it, as the verdict says
   bool narrowed = false;          ///< found between the quadrature points of cells that are larger
+  double error = 0;               ///< of the pressure, relative, for the next sizes (two_grid_estimate.hpp)
   std::vector<SizedBall> places;  ///< closed groups or what may touch; size: that of the present cells
 };
 
@@ -30,9 +31,9 @@ void size_by_error(const SolvedState& state, const Results& results, int pair, d
 /// One per pair of the state.
 std::vector<ZoneState> zone_states(const SolvedState& state, const Results& results);
 
-/// Size of the cells of a zone on the next grid over the present one. error: estimated, of the pressure; target: of the
+/// Size of the cells of a zone on the next grid over the present one. estimate: of the pressure's error; target: of the
 /// same, none: the pressure is not asked for, the zone is to be found and resolved only.
-double next_size_ratio(const ZoneState& zone, double error, std::optional<double> target,
+double next_size_ratio(const ZoneState& zone, double estimate, std::optional<double> target,
                        const AccuracyOptions& options);
 
 }  // namespace cgcontact

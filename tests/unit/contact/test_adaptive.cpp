@@ -102,7 +102,7 @@ TEST(OuterStart, SameSolutionInFewerIterations) {
 
 /// Against the same solution the change is zero: the estimate is that of one solution with its factors.
 TEST(TwoGridEstimate, OfOneSolutionTwice) {
-  const FirstSolve first({"body.plate.cell_size=0.9e-3", "body.ball.cell_size=0.8e-3", "F=4e5"});
+  FirstSolve first({"body.plate.cell_size=0.9e-3", "body.ball.cell_size=0.8e-3", "F=4e5"});
   Simulation& simulation = *first.simulation;
   ASSERT_TRUE(first.zones[0].resolved);
   const double before = simulation.results.pairs[0].pressure_error_estimate;
