@@ -87,7 +87,7 @@ TEST(EnergySizes, OfEqualErrors) {
 /// solution to the tolerance of the outer iteration (1e-6; forces of the last solve are in equilibrium to 1e-8).
 TEST(OuterStart, SameSolutionInFewerIterations) {
   const Scene given = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/ball_on_plate.toml",
-                                 {"accuracy.pressure=2%", "accuracy.max_solves=3"});
+                                 {"accuracy.pressure=1%", "accuracy.max_solves=3"});
   AdaptiveRun run(given);
   run.run({});
   const AccuracyFigures& figures = run.simulation().results.accuracy;
