@@ -105,6 +105,7 @@ void check_settings(const Scene& scene) {
   scene.recovery.check();
   scene.results.check();
   scene.output.check();
+  scene.accuracy.check();
 }
 
 double count_contact_rows(const Preparation& preparation) {

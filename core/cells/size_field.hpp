@@ -25,7 +25,6 @@ class SizeField {
   bool asks_below(double size, const Vec3& center, double radius) const;
   /// Of all balls, m; without any infinite.
   double smallest() const { return smallest_; }
-  bool empty() const { return size_ == 0; }
 
  private:
   struct Search;
