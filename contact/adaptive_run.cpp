@@ -71,6 +71,7 @@ double AdaptiveRun::allowed_unknowns() {
 /// than those before.
 bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   const double allowed = allowed_unknowns();
+  refused_.clear();
   if (figures_.solves.empty()) {
     place_within(1e300, 1, callbacks);
     if (count_unknowns(next_->state.bodies) > allowed)

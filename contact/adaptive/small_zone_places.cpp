@@ -34,14 +34,8 @@ std::vector<Group> groups_of(const SolvedState& state, std::size_t p) {
   const ContactPair& pair = state.pairs[p];
   const double unit = state.scales.stress * state.scales.length * state.scales.length;
   std::vector<Group> groups;
-  for (const ContactGroup& group : pair.groups) {
-    Group g{&group, Vec3::Zero(), unit * state.outer.group_force[row++], false};
-    for (int q = group.first_point; q < group.last_point; ++q) {
-      g.centre += pair.points[q].weight / group.area * pair.points[q].x;
-      g.closed |= pair.points[q].active;
-    }
-    groups.push_back(g);
-  }
+  for (const ContactGroup& group : pair.groups)
+    groups.push_back({&group, centre_of(pair, group), unit * state.outer.group_force[row++], is_closed(pair, group)});
   return groups;
 }
 
@@ -57,6 +51,9 @@ class Overlap {
       for (int q = g.group->first_point; q < g.group->last_point; ++q)
         nearest_ = std::min(nearest_, pair_.points[q].distance);
     }
+    const BodyModel &a = state.bodies[pair_.primary], &b = state.bodies[pair_.secondary];
+    common_planes_ = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
+                                   a.cut_cells.grid.cell_size);
     modulus_ =
         effective_modulus(state.scene.bodies[pair_.primary].material, state.scene.bodies[pair_.secondary].material);
   }
@@ -106,10 +103,7 @@ class Overlap {
     if (samples.empty()) return;
     Vec3 mean = Vec3::Zero();
     for (const GapSample& s : samples) mean += s.x / static_cast<double>(samples.size());
-    const BodyModel &a = state_.bodies[pair_.primary], &b = state_.bodies[pair_.secondary];
-    for (const SymmetryPlane& plane :
-         common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
-                       a.cut_cells.grid.cell_size))
+    for (const SymmetryPlane& plane : common_planes_)
       if ((with_images(mean, {plane}).back() - mean).norm() < 2 * near_plane * cell_) planes_.push_back(plane);
   }
 
@@ -148,7 +142,7 @@ class Overlap {
   const SolvedState& state_;
   const ContactPair& pair_;
   std::vector<Group> groups_;
-  std::vector<SymmetryPlane> planes_;
+  std::vector<SymmetryPlane> common_planes_, planes_;  // of both bodies; those of them that cut the overlap
   double area_ = 0, force_ = 0, cell_ = 0, nearest_ = 1e300, modulus_ = 0;
 };
 

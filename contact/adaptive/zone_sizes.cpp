@@ -6,6 +6,7 @@
 
 #include "contact/adaptive/small_zone_places.hpp"
 #include "contact/results/missed_contact.hpp"
+#include "contact/results/verdict.hpp"
 #include "contact/results/zone_width.hpp"
 
 namespace cgcontact {
@@ -13,9 +14,6 @@ namespace {
 
 /// Half the diagonal of a square over its side: the ball around a group's centre that holds its cell's piece.
 constexpr double half_diagonal = 0.71;
-
-/// A pair that carries less of the largest force of all pairs does not decide about the grids.
-constexpr double relevant_part = 0.01;
 
 /// Where the place of a zone is known, its cells may become so many times smaller at once.
 constexpr double most_narrowing = 1000;
@@ -26,32 +24,8 @@ constexpr double about_a_cell = 2.5;
 /// Of a place's cells from one grid to the next.
 constexpr double largest_growth = 2;
 
-/// N; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
-double force_of(const PairFigures& figures) {
-  return std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
-}
-
-/// Gap after the deformation, m.
-double deformed_gap(const SolvedState& state, const ContactPair& pair, const ContactPoint& point) {
-  const Vec3 apart = displacement(state, pair.secondary, point.secondary_cell, point.secondary_xi) -
-                     displacement(state, pair.primary, point.primary_cell, point.primary_xi);
-  return point.distance - pair.interference + point.normal.dot(apart);
-}
-
-Vec3 centre_of(const ContactPair& pair, const ContactGroup& group) {
-  Vec3 sum = Vec3::Zero();
-  for (int q = group.first_point; q < group.last_point; ++q) sum += pair.points[q].weight * pair.points[q].x;
-  return sum / group.area;
-}
-
 SizedBall ball_of(const ContactPair& pair, const ContactGroup& group) {
   return {centre_of(pair, group), half_diagonal * group.larger_cell, group.larger_cell};
-}
-
-bool is_closed(const ContactPair& pair, const ContactGroup& group) {
-  for (int q = group.first_point; q < group.last_point; ++q)
-    if (pair.points[q].active) return true;
-  return false;
 }
 
 void add_closed_groups(const ContactPair& pair, const ZoneWidth& width, ZoneState& zone) {
@@ -70,7 +44,7 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double p
   for (const ContactGroup& group : pair.groups) {
     double gap = 1e300;
     for (int q = group.first_point; q < group.last_point; ++q)
-      gap = std::min(gap, deformed_gap(state, pair, pair.points[q]));
+      gap = std::min(gap, pair.points[q].distance - pair.interference + gap_change(state, pair, pair.points[q]));
     if (gap > part * group.larger_cell) continue;
     zone.places.push_back(ball_of(pair, group));
     zone.cell = std::max(zone.cell, group.larger_cell);
@@ -79,10 +53,22 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double p
 
 }  // namespace
 
+Vec3 centre_of(const ContactPair& pair, const ContactGroup& group) {
+  Vec3 sum = Vec3::Zero();
+  for (int q = group.first_point; q < group.last_point; ++q) sum += pair.points[q].weight * pair.points[q].x;
+  return sum / group.area;
+}
+
+bool is_closed(const ContactPair& pair, const ContactGroup& group) {
+  for (int q = group.first_point; q < group.last_point; ++q)
+    if (pair.points[q].active) return true;
+  return false;
+}
+
 std::vector<ZoneState> zone_states(const SolvedState& state, const Results& results) {
   std::vector<ZoneState> zones(state.pairs.size());
   double largest = 0;
-  for (const PairFigures& figures : results.pairs) largest = std::max(largest, force_of(figures));
+  for (const PairFigures& figures : results.pairs) largest = std::max(largest, pressing_force(figures));
   const std::vector<ZoneWidth> widths = zone_widths(state);
   const std::vector<MissedOverlap> missed = missed_overlaps(state, results);
   for (std::size_t p = 0; p < zones.size(); ++p) {
@@ -90,7 +76,7 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
     const ContactPair& pair = state.pairs[p];
     const Verdict::Pair& verdict = results.verdict.pairs[p];
     if (results.pairs[p].active_points > 0) {
-      zone.relevant = force_of(results.pairs[p]) >= relevant_part * largest;
+      zone.relevant = pressing_force(results.pairs[p]) >= relevant_part_of_force * largest;
       zone.resolved = verdict.state == Verdict::State::resolved;
       add_closed_groups(pair, widths[p], zone);
       zone.needed = verdict.cell_size_needed;

@@ -10,6 +10,10 @@
 
 namespace cgcontact {
 
+/// Of a contact group: mean of its points, m; is one of them closed?
+Vec3 centre_of(const ContactPair& pair, const ContactGroup& group);
+bool is_closed(const ContactPair& pair, const ContactGroup& group);
+
 /// One contact pair after a solve.
 struct ZoneState {
   bool relevant = false;          ///< carries enough to matter, or may touch and is not resolved

@@ -61,12 +61,8 @@ double missed_distance(const SolvedState& state, const ContactPair& seen) {
 /// Change of the mean gap of a group by the deformation, m.
 double gap_change(const SolvedState& state, const ContactPair& pair, const ContactGroup& group) {
   double change = 0;
-  for (int q = group.first_point; q < group.last_point; ++q) {
-    const ContactPoint& point = pair.points[q];
-    const Vec3 apart = displacement(state, pair.secondary, point.secondary_cell, point.secondary_xi) -
-                       displacement(state, pair.primary, point.primary_cell, point.primary_xi);
-    change += point.weight / group.area * point.normal.dot(apart);
-  }
+  for (int q = group.first_point; q < group.last_point; ++q)
+    change += pair.points[q].weight / group.area * cgcontact::gap_change(state, pair, pair.points[q]);
   return change;
 }
 
@@ -91,6 +87,11 @@ std::optional<MissedOverlap> overlap_between_points(const SolvedState& state, st
 }
 
 }  // namespace
+
+double gap_change(const SolvedState& state, const ContactPair& pair, const ContactPoint& point) {
+  return point.normal.dot(displacement(state, pair.secondary, point.secondary_cell, point.secondary_xi) -
+                          displacement(state, pair.primary, point.primary_cell, point.primary_xi));
+}
 
 std::vector<double> missed_contact(const SolvedState& state) {
   std::vector<double> reach;

@@ -13,8 +13,6 @@ namespace {
 
 using State = Verdict::State;
 
-/// A pair that carries less of the largest force of all pairs does not decide about the run.
-constexpr double relevant_part = 0.01;
 /// Of a zone of which nothing is known but that it is smaller than a cell.
 constexpr double cells_of_missed_zone = 1;
 struct Judged {
@@ -46,8 +44,7 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
     const PairFigures& figures = results.pairs[p];
     Judged j;
     j.pair.name = figures.name;
-    // The resultant of a closed zone (a shrink fit) is zero.
-    j.force = std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
+    j.force = pressing_force(figures);
     if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
       j.pair.state = widths[p].cells && *widths[p].cells < state.scene.results.least_cells_across ? State::not_resolved
@@ -101,6 +98,10 @@ std::string resolved_text(const std::vector<Judged>& pairs, double least_force) 
 
 }  // namespace
 
+double pressing_force(const PairFigures& figures) {
+  return std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
+}
+
 Verdict judge(const SolvedState& state, const Results& results) {
   Verdict verdict;
   const std::vector<MissedOverlap> missed = missed_overlaps(state, results);
@@ -121,12 +122,12 @@ Verdict judge(const SolvedState& state, const Results& results) {
   } else if (const auto lost = find(State::contact_missed, 0); lost != end) {
     verdict.state = State::contact_missed;
     verdict.text = missed_text(*lost);
-  } else if (const auto coarse = find(State::not_resolved, relevant_part * largest); coarse != end) {
+  } else if (const auto coarse = find(State::not_resolved, relevant_part_of_force * largest); coarse != end) {
     verdict.state = State::not_resolved;
     verdict.text = unresolved_text(state, *coarse);
   } else if (find(State::resolved, 0) != end) {
     verdict.state = State::resolved;
-    verdict.text = resolved_text(pairs, relevant_part * largest);
+    verdict.text = resolved_text(pairs, relevant_part_of_force * largest);
   } else {
     verdict.state = State::no_contact;
     verdict.text = pairs.empty() ? "the scene has no contact pair" : "nothing touches: no contact carries a force";

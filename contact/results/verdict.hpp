@@ -6,6 +6,12 @@
 
 namespace cgcontact {
 
+/// A pair that carries less of the largest force of all pairs does not decide about the run.
+constexpr double relevant_part_of_force = 0.01;
+
+/// N, of a pair; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
+double pressing_force(const PairFigures& figures);
+
 /// Needs the pair figures, contact rows and contact links of the last recovery.
 Verdict judge(const SolvedState& state, const Results& results);
 

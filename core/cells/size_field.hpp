@@ -30,7 +30,6 @@ class SizeField {
   struct Search;
   std::unique_ptr<Search> search_;
   double grading_, smallest_;
-  std::size_t size_;
 };
 
 }  // namespace cgcontact
