@@ -1,19 +1,22 @@
 /// Bodies on locally refined grids: constraints of hanging nodes, operator, coarsening, solver.
 #include <gtest/gtest.h>
 
-#include <Tpetra_Core.hpp>
-
-#include "kernels/assembled/assembly.hpp"
 #include "kernels/multigrid/coarsen.hpp"
 #include "kernels/reference/plain_operator.hpp"
 #include "kernels/solver/linear_solver.hpp"
-#include "tests/support/bodies.hpp"
+#include "tests/support/constrained_system.hpp"
 
 namespace cgcontact {
 namespace {
 
+using test::apply;
+using test::apply_assembled;
+using test::consistent;
+using test::difference;
 using test::dot;
+using test::make_system;
 using test::norm;
+using test::random_force;
 
 constexpr double eps = 2.2e-16;
 
@@ -34,37 +37,6 @@ std::vector<Body> bodies() {
   return {{"box", cut(box, 0, Vec3(0.9, 0.4, 0.5)), 0.8 * 0.65 * 0.55, 1e-12},
           {"turned box", cut(box, 0.3, Vec3(0.9, 0.8, 0.75)), 0.8 * 0.65 * 0.55, 1e-12},
           {"ball", cut(ball, 0.7, Vec3(0.5, 0.5, 0.9)), 4. / 3 * M_PI * 0.064, 1e-5}};
-}
-
-ElasticSystem make_system(const CutCells& cells, double ghost_penalty = 0.01) {
-  return make_elastic_system({&cells}, {Material{2.0, 0.3}}, Scales{1.0, 1.0}, ghost_penalty);
-}
-
-RealView consistent(const ElasticSystem& system, const RealView& x) {
-  RealView y("y", x.extent(0));
-  Kokkos::deep_copy(y, x);
-  apply_constraints(ExecSpace(), system.dofs, y);
-  return y;
-}
-
-/// Zero at constrained nodes.
-RealView random_force(const ElasticSystem& system, unsigned seed) {
-  RealView f = test::random_vector(system.num_dofs(), seed);
-  for (const NodeConstraint& c : system.constraints)
-    for (int i = 0; i < 3; ++i) f(dof_of(c.node, i)) = 0;
-  return f;
-}
-
-RealView apply(const ElasticSystem& system, const RealView& x) {
-  RealView y("y", x.extent(0));
-  FastOperator<double>(system).apply(ExecSpace(), x, y);
-  return y;
-}
-
-RealView difference(const RealView& a, const RealView& b) {
-  RealView d("d", a.extent(0));
-  for (std::size_t i = 0; i < a.extent(0); ++i) d(i) = a(i) - b(i);
-  return d;
 }
 
 Vec3 linear(const Vec3& x) {
@@ -137,19 +109,9 @@ TEST(Refined, FastOperatorEqualsItsPlainTwin) {
     PlainOperator(system).apply(ExecSpace(), x, plain);
     EXPECT_LT(norm(difference(y, plain)), 1000 * eps * norm(plain)) << body.name;
     // and the assembled matrix, with the identity at constrained nodes
-    const auto map = system.dofs.owned_map(Tpetra::getDefaultComm());
-    const auto matrix = assemble_matrix(system, map);
-    TpetraVector in(map, 1), out(map, 1);
     const RealView f = random_force(system, 5);
-    {
-      auto view = in.getLocalViewHost(Tpetra::Access::OverwriteAll);
-      for (std::size_t i = 0; i < f.extent(0); ++i) view(i, 0) = f(i);
-    }
-    matrix->apply(in, out);
     const RealView Af = apply(system, consistent(system, f));
-    RealView assembled("assembled", f.extent(0));
-    const auto view = out.getLocalViewHost(Tpetra::Access::ReadOnly);
-    for (std::size_t i = 0; i < f.extent(0); ++i) assembled(i) = view(i, 0);
+    const RealView assembled = apply_assembled(system, f);
     EXPECT_LT(norm(difference(Af, assembled)), 1000 * eps * norm(Af)) << body.name;
   }
 }
