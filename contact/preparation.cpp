@@ -33,6 +33,16 @@ std::vector<double> softest_moduli(const Preparation& p) {
   return moduli;
 }
 
+/// The smallest cell where a body may touch others, m; its own cells' size without contact.
+double smallest_contact_cell(const Preparation& p, int body, double otherwise) {
+  double smallest = 1e300;
+  for (const ContactPair& pair : p.pairs) {
+    if (pair.primary != body && pair.secondary != body) continue;
+    for (const ContactGroup& group : pair.groups) smallest = std::min(smallest, group.h);
+  }
+  return smallest < 1e300 ? smallest : otherwise;
+}
+
 /// Motions that are free although all contact is closed: pieces that nothing holds, flat faces that slide on each
 /// other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with nothing to
 /// drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the other side's
@@ -70,8 +80,10 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   const std::vector<double> softest = softest_moduli(p);
   for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
     for (SupportPoint point : hold(motions, p.bodies)) {
-      point.weight *=
-          scene.solver.soft_hold * softest[point.body] / stabilising_modulus(p.bodies[point.body].spec->material);
+      const BodyModel& body = p.bodies[point.body];
+      const double h = body.cut_cells.h(point.cell);
+      point.weight *= scene.solver.soft_hold * softest[point.body] / stabilising_modulus(body.spec->material) *
+                      smallest_contact_cell(p, point.body, h) / h;
       point.follows = true;
       held.push_back(point);
     }

@@ -35,11 +35,9 @@ void initialise_active_set(Iterate& iterate) {
   }
 }
 
-void update_active_set(Iterate& iterate, bool decide) {
+void close_pressing_points(Iterate& iterate) {
   const OuterProblem& problem = iterate.problem;
   const std::vector<double> change = iterate.group_gap_change();
-  std::vector<double> force = iterate.group_force(true);
-  for (double& f : force) f *= iterate.force_unit();
   const double moved = iterate.rigid_parts.largest_displacement(iterate.u) * problem.scales.length;
   std::size_t first_group = 0;
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
@@ -56,7 +54,13 @@ void update_active_set(Iterate& iterate, bool decide) {
       for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
     first_group += pair.groups.size();
   }
-  iterate.small_zones.update(change, force, decide);
+}
+
+void update_active_set(Iterate& iterate, bool decide) {
+  close_pressing_points(iterate);
+  std::vector<double> force = iterate.group_force(true);
+  for (double& f : force) f *= iterate.force_unit();
+  iterate.small_zones.update(iterate.group_gap_change(), force, decide);
 }
 
 std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& unbalanced) {

@@ -12,8 +12,10 @@ namespace cgcontact {
 void initialise_active_set(Iterate& iterate);
 
 /// Active where p* - kappa E/h gap > 0 (p* of the previous iterate). Where all of a pair is rounding of kappa E/h times
-/// the displacements (bodies that touch without force) nothing changes. decide: also which groups lie in zones smaller
-/// than the cells.
+/// the displacements (bodies that touch without force) nothing changes.
+void close_pressing_points(Iterate& iterate);
+
+/// That, and the zones smaller than the cells. decide: also which groups lie in them.
 void update_active_set(Iterate& iterate, bool decide);
 
 /// Opens the pairs that part as the loads move the bodies that contact does not balance; returns their names.

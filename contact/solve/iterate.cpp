@@ -10,6 +10,9 @@ namespace {
 
 /// Groups per chunk of the parallel loops.
 constexpr std::size_t grain = 512;
+/// Steps of the springs' rest positions that fall by a ratio between these are taken for a geometric series. Below
+/// there is little to gain; above it would be hardly more than a guess.
+constexpr double slow = 0.3, without_end = 0.99;
 
 }  // namespace
 
@@ -32,6 +35,7 @@ void Iterate::forget() {
   rigid_gap_change.assign(problem.system.group_rows.size(), 0.0);
   support_stress.assign(problem.supports.size(), 0.0);
   small_zones.forget();
+  last_spring_step_.clear();
   contact_stress.clear();
   for (const ContactPair& pair : problem.pairs) contact_stress.emplace_back(pair.points.size(), 0.0);
   for (SupportPoint& p : problem.supports)
@@ -136,8 +140,29 @@ void Iterate::let_springs_follow() {
       std::any_of(problem.supports.begin(), problem.supports.end(), [](const SupportPoint& p) { return p.follows; });
   if (!any) return;
   const auto host_u = host_copy(u);
+  std::vector<double> step;
+  for (const SupportPoint& p : problem.supports)
+    if (p.follows) step.push_back(displacement_of(p, host_u) - p.value);
+  const double length = whole_length_of(step);
+  auto of_spring = step.begin();
   for (SupportPoint& p : problem.supports)
-    if (p.follows) p.value = displacement_of(p, host_u);
+    if (p.follows) p.value += length * *of_spring++;
+}
+
+/// In steps: 1, or the sum of the geometric series that the last step and this one begin (Aitken).
+double Iterate::whole_length_of(const std::vector<double>& step) {
+  double with_last = 0, of_last = 0;
+  for (std::size_t i = 0; i < last_spring_step_.size(); ++i) {
+    with_last += step[i] * last_spring_step_[i];
+    of_last += last_spring_step_[i] * last_spring_step_[i];
+  }
+  const double ratio = of_last > 0 ? with_last / of_last : 0;
+  if (ratio < slow || ratio > without_end) {
+    last_spring_step_ = step;
+    return 1;
+  }
+  last_spring_step_.clear();
+  return 1 / (1 - ratio);
 }
 
 }  // namespace cgcontact

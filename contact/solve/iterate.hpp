@@ -43,7 +43,7 @@ struct Iterate {
 
   /// Sum of the magnitudes of the forces in springs that follow a motion, N.
   double spring_force() const;
-  /// Moves their rest positions to where the motions are.
+  /// Moves their rest positions to where the motions are, or to where the steps of the last iterations tend to.
   void let_springs_follow();
 
   OuterProblem problem;
@@ -55,6 +55,11 @@ struct Iterate {
   std::vector<double> support_stress;               ///< of each support point, Scales::stress
   std::vector<std::vector<double>> contact_stress;  ///< p* of each pair and point, Scales::stress
   std::vector<double> rigid_gap_change;             ///< of each contact group, m
+
+ private:
+  double whole_length_of(const std::vector<double>& step);
+
+  std::vector<double> last_spring_step_;  ///< m, of each spring
 };
 
 RealView::HostMirror host_copy(const RealView& u);

@@ -32,6 +32,7 @@ struct ContactSolver::Impl {
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress);
   void assemble();
   LinearSolveResult solve_linear(double tolerance);
+  bool contact_holds_floating_bodies();
   bool balance_floating_bodies();
   void polish(OuterResult& result);
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
@@ -78,12 +79,13 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   warm_ = false;
   double outer_residual = 1;
   ActiveSetHistory history(problem_.pairs);
+  bool held = false;  // do the closed points of the last iteration hold all bodies?
   const RealView before("cgcontact::outer_loop::before", now_.u.size());
   for (int iteration = 1; iteration <= settings().max_outer_iterations; ++iteration) {
     OuterStep step;
     step.iteration = iteration;
     assemble();
-    const bool search = now_.floating.any() || history.cycles();
+    const bool search = (now_.floating.any() && !held) || history.cycles();
     if (search) Kokkos::deep_copy(before, now_.u);
     const double inner = std::clamp(settings().inner_fraction * outer_residual, settings().linear_tolerance,
                                     settings().loosest_inner_tolerance);
@@ -96,7 +98,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
                   result);
     const double length = search ? search_along_step(solver_, before, now_) : 1;
     const double spring_force = now_.spring_force();
-    if (now_.floating.any() && (!unbalanced_.empty() || !balance_floating_bodies())) {
+    held = !now_.floating.any() || contact_holds_floating_bodies();
+    if (!unbalanced_.empty() || (!held && !balance_floating_bodies())) {
       update_active_set(now_, false);
       return stop(iteration, describe_parting(open_what_parts(now_, unbalanced_), problem_.pairs.size()), result);
     }
@@ -144,6 +147,15 @@ LinearSolveResult ContactSolver::Impl::solve_linear(double tolerance) {
   LinearSolveResult failed;
   failed.residual = std::numeric_limits<double>::quiet_NaN();
   return failed;
+}
+
+/// Of the points that press now: do they resist all motions that the loads drive? Zones smaller than the cells press by
+/// a law that the points do not have.
+bool ContactSolver::Impl::contact_holds_floating_bodies() {
+  for (int k = 0; k < static_cast<int>(problem_.pairs.size()); ++k)
+    if (now_.small_zones.count(k) > 0) return false;
+  close_pressing_points(now_);
+  return driven_motions(problem_, hardly_any_stiffness).empty();
 }
 
 /// Moves the bodies that contact alone holds to where its forces balance the loads. False: nothing stops one.

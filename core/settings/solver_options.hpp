@@ -30,10 +30,10 @@ struct SolverOptions {
   double inner_fraction = 0.005, loosest_inner_tolerance = 1e-3;
   /// Of the contact forces: what springs that follow a motion may still take in the end.
   double largest_spring_part = 1e-6;
-  /// Stiffness of what holds bodies while contact does not, of a support's on the softest body that contact joins them
-  /// to: less than what contact and the bodies below it resist, so that its rest position follows within the outer
-  /// iteration.
-  double soft_hold = 1e-4;
+  /// Stiffness of what holds bodies while contact does not, of a support's on the smallest cells of the contact and the
+  /// softest body that contact joins them to: less than what contact and the bodies below it resist, so that its rest
+  /// position follows within the outer iteration.
+  double soft_hold = 1e-5;
   /// Of the approach, what the deformation of the cells may stand for: groups join a zone smaller than the cells below
   /// the first, leave it above the second. Zones above are wider than a cell: their mean gaps give the force within
   /// 25 % (docs/theory.md).
