@@ -177,6 +177,8 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
     const int cell = drawn.mesh.cell_of_point[p];
     const Vec3 xi = clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]);
     drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);
+    if (const Grid& grid = cut_cells.grid; grid.is_quadtree())  // not the slice, but the body
+      drawn.position[p][grid.plane_strain] += 0.5 * grid.thickness * xi[grid.plane_strain];
     if (fields.displacement) drawn.displacement[p] = fields.displacement(cell, xi);
     if (fields.stress_recovered) drawn.stress[p] = fields.stress_recovered(cell, xi);
   });

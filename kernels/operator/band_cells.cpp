@@ -149,7 +149,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
     law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
     for (int p = 0; p < 3; ++p)
-      law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.h_of_level(0)) * 8 / std::pow(3, p));
+      law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.thickness_of_level(0)) * 8 / std::pow(3, p));
     law.fold = mesh.in_plane_strain() ? 1 << cc.grid.plane_strain : 0;
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };
@@ -240,7 +240,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
                            if (batch.moments < 0) continue;
                            double m[27];
                            monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
-                           const double scale = moment_scale(mesh, mesh.h(cell.cell));
+                           const double scale = moment_scale(mesh, mesh.thickness_of_level(mesh.cut_cells->level(cell.cell)));
                            for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
                            int slot = batch.pairs;
                            for (int bit = 0; bit < 6; ++bit) {
