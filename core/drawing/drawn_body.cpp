@@ -165,6 +165,12 @@ double von_mises(const Sym3& s) {
   return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
+double volume_of_cell(const CutCells& cut_cells, int cell) {
+  const Grid& grid = cut_cells.grid;
+  const double h = cut_cells.h(cell);
+  return cut_cells.volume_fraction(cell) * (grid.is_quadtree() ? h * h * grid.thickness : std::pow(h, 3));
+}
+
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
   DrawnBody drawn;
   drawn.mesh = std::move(mesh);
