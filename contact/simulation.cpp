@@ -17,8 +17,8 @@
 #include "contact/results/pressure_estimate.hpp"
 #include "contact/results/pressure_paths.hpp"
 #include "contact/results/reference.hpp"
-#include "contact/results/small_strain.hpp"
 #include "contact/results/slices.hpp"
+#include "contact/results/small_strain.hpp"
 #include "contact/results/verdict.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/resources.hpp"
@@ -252,7 +252,8 @@ void Simulation::recover() {
 
 /// The scene's reference at the computed force. Without any force, one that depends on it says nothing.
 void Simulation::choose_reference() {
-  const double force = results.pairs.empty() ? 0 : state.bodies.front().slices * results.pairs.front().force_on_first.norm();
+  const double force =
+      results.pairs.empty() ? 0 : state.bodies.front().slices * results.pairs.front().force_on_first.norm();
   if (!state.scene.late_reference || force > 0) {
     try {
       state.reference = state.scene.reference_at(force);

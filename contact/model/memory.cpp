@@ -58,8 +58,8 @@ BodySize estimate_size(const BodySpec& body, bool finer) {
   const Grid grid = make_grid(body);
   Solid solid = body.solid;
   if (body.quadtree) {  // in one layer of cells
-    const double factor = grid.cell_size / thickness_across(body);
-    solid = solid.stretched(grid.plane_strain, factor, (1 - factor) * grid.origin[grid.plane_strain]);
+    const double low = grid.origin[grid.plane_strain];
+    solid = stretched_to(body, solid, low, low + grid.cell_size);
   }
   const BodyGeometry& geometry = solid.geometry();
   const CellEstimate estimate = geometry.estimate_cells(grid, finer ? finer_cells : coarse_cells);

@@ -117,17 +117,16 @@ struct PlacedBody {
   CellTree tree;
 };
 
-PlacedBody place_body(const Scene& scene, int body) {
+/// All but the grid.
+void place_body(const Scene& scene, int body, PlacedBody& placed) {
   const BodySpec& spec = scene.bodies[body];
-  PlacedBody placed;
-  const Grid& grid = placed.grid = make_grid(spec);
-  placed.solid = spec.solid.transformed(grid.rotation.transpose(),
-                                        -(grid.rotation.transpose() * grid.origin) / grid.cell_size,
-                                        1.0 / grid.cell_size);
-  if (grid.is_quadtree()) placed.solid = beyond_the_layer(placed.solid, grid);
+  const Grid& grid = placed.grid;
+  placed.solid = spec.solid.transformed(
+      grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
+  // Longer on both sides than the one layer of cells: they have no ends.
+  if (grid.is_quadtree()) placed.solid = stretched_to(spec, placed.solid, -1, 2);
   placed.dividers = face_dividers(faces_in_use(scene, body), placed.solid, grid);
   placed.tree = refined_tree(spec, placed.solid, grid, placed.dividers, scene.geometry);
-  return placed;
 }
 
 /// One slice for all quadtrees, as thick as the smallest of their cells: there cells are cubes.
@@ -197,9 +196,11 @@ Grid make_grid(const BodySpec& body) {
 std::vector<BodyModel> make_body_models(const Scene& scene) {
   check_slices(scene);
   std::vector<BodyModel> bodies(scene.bodies.size());
-  std::vector<PlacedBody> placed;
-  for (std::size_t b = 0; b < bodies.size(); ++b)
-    placed.push_back(naming_body(scene.bodies[b], [&] { return place_body(scene, static_cast<int>(b)); }));
+  std::vector<PlacedBody> placed(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    placed[b].grid = make_grid(scene.bodies[b]);
+    naming_body(scene.bodies[b], [&] { place_body(scene, static_cast<int>(b), placed[b]); });
+  }
   set_slices(placed);
   std::vector<char> support_used(scene.supports.size()), load_used(scene.loads.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -235,8 +236,7 @@ void set_loads(const Scene& scene, double factor, BodyModel& model) {
 
 double volume(const CutCells& cc) {
   double sum = 0;
-  for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e)
-    sum += cc.volume(e);
+  for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e) sum += cc.volume(e);
   return sum;
 }
 

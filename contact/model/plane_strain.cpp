@@ -106,14 +106,9 @@ void check_thickness(const BodySpec& body, double thickness) {
       fmt::format("a thickness of {:.6g} to {:.6g} m", thinnest * body.cell_size, (1 - offset) * body.cell_size));
 }
 
-double thickness_across(const BodySpec& body) {
-  const auto [low, high] = ends_of(body);
-  return high - low;
-}
-
 void check_slices(const Scene& scene) {
-  const auto quadtree = std::find_if(scene.bodies.begin(), scene.bodies.end(),
-                                     [](const BodySpec& body) { return body.quadtree; });
+  const auto quadtree =
+      std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const BodySpec& body) { return body.quadtree; });
   if (quadtree == scene.bodies.end()) return;
   const auto [low, high] = ends_of(*quadtree);
   const std::string& axis = name_of(*quadtree->plane_strain);
@@ -128,15 +123,20 @@ void check_slices(const Scene& scene) {
              fmt::format("it lies between {:.6g} and {:.6g} m, body \"{}\" between {:.6g} and {:.6g} m", own_low,
                          own_high, quadtree->name, low, high),
              "the same ends for all bodies of a scene with refine or [accuracy]");
+    stretched_to(body, body.solid, low, high);  // refuses what is no prism
   }
 }
 
-Solid beyond_the_layer(const Solid& solid, const Grid& grid) {
-  constexpr double low = -1, high = 2;  // cells
+Solid stretched_to(const BodySpec& body, const Solid& solid, double low, double high) {
   Vec3 min, max;
   solid.bounding_box(min, max);
-  const double factor = (high - low) / (max - min)[grid.plane_strain];
-  return solid.stretched(grid.plane_strain, factor, low - factor * min[grid.plane_strain]);
+  const int axis = axis_of(body);
+  const double factor = (high - low) / (max - min)[axis];
+  try {
+    return solid.stretched(axis, factor, low - factor * min[axis]);
+  } catch (const InputError& error) {
+    refuse(body, error.what(), "a prism between two planes across the axis");
+  }
 }
 
 void check_extruded(const BodySpec& body, const CutCells& cells) {

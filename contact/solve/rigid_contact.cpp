@@ -275,7 +275,10 @@ std::vector<Led> FloatingBodies::led_pairs() const {
     const bool held = !floats(pair.primary) && !floats(pair.secondary);
     // Line contact has no approach of its own: its bodies give it.
     const bool line = bodies_[pair.primary].spec->quadtree;
-    led.push_back(line ? Led::no : held ? Led::held : driven(pair.primary) || driven(pair.secondary) ? Led::no : Led::squeezed);
+    led.push_back(line                                             ? Led::no
+                  : held                                           ? Led::held
+                  : driven(pair.primary) || driven(pair.secondary) ? Led::no
+                                                                   : Led::squeezed);
   }
   return led;
 }

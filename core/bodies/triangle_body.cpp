@@ -112,9 +112,10 @@ std::shared_ptr<const BodyGeometry> TriangleBody::stretched(int axis, double fac
     }
     if (!prism) {
       const Vec3& x = triangles_->corner(t, 0);
-      throw InputError(fmt::format("the triangle at ({:.4g}, {:.4g}, {:.4g}) is neither on an end of a prism nor along "
-                                   "its axis",
-                                   x[0], x[1], x[2]));
+      throw InputError(
+          fmt::format("the triangle at ({:.4g}, {:.4g}, {:.4g}) is neither on an end of a prism nor along "
+                      "its axis",
+                      x[0], x[1], x[2]));
     }
   }
   return std::make_shared<TriangleBody>(triangles_->stretched(axis, factor, shift));

@@ -376,7 +376,8 @@ class CutCellBuilder {
         candidates_[candidate].points = {};
       }
       for (; adopted < donors_.size() && result_.adoptions[adopted].active == a; ++adopted)
-        append_points(result_.grid, candidates_[donors_[adopted]], result_.adoptions[adopted].surface, a, result_.boundary);
+        append_points(result_.grid, candidates_[donors_[adopted]], result_.adoptions[adopted].surface, a,
+                      result_.boundary);
     }
     for (const auto& [heir, extra] : extra_)
       for (int q = 0; q < num_moments; ++q) result_.moments[result_.cut_of_active[heir]][q] += extra[q];

@@ -513,8 +513,8 @@ void append_level(const ClippedMesh& level, int number, int first_cell, ClippedM
     mesh.boundary.push_back({moved(t.points), first_cell + t.cell, t.surface, number});
 }
 
-/// A quadtree's cells end where their layer does, inside of the solid (of that level): these sides of the pieces are the
-/// ends of the body.
+/// A quadtree's cells end where their layer does, inside of the solid (of that level): these sides of the pieces are
+/// the ends of the body.
 void add_ends(const CutCells& level, ClippedMesh& mesh) {
   const int axis = level.grid.plane_strain;
   const std::vector<Surface>& surfaces = level.solid.surfaces();

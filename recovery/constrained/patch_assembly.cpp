@@ -145,7 +145,8 @@ void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Patch
 /// In plane strain the shear stresses across are zero in the whole patch: at the points that determine a polynomial,
 /// the corners of a tetrahedron and for a quadratic one the middles of its edges. On uniform grids the two ends say so.
 void PatchAssembly::add_plane_strain(int degree, std::vector<PatchRow>& rows) const {
-  constexpr double corner[4][3] = {{0, -0.5, -0.5}, {0, 0.5, -0.5}, {0, 0, 0.5}, {1, 0, 0}};  // across, and in the plane
+  constexpr double corner[4][3] = {
+      {0, -0.5, -0.5}, {0, 0.5, -0.5}, {0, 0, 0.5}, {1, 0, 0}};  // across, and in the plane
   const int x = grid_.plane_strain, y = (x + 1) % 3, z = (x + 2) % 3;
   for (int i = 0; i < 4; ++i)
     for (int k = 0; k <= (degree == 2 ? i : 0); ++k) {

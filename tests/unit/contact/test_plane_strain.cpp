@@ -180,8 +180,8 @@ TEST(PlaneStrain, PatchTest) {
     EXPECT_LT((balance.loads + balance.supports + balance.contact).norm(), 1e-9 * p);
 }
 
-/// The same with both bodies refined by hand, and for any thickness, here three times the smallest cells and a twentieth
-/// of the largest: forces are those of the thickness, but for what holds the ends.
+/// The same with both bodies refined by hand, and for any thickness, here three times the smallest cells and a
+/// twentieth of the largest: forces are those of the thickness, but for what holds the ends.
 TEST(PlaneStrain, PatchTestOnQuadtrees) {
   const double p = 1e8, nu[2] = {0.3, 0.2}, height[2] = {0.6, 0.7};
   for (const double thickness : {0.05, 0.005}) {
@@ -192,10 +192,12 @@ TEST(PlaneStrain, PatchTestOnQuadtrees) {
       text.replace(place, from.size(), to);
     };
     for (int b = 0; b < 2; ++b) replace("max = [0.1,", "max = [" + std::to_string(thickness) + ",");
-    replace("cell_size = 0.13\n", "cell_size = 0.13\nrefine = [{sphere = {center = [0, 0.4, 0.6], radius = 0.1}, size = "
-                                  "0.0162}]\n");
-    replace("cell_size = 0.1\n", "cell_size = 0.1\nrefine = [{box = {min = [0, 0.6, 0.6], max = [1, 0.7, 0.7]}, size = "
-                                 "0.025}, {face = \"z-\", size = 0.05}]\n");
+    replace("cell_size = 0.13\n",
+            "cell_size = 0.13\nrefine = [{sphere = {center = [0, 0.4, 0.6], radius = 0.1}, size = "
+            "0.0162}]\n");
+    replace("cell_size = 0.1\n",
+            "cell_size = 0.1\nrefine = [{box = {min = [0, 0.6, 0.6], max = [1, 0.7, 0.7]}, size = "
+            "0.025}, {face = \"z-\", size = 0.05}]\n");
     Solved solved = read(text, "blocks.toml", {"solver.tolerance=1e-13", "solver.linear_tolerance=1e-15"});
     run(solved);
     const Results& r = solved.results();
@@ -292,7 +294,8 @@ TEST(PlaneStrain, WhatContradictsAQuadtreeIsRefused) {
   const std::string lower = "shape = {box = {min = [0, 0, 0], max = [0.1, 1, 0.6]}}";
   const auto expect = [&](const std::string& from, const std::string& to, const std::vector<std::string>& expected) {
     const std::string message = refusal({{coarse, refined}, {from, to}});
-    for (const std::string& text : expected) EXPECT_NE(message.find(text), std::string::npos) << text << "\n" << message;
+    for (const std::string& text : expected)
+      EXPECT_NE(message.find(text), std::string::npos) << text << "\n" << message;
   };
   expect("max = [0.1, 1, 0.6]", "max = [0.14, 1, 0.6]",
          {"scene.toml:1: plane_strain = \"x\"", "\"upper\"", "between 0 and 0.1 m", "\"lower\" between 0 and 0.14 m",
@@ -300,7 +303,8 @@ TEST(PlaneStrain, WhatContradictsAQuadtreeIsRefused) {
   expect(lower,
          "shape = {difference = [{box = {min = [0, 0, 0], max = [0.1, 1, 0.6]}}, {name = \"hole\", sphere = {center = "
          "[0.05, 0.5, 0.3], radius = 0.04}}]}",
-         {"\"lower\"", "\"hole.surface\"", "neither an end of a prism nor along its axis"});
+         {"scene.toml:1: plane_strain = \"x\"", "\"lower\"", "\"hole.surface\"",
+          "neither an end of a prism nor along its axis", "between two planes"});
   expect(lower,
          "shape = {difference = [{box = {min = [0, 0, 0], max = [0.1, 1, 0.6]}}, {name = \"cut\", cylinder = {base = "
          "[0.05, 0.5, 0.3], top = [1, 0.5, 0.3], radius = 0.1}}]}",

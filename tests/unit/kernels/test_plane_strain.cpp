@@ -241,13 +241,12 @@ TEST(PlaneStrain, PairsOfAQuadtreeAreOne) {
     const RealView x = consistent(system, test::random_vector(system.num_dofs(), 1));
     for (const auto& nodes : mesh.cell_nodes)
       for (int a = 0; a < 8; ++a)
-        for (int i = 0; i < 3; ++i)
-          EXPECT_EQ(x(dof_of(nodes[a], i)), x(dof_of(nodes[a & ~(1 << axis)], i)));
+        for (int i = 0; i < 3; ++i) EXPECT_EQ(x(dof_of(nodes[a], i)), x(dof_of(nodes[a & ~(1 << axis)], i)));
   }
 }
 
-/// Cells of all levels count for the slice: uniaxial strain has the energy (lambda + 2 mu) times the area times the slice
-/// (area and cells are integrated to 1e-9).
+/// Cells of all levels count for the slice: uniaxial strain has the energy (lambda + 2 mu) times the area times the
+/// slice (area and cells are integrated to 1e-9).
 TEST(PlaneStrain, EnergyOfAQuadtreeIsThatOfTheSlice) {
   const double slice = 0.03, area = M_PI / 4 * (0.9 * 0.9 - 0.45 * 0.45);
   for (const int axis : {0, 1, 2}) {
