@@ -19,8 +19,8 @@ struct Grid {
   /// Axis of the grid across which the body is one layer of cells thick and nothing varies (plane strain): nodes that
   /// differ in it only share their displacements, whose component along it is zero. -1: none.
   int plane_strain = -1;
-  /// In plane strain on a quadtree, cells of index 0 across on every level: the thickness for which each of them counts,
-  /// whatever its size, m. 0: no quadtree, cells count for their own.
+  /// In plane strain on a quadtree, cells of index 0 across on every level: the thickness for which each of them
+  /// counts, whatever its size, m. 0: no quadtree, cells count for their own.
   double slice = 0;
   /// On a quadtree: where all points are along plane_strain, in global axes too (it is turned about that axis only), m.
   double middle = 0;
