@@ -28,7 +28,8 @@ constexpr double dearer = 1.2;
 
 double count_unknowns(const std::vector<BodyModel>& bodies) {
   double nodes = 0;
-  for (const BodyModel& body : bodies) nodes += size_of(body.cut_cells).nodes;
+  for (const BodyModel& body : bodies)  // in plane strain those of one side, without what is zero across
+    nodes += (body.spec->plane_strain ? (dofs_per_node - 1) / 2.0 / dofs_per_node : 1) * size_of(body.cut_cells).nodes;
   return dofs_per_node * nodes;
 }
 

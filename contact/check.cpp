@@ -14,7 +14,7 @@ namespace {
 /// Of a body: without nodes that are constrained.
 long long count_unknowns(const BodyModel& body) {
   const long long all = static_cast<long long>(size_of(body.cut_cells).nodes);
-  if (body.spec->plane_strain) return (dofs_per_node - 1) * all / 2;
+  if (body.spec->plane_strain && body.cut_cells.num_levels() == 1) return (dofs_per_node - 1) * all / 2;
   if (body.cut_cells.num_levels() == 1) return dofs_per_node * all;
   return make_body_mesh(body.cut_cells, body.spec->material, Scales{}, 0).num_free_dofs();
 }
@@ -24,15 +24,15 @@ std::string describe_body(const BodyModel& body) {
   std::map<std::string, double> area;
   double total_area = 0;
   for (int p = 0; p < static_cast<int>(cc.boundary.size()); ++p) {
-    total_area += body.area(p);
-    for (const std::string& name : body.surface_names(p)) area[name] += body.area(p);
+    total_area += body.slices * body.area(p);
+    for (const std::string& name : body.surface_names(p)) area[name] += body.slices * body.area(p);
   }
   const long long cut = static_cast<long long>(cc.moments.size()), active = static_cast<long long>(cc.cells.size());
   std::string text = fmt::format(
       "body \"{}\": E = {:g} Pa, nu = {:g}, volume {:.10g} m3, surface {:.10g} m2\n"
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",
       body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio,
-      volume(cc) * std::pow(cc.grid.cell_size, 3), total_area, cc.grid.num_cells[0], cc.grid.num_cells[1],
+      body.slices * volume(cc) * std::pow(cc.grid.cell_size, 3), total_area, cc.grid.num_cells[0], cc.grid.num_cells[1],
       cc.grid.num_cells[2], cc.grid.cell_size, active, cut, count_unknowns(body));
   if (cc.num_levels() > 1) {
     text += "  levels:";
@@ -51,7 +51,7 @@ std::string describe_body(const BodyModel& body) {
     const BodyFace face(spec, body);
     double declared = 0;
     for (int p = 0; p < static_cast<int>(cc.boundary.size()); ++p)
-      if (face.contains(p)) declared += body.area(p);
+      if (face.contains(p)) declared += body.slices * body.area(p);
     text += fmt::format("  face {}: {:.10g} m2 (declared)\n", spec.name, declared);
   }
   return text;
@@ -86,7 +86,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   for (const ContactPair& pair : preparation.pairs) {
     double area = 0, smallest = 1e300, largest = -1e300;
     for (const ContactPoint& q : pair.points) {
-      area += q.weight;
+      area += preparation.bodies[pair.primary].slices * q.weight;
       smallest = std::min(smallest, q.distance);
       largest = std::max(largest, q.distance);
     }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 #include "contact/model/contact_system.hpp"
 #include "contact/preparation.hpp"
@@ -16,6 +17,7 @@
 #include "contact/results/pressure_estimate.hpp"
 #include "contact/results/pressure_paths.hpp"
 #include "contact/results/reference.hpp"
+#include "contact/results/slices.hpp"
 #include "contact/results/small_strain.hpp"
 #include "contact/results/verdict.hpp"
 #include "core/base/parallel.hpp"
@@ -34,10 +36,12 @@ constexpr int most_extensions = 5;
 std::pair<double, double> thickness_in_cells(const BodyModel& body) {
   Vec3 min, max;
   body.spec->solid.transformed(body.spec->grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max);
+  Vec3 extent = max - min;
+  if (body.spec->quadtree) extent[static_cast<int>(*body.spec->plane_strain)] = std::numeric_limits<double>::infinity();
   int finest = 0;
   for (int c = 0; c < static_cast<int>(body.cut_cells.cells.size()); ++c)
     finest = std::max(finest, body.cut_cells.level(c));
-  return {(max - min).minCoeff() / body.cut_cells.grid.cell_size_of(finest), std::ldexp(body.free_thickness, finest)};
+  return {extent.minCoeff() / body.cut_cells.grid.cell_size_of(finest), std::ldexp(body.free_thickness, finest)};
 }
 
 /// Wall time of named phases; a phase that comes again adds to its time.
@@ -248,7 +252,8 @@ void Simulation::recover() {
 
 /// The scene's reference at the computed force. Without any force, one that depends on it says nothing.
 void Simulation::choose_reference() {
-  const double force = results.pairs.empty() ? 0 : results.pairs.front().force_on_first.norm();
+  const double force =
+      results.pairs.empty() ? 0 : state.bodies.front().slices * results.pairs.front().force_on_first.norm();
   if (!state.scene.late_reference || force > 0) {
     try {
       state.reference = state.scene.reference_at(force);
@@ -283,6 +288,7 @@ void Simulation::fill_results() {
     for (const auto& warnings :
          {small_strain_warnings(state, results), lost_force_warnings(state, results), coarse_facet_warnings(state)})
       for (const std::string& warning : warnings) add_warning(warning);
+  scale_to_thickness(state, results);
 }
 
 }  // namespace cgcontact

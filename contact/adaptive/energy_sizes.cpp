@@ -39,8 +39,10 @@ double expected_energy_error(const Results& results, const std::vector<std::uniq
 std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double target,
                                                  const std::vector<double>& first_sizes) {
   double sum = 0;
+  const int dimensions = results.bodies.front().cut_cells->grid.is_quadtree() ? 2 : 3;
+  const double order = 1 + dimensions / 2.0;  // of error_of_cell in the size
   for (const BodyFields& body : results.bodies)
-    for (const double e : body.error_of_cell) sum += std::pow(e, 1.2);
+    for (const double e : body.error_of_cell) sum += std::pow(e, dimensions / order);
   std::vector<std::vector<SizedBall>> balls(results.bodies.size());
   if (!(results.estimated_error_relative > 0)) return balls;
   const double wanted = target * results.estimated_error / results.estimated_error_relative;
@@ -50,7 +52,7 @@ std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double 
     for (int c = 0; c < static_cast<int>(cells.cells.size()); ++c) {
       const double e = body.error_of_cell[c];
       if (!(e > 0)) continue;
-      const double ratio = wanted * std::pow(e, -0.4) / std::sqrt(sum), h = cells.h(c);
+      const double ratio = wanted * std::pow(e, -1 / order) / std::sqrt(sum), h = cells.h(c);
       const double size = rounding * h * std::clamp(ratio, smallest_ratio, largest_ratio);
       if (size < first_sizes[b]) balls[b].push_back({global_position(cells, c, Vec3::Zero()), half_diagonal * h, size});
     }

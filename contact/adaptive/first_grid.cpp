@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact/model/model.hpp"
 
@@ -11,13 +12,22 @@ namespace {
 /// Cells along the longest side of the grid on which volume and surface are measured: both are exact on any.
 constexpr double measuring_cells = 8;
 
-/// Along the axes of its grid, m.
-Vec3 extent(const BodySpec& body) {
+/// Along the axes of its grid, m; across a quadtree 0 or infinite: any thickness.
+Vec3 extent(const BodySpec& body, double across) {
   Vec3 min, max;
   if (!body.solid.transformed(body.grid_rotation.transpose(), Vec3::Zero()).bounding_box(min, max))
     throw InputError(body.place, "\"" + body.name + "\"", "the body is not bounded",
                      "intersect half-spaces with a box");
-  return max - min;
+  Vec3 extent = max - min;
+  if (body.quadtree) extent[static_cast<int>(*body.plane_strain)] = across;
+  return extent;
+}
+
+/// Size of cells (grid coordinates) of which so many fill the body.
+double size_of_cells(const BodyModel& body, double count) {
+  const Grid& grid = body.cut_cells.grid;
+  const double filled = volume(body.cut_cells);
+  return grid.is_quadtree() ? std::sqrt(filled / grid.thickness_of_cell(0) / count) : std::cbrt(filled / count);
 }
 
 }  // namespace
@@ -28,7 +38,7 @@ std::vector<double> first_cell_sizes(const Scene& scene) {
   Scene measured = scene;
   for (BodySpec& body : measured.bodies) {
     sizes.push_back(body.cell_size);
-    body.cell_size = extent(body).maxCoeff() / measuring_cells;
+    body.cell_size = extent(body, 0).maxCoeff() / measuring_cells;
     body.refine.clear();
   }
   if (std::all_of(sizes.begin(), sizes.end(), [](double size) { return size > 0; })) return sizes;
@@ -36,9 +46,9 @@ std::vector<double> first_cell_sizes(const Scene& scene) {
   for (std::size_t b = 0; b < sizes.size(); ++b) {
     if (sizes[b] > 0) continue;
     const double through = models[b].free_thickness / options.first_cells_through;
-    const double affordable = std::cbrt(volume(models[b].cut_cells) / options.most_first_cells);
+    const double affordable = size_of_cells(models[b], options.most_first_cells);
     const double size = measured.bodies[b].cell_size * std::max(through, affordable);
-    sizes[b] = std::min(size, extent(measured.bodies[b]).minCoeff());
+    sizes[b] = std::min(size, extent(measured.bodies[b], std::numeric_limits<double>::infinity()).minCoeff());
   }
   return sizes;
 }

@@ -19,6 +19,8 @@ constexpr double connected = 2, around = 3;
 constexpr double near_plane = 1.5;
 /// Of the groups' area: an overlap that fills more is not smaller than the cells.
 constexpr double fills = 0.8;
+/// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
+constexpr double line_indentation = 0.75 * M_PI;
 constexpr int most_doublings = 30, bisections = 40;
 
 struct Group {
@@ -54,6 +56,7 @@ class Overlap {
     const BodyModel &a = state.bodies[pair_.primary], &b = state.bodies[pair_.secondary];
     common_planes_ = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
                                    a.cut_cells.grid.cell_size);
+    slice_ = a.cut_cells.grid.slice;
     modulus_ =
         effective_modulus(state.scene.bodies[pair_.primary].material, state.scene.bodies[pair_.secondary].material);
   }
@@ -84,7 +87,14 @@ class Overlap {
   }
 
   /// m: of the contact zone in the overlap.
-  double width(const std::vector<GapSample>& samples) const { return width_of_overlap * axes(samples, 1e300).second; }
+  double width(const std::vector<GapSample>& samples) const {
+    if (slice_ > 0) return line(samples, 1e300).second;
+    return width_of_overlap * axes(samples, 1e300).second;
+  }
+  /// m, around a sample: what it stands for.
+  double reach(const GapSample& sample) const {
+    return std::sqrt(slice_ > 0 ? sample.area * cell_ / slice_ : sample.area);
+  }
 
  private:
   std::vector<GapSample> sampled(double limit) {
@@ -107,7 +117,22 @@ class Overlap {
       if ((with_images(mean, {plane}).back() - mean).norm() < 2 * near_plane * cell_) planes_.push_back(plane);
   }
 
+  /// Under line contact: volume, and width of the overlap, planes of symmetry being respected.
+  std::pair<double, double> line(const std::vector<GapSample>& samples, double limit) const {
+    double volume = 0, area = 0;
+    for (const GapSample& s : samples) {
+      if (s.distance >= limit) continue;
+      volume += (limit - s.distance) * s.area;
+      area += s.area;
+    }
+    return {volume, std::ldexp(area / slice_, static_cast<int>(planes_.size()))};
+  }
+
   double force_at(const std::vector<GapSample>& samples, double limit) const {
+    if (slice_ > 0) {
+      const auto [volume, width] = line(samples, limit);
+      return width > 0 ? line_indentation * modulus_ * volume / width : 0;
+    }
     double volume = 0, area = 0;
     for (const GapSample& s : samples) {
       if (s.distance >= limit) continue;
@@ -144,6 +169,7 @@ class Overlap {
   std::vector<Group> groups_;
   std::vector<SymmetryPlane> common_planes_, planes_;  // of both bodies; those of them that cut the overlap
   double area_ = 0, force_ = 0, cell_ = 0, nearest_ = 1e300, modulus_ = 0;
+  double slice_ = 0;  // of a quadtree, m
 };
 
 }  // namespace
@@ -179,7 +205,7 @@ void narrow_to_overlap(const SolvedState& state, std::size_t pair, ZoneState& zo
     const std::vector<GapSample> samples = overlap.samples();
     if (samples.empty()) return;
     narrowest = std::min(narrowest, overlap.width(samples));
-    for (const GapSample& s : samples) places.push_back({s.x, std::sqrt(s.area), 0});
+    for (const GapSample& s : samples) places.push_back({s.x, overlap.reach(s), 0});
   }
   if (places.empty()) return;
   zone.places = std::move(places);

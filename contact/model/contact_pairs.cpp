@@ -69,6 +69,7 @@ std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCel
   const double halvings = std::ldexp(1.0, finest_level(other_cells, low - around, high + around));
   std::vector<Plane> planes;
   for (int d = 0; d < 3; ++d) {
+    if (other.is_quadtree() && d == other.plane_strain) continue;  // there is one layer of cells
     const double norm = to_other.row(d).norm();
     const int first = static_cast<int>(std::ceil(std::max(low[d] * halvings + 1e-9, 0.0)));
     const int last = static_cast<int>(std::floor(std::min(high[d] * halvings - 1e-9, halvings * other.num_cells[d])));
@@ -99,6 +100,7 @@ std::vector<Plane> other_face_borders(const BodyModel& body, int cell, int surfa
   const Vec3 centre = grid_position(body.cut_cells, cell, Vec3::Zero());
   for (const Surface& s : other.cut_cells.solid.surfaces()) {
     if (s.kind != Surface::Kind::plane) continue;
+    if (other_grid.is_quadtree() && std::abs(s.direction[other_grid.plane_strain]) > 0.5) continue;  // it has no ends
     const Vec3 normal = grid.rotation.transpose() * (other_grid.rotation * s.direction);
     if (std::abs(normal.dot(own.direction)) > 0.9) continue;  // no border, or one that the ray meets elsewhere
     const double offset = normal.dot(grid.to_grid(other_grid.to_global(s.point)));

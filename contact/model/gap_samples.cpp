@@ -65,6 +65,12 @@ class Sampler {
     along_s_ = (grid.rotation.col(across) - grid.rotation.col(across).dot(normal_) * normal_).normalized();
     along_t_ = normal_.cross(along_s_);
     side_ = 2 * group.larger_cell;  // covers the cell in any direction
+    if (grid.is_quadtree()) {
+      along_s_ = Vec3::Unit(grid.plane_strain);
+      along_t_ = normal_.cross(along_s_);
+      widest_ = 0.5 * group.larger_cell;
+      area_factor_ = grid.slice / group.larger_cell;
+    }
   }
 
   Leaf leaf(double s, double t, double size) const {
@@ -84,6 +90,7 @@ class Sampler {
     return l;
   }
   double side() const { return side_; }
+  double area(const Leaf& leaf) const { return 0.25 * area_factor_ * leaf.size * leaf.size; }
   /// May the leaf lie in the group's cell?
   bool may_hold(const Leaf& leaf) const {
     const Grid& grid = cells_.grid;
@@ -118,7 +125,7 @@ class Sampler {
                .contains(solid.surfaces()[c.surface].names, grid.to_global(y), grid.rotation * c.normal))
         continue;
       own = c;
-      inside = c.surface == group_.surface &&
+      inside = c.surface == group_.surface && std::abs(s) < widest_ &&
                (group_.body != pair_.primary || primary_.cut_cells.locate(y - inward_step * c.normal) == group_.cell);
     }
     if (!own) return result;
@@ -140,6 +147,8 @@ class Sampler {
   const CutCells& cells_;  ///< of the body that the group's cell is of
   Vec3 normal_, centre_, along_s_, along_t_;
   double side_ = 0;
+  /// On a quadtree, where nothing varies along s: samples within a cell stand for the slice.
+  double widest_ = 1e300, area_factor_ = 1;
 };
 
 }  // namespace
@@ -186,7 +195,7 @@ std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const Co
   if (!(smallest < limit)) return samples;
   for (const Leaf& leaf : leaves)
     for (const Leaf::Sample& sample : leaf.samples)
-      if (sample.inside) samples.push_back({sample.x, 0.25 * leaf.size * leaf.size, sample.distance});
+      if (sample.inside) samples.push_back({sample.x, sampler.area(leaf), sample.distance});
   return samples;
 }
 

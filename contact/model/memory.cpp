@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/model/plane_strain.hpp"
 #include "core/base/memory.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
@@ -54,8 +55,14 @@ std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodie
 }  // namespace
 
 BodySize estimate_size(const BodySpec& body, bool finer) {
-  const BodyGeometry& geometry = body.solid.geometry();
-  const CellEstimate estimate = geometry.estimate_cells(make_grid(body), finer ? finer_cells : coarse_cells);
+  const Grid grid = make_grid(body);
+  Solid solid = body.solid;
+  if (body.quadtree) {  // in one layer of cells
+    const double low = grid.origin[grid.plane_strain];
+    solid = stretched_to(body, solid, low, low + grid.cell_size);
+  }
+  const BodyGeometry& geometry = solid.geometry();
+  const CellEstimate estimate = geometry.estimate_cells(grid, finer ? finer_cells : coarse_cells);
   return {estimate.nodes, estimate.cut_cells, static_cast<double>(geometry.num_facets()),
           body.plane_strain.has_value()};
 }

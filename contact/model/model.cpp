@@ -1,6 +1,7 @@
 #include "contact/model/model.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "contact/model/plane_strain.hpp"
@@ -67,7 +68,8 @@ void each_body_force(const BodyModel& body, const UseForce& use) {
   double weights[125];
   for (std::size_t e = 0; e < cc.cells.size(); ++e) {
     const int cut = cc.cut_of_active[e];
-    const double factor = std::pow(cc.h(static_cast<int>(e)), 3) / 8;
+    const double factor =
+        std::pow(cc.h(static_cast<int>(e)), 3) * cc.grid.thickness_of_cell(cc.level(static_cast<int>(e))) / 8;
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], 5, weights);
     for (int q = 0; q < 125; ++q) {
       const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
@@ -107,6 +109,45 @@ std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
   return faces;
 }
 
+/// What a body's cells are made of.
+struct PlacedBody {
+  Solid solid;  ///< in the coordinates of the grid
+  Grid grid;
+  std::vector<Plane> dividers;
+  CellTree tree;
+};
+
+/// All but the grid.
+void place_body(const Scene& scene, int body, PlacedBody& placed) {
+  const BodySpec& spec = scene.bodies[body];
+  const Grid& grid = placed.grid;
+  placed.solid = spec.solid.transformed(
+      grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
+  // Longer on both sides than the one layer of cells: they have no ends.
+  if (grid.is_quadtree()) placed.solid = stretched_to(spec, placed.solid, -1, 2);
+  placed.dividers = face_dividers(faces_in_use(scene, body), placed.solid, grid);
+  placed.tree = refined_tree(spec, placed.solid, grid, placed.dividers, scene.geometry);
+}
+
+/// One slice for all quadtrees, as thick as the smallest of their cells: there cells are cubes.
+void set_slices(std::vector<PlacedBody>& bodies) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const PlacedBody& body : bodies)
+    if (body.grid.is_quadtree()) smallest = std::min(smallest, body.grid.cell_size_of(body.tree.num_levels() - 1));
+  for (PlacedBody& body : bodies)
+    if (body.grid.is_quadtree()) body.grid.slice = smallest;
+}
+
+/// What make() gives; its InputErrors name the body.
+template <class Make>
+auto naming_body(const BodySpec& body, const Make& make) {
+  try {
+    return make();
+  } catch (const InputError& error) {
+    throw InputError(body.place, in_quotes(body.name), error.what());
+  }
+}
+
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
   throw InputError(face.place, in_quotes(scene.bodies[face.body].name + "." + face.face.name),
                    "the face selects no point of the body's boundary");
@@ -127,10 +168,11 @@ Grid make_grid(const BodySpec& body) {
     throw InputError(body.place, in_quotes(body.name), "the body is not bounded", "intersect half-spaces with a box");
   if (body.plane_strain) {
     grid.plane_strain = static_cast<int>(*body.plane_strain);
-    check_thickness(body, (max - min)[grid.plane_strain]);
+    if (!body.quadtree) check_thickness(body, (max - min)[grid.plane_strain]);
   }
   Vec3 start = min - body.cell_size * body.grid_offset;
   for (int d = 0; d < 3; ++d) {
+    if (body.quadtree && d == grid.plane_strain) continue;
     // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
     if (body.grid_offset[d] < grid_margin) start[d] -= body.cell_size;
     const double cells = (max[d] - start[d]) / body.cell_size + grid_margin;
@@ -139,33 +181,44 @@ Grid make_grid(const BodySpec& body) {
                        "a larger cell_size");
     grid.num_cells[d] = static_cast<int>(std::ceil(cells));
   }
+  if (body.quadtree) {
+    const int axis = grid.plane_strain;
+    start[axis] = min[axis];
+    grid.num_cells[axis] = 1;
+    grid.slice = grid.cell_size;
+    grid.middle = 0.5 * (min[axis] + max[axis]);
+    grid.thickness = max[axis] - min[axis];
+  }
   grid.origin = body.grid_rotation * start;
   return grid;
 }
 
 std::vector<BodyModel> make_body_models(const Scene& scene) {
+  check_slices(scene);
   std::vector<BodyModel> bodies(scene.bodies.size());
+  std::vector<PlacedBody> placed(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    placed[b].grid = make_grid(scene.bodies[b]);
+    naming_body(scene.bodies[b], [&] { place_body(scene, static_cast<int>(b), placed[b]); });
+  }
+  set_slices(placed);
   std::vector<char> support_used(scene.supports.size()), load_used(scene.loads.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     BodyModel& model = bodies[b];
     model.spec = &scene.bodies[b];
-    const Grid grid = make_grid(*model.spec);
-    const Solid solid = model.spec->solid.transformed(
-        grid.rotation.transpose(), -(grid.rotation.transpose() * grid.origin) / grid.cell_size, 1.0 / grid.cell_size);
-    try {
-      const std::vector<Plane> dividers = face_dividers(faces_in_use(scene, static_cast<int>(b)), solid, grid);
-      model.cut_cells = make_cut_cells(solid, grid, dividers, scene.geometry,
-                                       refined_tree(*model.spec, solid, grid, dividers, scene.geometry));
-    } catch (const InputError& error) {
-      throw InputError(model.spec->place, in_quotes(model.spec->name), error.what());
-    }
-    if (model.spec->plane_strain) check_extruded(*model.spec, model.cut_cells);
+    const auto& [solid, grid, dividers, tree] = placed[b];
+    model.cut_cells = naming_body(*model.spec, [&, &s = solid, &g = grid, &d = dividers, &t = tree] {
+      return make_cut_cells(s, g, d, scene.geometry, t);
+    });
+    if (grid.is_quadtree()) model.slices = grid.thickness / grid.slice;
+    if (model.spec->plane_strain && !model.spec->quadtree) check_extruded(*model.spec, model.cut_cells);
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     set_loads(scene, 1, model);
     measure_thickness(model);
   }
   for (std::size_t s = 0; s < support_used.size(); ++s)
-    if (!support_used[s]) refuse_empty_face(scene, scene.supports[s].face);
+    if (!support_used[s] && !(scene.supports[s].by_plane_strain && bodies[scene.supports[s].face.body].spec->quadtree))
+      refuse_empty_face(scene, scene.supports[s].face);
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
   return bodies;
@@ -183,8 +236,7 @@ void set_loads(const Scene& scene, double factor, BodyModel& model) {
 
 double volume(const CutCells& cc) {
   double sum = 0;
-  for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e)
-    sum += cc.volume_fraction(e) * std::ldexp(1.0, -3 * cc.level(e));
+  for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e) sum += cc.volume(e);
   return sum;
 }
 
@@ -207,6 +259,9 @@ void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyF
   const int axis = body.cut_cells.grid.plane_strain;
   const Vec3 direction = Vec3::Unit(axis), up = Vec3::Unit((axis + 1) % 3), across = Vec3::Unit((axis + 2) % 3);
   std::vector<double> area(body.cut_cells.cells.size(), 0.0);
+  if (body.spec->quadtree)  // it has no ends
+    for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
+      area[cell] = body.cut_cells.volume_fraction(cell) * std::pow(body.cut_cells.h(cell), 2);
   for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
     if (face.contains(p)) area[body.cut_cells.boundary.cell[p]] += body.area(p);
   for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)

@@ -32,11 +32,12 @@ struct BodyModel {
   std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
   double thickness = 0;                     ///< twice the volume over the area, unit of the grid coordinates
   double free_thickness = 0;                ///< the same over the area that no support holds
+  double slices = 1;  ///< on a quadtree: the body's thickness over that of the slice (Grid::slice) that stands for it
   /// Less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
   Vec3 normal(int boundary_point) const { return cut_cells.grid.rotation * cut_cells.boundary.normal[boundary_point]; }
-  /// m^2
+  /// m^2; on a quadtree of the slice
   double area(int boundary_point) const {
     return cut_cells.boundary.weight[boundary_point] * cut_cells.grid.cell_size * cut_cells.grid.cell_size;
   }

@@ -90,7 +90,9 @@ bool comes_between(const BodyModel& body, const Vec3& x, const Vec3& n, double d
 
 double longest_extent(const BodyModel& body) {
   const auto [min, max] = box_around(body);
-  return (max - min).maxCoeff();
+  Vec3 extent = max - min;
+  if (body.spec->quadtree) extent[static_cast<int>(*body.spec->plane_strain)] = 0;  // any thickness
+  return extent.maxCoeff();
 }
 
 double box_distance(const BodyModel& a, const BodyModel& b) {

@@ -15,6 +15,8 @@ constexpr double rounding = 1e-6, thinnest = 0.5;
 constexpr double flat = 1e-3;
 /// Part of a load along the axis.
 constexpr double along_axis = 1e-3;
+/// Of the thickness: triangle surfaces have coordinates in single precision.
+constexpr double same_ends = 1e-5;
 
 [[noreturn]] void refuse(const BodySpec& body, const std::string& problem, const std::string& allowed) {
   throw InputError(body.plane_strain_place, '"' + name_of(*body.plane_strain) + '"',
@@ -28,6 +30,14 @@ std::string name_of_face(const Scene& scene, const FaceRef& face) {
 }
 
 int axis_of(const BodySpec& body) { return static_cast<int>(*body.plane_strain); }
+
+/// Where a bounded body ends along its axis, m.
+std::pair<double, double> ends_of(const BodySpec& body) {
+  Vec3 min, max;
+  if (!body.solid.bounding_box(min, max))
+    throw InputError(body.place, '"' + body.name + '"', "the body is not bounded", "intersect half-spaces with a box");
+  return {min[axis_of(body)], max[axis_of(body)]};
+}
 
 /// Is a boundary point on an end?
 bool on_end(const BodyModel& body, int point) { return std::abs(body.normal(point)[axis_of(*body.spec)]) > 0.5; }
@@ -94,6 +104,39 @@ void check_thickness(const BodySpec& body, double thickness) {
                   "before it: it must lie in one layer of cells and fill half of it",
                   thickness, cells, offset),
       fmt::format("a thickness of {:.6g} to {:.6g} m", thinnest * body.cell_size, (1 - offset) * body.cell_size));
+}
+
+void check_slices(const Scene& scene) {
+  const auto quadtree =
+      std::find_if(scene.bodies.begin(), scene.bodies.end(), [](const BodySpec& body) { return body.quadtree; });
+  if (quadtree == scene.bodies.end()) return;
+  const auto [low, high] = ends_of(*quadtree);
+  const std::string& axis = name_of(*quadtree->plane_strain);
+  for (const BodySpec& body : scene.bodies) {
+    if (!body.plane_strain)
+      throw InputError(quadtree->plane_strain_place, '"' + axis + '"',
+                       "body \"" + body.name + "\" is not in plane strain, and cells are refined",
+                       "plane_strain for all bodies of a scene with refine or [accuracy]");
+    const auto [own_low, own_high] = ends_of(body);
+    if (std::abs(own_low - low) + std::abs(own_high - high) > same_ends * (high - low))
+      refuse(body,
+             fmt::format("it lies between {:.6g} and {:.6g} m, body \"{}\" between {:.6g} and {:.6g} m", own_low,
+                         own_high, quadtree->name, low, high),
+             "the same ends for all bodies of a scene with refine or [accuracy]");
+    stretched_to(body, body.solid, low, high);  // refuses what is no prism
+  }
+}
+
+Solid stretched_to(const BodySpec& body, const Solid& solid, double low, double high) {
+  Vec3 min, max;
+  solid.bounding_box(min, max);
+  const int axis = axis_of(body);
+  const double factor = (high - low) / (max - min)[axis];
+  try {
+    return solid.stretched(axis, factor, low - factor * min[axis]);
+  } catch (const InputError& error) {
+    refuse(body, error.what(), "a prism between two planes across the axis");
+  }
 }
 
 void check_extruded(const BodySpec& body, const CutCells& cells) {

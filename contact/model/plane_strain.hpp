@@ -9,6 +9,13 @@ namespace cgcontact {
 /// The thickness (m) of a body along its axis of plane strain against its cells.
 void check_thickness(const BodySpec& body, double thickness);
 
+/// The bodies of a scene with quadtrees are all in plane strain, and between the same two planes.
+void check_slices(const Scene& scene);
+
+/// The body, in any coordinates that are turned about its axis only, between other ends (low < high). Refuses it if it
+/// is no prism.
+Solid stretched_to(const BodySpec& body, const Solid& solid, double low, double high);
+
 /// The boundary of such a body: two flat ends, and sides along the axis; cells in one layer.
 void check_extruded(const BodySpec& body, const CutCells& cells);
 

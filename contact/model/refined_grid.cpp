@@ -71,7 +71,9 @@ CellTree refined_tree(const BodySpec& body, const Solid& solid, const Grid& grid
   for (const auto& field : body.sizes) levels = std::max(levels, 1 + halvings_for(grid.cell_size, field->smallest()));
   const auto wanted = [&](const Vec3& low, const Vec3& high) {
     const Vec3 centre = grid.to_global(0.5 * (low + high));
-    const double radius = 0.5 * grid.cell_size * (high - low).norm();
+    Vec3 diagonal = high - low;
+    if (grid.is_quadtree()) diagonal[grid.plane_strain] = 0;
+    const double radius = 0.5 * grid.cell_size * diagonal.norm();
     double smallest = 1e300;
     for (const RefineSpec& refine : body.refine)
       if (refine.kind != RefineSpec::Kind::face)

@@ -270,7 +270,7 @@ std::vector<SupportPoint> hold(const FreeMotions& free, const std::vector<BodyMo
         point.direction = d;
         point.normal = body.normal(static_cast<int>(p));
         const double h = body.cut_cells.h(point.cell);
-        point.weight = h * h;
+        point.weight = h * h * body.cut_cells.grid.thickness_of_cell(body.cut_cells.level(point.cell));
         candidates.push_back(point);
       }
   }

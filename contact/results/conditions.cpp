@@ -101,10 +101,13 @@ std::string condition_of(const SolvedState& state, int support) {
   return text;
 }
 
-double area_of(const SolvedState& state, const FaceRef& reference) {
+double area_of(const SolvedState& state, const FaceRef& reference, bool is_end) {
   const BodyModel& body = state.bodies[reference.body];
   const BodyFace face(reference.face, body);
   double area = 0;
+  if (body.spec->quadtree && is_end)
+    for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell)
+      area += body.cut_cells.volume_fraction(cell) * std::pow(body.cut_cells.h(cell), 2);
   for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
     if (face.contains(p)) area += body.area(p);
   return area;
@@ -118,7 +121,7 @@ void fill_conditions(const SolvedState& state, Results& results) {
   add_body_forces(state, results);
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
     results.supports[s].condition = condition_of(state, static_cast<int>(s));
-    results.supports[s].area = area_of(state, state.scene.supports[s].face);
+    results.supports[s].area = area_of(state, state.scene.supports[s].face, state.scene.supports[s].by_plane_strain);
   }
   for (std::size_t k = 0; k < results.pairs.size(); ++k) results.pairs[k].interference = state.pairs[k].interference;
   for (std::size_t b = 0; b < results.bodies.size(); ++b) {

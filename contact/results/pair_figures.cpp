@@ -182,7 +182,8 @@ std::vector<std::string> lost_force_warnings(const SolvedState& state, const Res
           "contact \"{}\": the pressure on \"{}\" adds up to {:.3g} N, but {:.3g} N are transmitted: the contact "
           "zone is too small for these cells, or the pressure has a peak at the rim of a face; the force is right, "
           "the pressure is not",
-          pair.spec->name, state.scene.bodies[body].name, recovered, transmitted));
+          pair.spec->name, state.scene.bodies[body].name, state.bodies[body].slices * recovered,
+          state.bodies[body].slices * transmitted));
       break;
     }
   }

@@ -113,6 +113,14 @@ Vec3 force_on_end(const SolvedState& state, const FaceRef& reference) {
   const BoundaryPoints& boundary = body.cut_cells.boundary;
   const BodyFace face(reference.face, body);
   Vec3 force = Vec3::Zero();
+  if (body.spec->quadtree) {  // no points on its ends: nothing varies from one to the other
+    const CutCells& cells = body.cut_cells;
+    const Vec3 n = reference.face.normal_cone->first;
+    for (int cell = 0; cell < static_cast<int>(cells.cells.size()); ++cell)
+      force += cells.volume_fraction(cell) * std::pow(cells.h(cell), 2) *
+               n.dot(tensor(raw_stress(state, reference.body, cell, centroid(cells, cell))) * n) * n;
+    return force;
+  }
   for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
     if (!face.contains(p)) continue;
     const int cell = boundary.cell[p];

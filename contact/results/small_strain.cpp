@@ -28,14 +28,6 @@ struct StrainExtremes {
   Largest strain, displacement;
 };
 
-/// Centroid of the material in an active cell, cell coordinates.
-Vec3 centroid(const CutCells& cc, int e) {
-  if (cc.cut_of_active[e] < 0) return Vec3::Zero();
-  constexpr int n = moment_degree + 1;
-  const Moments& m = cc.moments[cc.cut_of_active[e]];
-  return Vec3(m[n * n], m[n], m[1]) / m[0];
-}
-
 /// At the centroid of every cell.
 StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
                              double length_scale) {

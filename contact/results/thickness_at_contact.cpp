@@ -30,7 +30,7 @@ Thickness thickness_at_contact(const SolvedState& state, const ContactPair& pair
   mark_cells_around(cells, closed, reach, near);
   double volume = 0;
   for (int e = 0; e < static_cast<int>(near.size()); ++e)
-    if (near[e]) volume += cells.volume_fraction(e) * std::ldexp(1.0, -3 * cells.level(e));
+    if (near[e]) volume += cells.volume(e);
   Mat3 facing = Mat3::Zero();  // area times the squares of the normals' components
   const BoundaryPoints& boundary = cells.boundary;
   for (std::size_t p = 0; p < boundary.size(); ++p)

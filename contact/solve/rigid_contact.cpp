@@ -273,7 +273,12 @@ std::vector<Led> FloatingBodies::led_pairs() const {
   for (const ContactPair& pair : pairs_) {
     const auto driven = [&](int body) { return floats(body) && loaded_[body]; };
     const bool held = !floats(pair.primary) && !floats(pair.secondary);
-    led.push_back(held ? Led::held : driven(pair.primary) || driven(pair.secondary) ? Led::no : Led::squeezed);
+    // Line contact has no approach of its own: its bodies give it.
+    const bool line = bodies_[pair.primary].spec->quadtree;
+    led.push_back(line                                             ? Led::no
+                  : held                                           ? Led::held
+                  : driven(pair.primary) || driven(pair.secondary) ? Led::no
+                                                                   : Led::squeezed);
   }
   return led;
 }

@@ -16,6 +16,8 @@ namespace cgcontact {
 namespace {
 
 constexpr double merge_tolerance = 1e-12;  // relative to the size of the solid
+/// Cosine below which a surface is along an axis, and part of a prism's length by which its ends may be off.
+constexpr double right_angle = 1e-9;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void require(bool condition, const char* problem) {
@@ -184,6 +186,28 @@ std::shared_ptr<const BodyGeometry> CsgBody::transformed(const Mat3& rotation, c
     hull.ball_radius *= scale;
     hull.disc_radius *= scale;
   }
+  return result;
+}
+
+std::shared_ptr<const BodyGeometry> CsgBody::stretched(int axis, double factor, double shift) const {
+  Vec3 min, max;
+  require(bounding_box(min, max), "a prism must be bounded");
+  auto result = std::make_shared<CsgBody>(*this);
+  for (Surface& s : result->surfaces_) {
+    const double cosine = std::abs(s.direction[axis]);
+    const bool along = s.kind == Surface::Kind::plane ? cosine < right_angle : cosine > 1 - right_angle;
+    const bool end = s.kind == Surface::Kind::plane && cosine > 1 - right_angle;
+    const double slack = right_angle * (max - min)[axis];
+    if (s.kind == Surface::Kind::sphere || !(along || end) ||
+        (end && s.point[axis] > min[axis] + slack && s.point[axis] < max[axis] - slack))
+      throw InputError(fmt::format("surface {} is neither an end of a prism nor along its axis",
+                                   s.names.empty() ? "without a name" : '"' + s.names.front() + '"'));
+    if (along) s.direction[axis] = s.kind == Surface::Kind::plane ? 0 : std::copysign(1.0, s.direction[axis]);
+    s.direction.normalize();
+    s.point[axis] = factor * s.point[axis] + shift;
+  }
+  for (Hull& hull : result->hulls_)
+    for (Vec3& x : hull.points) x[axis] = factor * x[axis] + shift;
   return result;
 }
 

@@ -44,6 +44,7 @@ class CsgBody final : public BodyGeometry {
 
   std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                   double scale) const override;
+  std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const override;
   /// Intersections and differences are bounded by their operands, planes by the half-spaces parallel to the axes.
   bool bounding_box(Vec3& min, Vec3& max) const override;
   bool contains(const Vec3& x) const override;

@@ -1,8 +1,11 @@
 #include "core/bodies/triangle_body.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/errors.hpp"
 #include "core/bodies/triangle_cells.hpp"
 #include "core/bodies/triangle_pieces.hpp"
 #include "core/cells/grid.hpp"
@@ -14,6 +17,8 @@ namespace {
 /// A patch this flat is a plane: coordinates in single precision, as STL files have them, are about 1e-7 off.
 /// Small triangles are turned more by that than large ones.
 constexpr double flat_tolerance = 1e-6, flat_angle = 1e-2;
+/// Of normals, and of the length of a prism: its sides and ends.
+constexpr double flat_end = 1e-3;
 /// Radians between neighbours of one smooth patch that make it curved.
 constexpr double curved = 0.01;
 
@@ -92,6 +97,28 @@ TriangleBody::TriangleBody(TriangleSurface surface)
 std::shared_ptr<const BodyGeometry> TriangleBody::transformed(const Mat3& rotation, const Vec3& translation,
                                                               double scale) const {
   return std::make_shared<TriangleBody>(triangles_->transformed(rotation, translation, scale));
+}
+
+std::shared_ptr<const BodyGeometry> TriangleBody::stretched(int axis, double factor, double shift) const {
+  Vec3 min, max;
+  bounding_box(min, max);
+  const double slack = flat_end * (max - min)[axis];
+  for (int t = 0; t < static_cast<int>(triangles_->triangles().size()); ++t) {
+    const double cosine = std::abs(triangles_->normal(t)[axis]);
+    bool prism = cosine < flat_end || cosine > 1 - flat_end;
+    for (int k = 0; k < 3; ++k) {
+      const double place = triangles_->corner(t, k)[axis];
+      prism = prism && (place < min[axis] + slack || place > max[axis] - slack || cosine < flat_end);
+    }
+    if (!prism) {
+      const Vec3& x = triangles_->corner(t, 0);
+      throw InputError(
+          fmt::format("the triangle at ({:.4g}, {:.4g}, {:.4g}) is neither on an end of a prism nor along "
+                      "its axis",
+                      x[0], x[1], x[2]));
+    }
+  }
+  return std::make_shared<TriangleBody>(triangles_->stretched(axis, factor, shift));
 }
 
 bool TriangleBody::bounding_box(Vec3& min, Vec3& max) const {

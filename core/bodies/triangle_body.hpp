@@ -15,6 +15,7 @@ class TriangleBody final : public BodyGeometry {
 
   std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                   double scale) const override;
+  std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const override;
   bool bounding_box(Vec3& min, Vec3& max) const override;
   bool contains(const Vec3& x) const override { return triangles_->contains(x); }
   double distance_to_surfaces(const Vec3& x) const override { return triangles_->nearest(x).distance; }

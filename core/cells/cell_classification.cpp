@@ -37,7 +37,7 @@ class Classifier {
         begin[k] = static_cast<int>(std::floor(std::clamp(min[k], -1e8, -1.0)));
         end[k] = static_cast<int>(std::ceil(std::clamp(max[k], end[k] + 0.0, 1e8)));
       }
-    visit(begin, end, std::vector<signed char>(body_.surfaces().size(), -1));
+    visit_layer(begin, end);
   }
 
   /// The children of all refined cells, at the border of the grid with one more layer: by rounding, a face in it may
@@ -49,8 +49,17 @@ class Classifier {
         begin[d] = 2 * parent[d] - (parent[d] == 0);
         end[d] = 2 * parent[d] + 2 + (2 * parent[d] + 2 == grid_.num_cells[d]);
       }
-      visit(begin, end, std::vector<signed char>(body_.surfaces().size(), -1));
+      visit_layer(begin, end);
     });
+  }
+
+  /// The body goes on beyond the one layer of a quadtree.
+  void visit_layer(Index3 begin, Index3 end) {
+    if (leaves_.across >= 0) {
+      begin[leaves_.across] = 0;
+      end[leaves_.across] = 1;
+    }
+    visit(begin, end, std::vector<signed char>(body_.surfaces().size(), -1));
   }
 
   void visit(const Index3& begin, const Index3& end, std::vector<signed char> sides) {
@@ -79,7 +88,7 @@ class Classifier {
       if (begin[k] < 0 || end[k] > grid_.num_cells[k]) throw InputError("the body sticks out of its grid");
     for (int k = begin[2]; k < end[2]; ++k)
       for (int j = begin[1]; j < end[1]; ++j) {
-        if (!leaves_.tree) {
+        if (leaves_.all()) {
           classes_.inside.insert_row({begin[0], j, k}, end[0] - begin[0]);
           continue;
         }

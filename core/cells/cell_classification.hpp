@@ -15,11 +15,15 @@ struct CellClasses {
   std::vector<Index3> candidates;  ///< cells that a surface may cross, also just outside of the grid; by k, j, i
 };
 
-/// The leaves of one level of a tree.
+/// The leaves of one level of a tree; of a quadtree (Grid::slice) those of index 0 across.
 struct LeafLevel {
   const CellTree* tree = nullptr;  ///< nullptr: all cells
   int level = 0;
-  bool has(const Index3& cell) const { return !tree || tree->is_leaf(level, cell); }
+  int across = -1;  ///< axis across which there is one layer; -1: none
+  bool all() const { return !tree && across < 0; }
+  bool has(const Index3& cell) const {
+    return (across < 0 || cell[across] == 0) && (!tree || tree->is_leaf(level, cell));
+  }
 };
 
 /// By BodyGeometry::side_of_block, of a body in the coordinates of the grid (of that level). Throws InputError if a

@@ -72,7 +72,8 @@ CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
     if (body.side_of_block(0.5 * (low + high), Vec3::Constant(0.5 * size), sides) == 0) return;
     refined[level].push_back(cell);
     for (int a = 0; a < 8; ++a)
-      visit(level + 1, {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)});
+      if (!grid.is_quadtree() || (a >> grid.plane_strain & 1) == 0)
+        visit(level + 1, {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)});
   };
   for (int k = 0; k < grid.num_cells[2]; ++k)
     for (int j = 0; j < grid.num_cells[1]; ++j)

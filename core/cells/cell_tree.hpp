@@ -51,7 +51,8 @@ inline Index3 cells_of_level(const Index3& num_cells, int level) {
   return {num_cells[0] << level, num_cells[1] << level, num_cells[2] << level};
 }
 
-/// Divides cells which the body touches for as long as they are larger than what is wanted somewhere in them.
+/// Divides cells which the body touches for as long as they are larger than what is wanted somewhere in them; those of
+/// a quadtree (Grid::slice) into four.
 /// body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid coordinates. most_levels >= 1.
 CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
                       const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int most_levels);

@@ -27,23 +27,24 @@ struct PieceMean {
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
 };
 
-/// Points from a given one on: from the grid coordinates of a level to those of the body.
-void scale_points(BoundaryPoints& points, std::size_t first, int level) {
-  if (level == 0) return;
-  const double length = std::ldexp(1.0, -level);
+/// Points from a given one on: from the grid coordinates of a level to those of the body, their areas to those for
+/// which its cells count.
+void scale_points(const Grid& grid, BoundaryPoints& points, std::size_t first, int level) {
+  if (level == 0 && !grid.is_quadtree()) return;
+  const double length = std::ldexp(1.0, -level), thickness = grid.thickness_of_cell(level);
   for (std::size_t i = first; i < points.size(); ++i) {
     points.position[i] *= length;
-    points.weight[i] *= length * length;
+    points.weight[i] *= thickness * length * length;
     if (!points.piece_position.empty()) points.piece_position[i] *= length;
   }
 }
 
 /// Points of a candidate (of one surface unless `surface` is negative) with their owner.
-void append_points(const Candidate& from, int surface, int owner, BoundaryPoints& to) {
+void append_points(const Grid& grid, const Candidate& from, int surface, int owner, BoundaryPoints& to) {
   const std::size_t first = to.size();
   for (std::size_t i = 0; i < from.points.size(); ++i)
     if (surface < 0 || from.points.surface[i] == surface) to.append(from.points, i, owner);
-  scale_points(to, first, from.level);
+  scale_points(grid, to, first, from.level);
 }
 
 std::vector<Plane> planes_of_level(std::vector<Plane> planes, int level) {
@@ -112,7 +113,7 @@ class CutCellBuilder {
       // powers of two: planes and cells lie as they do on the other levels, to the last bit
       level.solid = l == 0 ? solid : solid.transformed(Mat3::Identity(), Vec3::Zero(), std::ldexp(1.0, l));
       level.dividers = planes_of_level(face_dividers, l);
-      if (num_levels() > 1) level.leaves = LeafLevel{&tree, l};
+      level.leaves = LeafLevel{num_levels() > 1 ? &tree : nullptr, l, grid.is_quadtree() ? grid.plane_strain : -1};
     }
   }
 
@@ -146,9 +147,20 @@ class CutCellBuilder {
       sweep->sweep(part, swept);
       for (CellIntegrals& cell : swept.crossed)
         if (level.leaves.has(cell.cell)) keep(std::move(cell), l, found[part]);
-      for (const auto& [first, number] : swept.inside) set_inside(first, number, l, found[part]);
+      for (auto& [first, number] : swept.inside)
+        if (in_layer(level.leaves.across, first, number)) set_inside(first, number, l, found[part]);
     });
     collect_found(found, level);
+  }
+
+  /// Of a row of cells along x: what is in the one layer of a quadtree. False: nothing.
+  static bool in_layer(int across, Index3& first, int& number) {
+    if (across < 0) return true;
+    if (across == 0 && first[0] <= 0 && first[0] + number > 0) {
+      first[0] = 0;
+      number = 1;
+    }
+    return first[across] == 0;
   }
 
   void collect_found(std::vector<Found>& found, LevelOfGrid& level) {
@@ -163,7 +175,7 @@ class CutCellBuilder {
   }
 
   static void insert_leaves(const Index3& first, int number, LevelOfGrid& level) {
-    if (!level.leaves.tree) return level.numbers.insert_row(first, number);
+    if (level.leaves.all()) return level.numbers.insert_row(first, number);
     for (Index3 c = first; c[0] < first[0] + number; ++c[0])
       if (level.leaves.has(c)) level.numbers.insert(c);
   }
@@ -307,6 +319,7 @@ class CutCellBuilder {
       const Index3& cell = candidates_[c].cell;
       Candidate part;
       part.cell = {2 * cell[0] + (a & 1), 2 * cell[1] + (a >> 1 & 1), 2 * cell[2] + (a >> 2)};
+      if (finer.leaves.across >= 0 && part.cell[finer.leaves.across] != 0) continue;
       part.level = level;
       part.pruned = true;
       part.moments = {};
@@ -359,11 +372,12 @@ class CutCellBuilder {
       result_.active_of_cut.push_back(a);
       result_.moments.push_back(candidate >= 0 ? candidates_[candidate].moments : full_cell_moments());
       if (candidate >= 0) {
-        append_points(candidates_[candidate], -1, a, result_.boundary);
+        append_points(result_.grid, candidates_[candidate], -1, a, result_.boundary);
         candidates_[candidate].points = {};
       }
       for (; adopted < donors_.size() && result_.adoptions[adopted].active == a; ++adopted)
-        append_points(candidates_[donors_[adopted]], result_.adoptions[adopted].surface, a, result_.boundary);
+        append_points(result_.grid, candidates_[donors_[adopted]], result_.adoptions[adopted].surface, a,
+                      result_.boundary);
     }
     for (const auto& [heir, extra] : extra_)
       for (int q = 0; q < num_moments; ++q) result_.moments[result_.cut_of_active[heir]][q] += extra[q];
@@ -453,6 +467,14 @@ Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi)
   return cut_cells.grid.to_global(grid_position(cut_cells, active_cell, xi));
 }
 
+Vec3 centroid(const CutCells& cut_cells, int active_cell) {
+  const int cut = cut_cells.cut_of_active[active_cell];
+  if (cut < 0) return Vec3::Zero();
+  constexpr int n = moment_degree + 1;
+  const Moments& m = cut_cells.moments[cut];
+  return Vec3(m[n * n], m[n], m[1]) / m[0];
+}
+
 CutCells make_cut_cells(const Solid& solid_in_grid_coordinates, const Grid& grid,
                         const std::vector<Plane>& face_dividers, const GeometryOptions& options, const CellTree& tree) {
   for (int k = 0; k < 3; ++k)
@@ -472,7 +494,7 @@ void boundary_points_of_cell(const CutCells& cut_cells, int active_cell, const s
     const Solid& solid = level == 0 ? cut_cells.solid : cut_cells.part_solids[level];
     solid.geometry().boundary_points(cell, wanted, level == 0 ? all : planes_of_level(all, level), order, active_cell,
                                      points);
-    scale_points(points, first, level);
+    scale_points(cut_cells.grid, points, first, level);
   };
   add_cell(cut_cells.cells[active_cell], cut_cells.level(active_cell), selected);
   auto adoption = std::lower_bound(cut_cells.adoptions.begin(), cut_cells.adoptions.end(), active_cell,

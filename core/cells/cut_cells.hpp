@@ -60,6 +60,11 @@ struct CutCells {
     const int cut = cut_of_active[active];
     return cut < 0 ? 1.0 : moments[cut][0] / 8.0;
   }
+  /// Of the material for which an active cell counts, units of the grid coordinates.
+  double volume(int active) const {
+    const int l = level(active);
+    return volume_fraction(active) * std::ldexp(grid.thickness_of_cell(l), -3 * l);
+  }
   /// Active cell at the given cell index triple of a level, or -1.
   int find(const Index3& c) const { return find(0, c); }
   int find(int level, const Index3& c) const {
@@ -77,6 +82,9 @@ Vec3 cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& gr
 /// Where cell coordinates are: grid coordinates; global axes, m.
 Vec3 grid_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
 Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
+
+/// Of the material in an active cell, cell coordinates.
+Vec3 centroid(const CutCells& cut_cells, int active_cell);
 
 /// Classifies all cells of the grid and integrates the cut ones. Throws InputError if the body has no volume or
 /// sticks out of its grid. `face_dividers`: where declared faces end, in grid coordinates: their pieces are cut there.

@@ -19,10 +19,28 @@ struct Grid {
   /// Axis of the grid across which the body is one layer of cells thick and nothing varies (plane strain): nodes that
   /// differ in it only share their displacements, whose component along it is zero. -1: none.
   int plane_strain = -1;
+  /// In plane strain on a quadtree, cells of index 0 across on every level: the thickness for which each of them
+  /// counts, whatever its size, m. 0: no quadtree, cells count for their own.
+  double slice = 0;
+  /// On a quadtree: where all points are along plane_strain, in global axes too (it is turned about that axis only), m.
+  double middle = 0;
+  double thickness = 0;  ///< on a quadtree: of the body across, m
 
+  bool is_quadtree() const { return slice > 0; }
   double cell_size_of(int level) const { return std::ldexp(cell_size, -level); }
-  Vec3 to_grid(const Vec3& x) const { return rotation.transpose() * (x - origin) / cell_size; }
-  Vec3 to_global(const Vec3& g) const { return origin + cell_size * (rotation * g); }
+  /// Thickness for which a cell of a level counts, in cells of that level.
+  double thickness_of_cell(int level) const { return is_quadtree() ? slice / cell_size_of(level) : 1; }
+  /// On a quadtree in the smallest cells, wherever x is across: so cells of all levels hold it.
+  Vec3 to_grid(const Vec3& x) const {
+    Vec3 g = rotation.transpose() * (x - origin) / cell_size;
+    if (is_quadtree()) g[plane_strain] = std::ldexp(0.5, 1 - num_levels);
+    return g;
+  }
+  Vec3 to_global(const Vec3& g) const {
+    Vec3 x = origin + cell_size * (rotation * g);
+    if (is_quadtree()) x[plane_strain] = middle;
+    return x;
+  }
 };
 
 }  // namespace cgcontact

@@ -513,9 +513,43 @@ void append_level(const ClippedMesh& level, int number, int first_cell, ClippedM
     mesh.boundary.push_back({moved(t.points), first_cell + t.cell, t.surface, number});
 }
 
+/// A quadtree's cells end where their layer does, inside of the solid (of that level): these sides of the pieces are
+/// the ends of the body.
+void add_ends(const CutCells& level, ClippedMesh& mesh) {
+  const int axis = level.grid.plane_strain;
+  const std::vector<Surface>& surfaces = level.solid.surfaces();
+  for (const int side : {0, 1}) {
+    const auto end = std::find_if(surfaces.begin(), surfaces.end(), [&](const Surface& s) {
+      return s.kind == Surface::Kind::plane && (side == 0 ? -1 : 1) * s.direction[axis] > 0.5;
+    });
+    const int surface = end == surfaces.end() ? 0 : static_cast<int>(end - surfaces.begin());
+    const auto add = [&](const std::array<int, 3>& points, int cell) {
+      for (const int p : points)
+        if (std::abs(mesh.points[p][axis] - side) > on_tolerance) return;
+      mesh.boundary.push_back({points, cell, surface});
+    };
+    for (std::size_t i = 0; i < mesh.hexahedra.size(); ++i)
+      for (const auto& f : face) {
+        const Hexahedron& h = mesh.hexahedra[i];
+        add({h[f[0]], h[f[1]], h[f[2]]}, mesh.cell_of_hexahedron[i]);
+        add({h[f[0]], h[f[2]], h[f[3]]}, mesh.cell_of_hexahedron[i]);
+      }
+    for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
+      for (const auto& f : {Index3{0, 2, 1}, Index3{0, 1, 3}, Index3{0, 3, 2}, Index3{1, 2, 3}}) {
+        const Tetrahedron& t = mesh.tetrahedra[i];
+        add({t[f[0]], t[f[1]], t[f[2]]}, mesh.cell_of_tetrahedron[i]);
+      }
+  }
+}
+
 /// Level by level: points are shared within a level only.
 template <class Clip>
-ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip) {
+ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip_level) {
+  const auto clip = [&](const CutCells& level) {
+    ClippedMesh mesh = clip_level(level);
+    if (level.grid.is_quadtree()) add_ends(level, mesh);
+    return mesh;
+  };
   if (cut_cells.parts.empty()) return clip(cut_cells);
   ClippedMesh mesh;
   mesh.level_of_cell = cut_cells.levels;
@@ -538,7 +572,9 @@ ClippedMesh clip_cells(const CutCells& cut_cells) {
 }
 
 ClippedMesh clip_boundary(const CutCells& cut_cells) {
-  return clip_levels(cut_cells, [](const CutCells& level) { return Clipper(level).run_boundary(); });
+  return clip_levels(cut_cells, [](const CutCells& level) {
+    return level.grid.is_quadtree() ? Clipper(level).run() : Clipper(level).run_boundary();
+  });
 }
 
 Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& point) {

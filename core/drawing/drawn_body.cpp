@@ -165,6 +165,12 @@ double von_mises(const Sym3& s) {
   return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
+double volume_of_cell(const CutCells& cut_cells, int cell) {
+  const Grid& grid = cut_cells.grid;
+  const double h = cut_cells.h(cell);
+  return cut_cells.volume_fraction(cell) * (grid.is_quadtree() ? h * h * grid.thickness : std::pow(h, 3));
+}
+
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
   DrawnBody drawn;
   drawn.mesh = std::move(mesh);
@@ -177,6 +183,8 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
     const int cell = drawn.mesh.cell_of_point[p];
     const Vec3 xi = clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]);
     drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);
+    if (const Grid& grid = cut_cells.grid; grid.is_quadtree())  // not the slice, but the body
+      drawn.position[p][grid.plane_strain] += 0.5 * grid.thickness * xi[grid.plane_strain];
     if (fields.displacement) drawn.displacement[p] = fields.displacement(cell, xi);
     if (fields.stress_recovered) drawn.stress[p] = fields.stress_recovered(cell, xi);
   });

@@ -19,6 +19,9 @@ struct DrawnBody {
   std::vector<Sym3> stress;        ///< recovered, Pa
 };
 
+/// Of the material in an active cell, m^3; on a quadtree for the body's thickness.
+double volume_of_cell(const CutCells& cut_cells, int cell);
+
 DrawnBody draw_body(const BodyFields& fields);
 /// Another mesh of the same body, for example of a part of it.
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh);

@@ -40,6 +40,9 @@ class BodyGeometry {
   /// Its image under x -> scale * rotation * x + translation (scale > 0).
   virtual std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                           double scale) const = 0;
+  /// Of a prism along an axis: its image under x[axis] -> factor * x[axis] + shift (factor > 0). Throws InputError if a
+  /// surface is neither along the axis nor across it, or lies across it between the prism's ends.
+  virtual std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const = 0;
   /// Box that contains it; false if it is unbounded as far as can be told.
   virtual bool bounding_box(Vec3& min, Vec3& max) const = 0;
   /// Is x inside or on the boundary?

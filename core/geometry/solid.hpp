@@ -39,6 +39,9 @@ class Solid {
 
   /// Throws InputError if the placement is none.
   Solid transformed(const Mat3& rotation, const Vec3& translation, double scale = 1.0) const;
+  Solid stretched(int axis, double factor, double shift) const {
+    return Solid(geometry_->stretched(axis, factor, shift));
+  }
   const std::vector<Surface>& surfaces() const { return geometry_->surfaces(); }
   bool bounding_box(Vec3& min, Vec3& max) const { return geometry_->bounding_box(min, max); }
   bool contains(const Vec3& x) const { return geometry_->contains(x); }

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "core/base/text.hpp"
+#include "core/drawing/drawn_body.hpp"
 #include "core/drawing/render.hpp"
 #include "core/output/picture_sheet.hpp"
 
@@ -135,7 +136,7 @@ std::optional<StressErrors> stress_errors(const Results& results) {
     std::vector<double>& values = errors.of_body.emplace_back();
     for (std::size_t c = 0; c < cells.cells.size(); ++c) {
       const int cell = static_cast<int>(c);
-      const double volume = cells.volume_fraction(cell) * std::pow(cells.h(cell), 3);
+      const double volume = volume_of_cell(cells, cell);
       values.push_back(body.error_of_cell[c] * std::sqrt(body.material.youngs_modulus / volume));
       if (values.back() > 0 && std::isfinite(values.back())) all.push_back(values.back());
     }

@@ -191,7 +191,7 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
   write.cells<float>("CellData/estimated_error_density", 0, [&](std::size_t b, std::size_t i, float* row) {
     const int cell = drawn_cell(bodies[b].mesh, i).cell;
     const CutCells& cut_cells = *results.bodies[b].cut_cells;
-    const double volume = cut_cells.volume_fraction(cell) * std::pow(cut_cells.h(cell), 3);
+    const double volume = volume_of_cell(cut_cells, cell);
     *row = static_cast<float>(volume > 0 ? error_of_cell(b, cell) / std::sqrt(volume) : 0);
   });
   write_patches(results, bodies, write, file);

@@ -76,6 +76,7 @@ struct BodySpec {
   std::vector<std::shared_ptr<const SizeField>> sizes;  ///< as `refine`, from an earlier solution ([accuracy])
   std::optional<Coordinate> plane_strain;               ///< nothing varies and nothing moves along this axis
   SourcePlace plane_strain_place;
+  bool quadtree = false;  ///< in plane strain with cells of several sizes: one layer of them on every level
   Vec3 grid_offset =
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
   Mat3 grid_rotation = Mat3::Identity();

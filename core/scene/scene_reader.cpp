@@ -270,9 +270,6 @@ void set_plane_strain(const TomlCursor& node, BodySpec& body) {
   body.plane_strain = static_cast<Coordinate>(axis);
   body.plane_strain_place = node.place();
   const std::string& name = coordinate_names()[axis];
-  if (!body.refine.empty())
-    node.fail(fmt::format("body \"{}\" has refine: cells of a body in plane strain are of one size", body.name),
-              "plane_strain or refine");
   if (const Vec3 e = Vec3::Unit(axis); (body.grid_rotation * e - e).norm() > same_axis)
     node.fail(fmt::format("the grid of body \"{}\" is turned about another axis than {}", body.name, name),
               fmt::format("grid.rotation about {} only", name));
@@ -289,15 +286,14 @@ void SceneReader::read_plane_strain(const TomlCursor& root) {
     const auto own = nodes[b].find("plane_strain");
     if (!own && !of_scene) continue;
     BodySpec& body = scene_.bodies[b];
-    if (scene_.accuracy.any())
-      (own ? *own : *of_scene)
-          .fail("stands beside [accuracy], and cells in plane strain cannot be refined",
-                "a slice between two planes of symmetry, [[support]] with symmetry = true");
     set_plane_strain(own ? *own : *of_scene, body);
     if (!first) first = body.plane_strain;
     if (body.plane_strain != first)
       own->fail("is another axis than that of an earlier body", '"' + name_of(*first) + '"');
   }
+  const bool refined = scene_.accuracy.any() || std::any_of(scene_.bodies.begin(), scene_.bodies.end(),
+                                                            [](const BodySpec& body) { return !body.refine.empty(); });
+  for (BodySpec& body : scene_.bodies) body.quadtree = refined && body.plane_strain;
 }
 
 /// Both ends of a body in plane strain are symmetry planes, for everything but the linear system.

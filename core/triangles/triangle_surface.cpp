@@ -79,6 +79,14 @@ TriangleSurface TriangleSurface::transformed(const Mat3& rotation, const Vec3& t
   return result;
 }
 
+TriangleSurface TriangleSurface::stretched(int axis, double factor, double shift) const {
+  TriangleSurface result = *this;
+  for (Vec3& x : result.points_) x[axis] = factor * x[axis] + shift;
+  result.tree_.refit(result.points_, triangles());
+  result.find_normals();
+  return result;
+}
+
 Vec3 TriangleSurface::mean_normal(int triangle, int feature) const {
   if (feature == 0) return normals_[triangle];
   if (feature >= 4) return point_normals_[topology_->triangles[triangle][feature - 4]];

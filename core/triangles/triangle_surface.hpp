@@ -34,6 +34,8 @@ class TriangleSurface {
 
   /// The image under x -> scale * rotation * x + translation.
   TriangleSurface transformed(const Mat3& rotation, const Vec3& translation, double scale) const;
+  /// The image under x[axis] -> factor * x[axis] + shift.
+  TriangleSurface stretched(int axis, double factor, double shift) const;
 
   /// The point of the surface nearest to a point.
   struct Foot {

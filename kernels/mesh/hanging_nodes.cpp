@@ -39,12 +39,24 @@ class Constrainer {
   }
 
   std::vector<NodeConstraint> run() {
-    for (std::size_t p = 1; p < parts_.size(); ++p)
-      for (int n = 0; n < parts_[p].num_nodes; ++n) constrain(p, n);
+    const int axis = parts_.front().cut_cells->grid.plane_strain;
+    for (std::size_t p = axis < 0 ? 1 : 0; p < parts_.size(); ++p)
+      for (int n = 0; n < parts_[p].num_nodes; ++n)
+        if (axis < 0 || parts_[p].nodes[n][axis] == 0)
+          constrain(p, n);
+        else
+          constrain_across(parts_[p], n, axis);
     return std::move(constraints_);
   }
 
  private:
+  /// To what the node opposite, which comes before it, is: itself or its masters.
+  void constrain_across(const BodyMesh& part, int n, int axis) {
+    Index3 opposite = part.nodes[n];
+    if (--opposite[axis] != 0) throw std::logic_error("plane strain: more than one layer of cells");
+    add(part.first_node + n, {{part.find_node(opposite), 1.0}});
+  }
+
   void constrain(std::size_t p, int n) {
     const BodyMesh& part = parts_[p];
     const Index3& place = part.nodes[n];

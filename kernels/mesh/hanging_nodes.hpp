@@ -14,7 +14,8 @@ int halvings(const Grid& larger, const Grid& smaller);
 /// Constraints of the nodes of a body's parts, whose cells descend in size (or are equal), ascending in node:
 ///   a node that a part before also has is that node;
 ///   a node on an edge or a face of a larger cell is the mean of that edge's or face's corners;
-///   a node of a virtual child is interpolated in the larger cell.
+///   a node of a virtual child is interpolated in the larger cell;
+///   on a quadtree (Grid::slice) a node of the upper side is what the one opposite is.
 std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& parts);
 
 /// Of a body of one layer of cells across an axis of its grid (Grid::plane_strain): each node of the upper side is the

@@ -33,7 +33,7 @@ struct LevelFace {
 /// A body of several levels has a part for each: a mesh of its own, on a grid of one level, with numbers of its own for
 /// all corners of its cells. The body's own lists are those of the parts one after the other. Where levels meet, nodes
 /// are constrained: those that stand for a node of a larger cell, hanging nodes, nodes of virtual children. In plane
-/// strain (Grid::plane_strain, one level) those of the upper side are.
+/// strain (Grid::plane_strain) those of the upper side are.
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;
@@ -52,6 +52,10 @@ struct BodyMesh {
   /// Size of an active cell, and of the cells of a level, in units of Scales::length.
   double h(int cell) const { return cut_cells->h(cell) / length; }
   double h_of_level(int level) const { return cut_cells->grid.cell_size_of(level) / length; }
+  /// Thickness for which the cells of a level count, in units of Scales::length: their size, or that of the slice.
+  double thickness_of_level(int level) const {
+    return cut_cells->grid.is_quadtree() ? cut_cells->grid.slice / length : h_of_level(level);
+  }
   /// Factor from gradients per cell unit to stresses in units of Scales::stress.
   double stress_factor(int cell) const { return modulus / h(cell); }
   /// Place of a node (index into nodes), grid coordinates.

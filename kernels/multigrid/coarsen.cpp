@@ -57,11 +57,15 @@ const Moments& moments_of(const CutCells& cells, int active) {
   return cut < 0 ? full_cell_moments() : cells.moments[cut];
 }
 
-/// Children of a cell, -1 where there is none.
+/// Children of a cell, -1 where there is none. Those of a quadtree stand for the ones beside them across, too: nothing
+/// depends on where they are, and the cell is as full as they are.
 std::array<int, 8> children_of(const CutCells& fine, const Index3& c) {
   std::array<int, 8> children;
-  for (int a = 0; a < 8; ++a)
-    children[a] = fine.find({2 * c[0] + (a & 1), 2 * c[1] + (a >> 1 & 1), 2 * c[2] + (a >> 2)});
+  const int twins = fine.grid.is_quadtree() ? 1 << fine.grid.plane_strain : 0;
+  for (int a = 0; a < 8; ++a) {
+    const int at = a & ~twins;
+    children[a] = fine.find({2 * c[0] + (at & 1), 2 * c[1] + (at >> 1 & 1), 2 * c[2] + (at >> 2)});
+  }
   return children;
 }
 

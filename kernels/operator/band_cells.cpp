@@ -149,7 +149,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     law.lambda = static_cast<Real>(mesh.law.lambda / mesh.law.mu);
     law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
     for (int p = 0; p < 3; ++p)
-      law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.h_of_level(0)) * 8 / std::pow(3, p));
+      law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.thickness_of_level(0)) * 8 / std::pow(3, p));
     law.fold = mesh.in_plane_strain() ? 1 << cc.grid.plane_strain : 0;
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };
@@ -221,36 +221,35 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
   auto stencil_lanes = Kokkos::create_mirror_view(result.stencil_lanes);
   auto moments = Kokkos::create_mirror_view(result.moments);
   auto pairs = Kokkos::create_mirror_view(result.pairs);
-  Kokkos::parallel_for("cgcontact::band::setup",
-                       Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(batches.size())),
-                       [&](const int b) {
-                         auto& batch = batches[b];
-                         for (int l = 0; l < L; ++l) {
-                           const bool used = l < batch.count;
-                           const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
-                           const BodyMesh& mesh = *parts[cell.body];
-                           for (int pair = 0; pair < 4; ++pair)
-                             nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
-                           if (!used) continue;  // its moments stay zero, its forces are dropped
-                           for (int a = 0; a < 8; ++a)
-                             if (by_stencil[mesh.cell_nodes[cell.cell][a]]) {
-                               stencil_lanes(b, a) |= 1 << l;
-                               batch.stencil_any = 1;
-                             }
-                           if (batch.moments < 0) continue;
-                           double m[27];
-                           monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
-                           const double scale = moment_scale(mesh, mesh.h(cell.cell));
-                           for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
-                           int slot = batch.pairs;
-                           for (int bit = 0; bit < 6; ++bit) {
-                             if (!(batch.pair_mask >> bit & 1)) continue;
-                             const SupportMoments& s = supports[cell.body].at(cell.cell);
-                             for (int e = 0; e < 27; ++e) pairs(slot, e, l) = static_cast<Real>(s.value[bit][e]);
-                             ++slot;
-                           }
-                         }
-                       });
+  Kokkos::parallel_for(
+      "cgcontact::band::setup",
+      Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(batches.size())), [&](const int b) {
+        auto& batch = batches[b];
+        for (int l = 0; l < L; ++l) {
+          const bool used = l < batch.count;
+          const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
+          const BodyMesh& mesh = *parts[cell.body];
+          for (int pair = 0; pair < 4; ++pair) nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
+          if (!used) continue;  // its moments stay zero, its forces are dropped
+          for (int a = 0; a < 8; ++a)
+            if (by_stencil[mesh.cell_nodes[cell.cell][a]]) {
+              stencil_lanes(b, a) |= 1 << l;
+              batch.stencil_any = 1;
+            }
+          if (batch.moments < 0) continue;
+          double m[27];
+          monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
+          const double scale = moment_scale(mesh, mesh.thickness_of_level(mesh.cut_cells->level(cell.cell)));
+          for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
+          int slot = batch.pairs;
+          for (int bit = 0; bit < 6; ++bit) {
+            if (!(batch.pair_mask >> bit & 1)) continue;
+            const SupportMoments& s = supports[cell.body].at(cell.cell);
+            for (int e = 0; e < 27; ++e) pairs(slot, e, l) = static_cast<Real>(s.value[bit][e]);
+            ++slot;
+          }
+        }
+      });
   Kokkos::deep_copy(result.nodes, nodes);
   Kokkos::deep_copy(result.stencil_lanes, stencil_lanes);
   Kokkos::deep_copy(result.moments, moments);

@@ -48,7 +48,7 @@ CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vec
   parallel_for("cgcontact::element_matrices::cells", 1 + num_cut, grain, [&](std::size_t m) {
     double weights[n * n * n];
     fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], n, weights);
-    const double factor = mesh.modulus * (m == 0 ? mesh.h_of_level(0) : mesh.h(cc.active_of_cut[m - 1]));
+    const double factor = mesh.modulus * mesh.thickness_of_level(m == 0 ? 0 : cc.level(cc.active_of_cut[m - 1]));
     integrate_stiffness<degree>(mesh.law, weights, factor, Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));
   });
   for (const SupportTerm& t : supports) {
@@ -69,7 +69,7 @@ GhostMatrixOf<degree> make_ghost_matrix(const BodyMesh& mesh, double gamma) {
   using Face = GhostFace<degree>;
   using Line = LineElement<degree>;
   constexpr int n = HexElement<degree>::nodes_per_line, per_layer = HexElement<degree>::nodes_per_face;
-  const double factor = gamma * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.h_of_level(0);
+  const double factor = gamma * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.thickness_of_level(0);
   GhostMatrixOf<degree> g{};
   for (int order = 1; order <= degree; ++order) {
     const double share = order == 1 ? factor : factor / 4;  // l!^2

@@ -39,8 +39,8 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
     const BodyMesh& mesh = *parts[b];
     const CutCells& cc = *mesh.cut_cells;
     const int body = static_cast<int>(b);
-    factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus * mesh.h_of_level(0) /
-                     36);
+    factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus *
+                     mesh.thickness_of_level(0) / 36);
     if (system.ghost_penalty == 0) continue;
     /// The cell across the upper face in direction d if that is a ghost face, or -1.
     auto across = [&](int e, int d) {

@@ -131,7 +131,7 @@ class TileMaker {
 
 template <class Real>
 StencilCoefficients<Real>::StencilCoefficients(const BodyMesh& mesh, double sign) {
-  const double scale = sign * mesh.modulus * mesh.h_of_level(0);
+  const double scale = sign * mesh.modulus * mesh.thickness_of_level(0);
   const double mu = mesh.law.mu, across = mesh.law.lambda + 2 * mu, mixed = mesh.law.lambda + mu;
   for (int c = 0; c < 3; ++c) {
     const double a = c == 0 ? across : mu;                            // of Sx My Mz

@@ -142,6 +142,23 @@ void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Patch
   }
 }
 
+/// In plane strain the shear stresses across are zero in the whole patch: at the points that determine a polynomial,
+/// the corners of a tetrahedron and for a quadratic one the middles of its edges. On uniform grids the two ends say so.
+void PatchAssembly::add_plane_strain(int degree, std::vector<PatchRow>& rows) const {
+  constexpr double corner[4][3] = {
+      {0, -0.5, -0.5}, {0, 0.5, -0.5}, {0, 0, 0.5}, {1, 0, 0}};  // across, and in the plane
+  const int x = grid_.plane_strain, y = (x + 1) % 3, z = (x + 2) % 3;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k <= (degree == 2 ? i : 0); ++k) {
+      const int j = degree == 2 ? k : i;
+      Vec3 place;
+      place[x] = 0.5 * (corner[i][0] + corner[j][0]);
+      place[y] = 0.5 * (corner[i][1] + corner[j][1]);
+      place[z] = 0.5 * (corner[i][2] + corner[j][2]);
+      for (const int e : {y, z}) add_traction_row(rows, 0, place, Vec3::Unit(x), Vec3::Unit(e));
+    }
+}
+
 void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const PatchFit& own,
                                    std::vector<PatchRow>& rows) const {
   for (int p = 0; p < group.num_points; ++p) {
@@ -339,6 +356,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     return area;
   };
   const auto set_kind = [&](PatchKind kind) { problem.kind = std::max(problem.kind, kind); };
+  if (grid_.is_quadtree()) add_plane_strain(degree, rows);
   for (const ConstraintGroup& group : groups) {
     const TractionCondition& condition = body_.boundary->conditions[group.condition];
     const PairState* state = find_state(states, group.pair);

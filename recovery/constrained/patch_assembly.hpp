@@ -112,6 +112,7 @@ class PatchAssembly {
   void auxiliary_fit(int node, const PairState& state, PatchPolynomial polynomial, PatchWorkspace& workspace,
                      PatchFit& fit) const;
   void add_known_traction(const ConstraintGroup& group, const PatchFit& own, std::vector<PatchRow>& rows) const;
+  void add_plane_strain(int degree, std::vector<PatchRow>& rows) const;
   void add_zero_shear(const ConstraintGroup& group, const PatchFit& own, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
                    const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const;

@@ -153,7 +153,8 @@ class Estimator {
     static const GaussTables<n> tables;
     const CutCells& cc = *mesh_.cut_cells;
     const double nu = mesh_.poisson_ratio();
-    const double volume_factor = std::pow(mesh_.h(cell), 3) / 8 / mesh_.modulus;
+    const double volume_factor =
+        std::pow(mesh_.h(cell), 3) * cc.grid.thickness_of_cell(cc.level(cell)) / 8 / mesh_.modulus;
     const int cut = cc.cut_of_active[cell];
     double weights[n * n * n], u[8][3];
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weights);

@@ -75,14 +75,18 @@ class CornerCells {
   }
 
  private:
-  /// use(free node, cell) for all corners that are free nodes or copies of one, cell by cell.
+  /// use(free node, cell) for all corners that are free nodes or copies of one, cell by cell; in plane strain those of
+  /// the lower side, whose copies are opposite.
   template <class Use>
   void each_corner(const Use& use) const {
+    const int upper = mesh_.in_plane_strain() ? 1 << mesh_.cut_cells->grid.plane_strain : 0;
     for (std::size_t cell = 0; cell < mesh_.cell_nodes.size(); ++cell)
-      for (const int corner : mesh_.cell_nodes[cell])
-        each_master(mesh_, corner - mesh_.first_node, [&](int node, double weight) {
+      for (int a = 0; a < 8; ++a) {
+        if (a & upper) continue;
+        each_master(mesh_, mesh_.cell_nodes[cell][a] - mesh_.first_node, [&](int node, double weight) {
           if (weight == 1) use(node, static_cast<int>(cell));
         });
+      }
   }
 
   const BodyMesh& mesh_;

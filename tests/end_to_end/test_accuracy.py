@@ -52,6 +52,19 @@ class Accuracy(unittest.TestCase):
         shapes = "body.block.cell_size=0.2", "body.cap.cell_size=0.18"
         self.check_honest(self.run_scene("hertz", "accuracy.pressure=4%", *shapes), 0.04)
 
+    def test_line_contact_in_plane_strain(self):
+        run = self.run_scene("roller", "accuracy.pressure=3%")
+        self.check_honest(run, 0.03)
+        self.assertLess(run["unknowns"], 10000, "those of two dimensions")
+        # Forces are those of the thickness, nothing else depends on it (up to rounding).
+        thick = self.run_scene("roller", "accuracy.pressure=3%", "t=0.5")
+        self.assertEqual(thick["unknowns"], run["unknowns"])
+        pairs = [r["contact"][0] for r in (run, thick)]
+        self.assertAlmostEqual(pairs[0]["force"]["roller"][2] / 5e3, 1, places=6)  # half of w t
+        self.assertAlmostEqual(pairs[1]["force"]["roller"][2] / 250e3, 1, places=6)
+        self.assertAlmostEqual(pairs[1]["area"] / pairs[0]["area"] / 50, 1, places=6)
+        self.assertAlmostEqual(pairs[1]["max_pressure"] / pairs[0]["max_pressure"], 1, places=6)
+
     def test_conforming_contact_against_a_finer_run(self):
         fine = self.run_scene("pin_in_hole", "accuracy.pressure=1%")
         coarse = self.run_scene("pin_in_hole", "accuracy.pressure=6%")

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/errors.hpp"
 #include "core/cells/cell_sweep.hpp"
 #include "core/cells/grid.hpp"
 #include "core/geometry/solid.hpp"
@@ -85,6 +86,9 @@ class Ellipsoid final : public BodyGeometry {
                                                   double scale) const override {
     const EllipsoidShape image{scale * (rotation * shape_.centre) + translation, scale * rotation * shape_.axes};
     return std::make_shared<Ellipsoid>(image, face_);
+  }
+  std::shared_ptr<const BodyGeometry> stretched(int, double, double) const override {
+    throw InputError(std::string("an ellipsoid is no prism"));
   }
   bool bounding_box(Vec3& min, Vec3& max) const override {
     const Vec3 half = shape_.axes.rowwise().norm();

@@ -180,6 +180,61 @@ TEST(PlaneStrain, PatchTest) {
     EXPECT_LT((balance.loads + balance.supports + balance.contact).norm(), 1e-9 * p);
 }
 
+/// The same with both bodies refined by hand, and for any thickness, here three times the smallest cells and a
+/// twentieth of the largest: forces are those of the thickness, but for what holds the ends.
+TEST(PlaneStrain, PatchTestOnQuadtrees) {
+  const double p = 1e8, nu[2] = {0.3, 0.2}, height[2] = {0.6, 0.7};
+  for (const double thickness : {0.05, 0.005}) {
+    std::string text = std::string("plane_strain = \"x\"\n") + two_blocks;
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      const std::size_t place = text.find(from);
+      ASSERT_NE(place, std::string::npos) << from;
+      text.replace(place, from.size(), to);
+    };
+    for (int b = 0; b < 2; ++b) replace("max = [0.1,", "max = [" + std::to_string(thickness) + ",");
+    replace("cell_size = 0.13\n",
+            "cell_size = 0.13\nrefine = [{sphere = {center = [0, 0.4, 0.6], radius = 0.1}, size = "
+            "0.0162}]\n");
+    replace("cell_size = 0.1\n",
+            "cell_size = 0.1\nrefine = [{box = {min = [0, 0.6, 0.6], max = [1, 0.7, 0.7]}, size = "
+            "0.025}, {face = \"z-\", size = 0.05}]\n");
+    Solved solved = read(text, "blocks.toml", {"solver.tolerance=1e-13", "solver.linear_tolerance=1e-15"});
+    run(solved);
+    const Results& r = solved.results();
+    const SolvedState& state = solved.simulation->state;
+    EXPECT_EQ(state.bodies[0].cut_cells.num_levels(), 5);
+    EXPECT_EQ(state.bodies[1].cut_cells.num_levels(), 3);
+    ASSERT_FALSE(r.contact_rows.empty());
+    double area = 0;
+    for (const ContactRow& row : r.contact_rows) {
+      area += row.weight;
+      for (const double value : {row.pressure_raw, row.pressure_spr, row.pressure_sprc})
+        EXPECT_NEAR(value / p, 1, 1e-9);
+      Sym3 exact = Sym3::Zero();
+      exact[0] = -nu[row.body] * p;
+      exact[2] = -p;
+      for (const Sym3& s : {row.stress_raw, row.stress_spr, row.stress_sprc}) EXPECT_LT((s - exact).norm() / p, 1e-9);
+    }
+    EXPECT_NEAR(area / (2 * thickness), 1, 1e-9);
+    EXPECT_NEAR(r.pairs[0].force_on_first[2] / (-thickness * p), 1, 1e-9);
+    EXPECT_LT(r.estimated_error_relative, 1e-9);
+    ASSERT_EQ(r.supports.size(), 7u);
+    for (int b = 0; b < 2; ++b)
+      for (int side = 0; side < 2; ++side) {
+        const SupportFigures& end = r.supports[3 + 2 * b + side];
+        EXPECT_NEAR(end.force[0] / (nu[b] * p * height[b]), side == 0 ? 1 : -1, 1e-9) << end.face;
+        EXPECT_NEAR(end.area, height[b], 1e-9) << end.face;
+      }
+    for (const BodyBalance& balance : r.balance)
+      EXPECT_LT((balance.loads + balance.supports + balance.contact).norm(), 1e-9 * p * thickness);
+    const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.outer.u);
+    for (const BodyMesh& mesh : state.system.meshes)
+      for (const auto& nodes : mesh.cell_nodes)
+        for (int a = 0; a < 8; a += 2)
+          for (int i = 0; i < 3; ++i) EXPECT_EQ(u(dof_of(nodes[a], i)), u(dof_of(nodes[a + 1], i)));
+  }
+}
+
 /// The message of what `cgcontact check` says to the scene with some text replaced, or "".
 std::string refusal(const std::vector<std::pair<std::string, std::string>>& changes) {
   std::string text = std::string("plane_strain = \"x\"\n") + two_blocks;
@@ -231,6 +286,30 @@ TEST(PlaneStrain, WhatContradictsItIsRefused) {
   // Held along x as well: that is true anyway.
   EXPECT_EQ(refusal({{"face = \"lower.z-\"\nsymmetry = true", "face = \"lower.z-\"\ndisplacement = {z = 0, x = 0}"}}),
             "");
+}
+
+/// What is new beside refined cells: all bodies between the same two planes, and prisms.
+TEST(PlaneStrain, WhatContradictsAQuadtreeIsRefused) {
+  const std::string coarse = "cell_size = 0.13\n", refined = coarse + "refine = [{face = \"z+\", size = 0.02}]\n";
+  const std::string lower = "shape = {box = {min = [0, 0, 0], max = [0.1, 1, 0.6]}}";
+  const auto expect = [&](const std::string& from, const std::string& to, const std::vector<std::string>& expected) {
+    const std::string message = refusal({{coarse, refined}, {from, to}});
+    for (const std::string& text : expected)
+      EXPECT_NE(message.find(text), std::string::npos) << text << "\n" << message;
+  };
+  expect("max = [0.1, 1, 0.6]", "max = [0.14, 1, 0.6]",
+         {"scene.toml:1: plane_strain = \"x\"", "\"upper\"", "between 0 and 0.1 m", "\"lower\" between 0 and 0.14 m",
+          "the same ends"});
+  expect(lower,
+         "shape = {difference = [{box = {min = [0, 0, 0], max = [0.1, 1, 0.6]}}, {name = \"hole\", sphere = {center = "
+         "[0.05, 0.5, 0.3], radius = 0.04}}]}",
+         {"scene.toml:1: plane_strain = \"x\"", "\"lower\"", "\"hole.surface\"",
+          "neither an end of a prism nor along its axis", "between two planes"});
+  expect(lower,
+         "shape = {difference = [{box = {min = [0, 0, 0], max = [0.1, 1, 0.6]}}, {name = \"cut\", cylinder = {base = "
+         "[0.05, 0.5, 0.3], top = [1, 0.5, 0.3], radius = 0.1}}]}",
+         {"\"cut.bottom\"", "neither an end of a prism"});
+  EXPECT_EQ(refusal({{coarse, refined}}), "");
 }
 
 /// Motions in the plane are free as ever.

@@ -181,5 +181,134 @@ TEST(PlaneStrain, FewIterations) {
     }
 }
 
+/// The ring with one layer of cells on every level, refined towards its rim: down to an eighth of the largest ones.
+CutCells quadtree(int axis, int n = 6, double slice = 0.03) {
+  const double h = 1.0 / n;
+  Grid grid = ring(axis, 1, n).grid;
+  grid.slice = slice;
+  grid.thickness = h;
+  grid.middle = 0.5 * h;
+  Vec3 low = Vec3::Zero(), high = Vec3::Ones(), base = Vec3::Zero(), top = Vec3::Zero();
+  low[axis] = base[axis] = -h;  // beyond the layer
+  high[axis] = top[axis] = 2 * h;
+  const Solid solid =
+      Solid::subtract(Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, 0.9, "rim")),
+                      Solid::cylinder(base, top, 0.45, "bore"))
+          .transformed(Mat3::Identity(), -grid.origin / h, 1 / h);
+  Vec3 place = -grid.origin / h;
+  place[(axis + 1) % 3] += 0.9 * n;
+  const CellTree tree = refine_cells(
+      solid.geometry(), grid,
+      [&](const Vec3& from, const Vec3& to) {
+        Vec3 away = place - place.cwiseMax(from).cwiseMin(to);
+        away[axis] = 0;
+        return std::max(0.125, 0.3 * away.norm());
+      },
+      8);
+  return make_cut_cells(solid, grid, {}, {}, tree);
+}
+
+/// Both nodes of a pair are free or have the same masters, which are free themselves; sizes of neighbours differ by one
+/// level; leaves lie in one layer.
+TEST(PlaneStrain, PairsOfAQuadtreeAreOne) {
+  for (const int axis : {0, 1, 2}) {
+    const CutCells cells = quadtree(axis);
+    ASSERT_EQ(cells.num_levels(), 4);
+    for (std::size_t e = 0; e < cells.cells.size(); ++e) {
+      EXPECT_EQ(cells.cells[e][axis], 0);
+      for (const int d : {(axis + 1) % 3, (axis + 2) % 3})
+        for (const int side : {-1, 1}) {
+          Index3 beside = cells.cells[e];
+          beside[d] += side;
+          for (int l = cells.level(static_cast<int>(e)) - 2; l >= 0; --l) {
+            const int steps = cells.level(static_cast<int>(e)) - l;
+            EXPECT_LT(cells.find(l, {beside[0] >> steps, beside[1] >> steps, beside[2] >> steps}), 0);
+          }
+        }
+    }
+    const ElasticSystem system = make_system(cells);
+    const BodyMesh& mesh = system.meshes[0];
+    for (const NodeConstraint& c : system.constraints) {
+      double sum = 0;
+      for (const auto& [master, weight] : c.masters) {
+        EXPECT_LT(system.constraint_of_node[master], 0);
+        EXPECT_EQ(mesh.nodes[master][axis], 0);
+        sum += weight;
+      }
+      EXPECT_NEAR(sum, 1, 1e-14);
+    }
+    EXPECT_EQ(system.num_free_dofs(), 2 * (system.num_nodes - static_cast<int>(system.constraints.size())));
+    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 1));
+    for (const auto& nodes : mesh.cell_nodes)
+      for (int a = 0; a < 8; ++a)
+        for (int i = 0; i < 3; ++i) EXPECT_EQ(x(dof_of(nodes[a], i)), x(dof_of(nodes[a & ~(1 << axis)], i)));
+  }
+}
+
+/// Cells of all levels count for the slice: uniaxial strain has the energy (lambda + 2 mu) times the area times the
+/// slice (area and cells are integrated to 1e-9).
+TEST(PlaneStrain, EnergyOfAQuadtreeIsThatOfTheSlice) {
+  const double slice = 0.03, area = M_PI / 4 * (0.9 * 0.9 - 0.45 * 0.45);
+  for (const int axis : {0, 1, 2}) {
+    const CutCells cells = quadtree(axis, 6, slice);
+    const ElasticSystem system = make_system(cells);
+    const BodyMesh& mesh = system.meshes[0];
+    for (const int d : {(axis + 1) % 3, (axis + 2) % 3}) {
+      RealView u("u", system.num_dofs());
+      for (int n = 0; n < mesh.num_nodes; ++n) u(dof_of(n, d)) = cells.grid.to_global(mesh.node_position(n))[d];
+      EXPECT_LT(norm(difference(u, consistent(system, u))), 1e-14 * norm(u));
+      EXPECT_NEAR(dot(u, apply(system, u)) / (mesh.modulus * (mesh.law.lambda + 2 * mesh.law.mu) * area * slice), 1,
+                  1e-8);
+    }
+  }
+}
+
+TEST(PlaneStrain, ProductsOfAQuadtreeAgree) {
+  for (const int axis : {0, 1, 2}) {
+    const CutCells cells = quadtree(axis);
+    ElasticSystem system = make_system(cells);
+    add_supports(system, cells);
+    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 4)), y = apply(system, x);
+    RealView plain("plain", x.extent(0));
+    PlainOperator(system).apply(ExecSpace(), x, plain);
+    EXPECT_LT(norm(difference(y, plain)), 100 * eps * norm(plain)) << axis;
+    const RealView f = random_force(system, 5);
+    const RealView Af = apply(system, consistent(system, f)), assembled = apply_assembled(system, f);
+    EXPECT_LT(norm(difference(Af, assembled)), 100 * eps * norm(Af)) << axis;
+  }
+}
+
+TEST(PlaneStrain, CoarseningOfAQuadtreeIsTheGalerkinProduct) {
+  for (const int axis : {0, 1, 2}) {
+    CutCells fine_cells = quadtree(axis);
+    for (int level = 0; level < 5; ++level) {
+      CutCells coarse_cells = coarse_cut_cells(fine_cells);
+      const ElasticSystem fine = make_system(fine_cells, 0), coarse = make_system(coarse_cells, 0);
+      const Transfer transfer = make_transfer(fine, coarse);
+      const RealView x = consistent(coarse, test::random_vector(coarse.num_dofs(), 3));
+      RealView Px("Px", fine.num_dofs()), galerkin("galerkin", coarse.num_dofs());
+      prolongate_add(ExecSpace(), transfer, fine.dofs, x, Px);
+      restrict_to(ExecSpace(), transfer, coarse.dofs, apply(fine, Px), galerkin);
+      EXPECT_LT(norm(difference(apply(coarse, x), galerkin)), 1e-12 * norm(galerkin)) << axis << ", level " << level;
+      fine_cells = std::move(coarse_cells);
+    }
+  }
+}
+
+TEST(PlaneStrain, FewIterationsOnAQuadtree) {
+  for (const int axis : {0, 1, 2}) {
+    const CutCells cells = quadtree(axis, 24);
+    ElasticSystem system = make_system(cells);
+    add_supports(system, cells);
+    LinearSolver solver(system, Preconditioner::multigrid);
+    solver.update();
+    const RealView b = random_force(system, 6), x("x", system.num_dofs());
+    const LinearSolveResult result = solver.solve(b, x, 1e-8 * norm(b), 100);
+    std::printf("axis %d: %d unknowns, %d iterations\n", axis, system.num_free_dofs(), result.iterations);
+    EXPECT_TRUE(result.converged);
+    EXPECT_LE(result.iterations, 15);
+  }
+}
+
 }  // namespace
 }  // namespace cgcontact
