@@ -27,6 +27,9 @@ constexpr int full_rule_planes_of_cell = 32, quadratic_rule_planes_of_cell = 128
 /// Of patches with more planes: pieces of at least this area (cell units) get the full rule, a rule of degree 2.
 constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 
+/// Degrees that a rule on a triangle of a plane with a bent rim has more than one on a straight one.
+constexpr int bend_degrees = 4;
+
 /// Sides of all dividers, one bit each.
 using Sides = std::array<std::uint64_t, 4>;
 
@@ -215,15 +218,17 @@ FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
 
 class PointMaker {
  public:
-  PointMaker(const TriangleSurface& surface, const std::vector<Plane>& dividers, int order, bool with_pieces)
-      : surface_(surface), dividers_(dividers), order_(order), with_pieces_(with_pieces) {
+  PointMaker(const TriangleSurface& surface, const CurvedTriangles* curved, const std::vector<Plane>& dividers,
+             int order, bool with_pieces)
+      : surface_(surface), curved_(curved), dividers_(dividers), order_(order), with_pieces_(with_pieces) {
     if (dividers.size() > 256)
       throw InputError(
           "too many borders of faces in one cell (allowed: up to 256; declare fewer faces or make the cells smaller)");
   }
 
   void add_piece(int triangle, const SurfacePolygon& polygon) {
-    Part part{surface_.patch(triangle), find_plane(triangle), {}, triangle, polygon};
+    const bool curved = curved_ && !curved_->is_plane(triangle);
+    Part part{surface_.patch(triangle), curved ? -1 : find_plane(triangle), {}, triangle, polygon};
     divide(part, 0);
   }
 
@@ -236,7 +241,9 @@ class PointMaker {
       for (end = begin; end < sorted_.size() && part(end).patch == part(begin).patch; ++end)
         area += twice_area(part(end).polygon).norm() / 2;
       if (area <= lost_piece) continue;
-      if (num_planes(part(begin).patch) > quadratic_rule_planes)
+      if (curved_ && !curved_->is_plane(part(begin).triangle))
+        make_curved_points(begin, end, owner, points);
+      else if (num_planes(part(begin).patch) > quadratic_rule_planes)
         make_facet_points(begin, end, owner, points);
       else
         make_patch_points(begin, end, owner, points);
@@ -344,7 +351,9 @@ class PointMaker {
     const Vec3& normal = surface_.normal(part(begin).triangle);
     std::vector<RulePoint> rule;
     SurfacePolygon whole;
-    if (join_convex(begin, end, whole))
+    if (is_bent(begin, end))
+      for (std::size_t i = begin; i < end; ++i) add_exact_rule(part(i), degree + bend_degrees, rule, nullptr);
+    else if (join_convex(begin, end, whole))
       add_polygon_rule(whole, degree, rule);
     else
       for (std::size_t i = begin; i < end; ++i) add_polygon_rule(part(i).polygon, degree, rule);
@@ -359,6 +368,64 @@ class PointMaker {
       if (!(p.weight > 0)) continue;
       points.append(p.position, normal, p.weight, owner, part(begin).patch);
       if (with_pieces_) points.set_piece(mean / area, normal);
+    }
+  }
+
+  /// Has one of the parts a rim that is not straight?
+  bool is_bent(std::size_t begin, std::size_t end) const {
+    if (!curved_) return false;
+    for (std::size_t i = begin; i < end; ++i)
+      if (!curved_->is_flat(part(i).triangle)) return true;
+    return false;
+  }
+
+  /// Appends points on the exact surface, and their normals. Where a bent rim folds a triangle that is thinner than the
+  /// bend, weights are negative: the folds cancel.
+  void add_exact_rule(const Part& of, int degree, std::vector<RulePoint>& rule, std::vector<Vec3>* normals) const {
+    static thread_local std::vector<TrianglePlace> places;
+    places.clear();
+    add_piece_rule(surface_, of.triangle, of.polygon, degree, places);
+    for (const TrianglePlace& at : places) {
+      const CurvedPlace place = curved_->place(of.triangle, at.a, at.b);
+      const Vec3 across = place.along_a.cross(place.along_b);
+      const double stretch = across.norm(), sign = across.dot(place.normal) < 0 ? -1 : 1;
+      rule.push_back({place.x, sign * at.weight * stretch});
+      if (normals) normals->push_back(place.normal);
+    }
+  }
+
+  /// Points of the parts begin .. end, those of a curved face of a CAD body.
+  void make_curved_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
+    const int patch = part(begin).patch, degree = order_ + 1;
+    std::vector<RulePoint> rule;
+    std::vector<Vec3> normals;
+    for (std::size_t next = begin; begin < end; begin = next) {
+      rule.clear();
+      normals.clear();
+      for (; next < end && part(next).sides == part(begin).sides; ++next)
+        add_exact_rule(part(next), 2 * order_ + 1, rule, &normals);
+      double area = 0;
+      Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
+      for (std::size_t i = 0; i < rule.size(); ++i) {
+        area += rule[i].weight;
+        mean_position += rule[i].weight * rule[i].position;
+        mean_normal += rule[i].weight * normals[i];
+      }
+      if (area <= lost_group) continue;
+      const auto [s, t] = plane_axes(mean_normal);
+      std::vector<double> weights, local[3];
+      const int axes[3] = {s, t, 3 - s - t};
+      for (const RulePoint& p : rule) {
+        for (int k = 0; k < 3; ++k) local[k].push_back(p.position[axes[k]] - rule[0].position[axes[k]]);
+        weights.push_back(p.weight);
+      }
+      if (weights.size() > static_cast<std::size_t>((degree + 1) * (degree + 1)))
+        compress_many_weights(surface_polynomials(local, degree, true), weights);
+      for (std::size_t i = 0; i < rule.size(); ++i) {
+        if (!(weights[i] > 0)) continue;
+        points.append(rule[i].position, normals[i], weights[i], owner, patch);
+        if (with_pieces_) points.set_piece(mean_position / area, mean_normal / area);
+      }
     }
   }
 
@@ -384,6 +451,7 @@ class PointMaker {
   }
 
   const TriangleSurface& surface_;
+  const CurvedTriangles* const curved_;
   const std::vector<Plane>& dividers_;
   const int order_;
   const bool with_pieces_;
@@ -466,11 +534,35 @@ std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index
   return found;
 }
 
-void triangle_boundary_points(const TriangleSurface& surface, const std::vector<int>& triangles, const Index3& cell,
-                              const std::vector<char>& selected, const std::vector<Plane>& dividers, int order,
-                              int owner, BoundaryPoints& points) {
+void add_piece_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& piece, int degree,
+                    std::vector<TrianglePlace>& places) {
+  const TriangleRule& rule = triangle_rule(degree);
+  const Vec3& origin = surface.corner(triangle, 0);
+  const Vec3 u = surface.corner(triangle, 1) - origin, v = surface.corner(triangle, 2) - origin, n = u.cross(v);
+  const double inverse = 1 / n.squaredNorm();
+  const auto weights = [&](const Vec3& x) {
+    const Vec3 y = x - origin;
+    return Vec2(n.dot(y.cross(v)) * inverse, n.dot(u.cross(y)) * inverse);
+  };
+  const Vec2 first = weights(piece.x[0]);
+  Vec2 last = weights(piece.x[1]);
+  for (int k = 2; k < piece.n; ++k) {
+    const Vec2 next = weights(piece.x[k]), p = last - first, q = next - first;
+    const double area = 0.5 * (p[0] * q[1] - p[1] * q[0]);
+    last = next;
+    if (area == 0) continue;
+    for (std::size_t i = 0; i < rule.weight.size(); ++i) {
+      const Vec2 at = first + rule.a[i] * p + rule.b[i] * q;
+      places.push_back({at[0], at[1], area * rule.weight[i]});
+    }
+  }
+}
+
+void triangle_boundary_points(const TriangleSurface& surface, const CurvedTriangles* curved,
+                              const std::vector<int>& triangles, const Index3& cell, const std::vector<char>& selected,
+                              const std::vector<Plane>& dividers, int order, int owner, BoundaryPoints& points) {
   const std::vector<Plane> crossing = crossing_planes(dividers, Vec3(cell[0], cell[1], cell[2]), 1);
-  PointMaker maker(surface, crossing, order, divide_faces(dividers));
+  PointMaker maker(surface, curved, crossing, order, divide_faces(dividers));
   for (const int t : triangles) {
     if (!selected.empty() && !selected[surface.patch(t)]) continue;
     const SurfacePolygon piece = piece_in_cell(surface, t, cell);
