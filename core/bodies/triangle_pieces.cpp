@@ -27,6 +27,9 @@ constexpr int full_rule_planes_of_cell = 32, quadratic_rule_planes_of_cell = 128
 /// Of patches with more planes: pieces of at least this area (cell units) get the full rule, a rule of degree 2.
 constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 
+/// Triangles of a curved face of a CAD body in a cell from which a rule of degree 1, of degree 3 on each of them has more
+/// points than it takes (some 30).
+constexpr std::size_t many_triangles = 60, some_triangles = 15;
 /// Degrees that a rule on a triangle of a plane with a bent rim has more than one on a straight one.
 constexpr int bend_degrees = 4;
 
@@ -216,6 +219,14 @@ FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
   return table;
 }
 
+/// The values of some functions at the points begin .. end.
+FunctionTable columns(const FunctionTable& table, std::size_t begin, std::size_t end) {
+  FunctionTable result;
+  result.resize(table.num_functions, static_cast<int>(end - begin));
+  for (int f = 0; f < table.num_functions; ++f) std::copy(table[f] + begin, table[f] + end, result[f]);
+  return result;
+}
+
 class PointMaker {
  public:
   PointMaker(const TriangleSurface& surface, const CurvedTriangles* curved, const std::vector<Plane>& dividers,
@@ -352,7 +363,7 @@ class PointMaker {
     std::vector<RulePoint> rule;
     SurfacePolygon whole;
     if (is_bent(begin, end))
-      for (std::size_t i = begin; i < end; ++i) add_exact_rule(part(i), degree + bend_degrees, rule, nullptr);
+      add_bent_rule(begin, end, degree + bend_degrees, rule);
     else if (join_convex(begin, end, whole))
       add_polygon_rule(whole, degree, rule);
     else
@@ -379,9 +390,15 @@ class PointMaker {
     return false;
   }
 
-  /// Appends points on the exact surface, and their normals. Where a bent rim folds a triangle that is thinner than the
+  void add_bent_rule(std::size_t begin, std::size_t end, int degree, std::vector<RulePoint>& rule) const {
+    std::vector<FacetPoint> points;
+    for (std::size_t i = begin; i < end; ++i) add_exact_rule(part(i), degree, points);
+    for (const FacetPoint& p : points) rule.push_back(p.point);
+  }
+
+  /// Appends points on the exact surface. Where a bent rim folds a triangle that is thinner than the
   /// bend, weights are negative: the folds cancel.
-  void add_exact_rule(const Part& of, int degree, std::vector<RulePoint>& rule, std::vector<Vec3>* normals) const {
+  void add_exact_rule(const Part& of, int degree, std::vector<FacetPoint>& rule) const {
     static thread_local std::vector<TrianglePlace> places;
     places.clear();
     add_piece_rule(surface_, of.triangle, of.polygon, degree, places);
@@ -389,44 +406,71 @@ class PointMaker {
       const CurvedPlace place = curved_->place(of.triangle, at.a, at.b);
       const Vec3 across = place.along_a.cross(place.along_b);
       const double stretch = across.norm(), sign = across.dot(place.normal) < 0 ? -1 : 1;
-      rule.push_back({place.x, sign * at.weight * stretch});
-      if (normals) normals->push_back(place.normal);
+      rule.push_back({{place.x, sign * at.weight * stretch}, place.normal});
     }
   }
 
-  /// Points of the parts begin .. end, those of a curved face of a CAD body.
+  /// Points of the parts begin .. end, those of a curved face of a CAD body: with the integrals of many more points of
+  /// all polynomials as on the quadrics of CSG bodies, of the normal and of the flux of the position.
   void make_curved_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
-    const int patch = part(begin).patch, degree = order_ + 1;
-    std::vector<RulePoint> rule;
-    std::vector<Vec3> normals;
+    const int patch = part(begin).patch;
     for (std::size_t next = begin; begin < end; begin = next) {
-      rule.clear();
-      normals.clear();
-      for (; next < end && part(next).sides == part(begin).sides; ++next)
-        add_exact_rule(part(next), 2 * order_ + 1, rule, &normals);
+      std::size_t triangles = 0;
+      for (; next < end && part(next).sides == part(begin).sides; ++next) triangles += part(next).polygon.n - 2;
+      const int few = triangles >= many_triangles ? 1 : triangles >= some_triangles ? 3 : 0;
+      std::vector<FacetPoint> rule;  // of few points, if there are enough of these; then of many
+      if (few > 0)
+        for (std::size_t i = begin; i < next; ++i) add_exact_rule(part(i), few, rule);
+      const std::size_t num_few = rule.size();
+      for (std::size_t i = begin; i < next; ++i)
+        add_exact_rule(part(i), few == 0 ? 2 * order_ + 1 : 2 * order_ - 1, rule);
       double area = 0;
       Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
-      for (std::size_t i = 0; i < rule.size(); ++i) {
-        area += rule[i].weight;
-        mean_position += rule[i].weight * rule[i].position;
-        mean_normal += rule[i].weight * normals[i];
+      for (std::size_t i = num_few; i < rule.size(); ++i) {
+        area += rule[i].point.weight;
+        mean_position += rule[i].point.weight * rule[i].point.position;
+        mean_normal += rule[i].point.weight * rule[i].normal;
       }
       if (area <= lost_group) continue;
-      const auto [s, t] = plane_axes(mean_normal);
-      std::vector<double> weights, local[3];
-      const int axes[3] = {s, t, 3 - s - t};
-      for (const RulePoint& p : rule) {
-        for (int k = 0; k < 3; ++k) local[k].push_back(p.position[axes[k]] - rule[0].position[axes[k]]);
-        weights.push_back(p.weight);
-      }
-      if (weights.size() > static_cast<std::size_t>((degree + 1) * (degree + 1)))
-        compress_many_weights(surface_polynomials(local, degree, true), weights);
-      for (std::size_t i = 0; i < rule.size(); ++i) {
+      std::vector<double> weights = compress_curved(mean_normal, num_few, rule);
+      for (std::size_t i = 0; i < weights.size(); ++i) {
         if (!(weights[i] > 0)) continue;
-        points.append(rule[i].position, normals[i], weights[i], owner, patch);
+        points.append(rule[i].point.position, rule[i].normal, weights[i], owner, patch);
         if (with_pieces_) points.set_piece(mean_position / area, mean_normal / area);
       }
     }
+  }
+
+  /// Weights of the first points of a rule, or of all.
+  std::vector<double> compress_curved(const Vec3& mean_normal, std::size_t num_few,
+                                      std::vector<FacetPoint>& rule) const {
+    const auto [s, t] = plane_axes(mean_normal);
+    const int axes[3] = {s, t, 3 - s - t}, n = static_cast<int>(rule.size());
+    std::vector<double> local[3];
+    for (int k = 0; k < 3; ++k)
+      for (const FacetPoint& p : rule)
+        local[k].push_back(p.point.position[axes[k]] - rule[0].point.position[axes[k]]);
+    FunctionTable table = surface_polynomials(local, order_ + 1, true);  // scales the places to -1 .. 1
+    int f = table.num_functions;
+    table.num_functions += 4;
+    table.values.resize(static_cast<std::size_t>(table.num_functions) * n);
+    for (int k = 0; k < 3; ++k, ++f)
+      for (int p = 0; p < n; ++p) table[f][p] = rule[p].normal[axes[k]];
+    for (int p = 0; p < n; ++p)
+      table[f][p] = rule[p].normal[s] * local[0][p] + rule[p].normal[t] * local[1][p] +
+                    rule[p].normal[axes[2]] * local[2][p];
+    std::vector<double> weights, others;
+    for (std::size_t i = 0; i < rule.size(); ++i) (i < num_few ? weights : others).push_back(rule[i].point.weight);
+    if (num_few > 0 && take_integrals(table, others, weights)) {
+      table = columns(table, 0, num_few);
+    } else {
+      weights = others;
+      table = columns(table, num_few, rule.size());
+      rule.erase(rule.begin(), rule.begin() + static_cast<std::ptrdiff_t>(num_few));
+    }
+    const bool positive = std::all_of(weights.begin(), weights.end(), [](double w) { return w >= 0; });
+    if (positive && weights.size() > static_cast<std::size_t>(table.num_functions)) compress_many_weights(table, weights);
+    return weights;
   }
 
   /// The convex hull of the parts, if it has no larger area than they have.
