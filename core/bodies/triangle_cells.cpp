@@ -36,6 +36,26 @@ Index3 decode(long long code) {
           static_cast<int>(code >> (2 * bits)) - most};
 }
 
+/// Of the polynomials whose integrals over a flat piece are wanted.
+constexpr int full_degree = 3 * moment_degree + 1;
+
+/// Degrees of the rules for a piece of a curved face: as far as a piece is smaller than its cell the polynomials vary
+/// less on it. Slivers are a hundredth of a cell thick.
+struct CurvedDegrees {
+  int piece, sliver;
+};
+CurvedDegrees curved_degrees(const SurfacePolygon& piece) {
+  Vec3 min = piece.x[0], max = piece.x[0];
+  for (int i = 1; i < piece.n; ++i) {
+    min = min.cwiseMin(piece.x[i]);
+    max = max.cwiseMax(piece.x[i]);
+  }
+  const double size = (max - min).maxCoeff();  // cells
+  if (size < 0.25) return {7, 5};
+  if (size < 0.6) return {9, 6};
+  return {full_degree, 8};
+}
+
 /// Adds up the integrals over the pieces in one cell, several points at a time.
 class PieceIntegrals {
  public:
@@ -44,8 +64,8 @@ class PieceIntegrals {
     for (auto& sum : section_) sum.fill(0);
   }
 
-  void add(const SurfacePolygon& piece) {
-    const TriangleRule& rule = triangle_rule(3 * moment_degree + 1);
+  void add(const SurfacePolygon& piece, int degree) {
+    const TriangleRule& rule = triangle_rule(degree);
     for (int k = 1; k + 1 < piece.n; ++k) {
       const Vec3 u = piece.x[k] - piece.x[0], v = piece.x[k + 1] - piece.x[0];
       const double projection = 2 * (u[1] * v[2] - u[2] * v[1]);  // area in cell coordinates, times n_x
@@ -110,12 +130,11 @@ class SliverIntegrals {
     for (auto& sum : sums_) sum.fill(0);
   }
 
-  void add(int triangle, const SurfacePolygon& piece) {
-    if (piece.n < 3 || curved_.is_plane(triangle)) return;
+  void add(int triangle, const SurfacePolygon& piece, int degree) {
     any_ = true;
     static thread_local std::vector<TrianglePlace> places;
     places.clear();
-    add_piece_rule(surface_, triangle, piece, sliver_degree, places);
+    add_piece_rule(surface_, triangle, piece, degree, places);
     const GaussRule& across = gauss_rule(sliver_points_across);
     const Vec3& x0 = surface_.corner(triangle, 0);
     const Vec3 u = surface_.corner(triangle, 1) - x0, v = surface_.corner(triangle, 2) - x0;
@@ -146,9 +165,7 @@ class SliverIntegrals {
 
  private:
   static constexpr int lanes = 8;
-  /// Slivers are a hundredth of a cell thick: polynomials of degree 4 per variable times the Jacobian vary along them
-  /// as they do on the piece, which is a fraction of the cell, and hardly across.
-  static constexpr int sliver_degree = 8, sliver_points_across = 2;
+  static constexpr int sliver_points_across = 2;  // polynomials of degree 4 hardly vary across a sliver
   /// A cell with less than so many times what its slivers take away is thin: what they take outside of the cell may be
   /// a twentieth of the rest.
   static constexpr double thin = 5;
@@ -242,8 +259,14 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
     for (begin = end; begin > row_begin_[row] && entries_[begin - 1].cell == entries_[end - 1].cell; --begin) {
       triangles.push_back(entries_[begin - 1].triangle);
       const SurfacePolygon piece = piece_in_cell(surface_, triangles.back(), cell);
-      integrals.add(piece);
-      if (slivers) slivers->add(triangles.back(), piece);
+      if (piece.n < 3) continue;
+      if (!slivers || curved_->is_plane(triangles.back())) {
+        integrals.add(piece, full_degree);
+      } else {
+        const CurvedDegrees degrees = curved_degrees(piece);
+        integrals.add(piece, degrees.piece);
+        slivers->add(triangles.back(), piece, degrees.sliver);
+      }
     }
     integrals.finish(moments, section);
     if (slivers) cells.back().thin = slivers->finish(moments);

@@ -27,9 +27,9 @@ constexpr int full_rule_planes_of_cell = 32, quadratic_rule_planes_of_cell = 128
 /// Of patches with more planes: pieces of at least this area (cell units) get the full rule, a rule of degree 2.
 constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 
-/// Triangles of a curved face of a CAD body in a cell from which a rule of degree 1, of degree 3 on each of them has more
-/// points than it takes (some 30).
-constexpr std::size_t many_triangles = 60, some_triangles = 15;
+/// On a curved face of a CAD body in a cell: points from which those that stay are chosen (some 30); from so many
+/// triangles on they are small, and rules on them need two degrees less.
+constexpr int few_points = 60, many_triangles = 15;
 /// Degrees that a rule on a triangle of a plane with a bent rim has more than one on a straight one.
 constexpr int bend_degrees = 4;
 
@@ -415,15 +415,13 @@ class PointMaker {
   void make_curved_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
     const int patch = part(begin).patch;
     for (std::size_t next = begin; begin < end; begin = next) {
-      std::size_t triangles = 0;
+      int triangles = 0;
       for (; next < end && part(next).sides == part(begin).sides; ++next) triangles += part(next).polygon.n - 2;
-      const int few = triangles >= many_triangles ? 1 : triangles >= some_triangles ? 3 : 0;
-      std::vector<FacetPoint> rule;  // of few points, if there are enough of these; then of many
-      if (few > 0)
-        for (std::size_t i = begin; i < next; ++i) add_exact_rule(part(i), few, rule);
+      std::vector<FacetPoint> rule;  // of few points, then of many
+      add_few_points(begin, next, triangles, rule);
       const std::size_t num_few = rule.size();
-      for (std::size_t i = begin; i < next; ++i)
-        add_exact_rule(part(i), few == 0 ? 2 * order_ + 1 : 2 * order_ - 1, rule);
+      const int degree = triangles < many_triangles ? 2 * order_ + 1 : 2 * order_ - 1;
+      for (std::size_t i = begin; i < next; ++i) add_exact_rule(part(i), degree, rule);
       double area = 0;
       Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
       for (std::size_t i = num_few; i < rule.size(); ++i) {
@@ -441,6 +439,23 @@ class PointMaker {
     }
   }
 
+  /// About as many points as there are functions twice, more of them on the larger parts.
+  void add_few_points(std::size_t begin, std::size_t end, int triangles, std::vector<FacetPoint>& rule) const {
+    // A rule of degree 2 n - 1 has n^2 points on a triangle.
+    int n = 1;
+    while (n < order_ + 1 && (n + 1) * (n + 1) * triangles <= few_points) ++n;
+    int left = few_points - n * n * triangles;
+    std::vector<std::pair<double, std::size_t>> by_area;
+    for (std::size_t i = begin; i < end; ++i) by_area.emplace_back(-twice_area(part(i).polygon).norm(), i);
+    std::sort(by_area.begin(), by_area.end());
+    for (const auto& [area, i] : by_area) {
+      const int more = (2 * n + 1) * (part(i).polygon.n - 2);
+      const bool finer = more <= left && n < order_ + 1;
+      if (finer) left -= more;
+      add_exact_rule(part(i), 2 * (finer ? n + 1 : n) - 1, rule);
+    }
+  }
+
   /// Weights of the first points of a rule, or of all.
   std::vector<double> compress_curved(const Vec3& mean_normal, std::size_t num_few,
                                       std::vector<FacetPoint>& rule) const {
@@ -450,7 +465,7 @@ class PointMaker {
     for (int k = 0; k < 3; ++k)
       for (const FacetPoint& p : rule)
         local[k].push_back(p.point.position[axes[k]] - rule[0].point.position[axes[k]]);
-    FunctionTable table = surface_polynomials(local, order_ + 1, true);  // scales the places to -1 .. 1
+    FunctionTable table = surface_polynomials(local, order_ + 1, false);  // scales the places to -1 .. 1
     int f = table.num_functions;
     table.num_functions += 4;
     table.values.resize(static_cast<std::size_t>(table.num_functions) * n);
@@ -461,15 +476,15 @@ class PointMaker {
                     rule[p].normal[axes[2]] * local[2][p];
     std::vector<double> weights, others;
     for (std::size_t i = 0; i < rule.size(); ++i) (i < num_few ? weights : others).push_back(rule[i].point.weight);
-    if (num_few > 0 && take_integrals(table, others, weights)) {
-      table = columns(table, 0, num_few);
+    if (take_integrals(table, others, weights)) {
+      compress_weights(columns(table, 0, num_few), weights);
     } else {
       weights = others;
       table = columns(table, num_few, rule.size());
       rule.erase(rule.begin(), rule.begin() + static_cast<std::ptrdiff_t>(num_few));
+      if (std::all_of(weights.begin(), weights.end(), [](double w) { return w >= 0; }))
+        compress_many_weights(table, weights);
     }
-    const bool positive = std::all_of(weights.begin(), weights.end(), [](double w) { return w >= 0; });
-    if (positive && weights.size() > static_cast<std::size_t>(table.num_functions)) compress_many_weights(table, weights);
     return weights;
   }
 

@@ -265,7 +265,8 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
 /// The least change in the sense of sum (change^2 / weight): weights times a combination of the functions, by Cholesky's
 /// factors of their products.
 bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights) {
-  constexpr double least_pivot = 1e-11;  // of a function's square: what is left of it beside the others is rounding
+  constexpr double least_pivot = 1e-8;  // of a function's square: what is left of it beside the others is rounding
+  constexpr double good_enough = 1e-6;  // of the largest integral: functions that nearly depend on others
   const int m = functions.num_functions, n = static_cast<int>(weights.size()), all = functions.num_points;
   Vector wanted(m, 0.0), factor(static_cast<std::size_t>(m) * m, 0.0), trial = weights;
   double size = 0;
@@ -298,14 +299,14 @@ bool take_integrals(const FunctionTable& functions, const std::vector<double>& o
   }
   double error = 0;
   Vector missing(m);
-  for (int pass = 0; pass < 3; ++pass) {
+  for (int pass = 0; pass < 4; ++pass) {
     error = 0;
     for (int f = 0; f < m; ++f) {
       missing[f] = wanted[f];
       for (int p = 0; p < n; ++p) missing[f] -= trial[p] * functions[f][p];
       error = std::max(error, std::abs(missing[f]));
     }
-    if (pass == 2 || error <= accuracy * size) break;
+    if (pass == 3 || error <= accuracy * size) break;
     for (int f = 0; f < m; ++f) {
       for (int g = 0; g < f; ++g) missing[f] -= factor[static_cast<std::size_t>(f) * m + g] * missing[g];
       missing[f] = independent[f] ? missing[f] / factor[static_cast<std::size_t>(f) * m + f] : 0;
@@ -317,7 +318,7 @@ bool take_integrals(const FunctionTable& functions, const std::vector<double>& o
     for (int f = 0; f < m; ++f)
       for (int p = 0; p < n; ++p) trial[p] += missing[f] * weights[p] * functions[f][p];
   }
-  if (!(error <= 10 * accuracy * size) || std::any_of(trial.begin(), trial.end(), [](double w) { return !(w > 0); }))
+  if (!(error <= good_enough * size) || std::any_of(trial.begin(), trial.end(), [](double w) { return !(w > 0); }))
     return false;
   weights = trial;
   return true;
