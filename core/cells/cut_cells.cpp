@@ -272,7 +272,7 @@ class CutCellBuilder {
         continue;
       }
       const Candidate& candidate = candidates_[c];
-      ++result_.num_pruned;
+      if (!candidate.thin) ++result_.num_pruned;
       int heir = -1;
       double largest = 0;
       for (std::size_t p = 0; p < pieces.size(); ++p) {
