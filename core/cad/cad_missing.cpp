@@ -21,7 +21,6 @@ double CadModel::volume() const { refuse(); }
 double CadModel::area() const { refuse(); }
 std::pair<Vec3, Vec3> CadModel::box() const { refuse(); }
 double CadModel::distance(int, const Vec3&) const { refuse(); }
-std::vector<std::pair<int, int>> CadModel::faces_near(const CadModel&, const CadModel&, double) { refuse(); }
 CurvedTriangles CadModel::triangles(double) const { refuse(); }
 CadModel CadModel::combine(Operation, const CadModel&, const Similarity&, const CadModel&, const Similarity&) {
   refuse();

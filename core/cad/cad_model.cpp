@@ -354,27 +354,6 @@ double CadModel::distance(int face, const Vec3& x) const {
   return search.IsDone() && search.NbSolution() > 0 ? search.Value() : std::numeric_limits<double>::infinity();
 }
 
-std::vector<std::pair<int, int>> CadModel::faces_near(const CadModel& a, const CadModel& b, double limit) {
-  const auto boxes = [](const CadModel& model, double by) {
-    std::vector<Bnd_Box> result(model.shape_->faces.Extent());
-    for (std::size_t f = 0; f < result.size(); ++f) {
-      BRepBndLib::Add(model.shape_->faces(static_cast<int>(f) + 1), result[f]);
-      result[f].Enlarge(by);
-    }
-    return result;
-  };
-  const std::vector<Bnd_Box> boxes_a = boxes(a, limit), boxes_b = boxes(b, 0);
-  std::vector<std::pair<int, int>> near;
-  for (std::size_t i = 0; i < boxes_a.size(); ++i)
-    for (std::size_t j = 0; j < boxes_b.size(); ++j) {
-      if (boxes_a[i].IsOut(boxes_b[j])) continue;
-      BRepExtrema_DistShapeShape search(a.shape_->faces(static_cast<int>(i) + 1),
-                                        b.shape_->faces(static_cast<int>(j) + 1));
-      if (search.IsDone() && search.Value() <= limit) near.emplace_back(i, j);
-    }
-  return near;
-}
-
 CurvedTriangles CadModel::triangles(double deflection) const {
   try {
     for (int attempt = 0; attempt < finer_attempts; ++attempt, deflection /= 2) {

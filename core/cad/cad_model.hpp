@@ -44,8 +44,6 @@ class CadModel {
   CadModel named(const std::vector<std::vector<std::string>>& names) const;
   /// Distance of a point from a face, mm.
   double distance(int face, const Vec3& x) const;
-  /// Least distance between faces of two models placed in the same space: pairs of faces nearer than `limit` (mm).
-  static std::vector<std::pair<int, int>> faces_near(const CadModel& a, const CadModel& b, double limit);
 
   /// Triangles no farther than about `deflection` (mm) from the surface, closed. Throws InputError that names the face
   /// that could not be divided into triangles.

@@ -29,6 +29,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
@@ -258,15 +259,14 @@ std::string describe_gap(const TopoDS_Shape& shape) {
   TopExp::MapShapes(shape, TopAbs_FACE, faces);
   const CadModel model = make_cad_model(shape);
   const int number = faces.FindIndex(open.front().second);
+  // As wide as it is at the wider end of the edge.
   double gap = std::numeric_limits<double>::infinity();
+  TopoDS_Vertex a, b;
+  TopExp::Vertices(open.front().first, a, b);
   for (std::size_t k = 1; k < open.size(); ++k) {
-    TopoDS_Vertex a, b;
-    TopExp::Vertices(open.front().first, a, b);
-    BRepExtrema_DistShapeShape ends(a, open[k].first);
-    if (!ends.IsDone()) continue;
-    BRepExtrema_DistShapeShape other(b, open[k].first);
     if (open[k].second.IsSame(open.front().second)) continue;
-    if (other.IsDone()) gap = std::min(gap, std::max(ends.Value(), other.Value()));
+    const BRepExtrema_DistShapeShape at_a(a, open[k].first), at_b(b, open[k].first);
+    if (at_a.IsDone() && at_b.IsDone()) gap = std::min(gap, std::max(at_a.Value(), at_b.Value()));
   }
   std::string text = fmt::format("{} of its edges belong to one face only, the first of them to {}", open.size(),
                                  cad_face_text(model.faces()[number - 1], number));
@@ -298,6 +298,7 @@ std::vector<TopoDS_Solid> solids_of_shells(const TopoDS_Shape& shape) {
 }
 
 constexpr double sewing_share = 1e-4;  // of the part's diagonal: gaps that a repair closes
+constexpr double iges_gap = 1e-3, no_gap = 1e-7;  // mm
 
 double diagonal(const TopoDS_Shape& shape) {
   const auto [low, high] = make_cad_model(shape).box();
@@ -310,47 +311,68 @@ class SolidMaker {
   SolidMaker(const std::string& file, bool loose, bool repair) : file_(file), loose_(loose), repair_(repair) {}
 
   void add(const Found& found) {
-    TopoDS_Shape shape = found.shape;
-    std::string repaired;
-    if (shape.ShapeType() != TopAbs_SOLID) {
-      if (!TopExp_Explorer(shape, TopAbs_FACE).More()) return;  // curves and points
-      std::vector<TopoDS_Solid> solids = solids_of_shells(loose_ ? sewn(shape, 1e-3) : shape);
-      if (solids.empty() || !TopExp_Explorer(shape, TopAbs_SHELL).More()) {
-        if (!repair_ && solids.empty()) {
-          failures_.push_back(fmt::format("\"{}\" is no solid but an open surface: {}", found.name,
-                                          describe_gap(loose_ ? sewn(shape, 1e-3) : shape)));
-          return;
-        }
-        if (solids.empty()) {
-          const double tolerance = sewing_share * diagonal(shape);
-          const TopoDS_Shape closed = sewn(shape, tolerance);
-          solids = solids_of_shells(closed);
-          if (solids.empty())
-            throw InputError(fmt::format("{}: \"{}\" stays open, also with gaps of up to {:.3g} mm closed: {}", file_,
-                                         found.name, tolerance, describe_gap(closed)));
-          repaired = fmt::format("gaps of up to {:.3g} mm closed, area {:.8g} mm^2 before, {:.8g} after, volume {:.8g} mm^3",
-                                 tolerance, area_of(shape), area_of(closed), std::abs(volume_of(solids.front())));
-        }
-      }
-      for (std::size_t k = 0; k < solids.size(); ++k)
-        finish(found, solids[k], solids.size() > 1 ? fmt::format("_{}", k + 1) : "", repaired);
-      return;
-    }
-    finish(found, shape, "", repaired);
+    if (found.shape.ShapeType() == TopAbs_SOLID) return finish(found, found.shape, "");
+    if (!TopExp_Explorer(found.shape, TopAbs_FACE).More()) return;  // curves and points
+    if (!add_shells(found, found.shape, "")) loose_faces_.Add(found);
   }
 
+  /// Faces that belong to no solid are looked at where there is no solid.
   std::vector<CadSolid> take() {
+    if (solids_.empty() && loose_faces_.any) close_loose_faces();
     if (solids_.empty())
-      throw InputError(file_ + ": " +
-                       (failures_.empty() ? "there is no solid in it (allowed: a file with at least one solid)"
-                                          : failures_.front() + " (allowed: closed surfaces; repair = true closes "
-                                                                "gaps of up to 1e-4 of the size)"));
+      throw InputError(file_ + ": there is no solid in it (allowed: a file with at least one solid)");
     return std::move(solids_);
   }
 
  private:
-  void finish(const Found& found, TopoDS_Shape solid, const std::string& suffix, std::string repaired) {
-    const std::string name = found.name + suffix;
+  /// All that is no solid in one shape.
+  struct LooseFaces {
+    bool any = false;
+    TopoDS_Compound shape;
+    Found found;
+    void Add(const Found& part) {
+      BRep_Builder builder;
+      if (!any) builder.MakeCompound(shape);
+      builder.Add(shape, part.shape);
+      any = true;
+      found.face_names.insert(found.face_names.end(), part.face_names.begin(), part.face_names.end());
+      found.colours.insert(found.colours.end(), part.colours.begin(), part.colours.end());
+    }
+  };
+
+  /// The closed shells of a shape as solids; false if one of them is open or there is none.
+  bool add_shells(const Found& found, const TopoDS_Shape& shape, const std::string& repaired) {
+    const std::vector<TopoDS_Solid> closed = solids_of_shells(shape);
+    for (std::size_t k = 0; k < closed.size(); ++k) {
+      Found one = found;
+      if (closed.size() > 1) one.name += fmt::format("_{}", k + 1);
+      finish(one, closed[k], repaired);
+    }
+    return !closed.empty();
+  }
+
+  void close_loose_faces() {
+    Found& found = loose_faces_.found;
+    found.name = std::filesystem::path(file_).stem().string();
+    // Faces of IGES files do not know of each other.
+    const TopoDS_Shape open = sewn(loose_faces_.shape, loose_ ? iges_gap : no_gap);
+    if (add_shells(found, open, "")) return;
+    if (!repair_)
+      throw InputError(fmt::format("{}: there is no solid in it but an open surface: {} (allowed: closed surfaces; "
+                                   "repair = true closes gaps of up to 1e-4 of the size)",
+                                   file_, describe_gap(open)));
+    const double tolerance = sewing_share * diagonal(open);
+    const TopoDS_Shape closed = sewn(open, tolerance);
+    const std::string repaired = fmt::format("gaps of up to {:.3g} mm closed: area {:.8g} mm^2 before, {:.8g} after", tolerance,
+                                             area_of(open), area_of(closed));
+    if (!add_shells(found, closed, repaired))
+      throw InputError(fmt::format("{}: there is no solid in it but a surface that stays open, also with gaps of up to "
+                                   "{:.3g} mm closed: {}",
+                                   file_, tolerance, describe_gap(closed)));
+  }
+
+  void finish(const Found& found, TopoDS_Shape solid, std::string repaired) {
+    const std::string& name = found.name;
     if (!BRepCheck_Analyzer(solid).IsValid()) {
       if (!repair_)
         throw InputError(fmt::format("{}: the solid \"{}\" is not valid: {} (allowed: a sound solid; repair = true lets "
@@ -412,7 +434,7 @@ class SolidMaker {
 
   std::string file_;
   bool loose_, repair_;
-  std::vector<std::string> failures_;
+  LooseFaces loose_faces_;
   std::vector<CadSolid> solids_;
 };
 

@@ -268,7 +268,10 @@ CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const T
   shape.note = fmt::format("{}: solid \"{}\", {} faces, {:.4g} x {:.4g} x {:.4g} m, volume {:.6g} m^3, area {:.6g} m^2",
                            given, chosen.name, model.faces().size(), extent[0], extent[1], extent[2],
                            model.volume() * scale * scale * scale, model.area() * scale * scale);
-  if (!chosen.repair.empty()) shape.warnings.push_back(fmt::format("{}: solid \"{}\": {}", given, chosen.name, chosen.repair));
+  if (!chosen.repair.empty()) {
+    shape.note += "; repaired on request: " + chosen.repair;
+    shape.warnings.push_back(shape.note);
+  }
   const std::string doubt = doubtful_unit(extent);
   if (!doubt.empty()) shape.warnings.push_back(given + ": " + doubt);
   return shape;

@@ -214,8 +214,8 @@ std::vector<CadPart> write_cad_parts(const std::string& folder) {
   add("outer_ring", quarter(ring(700, 1000, 1000), 1100, 100), 0, 0);
   add("ball_octant", quarter(BRepPrimAPI_MakeSphere(700).Shape(), 1000, 1000), 0, 0);
   add("shell_octant", quarter(shell(700, 1000), 1100, 1100), 0, 0);
-  write_assembly(folder);
   write_broken(folder);
+  write_assembly(folder);  // last: it leaves the unit of its file to those after it
   return parts;
 }
 
