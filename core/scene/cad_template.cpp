@@ -200,8 +200,8 @@ std::string scene_of_cad_file(const InitOptions& options, const std::string& fil
       "# It knows nothing of your problem: go through the lines marked TODO. Lengths in m, pressures in Pa. Every key is in\n"
       "# docs/scene.md of cgcontact.\n\n"
       "title = {}\n",
-      parts.size() == 1 ? "solid" : fmt::format("{} solids", parts.size()), shell_word(fs::path(options.cad).filename().string()), state,
-      shell_word(file), shell_word(file), toml_string(fs::path(options.cad).stem().string()));
+      parts.size() == 1 ? "solid" : fmt::format("{} solids", parts.size()), comment_word(fs::path(options.cad).filename().string()), state,
+      comment_word(file), comment_word(file), toml_string(fs::path(options.cad).stem().string()));
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const Part& part = parts[p];
     text += fmt::format(

@@ -303,9 +303,9 @@ std::string scene_of_part(const InitOptions& options, const PartOutline& part, d
   told += fmt::format("cells of {:.3g} m; the part has {} smooth face{}\n", layout.cell_size, part.parts.size(),
                       part.parts.size() == 1 ? "" : "s");
   return fmt::format(
-      part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", shell_word(file)),
+      part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", comment_word(file)),
       fmt::arg("turn", rotation_line(part.turn)), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
-      fmt::arg("stem", shell_word(fs::path(file).stem().string())),
+      fmt::arg("stem", comment_word(fs::path(file).stem().string())),
       fmt::arg("finer", fmt::format("{:.3g}", layout.cell_size / 1.5)),
       fmt::arg("title", toml_string(fs::path(options.surface).stem().string() + " under a plate")),
       fmt::arg("h", layout.cell_size), fmt::arg("cells", std::lround(extent.maxCoeff() / layout.cell_size)),
@@ -389,7 +389,7 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault) 
     throw InputError(file + ": is not the name of a scene (allowed: a name that ends in .toml)");
   expect_new(file);
   std::string told;
-  const std::string name = shell_word(file), stem = shell_word(fs::path(file).stem().string());
+  const std::string name = comment_word(file), stem = comment_word(fs::path(file).stem().string());
   const std::string text =
       from_cad       ? cad_scene(options, file, find_fault, told)
       : from_surface ? passing_scene(options, file, find_fault, told)
@@ -413,7 +413,7 @@ std::string toml_string(const std::string& text) {
   return result + "\"";
 }
 
-std::string shell_word(const std::string& text) {
+std::string comment_word(const std::string& text) {
   std::string word = text;
   std::replace_if(
       word.begin(), word.end(), [](unsigned char c) { return c < 0x20; }, '?');

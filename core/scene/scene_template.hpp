@@ -33,7 +33,7 @@ int parse_init_cells(const std::string& text);
 std::string toml_string(const std::string& text);
 
 /// As a word of a command line in a comment: without line breaks, quoted if needed.
-std::string shell_word(const std::string& text);
+std::string comment_word(const std::string& text);
 
 /// The units that a surface may have in a scene.
 std::vector<std::string> unit_names();
