@@ -1,5 +1,6 @@
 #include "tests/support/cad_parts.hpp"
 
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepAlgoAPI_Common.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
@@ -23,6 +24,7 @@
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <STEPControl_Writer.hxx>
+#include <ShapeUpgrade_UnifySameDomain.hxx>
 #include <TDataStd_Name.hxx>
 #include <TDocStd_Document.hxx>
 #include <TopExp_Explorer.hxx>
@@ -89,8 +91,10 @@ TopoDS_Shape lug() {
   const TopoDS_Shape plate = BRepPrimAPI_MakeBox(gp_Pnt(-12, -5, 0), gp_Pnt(12, 5, 30)).Shape();
   const TopoDS_Shape end = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(0, -5, 30), gp_Dir(0, 1, 0)), 12, 10).Shape();
   const TopoDS_Shape eye = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(0, -20, 30), gp_Dir(0, 1, 0)), 6, 40).Shape();
-  const TopoDS_Shape solid =
-      BRepAlgoAPI_Fuse(foot, BRepAlgoAPI_Cut(BRepAlgoAPI_Fuse(plate, end).Shape(), eye).Shape()).Shape();
+  ShapeUpgrade_UnifySameDomain unify(
+      BRepAlgoAPI_Fuse(foot, BRepAlgoAPI_Cut(BRepAlgoAPI_Fuse(plate, end).Shape(), eye).Shape()).Shape());
+  unify.Build();
+  const TopoDS_Shape solid = unify.Shape();
   BRepFilletAPI_MakeFillet fillet(solid);
   for (TopExp_Explorer e(solid, TopAbs_EDGE); e.More(); e.Next()) {
     const TopoDS_Edge edge = TopoDS::Edge(e.Current());
@@ -148,6 +152,30 @@ void write_broken(const std::string& folder) {
   iges.Write((folder + "/box.igs").c_str());
   std::ofstream(folder + "/text.step") << "solid cube\nfacet normal 0 0 1\n";
   std::ofstream(folder + "/empty.step") << "";
+}
+
+/// The lug with names for two of its faces.
+void write_lug(const std::string& folder) {
+  Handle(TDocStd_Document) document;
+  XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document);
+  const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  const TopoDS_Shape part = lug();
+  const TDF_Label label = shapes->AddShape(part, false);
+  TDataStd_Name::Set(label, "lug");
+  for (TopExp_Explorer f(part, TopAbs_FACE); f.More(); f.Next()) {
+    const BRepAdaptor_Surface surface(TopoDS::Face(f.Current()));
+    if (surface.GetType() == GeomAbs_Cylinder && surface.Cylinder().Radius() == 6)
+      TDataStd_Name::Set(shapes->AddSubShape(label, f.Current()), "eye");
+    if (surface.GetType() == GeomAbs_Plane && surface.Value(0, 0).Z() == 0 &&
+        std::abs(surface.Plane().Axis().Direction().Z()) == 1)
+      TDataStd_Name::Set(shapes->AddSubShape(label, f.Current()), "sole");
+  }
+  STEPCAFControl_Writer writer;
+  Interface_Static::SetIVal("write.stepcaf.subshapes.name", 1);
+  writer.SetNameMode(true);
+  writer.Transfer(document);
+  writer.Write((folder + "/lug.step").c_str());
+  XCAFApp_Application::GetApplication()->Close(document);
 }
 
 /// Two bolts, one turned and moved, and a plate with named and coloured faces; lengths in inches.
@@ -209,7 +237,8 @@ std::vector<CadPart> write_cad_parts(const std::string& folder) {
   add("skew_filleted", skew(rounded(BRepPrimAPI_MakeBox(10, 8, 6).Shape(), 1.5)), 0, 0);
   add("lofted", lofted(), 0, 0);
   add("cross_drilled", cross_drilled(), 0, 0);
-  add("lug", lug(), 0, 0);
+  write_lug(folder);
+  parts.push_back({"lug", 0, 0});
   add("inner_ring", quarter(ring(400, 700, 1000), 1000, 100), 0, 0);
   add("outer_ring", quarter(ring(700, 1000, 1000), 1100, 100), 0, 0);
   add("ball_octant", quarter(BRepPrimAPI_MakeSphere(700).Shape(), 1000, 1000), 0, 0);
