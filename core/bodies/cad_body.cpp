@@ -140,8 +140,8 @@ bool CadBody::bounding_box(Vec3& min, Vec3& max) const {
   return true;
 }
 
-/// From where the line meets the triangles; where it meets a triangle but not the surface near it (it grazes it), at the
-/// triangle.
+/// From where the line meets the triangles; where it meets a triangle but not the surface near it (it grazes it), at
+/// the triangle.
 void CadBody::crossings(const Vec3& x, const Vec3& d, double reach, std::vector<Crossing>& found) const {
   const CurvedTriangles& curved = surface_->curved;
   const Similarity& place = curved.placement;
@@ -171,8 +171,8 @@ std::unique_ptr<CellSweep> CadBody::sweep_cells(const Grid& grid, const std::vec
   return std::make_unique<TriangleCells>(surface_->flat, &surface_->curved, grid.num_cells, dividers, order);
 }
 
-void CadBody::boundary_points(const Index3& cell, const std::vector<char>& selected,
-                              const std::vector<Plane>& dividers, int order, int owner, BoundaryPoints& points) const {
+void CadBody::boundary_points(const Index3& cell, const std::vector<char>& selected, const std::vector<Plane>& dividers,
+                              int order, int owner, BoundaryPoints& points) const {
   triangle_boundary_points(surface_->flat, &surface_->curved, triangles_near_cell(surface_->flat, cell), cell, selected,
                            dividers, order, owner, points);
 }
@@ -283,8 +283,8 @@ std::optional<Solid> combine_cad(BooleanOp::Kind op, const Solid& a, const Solid
   const CadModel::Operation operation = op == BooleanOp::Kind::unite       ? CadModel::Operation::unite
                                         : op == BooleanOp::Kind::intersect ? CadModel::Operation::intersect
                                                                            : CadModel::Operation::subtract;
-  return Solid(std::make_shared<CadBody>(CadModel::combine(operation, first, place_a, second, place_b),
-                                         metres_per_unit, cell_size));
+  return Solid(std::make_shared<CadBody>(CadModel::combine(operation, first, place_a, second, place_b), metres_per_unit,
+                                         cell_size));
 }
 
 }  // namespace cgcontact

@@ -64,8 +64,8 @@ class CadBody final : public BodyGeometry {
 /// nullptr for bodies of another kind.
 const CadBody* as_cad(const Solid& solid);
 
-/// a op b of two bodies of which at least one is a CAD body and the other one too, or an expression of surfaces; nullopt
-/// if one is bounded by triangles. Throws InputError.
+/// a op b of two bodies of which at least one is a CAD body and the other one too, or an expression of surfaces;
+/// nullopt if one is bounded by triangles. Throws InputError.
 std::optional<Solid> combine_cad(BooleanOp::Kind op, const Solid& a, const Solid& b, double cell_size);
 
 }  // namespace cgcontact

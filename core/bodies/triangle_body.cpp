@@ -114,8 +114,8 @@ std::unique_ptr<CellSweep> TriangleBody::sweep_cells(const Grid& grid, const std
 void TriangleBody::boundary_points(const Index3& cell, const std::vector<char>& selected,
                                    const std::vector<Plane>& dividers, int order, int owner,
                                    BoundaryPoints& points) const {
-  triangle_boundary_points(*triangles_, nullptr, triangles_near_cell(*triangles_, cell), cell, selected, dividers, order,
-                           owner, points);
+  triangle_boundary_points(*triangles_, nullptr, triangles_near_cell(*triangles_, cell), cell, selected, dividers,
+                           order, owner, points);
 }
 
 CellEstimate TriangleBody::estimate_cells(const Grid& grid, double most_cells) const {

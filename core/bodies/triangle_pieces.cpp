@@ -30,7 +30,7 @@ constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 /// On a curved face of a CAD body in a cell: points from which those that stay are chosen (some 30); from so many
 /// triangles on they are small, and rules on them need two degrees less.
 constexpr int few_points = 60, many_triangles = 15;
-/// Degrees that a rule on a triangle of a plane with a bent rim has more than one on a straight one.
+/// Degrees that a rule on a triangle with a bent rim has more than one on a straight one.
 constexpr int bend_degrees = 4;
 
 /// Sides of all dividers, one bit each.
@@ -386,7 +386,7 @@ class PointMaker {
   bool is_bent(std::size_t begin, std::size_t end) const {
     if (!curved_) return false;
     for (std::size_t i = begin; i < end; ++i)
-      if (!curved_->is_flat(part(i).triangle)) return true;
+      if (curved_->is_bent(part(i).triangle)) return true;
     return false;
   }
 
@@ -421,7 +421,8 @@ class PointMaker {
       add_few_points(begin, next, triangles, rule);
       const std::size_t num_few = rule.size();
       const int degree = triangles < many_triangles ? 2 * order_ + 1 : 2 * order_ - 1;
-      for (std::size_t i = begin; i < next; ++i) add_exact_rule(part(i), degree, rule);
+      for (std::size_t i = begin; i < next; ++i)
+        add_exact_rule(part(i), degree + (curved_->is_bent(part(i).triangle) ? bend_degrees : 0), rule);
       double area = 0;
       Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
       for (std::size_t i = num_few; i < rule.size(); ++i) {
@@ -456,6 +457,17 @@ class PointMaker {
     }
   }
 
+  /// Where folds leave negative weights, the others take them over: the area stays.
+  static void keep_positive(std::vector<double>& weights) {
+    double all = 0, positive = 0;
+    for (const double w : weights) {
+      all += w;
+      positive += std::max(w, 0.0);
+    }
+    if (positive > all)
+      for (double& w : weights) w = std::max(w, 0.0) * all / positive;
+  }
+
   /// Weights of the first points of a rule, or of all.
   std::vector<double> compress_curved(const Vec3& mean_normal, std::size_t num_few,
                                       std::vector<FacetPoint>& rule) const {
@@ -463,8 +475,7 @@ class PointMaker {
     const int axes[3] = {s, t, 3 - s - t}, n = static_cast<int>(rule.size());
     std::vector<double> local[3];
     for (int k = 0; k < 3; ++k)
-      for (const FacetPoint& p : rule)
-        local[k].push_back(p.point.position[axes[k]] - rule[0].point.position[axes[k]]);
+      for (const FacetPoint& p : rule) local[k].push_back(p.point.position[axes[k]] - rule[0].point.position[axes[k]]);
     FunctionTable table = surface_polynomials(local, order_ + 1, false);  // scales the places to -1 .. 1
     int f = table.num_functions;
     table.num_functions += 4;
@@ -472,18 +483,19 @@ class PointMaker {
     for (int k = 0; k < 3; ++k, ++f)
       for (int p = 0; p < n; ++p) table[f][p] = rule[p].normal[axes[k]];
     for (int p = 0; p < n; ++p)
-      table[f][p] = rule[p].normal[s] * local[0][p] + rule[p].normal[t] * local[1][p] +
-                    rule[p].normal[axes[2]] * local[2][p];
+      table[f][p] =
+          rule[p].normal[s] * local[0][p] + rule[p].normal[t] * local[1][p] + rule[p].normal[axes[2]] * local[2][p];
     std::vector<double> weights, others;
-    for (std::size_t i = 0; i < rule.size(); ++i) (i < num_few ? weights : others).push_back(rule[i].point.weight);
+    for (std::size_t i = 0; i < num_few; ++i) weights.push_back(std::abs(rule[i].point.weight));
+    for (std::size_t i = num_few; i < rule.size(); ++i) others.push_back(rule[i].point.weight);
     if (take_integrals(table, others, weights)) {
       compress_weights(columns(table, 0, num_few), weights);
     } else {
       weights = others;
       table = columns(table, num_few, rule.size());
       rule.erase(rule.begin(), rule.begin() + static_cast<std::ptrdiff_t>(num_few));
-      if (std::all_of(weights.begin(), weights.end(), [](double w) { return w >= 0; }))
-        compress_many_weights(table, weights);
+      keep_positive(weights);
+      compress_many_weights(table, weights);
     }
     return weights;
   }

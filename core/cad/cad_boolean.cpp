@@ -56,9 +56,10 @@ CadModel CadModel::combine(Operation operation, const CadModel& a, const Similar
     BRepAlgoAPI_Fuse fuse;
     BRepAlgoAPI_Common common;
     BRepAlgoAPI_Cut cut;
-    BRepAlgoAPI_BooleanOperation& work = operation == Operation::unite       ? static_cast<BRepAlgoAPI_BooleanOperation&>(fuse)
-                                         : operation == Operation::intersect ? static_cast<BRepAlgoAPI_BooleanOperation&>(common)
-                                                                             : static_cast<BRepAlgoAPI_BooleanOperation&>(cut);
+    BRepAlgoAPI_BooleanOperation& work =
+        operation == Operation::unite       ? static_cast<BRepAlgoAPI_BooleanOperation&>(fuse)
+        : operation == Operation::intersect ? static_cast<BRepAlgoAPI_BooleanOperation&>(common)
+                                            : static_cast<BRepAlgoAPI_BooleanOperation&>(cut);
     work.SetArguments(arguments);
     work.SetTools(tools);
     work.SetNonDestructive(true);
@@ -104,8 +105,8 @@ CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double
     solid = BRepPrimAPI_MakeSphere(point(surface.point), surface.radius).Shape();
   } else if (surface.kind == Surface::Kind::cylinder) {
     const Vec3 base = surface.point + ((centre - surface.point).dot(surface.direction) - radius) * surface.direction;
-    solid = BRepPrimAPI_MakeCylinder(gp_Ax2(point(base), direction(surface.direction)), surface.radius, 2 * radius)
-                .Shape();
+    solid =
+        BRepPrimAPI_MakeCylinder(gp_Ax2(point(base), direction(surface.direction)), surface.radius, 2 * radius).Shape();
   } else {
     const Vec3 x = surface.direction.unitOrthogonal(), y = surface.direction.cross(x);
     const Vec3 middle = centre - (centre - surface.point).dot(surface.direction) * surface.direction;
@@ -118,9 +119,7 @@ CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double
   CadModel model = make_cad_model(solid);
   for (CadFace& face : model.faces_) {
     const bool flat = face.kind == "plane";
-    const bool own = surface.kind == Surface::Kind::plane
-                         ? flat && face.axis.dot(surface.direction) > 0.9
-                         : !flat;
+    const bool own = surface.kind == Surface::Kind::plane ? flat && face.axis.dot(surface.direction) > 0.9 : !flat;
     if (own) face.names = surface.names;
   }
   return model;

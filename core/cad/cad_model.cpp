@@ -46,7 +46,7 @@ Vec3 vec(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
 class OcctSurface final : public ParametricSurface {
  public:
-  explicit OcctSurface(const Handle(Geom_Surface)& surface) : surface_(surface) {
+  explicit OcctSurface(const Handle(Geom_Surface) & surface) : surface_(surface) {
     plane_ = surface->IsKind(STANDARD_TYPE(Geom_Plane));
     surface->Bounds(min_[0], max_[0], min_[1], max_[1]);
     for (int k = 0; k < 2; ++k) {
@@ -87,7 +87,7 @@ class OcctSurface final : public ParametricSurface {
 
 class OcctCurve final : public PlaneCurve {
  public:
-  explicit OcctCurve(const Handle(Geom2d_Curve)& curve) : curve_(curve) {}
+  explicit OcctCurve(const Handle(Geom2d_Curve) & curve) : curve_(curve) {}
   Vec2 at(double t) const override {
     const gp_Pnt2d p = curve_->Value(t);
     return {p.X(), p.Y()};
@@ -175,9 +175,9 @@ class Assembler {
   }
 
   /// The edge in the parameter plane of the face: of the two that a seam has, the one on which the triangles end.
-  static Handle(Geom2d_Curve) curve_of(const TopoDS_Edge& edge, const TopoDS_Face& face,
-                                       const Handle(Poly_Triangulation) & mesh,
-                                       const Poly_PolygonOnTriangulation& polygon) {
+  static Handle(Geom2d_Curve)
+      curve_of(const TopoDS_Edge& edge, const TopoDS_Face& face, const Handle(Poly_Triangulation) & mesh,
+               const Poly_PolygonOnTriangulation& polygon) {
     double begin = 0, end = 0;
     const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, begin, end);
     if (curve.IsNull() || !BRep_Tool::IsClosed(edge, face)) return curve;
@@ -297,8 +297,9 @@ class Assembler {
 std::vector<double> face_areas(const CurvedTriangles& triangles) {
   // Degree 5 (Radon 1948).
   const double r = std::sqrt(15.0), a = (6 - r) / 21, b = (6 + r) / 21, wa = (155 - r) / 1200, wb = (155 + r) / 1200;
-  const double rule[7][3] = {{1.0 / 3, 1.0 / 3, 9.0 / 40}, {a, a, wa}, {a, 1 - 2 * a, wa}, {1 - 2 * a, a, wa},
-                             {b, b, wb},                  {b, 1 - 2 * b, wb}, {1 - 2 * b, b, wb}};
+  const double rule[7][3] = {
+      {1.0 / 3, 1.0 / 3, 9.0 / 40}, {a, a, wa},        {a, 1 - 2 * a, wa}, {1 - 2 * a, a, wa}, {b, b, wb},
+      {b, 1 - 2 * b, wb},           {1 - 2 * b, b, wb}};
   std::vector<double> areas(triangles.faces.size(), 0);
   for (std::size_t t = 0; t < triangles.triangles.size(); ++t)
     for (const auto& [x, y, w] : rule) {
@@ -372,7 +373,7 @@ CurvedTriangles CadModel::triangles(double deflection) const {
       const auto miss = [&](std::size_t f) { return std::abs(areas[f] / faces_[f].area - 1); };
       for (std::size_t f = 1; f < faces_.size(); ++f)
         if (miss(f) > miss(worst)) worst = f;
-      if (getenv("DBG") || !(miss(worst) > area_tolerance)) return result;
+      if (!(miss(worst) > area_tolerance)) return result;
       if (attempt + 1 == finer_attempts)
         throw InputError(fmt::format("{}: its triangles cover {:.6g} mm^2 of its {:.6g} mm^2",
                                      cad_face_text(faces_[worst], static_cast<int>(worst) + 1), areas[worst],

@@ -13,16 +13,16 @@
 namespace cgcontact {
 
 struct CadFace {
-  std::string name;                           ///< in the file, "" if it has none
-  std::optional<std::array<int, 3>> colour;   ///< red, green, blue, 0 to 255
-  std::string kind;                           ///< plane, cylinder, cone, sphere, torus, other
-  double area = 0;                            ///< mm^2
-  double radius = 0;                          ///< mm: cylinder, sphere, small one of a torus
-  double major_radius = 0;                    ///< mm: torus
-  double half_angle = 0;                      ///< radians: cone
-  Vec3 middle = Vec3::Zero();                 ///< mm, centroid of the face
-  Vec3 axis = Vec3::Zero();                   ///< unit: outward normal of a plane, axis of the others
-  std::vector<std::string> names;             ///< "part.face": what it is called in the scene
+  std::string name;                          ///< in the file, "" if it has none
+  std::optional<std::array<int, 3>> colour;  ///< red, green, blue, 0 to 255
+  std::string kind;                          ///< plane, cylinder, cone, sphere, torus, other
+  double area = 0;                           ///< mm^2
+  double radius = 0;                         ///< mm: cylinder, sphere, small one of a torus
+  double major_radius = 0;                   ///< mm: torus
+  double half_angle = 0;                     ///< radians: cone
+  Vec3 middle = Vec3::Zero();                ///< mm, centroid of the face
+  Vec3 axis = Vec3::Zero();                  ///< unit: outward normal of a plane, axis of the others
+  std::vector<std::string> names;            ///< "part.face": what it is called in the scene
 };
 
 /// The kinds that a face may have.
@@ -64,7 +64,7 @@ class CadModel {
 
 /// A solid of a file.
 struct CadSolid {
-  std::string name;   ///< unique in the file
+  std::string name;  ///< unique in the file
   CadModel model;
   std::string repair;  ///< "" or what was repaired on request
 };

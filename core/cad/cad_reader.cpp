@@ -86,7 +86,8 @@ std::string name_of(const TDF_Label& label) {
 bool is_no_name(const std::string& name) {
   std::string upper = name;
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
-  return upper.empty() || upper.rfind("OPEN CASCADE STEP TRANSLATOR", 0) == 0 || upper == "NONE" || upper == "ADVANCED_FACE" || upper == "FACE" || upper == "SOLID";
+  return upper.empty() || upper.rfind("OPEN CASCADE STEP TRANSLATOR", 0) == 0 || upper == "NONE" ||
+         upper == "ADVANCED_FACE" || upper == "FACE" || upper == "SOLID";
 }
 
 class Document {
@@ -100,7 +101,7 @@ class Document {
   Document(const Document&) = delete;
   Document& operator=(const Document&) = delete;
 
-  Handle(TDocStd_Document)& document() { return document_; }
+  Handle(TDocStd_Document) & document() { return document_; }
 
   std::vector<Found> parts() {
     TDF_LabelSequence roots;
@@ -189,7 +190,8 @@ std::vector<Found> read_iges(const std::string& file) {
   IGESCAFControl_Reader reader;
   reader.SetNameMode(true);
   reader.SetColorMode(true);
-  if (reader.ReadFile(file.c_str()) != IFSelect_RetDone) throw InputError(file + ": is not an IGES file that can be read");
+  if (reader.ReadFile(file.c_str()) != IFSelect_RetDone)
+    throw InputError(file + ": is not an IGES file that can be read");
   if (!reader.Transfer(document.document())) throw InputError(file + ": no shape of it can be read");
   return document.parts();
 }
@@ -297,7 +299,7 @@ std::vector<TopoDS_Solid> solids_of_shells(const TopoDS_Shape& shape) {
   return solids;
 }
 
-constexpr double sewing_share = 1e-4;  // of the part's diagonal: gaps that a repair closes
+constexpr double sewing_share = 1e-4;             // of the part's diagonal: gaps that a repair closes
 constexpr double iges_gap = 1e-3, no_gap = 1e-7;  // mm
 
 double diagonal(const TopoDS_Shape& shape) {
@@ -358,26 +360,29 @@ class SolidMaker {
     const TopoDS_Shape open = sewn(loose_faces_.shape, loose_ ? iges_gap : no_gap);
     if (add_shells(found, open, "")) return;
     if (!repair_)
-      throw InputError(fmt::format("{}: there is no solid in it but an open surface: {} (allowed: closed surfaces; "
-                                   "repair = true closes gaps of up to 1e-4 of the size)",
-                                   file_, describe_gap(open)));
+      throw InputError(
+          fmt::format("{}: there is no solid in it but an open surface: {} (allowed: closed surfaces; "
+                      "repair = true closes gaps of up to 1e-4 of the size)",
+                      file_, describe_gap(open)));
     const double tolerance = sewing_share * diagonal(open);
     const TopoDS_Shape closed = sewn(open, tolerance);
-    const std::string repaired = fmt::format("gaps of up to {:.3g} mm closed: area {:.8g} mm^2 before, {:.8g} after", tolerance,
-                                             area_of(open), area_of(closed));
+    const std::string repaired = fmt::format("gaps of up to {:.3g} mm closed: area {:.8g} mm^2 before, {:.8g} after",
+                                             tolerance, area_of(open), area_of(closed));
     if (!add_shells(found, closed, repaired))
-      throw InputError(fmt::format("{}: there is no solid in it but a surface that stays open, also with gaps of up to "
-                                   "{:.3g} mm closed: {}",
-                                   file_, tolerance, describe_gap(closed)));
+      throw InputError(
+          fmt::format("{}: there is no solid in it but a surface that stays open, also with gaps of up to "
+                      "{:.3g} mm closed: {}",
+                      file_, tolerance, describe_gap(closed)));
   }
 
   void finish(const Found& found, TopoDS_Shape solid, std::string repaired) {
     const std::string& name = found.name;
     if (!BRepCheck_Analyzer(solid).IsValid()) {
       if (!repair_)
-        throw InputError(fmt::format("{}: the solid \"{}\" is not valid: {} (allowed: a sound solid; repair = true lets "
-                                     "OpenCASCADE heal it)",
-                                     file_, name, first_fault(solid)));
+        throw InputError(
+            fmt::format("{}: the solid \"{}\" is not valid: {} (allowed: a sound solid; repair = true lets "
+                        "OpenCASCADE heal it)",
+                        file_, name, first_fault(solid)));
       solid = healed(solid, name, repaired);
     }
     if (const auto open = open_edges(solid); !open.empty())
@@ -421,8 +426,8 @@ class SolidMaker {
       fix.Perform();
       result = fix.Shape();
     } catch (const Standard_Failure& failure) {
-      throw InputError(fmt::format("{}: the solid \"{}\" cannot be healed: {}", file_, name,
-                                   failure.GetMessageString()));
+      throw InputError(
+          fmt::format("{}: the solid \"{}\" cannot be healed: {}", file_, name, failure.GetMessageString()));
     }
     if (result.IsNull() || !BRepCheck_Analyzer(result).IsValid())
       throw InputError(fmt::format("{}: the solid \"{}\" cannot be healed: {}", file_, name,
@@ -449,7 +454,7 @@ std::vector<CadSolid> read_cad(const std::string& file, const CadReading& readin
   try {
     std::vector<Found> parts = format == CadFormat::step   ? read_step(file)
                                : format == CadFormat::iges ? read_iges(file)
-                                                        : read_brep(file);
+                                                           : read_brep(file);
     make_names_unique(file, parts);
     SolidMaker maker(file, format == CadFormat::iges, reading.repair);
     for (const Found& part : parts) maker.add(part);

@@ -15,9 +15,9 @@ namespace {
 
 constexpr int most_passes = 40;
 constexpr std::size_t most_triangles = 20000000;
-constexpr double straight = 1e-12;     // of a side's length in the parameter plane: what bends less is straight
+constexpr double straight = 1e-12;  // of a side's length in the parameter plane: what bends less is straight
 constexpr int newton_steps = 20;
-constexpr double newton_end = 1e-13;   // of the size of the coordinates
+constexpr double newton_end = 1e-13;  // of the size of the coordinates
 
 double weight_of(int corner, double a, double b) { return corner == 0 ? 1 - a - b : corner == 1 ? a : b; }
 Vec2 slope_of(int corner) { return corner == 0 ? Vec2(-1, -1) : corner == 1 ? Vec2(1, 0) : Vec2(0, 1); }
@@ -32,10 +32,9 @@ std::array<double, CurvedTriangles::bend_terms> bend_places() {
 
 }  // namespace
 
-bool CurvedTriangles::is_flat(int triangle) const {
-  if (!is_plane(triangle)) return false;
+bool CurvedTriangles::is_bent(int triangle) const {
   const auto& sides = triangles[triangle].sides;
-  return std::all_of(sides.begin(), sides.end(), [](const CurvedTriangle::Side& s) { return s.bend < 0; });
+  return std::any_of(sides.begin(), sides.end(), [](const CurvedTriangle::Side& s) { return s.bend >= 0; });
 }
 
 CurvedTriangles::Map CurvedTriangles::map(int number, double a, double b) const {
@@ -127,8 +126,8 @@ bool CurvedTriangles::divide_long_sides(double sag) {
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     // A triangle whose middle is too far away although its sides are not: all sides.
     const Vec3 centroid = (points[corners[t][0]] + points[corners[t][1]] + points[corners[t][2]]) / 3;
-    const bool all = !is_plane(static_cast<int>(t)) &&
-                     (place(static_cast<int>(t), 1.0 / 3, 1.0 / 3).x - centroid).norm() > 2 * sag;
+    const bool all =
+        !is_plane(static_cast<int>(t)) && (place(static_cast<int>(t), 1.0 / 3, 1.0 / 3).x - centroid).norm() > 2 * sag;
     for (int s = 0; s < 3; ++s) {
       const auto [entry, added] = middle.try_emplace(key_of(t, s), -1);
       if (entry->second >= 0) continue;

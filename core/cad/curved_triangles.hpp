@@ -17,14 +17,14 @@ namespace cgcontact {
 struct CurvedTriangle {
   /// One side, from corner k to the next one.
   struct Side {
-    int edge = -1;           ///< number of the CAD edge it lies on, < 0: inside of the face
-    double t0 = 0, t1 = 0;   ///< parameters of the edge at both ends
-    int curve = -1;          ///< the edge in the parameter plane (CurvedTriangles::curves), < 0: straight
-    int bend = -1;           ///< index into CurvedTriangles::bends, < 0: straight
+    int edge = -1;          ///< number of the CAD edge it lies on, < 0: inside of the face
+    double t0 = 0, t1 = 0;  ///< parameters of the edge at both ends
+    int curve = -1;         ///< the edge in the parameter plane (CurvedTriangles::curves), < 0: straight
+    int bend = -1;          ///< index into CurvedTriangles::bends, < 0: straight
   };
   int face = 0;
-  int pole = -1;         ///< corner that is a line of the parameter plane, < 0: none
-  int pole_axis = 0;     ///< 0: that line is along u, 1: along v
+  int pole = -1;      ///< corner that is a line of the parameter plane, < 0: none
+  int pole_axis = 0;  ///< 0: that line is along u, 1: along v
   std::array<Vec2, 3> uv;
   std::array<Side, 3> sides;
 };
@@ -73,8 +73,8 @@ class CurvedTriangles {
   Similarity placement;  ///< from the units of the file
 
   bool is_plane(int triangle) const { return faces[triangles[triangle].face].surface->is_plane(); }
-  /// Is the exact surface the triangle itself?
-  bool is_flat(int triangle) const;
+  /// Is a side of it bent in the parameter plane?
+  bool is_bent(int triangle) const;
   /// Parameters at the weights 1 - a - b, a, b of the corners.
   Vec2 parameters(int triangle, double a, double b) const;
   CurvedPlace place(int triangle, double a, double b) const;

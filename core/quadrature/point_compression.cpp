@@ -262,8 +262,8 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
   }
 }
 
-/// The least change in the sense of sum (change^2 / weight): weights times a combination of the functions, by Cholesky's
-/// factors of their products.
+/// The least change in the sense of sum (change^2 / weight): weights times a combination of the functions, by
+/// Cholesky's factors of their products.
 bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights) {
   constexpr double least_pivot = 1e-8;  // of a function's square: what is left of it beside the others is rounding
   constexpr double good_enough = 1e-6;  // of the largest integral: functions that nearly depend on others

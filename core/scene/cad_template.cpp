@@ -19,11 +19,11 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double mm = 1e-3;
-constexpr double near_share = 0.01;    // of the smaller solid's longest side: faces this near to each other may touch
-constexpr double least_facing = -0.5;  // cosine between the normals of faces that face each other
-constexpr double least_share = 1e-3;   // of the smaller face: what lies less near than this touches along an edge only
-constexpr double cells_through = 3;    // the thinnest side of a solid, if that does not take too many cells
-constexpr double most_cells = 60000;   // of a solid
+constexpr double near_share = 0.01;     // of the smaller solid's longest side: faces this near to each other may touch
+constexpr double least_facing = -0.5;   // cosine between the normals of faces that face each other
+constexpr double least_share = 1e-3;    // of the smaller face: what lies less near than this touches along an edge only
+constexpr double cells_through = 3;     // the thinnest side of a solid, if that does not take too many cells
+constexpr double most_cells = 60000;    // of a solid
 constexpr std::size_t most_lines = 24;  // of faces of a solid
 
 struct Part {
@@ -37,7 +37,8 @@ struct Part {
 
 std::string word(const std::string& text) {
   std::string result;
-  for (const unsigned char c : text) result += c < 0x80 && (std::isalnum(c) || c == '_' || c == '-') ? static_cast<char>(c) : '_';
+  for (const unsigned char c : text)
+    result += c < 0x80 && (std::isalnum(c) || c == '_' || c == '-') ? static_cast<char>(c) : '_';
   if (result.empty() || std::isdigit(static_cast<unsigned char>(result[0]))) result = "part_" + result;
   return result;
 }
@@ -117,15 +118,15 @@ std::string vector(const Vec3& v) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]
 std::string face_lines(const Part& part, double scale) {
   std::vector<int> order(part.model->faces().size());
   for (std::size_t f = 0; f < order.size(); ++f) order[f] = static_cast<int>(f);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return part.model->faces()[a].area > part.model->faces()[b].area;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return part.model->faces()[a].area > part.model->faces()[b].area; });
   std::string text;
   for (std::size_t k = 0; k < std::min(order.size(), most_lines); ++k) {
     const CadFace& face = part.model->faces()[order[k]];
     text += fmt::format("#   face{:<4} {:8.4g} m^2  {}", order[k] + 1, face.area * scale * scale,
                         face.kind == "other" ? "free-form" : face.kind);
-    if (face.kind == "plane") text += ", normal " + vector(face.axis.unaryExpr([](double x) { return std::abs(x) < 1e-9 ? 0 : x; }));
+    if (face.kind == "plane")
+      text += ", normal " + vector(face.axis.unaryExpr([](double x) { return std::abs(x) < 1e-9 ? 0 : x; }));
     if (face.radius > 0) text += fmt::format(", radius {:.6g} m", face.radius * scale);
     text += ", at " + vector(scale * face.middle);
     if (!face.name.empty()) text += fmt::format(", called \"{}\"", face.name);
@@ -197,15 +198,18 @@ std::string scene_of_cad_file(const InitOptions& options, const std::string& fil
       "# The {} of {}. {}\n#\n"
       "#   cgcontact check {}       what the scene contains\n"
       "#   cgcontact check {} --out pictures      the same with a picture of the faces\n#\n"
-      "# It knows nothing of your problem: go through the lines marked TODO. Lengths in m, pressures in Pa. Every key is in\n"
+      "# It knows nothing of your problem: go through the lines marked TODO. Lengths in m, pressures in Pa. Every key "
+      "is in\n"
       "# docs/scene.md of cgcontact.\n\n"
       "title = {}\n",
-      parts.size() == 1 ? "solid" : fmt::format("{} solids", parts.size()), comment_word(fs::path(options.cad).filename().string()), state,
-      comment_word(file), comment_word(file), toml_string(fs::path(options.cad).stem().string()));
+      parts.size() == 1 ? "solid" : fmt::format("{} solids", parts.size()),
+      comment_word(fs::path(options.cad).filename().string()), state, comment_word(file), comment_word(file),
+      toml_string(fs::path(options.cad).stem().string()));
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const Part& part = parts[p];
     text += fmt::format(
-        "\n[[body]]\nname = \"{}\"\nmaterial = {{E = 210e9, nu = 0.3}}   # TODO Young's modulus (Pa) and Poisson's ratio; "
+        "\n[[body]]\nname = \"{}\"\nmaterial = {{E = 210e9, nu = 0.3}}   # TODO Young's modulus (Pa) and Poisson's "
+        "ratio; "
         "this is steel\ncell_size = {:.6g}   # smaller is more accurate and costs more\n"
         "shape = {{cad = {{file = {}, solid = {}{}{}}}}}\n",
         part.name, part.cell_size, toml_string(source), toml_string(part.solid),
@@ -229,8 +233,8 @@ std::string scene_of_cad_file(const InitOptions& options, const std::string& fil
                       parts.size() == 1 ? "" : "s", pairs, pairs == 1 ? "" : "s");
   for (const Part& part : parts) {
     const Vec3 extent = part.max - part.min;
-    told += fmt::format("  {}: {:.4g} x {:.4g} x {:.4g} m, {} faces, cells of {:.3g} m\n", part.name, extent[0], extent[1],
-                        extent[2], part.model->faces().size(), part.cell_size);
+    told += fmt::format("  {}: {:.4g} x {:.4g} x {:.4g} m, {} faces, cells of {:.3g} m\n", part.name, extent[0],
+                        extent[1], extent[2], part.model->faces().size(), part.cell_size);
     const std::string doubt = doubtful_unit(extent);
     if (!doubt.empty()) told += fmt::format("warning: {}: {}\n", part.name, doubt);
   }

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double mm = 1e-3;
 constexpr double degree = 3.14159265358979323846 / 180;
-constexpr double first_cells = 20;       // along the longest side, of a body without cell_size
+constexpr double first_cells = 20;          // along the longest side, of a body without cell_size
 constexpr double most_cells_across = 2000;  // cells smaller than the body by more are a mistake that is told elsewhere
 constexpr double radius_tolerance = 1e-4;
 constexpr int colour_tolerance = 2;  // of 255: what rounding in the file makes of it
@@ -56,7 +56,8 @@ const CadSolid& choose_solid(const TomlCursor& node, const TomlCursor& file_node
       file_node.fail(fmt::format("there are {} solids in it: say which with the key solid", solids.size()), allowed);
     return solids.front();
   }
-  if (!given->is_string()) return solids[static_cast<std::size_t>(given->integer(1, static_cast<int>(solids.size())) - 1)];
+  if (!given->is_string())
+    return solids[static_cast<std::size_t>(given->integer(1, static_cast<int>(solids.size())) - 1)];
   const std::string wanted = given->string("a name");
   const auto found = std::find(names.begin(), names.end(), wanted);
   if (found == names.end()) given->fail("there is no such solid in the file" + did_you_mean(wanted, names), allowed);
@@ -118,7 +119,8 @@ class FaceSelector {
   /// keep, and an error that says what there is if nothing meets it.
   template <class Meets, class Get>
   void keep_some(const TomlCursor& node, const Meets& meets, const Get& get) {
-    if (std::none_of(faces_.begin(), faces_.end(), meets)) node.fail("no face of the solid is so", list_of(faces_, get));
+    if (std::none_of(faces_.begin(), faces_.end(), meets))
+      node.fail("no face of the solid is so", list_of(faces_, get));
     keep(meets);
   }
 
@@ -140,7 +142,8 @@ class FaceSelector {
     bool any = false;
     if (const auto called = node_.find("called")) {
       const std::string text = called->string("the name that a face has in the file");
-      keep_some(*called, [&](const CadFace& f) { return f.name == text; }, [](const CadFace& f) { return f.name; });
+      keep_some(
+          *called, [&](const CadFace& f) { return f.name == text; }, [](const CadFace& f) { return f.name; });
       any = true;
     }
     if (const auto color = node_.find("color")) {
@@ -157,7 +160,8 @@ class FaceSelector {
     }
     if (const auto kind = node_.find("kind")) {
       const std::string wanted = cad_kinds()[kind->one_of(cad_kinds())];
-      keep_some(*kind, [&](const CadFace& f) { return f.kind == wanted; }, [](const CadFace& f) { return f.kind; });
+      keep_some(
+          *kind, [&](const CadFace& f) { return f.kind == wanted; }, [](const CadFace& f) { return f.kind; });
       any = true;
     }
     return any;
@@ -210,7 +214,8 @@ CadModel name_cad_faces(const TomlCursor& node, const std::string& part, const C
     for (const TomlCursor& entry : faces->elements("[{name, number, kind, radius, ...}, ...]")) {
       const TomlCursor name_node = entry.at("name", "a name");
       const std::string name = read_name(name_node);
-      if (of_file.count(name) > 0) name_node.fail("is a name that the file gives a face, or the number of one", "another name");
+      if (of_file.count(name) > 0)
+        name_node.fail("is a name that the file gives a face, or the number of one", "another name");
       if (!declared.insert(name).second) name_node.fail("is the name of another face of this solid", "unique names");
       for (const int f : FaceSelector(entry, model, scale).run()) add(static_cast<std::size_t>(f), name);
     }
@@ -232,7 +237,8 @@ double read_cad_scale(const TomlCursor& node, const std::string& file) {
 
 bool is_scene_name(const std::string& name) {
   return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
-         std::all_of(name.begin(), name.end(), [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); });
+         std::all_of(name.begin(), name.end(),
+                     [](unsigned char c) { return c < 0x80 && (std::isalnum(c) || c == '_' || c == '-'); });
 }
 
 double cell_size_for_cad(const TomlCursor& body, double longest) {
@@ -260,8 +266,7 @@ CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const T
   const auto [low, high] = model.box();
   const Vec3 extent = scale * (high - low);
   try {
-    shape.solid = Solid(
-        std::make_shared<CadBody>(model, scale, cell_size_for_cad(body, extent.maxCoeff())));
+    shape.solid = Solid(std::make_shared<CadBody>(model, scale, cell_size_for_cad(body, extent.maxCoeff())));
   } catch (const InputError& error) {
     file_node.fail(error.what());
   }

@@ -21,8 +21,8 @@ const std::vector<std::string> box_faces = {"x-", "x+", "y-", "y+", "z-", "z+"};
 const std::vector<std::string> sphere_faces = {"surface"};
 const std::vector<std::string> cylinder_faces = {"side", "bottom", "top"};
 const std::vector<std::string> half_space_faces = {"plane"};
-const std::vector<std::string> kinds = {"box",  "sphere", "cylinder",     "half_space",
-                                        "mesh", "cad",    "union",        "intersection", "difference"};
+const std::vector<std::string> kinds = {"box", "sphere", "cylinder",     "half_space", "mesh",
+                                        "cad", "union",  "intersection", "difference"};
 const std::vector<std::string> placement_keys = {"name", "translate", "rotate"};
 
 std::string as_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }

@@ -352,7 +352,9 @@ std::string cad_scene(const InitOptions& options, const std::string& file, const
 
 void check_cad_options(const InitOptions& options) {
   if (!options.surface.empty())
-    throw InputError("--cad and --stl exclude each other (allowed: one of them; several parts are several bodies, to be added by hand)");
+    throw InputError(
+        "--cad and --stl exclude each other (allowed: one of them; several parts are several bodies, to be added by "
+        "hand)");
   const CadFormat format = cad_format(options.cad);
   if (format == CadFormat::unknown)
     throw InputError(options.cad + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep)");
@@ -382,18 +384,16 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault) 
     throw InputError(fmt::format("--unit {} is the unit of a surface: it needs --stl FILE", options.unit));
   std::string file = options.file;
   if (file.empty())
-    file = from_surface || from_cad
-               ? fs::path(from_cad ? options.cad : options.surface).stem().string() + ".toml"
-               : "scene.toml";
+    file = from_surface || from_cad ? fs::path(from_cad ? options.cad : options.surface).stem().string() + ".toml"
+                                    : "scene.toml";
   if (fs::path(file).extension() != ".toml")
     throw InputError(file + ": is not the name of a scene (allowed: a name that ends in .toml)");
   expect_new(file);
   std::string told;
   const std::string name = comment_word(file), stem = comment_word(fs::path(file).stem().string());
-  const std::string text =
-      from_cad       ? cad_scene(options, file, find_fault, told)
-      : from_surface ? passing_scene(options, file, find_fault, told)
-                     : fmt::format(example, name, stem);
+  const std::string text = from_cad       ? cad_scene(options, file, find_fault, told)
+                           : from_surface ? passing_scene(options, file, find_fault, told)
+                                          : fmt::format(example, name, stem);
   write_new_file(file, text);
   told += fmt::format("wrote {}\nNext:\n", file);
   if (from_surface || from_cad) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";

@@ -21,6 +21,9 @@
 #include <GC_MakeArcOfCircle.hxx>
 #include <IGESControl_Writer.hxx>
 #include <Interface_Static.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_Printer.hxx>
 #include <Quantity_Color.hxx>
 #include <STEPCAFControl_Writer.hxx>
 #include <STEPControl_Writer.hxx>
@@ -116,7 +119,8 @@ TopoDS_Shape quarter(const TopoDS_Shape& shape, double size, double thickness) {
 }
 
 TopoDS_Shape ring(double inner, double outer, double height) {
-  return BRepAlgoAPI_Cut(BRepPrimAPI_MakeCylinder(outer, height).Shape(), BRepPrimAPI_MakeCylinder(inner, height).Shape())
+  return BRepAlgoAPI_Cut(BRepPrimAPI_MakeCylinder(outer, height).Shape(),
+                         BRepPrimAPI_MakeCylinder(inner, height).Shape())
       .Shape();
 }
 
@@ -219,6 +223,9 @@ void write_assembly(const std::string& folder) {
 }  // namespace
 
 std::vector<CadPart> write_cad_parts(const std::string& folder) {
+  const Message_SequenceOfPrinters printers = Message::DefaultMessenger()->Printers();
+  for (Message_SequenceOfPrinters::Iterator i(printers); i.More(); i.Next())
+    Message::DefaultMessenger()->RemovePrinter(i.Value());
   std::vector<CadPart> parts;
   const auto add = [&](const std::string& name, const TopoDS_Shape& shape, double volume, double area) {
     write_step(shape, folder + "/" + name + ".step");

@@ -8,8 +8,8 @@ namespace cgcontact::test {
 
 /// A part with what is known of it.
 struct CadPart {
-  std::string name;        ///< its file is name.step
-  double volume, area;     ///< mm^3, mm^2; 0: as OpenCASCADE's GProp has it
+  std::string name;     ///< its file is name.step
+  double volume, area;  ///< mm^3, mm^2; 0: as OpenCASCADE's GProp has it
 };
 
 /// Writes all parts into a folder.

@@ -1,4 +1,4 @@
-/// write_cad_parts FOLDER: the parts of the tests and of scenes/data as STEP files.
+/// write_cad_parts FOLDER: the parts of the tests and of scenes/data as CAD files.
 #include <iostream>
 
 #include "tests/support/cad_parts.hpp"
@@ -8,6 +8,6 @@ int main(int argc, char** argv) {
     std::cerr << "usage: write_cad_parts FOLDER\n";
     return 1;
   }
-  for (const auto& part : cgcontact::test::write_cad_parts(argv[1])) std::cout << part.name << "\n";
+  cgcontact::test::write_cad_parts(argv[1]);
   return 0;
 }
