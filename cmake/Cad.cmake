@@ -1,10 +1,15 @@
 # OpenCASCADE, which reads CAD files (STEP, IGES, BREP). CGCONTACT_CAD: ON if it is there; -DCGCONTACT_CAD=ON insists on it,
 # -DCGCONTACT_CAD=OFF does without.
+include(GNUInstallDirs)
 find_package(OpenCASCADE QUIET CONFIG)
 if(OpenCASCADE_FOUND AND OpenCASCADE_VERSION VERSION_LESS 7.6)
   set(OpenCASCADE_FOUND FALSE)
 endif()
-option(CGCONTACT_CAD "Read CAD files with OpenCASCADE" ${OpenCASCADE_FOUND})
+set(default ${OpenCASCADE_FOUND})
+if(CGCONTACT_FUZZ)
+  set(default OFF)
+endif()
+option(CGCONTACT_CAD "Read CAD files with OpenCASCADE" ${default})
 if(CGCONTACT_CAD)
   if(NOT OpenCASCADE_FOUND)
     message(FATAL_ERROR "CGCONTACT_CAD is ON, and there is no OpenCASCADE 7.6 or later (Debian: libocct-data-exchange-dev). "

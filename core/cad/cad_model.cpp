@@ -319,8 +319,6 @@ std::string cad_face_text(const CadFace& face, int number) {
   return text + fmt::format(") at ({:.6g}, {:.6g}, {:.6g}) mm", face.middle[0], face.middle[1], face.middle[2]);
 }
 
-bool can_read_cad() { return true; }
-
 CadModel make_cad_model(const TopoDS_Shape& solid) {
   auto shape = std::make_shared<CadModel::Shape>();
   shape->solid = solid;

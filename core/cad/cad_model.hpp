@@ -69,9 +69,6 @@ struct CadSolid {
   std::string repair;  ///< "" or what was repaired on request
 };
 
-/// True if the program was built with OpenCASCADE.
-bool can_read_cad();
-
 struct CadReading {
   bool repair = false;
 };
