@@ -44,6 +44,9 @@ constexpr int full_degree = 3 * moment_degree + 1;
 struct CurvedDegrees {
   int piece, sliver;
 };
+/// More where the map of a triangle is no linear one.
+constexpr int bend_degrees = 4;
+
 CurvedDegrees curved_degrees(const SurfacePolygon& piece) {
   Vec3 min = piece.x[0], max = piece.x[0];
   for (int i = 1; i < piece.n; ++i) {
@@ -265,7 +268,7 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
       } else {
         const CurvedDegrees degrees = curved_degrees(piece);
         integrals.add(piece, degrees.piece);
-        slivers->add(triangles.back(), piece, degrees.sliver);
+        slivers->add(triangles.back(), piece, degrees.sliver + (curved_->is_bent(triangles.back()) ? bend_degrees : 0));
       }
     }
     integrals.finish(moments, section);

@@ -34,7 +34,8 @@ std::array<double, CurvedTriangles::bend_terms> bend_places() {
 
 bool CurvedTriangles::is_bent(int triangle) const {
   const auto& sides = triangles[triangle].sides;
-  return std::any_of(sides.begin(), sides.end(), [](const CurvedTriangle::Side& s) { return s.bend >= 0; });
+  return triangles[triangle].pole >= 0 ||
+         std::any_of(sides.begin(), sides.end(), [](const CurvedTriangle::Side& s) { return s.bend >= 0; });
 }
 
 CurvedTriangles::Map CurvedTriangles::map(int number, double a, double b) const {

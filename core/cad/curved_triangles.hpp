@@ -73,7 +73,7 @@ class CurvedTriangles {
   Similarity placement;  ///< from the units of the file
 
   bool is_plane(int triangle) const { return faces[triangles[triangle].face].surface->is_plane(); }
-  /// Is a side of it bent in the parameter plane?
+  /// Is a side of it bent in the parameter plane, or one of its corners a line? Then its map is no linear one.
   bool is_bent(int triangle) const;
   /// Parameters at the weights 1 - a - b, a, b of the corners.
   Vec2 parameters(int triangle, double a, double b) const;

@@ -33,8 +33,8 @@ void run_file(const char* file) {
   expect("closed area of the lower body", active_area, results.pairs[0].area, 0.1);
 }
 
-/// A body from a CAD file: the module with OpenCASCADE is found. A quarter of the lug, whose eye is 30 mm and whose round
-/// end another 12 mm above its sole.
+/// A body from a CAD file: the module with OpenCASCADE is found. A quarter of the lug, whose eye is 30 mm and whose
+/// round end another 12 mm above its sole.
 void read_cad_file(const char* file) {
   const Scene scene = read_scene(file);
   Vec3 min, max;
