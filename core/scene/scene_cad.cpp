@@ -202,7 +202,7 @@ CadModel name_cad_faces(const TomlCursor& node, const std::string& part, const C
   std::vector<std::vector<std::string>> names(model.faces().size());
   std::set<std::string> seen;
   const auto add = [&](std::size_t face, const std::string& name) {
-    names[face].push_back(part + "." + name);
+    names[face].insert(names[face].begin(), part + "." + name);  // what it is called most specially comes first
     if (seen.insert(name).second) known.push_back(name);
   };
   for (std::size_t f = 0; f < names.size(); ++f) add(f, fmt::format("face{}", f + 1));
