@@ -11,7 +11,7 @@ set(header_dir ${CMAKE_INSTALL_INCLUDEDIR}/cgcontact)
 set(staged ${CMAKE_BINARY_DIR}/installed_headers)
 foreach(folder core kernels recovery contact)
   file(GLOB_RECURSE headers RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS ${folder}/*.hpp)
-  list(FILTER headers EXCLUDE REGEX "toml_cursor|scene_(overrides|reader|shapes|mesh)|cli\\.hpp|contact/study")
+  list(FILTER headers EXCLUDE REGEX "toml_cursor|scene_(overrides|reader|shapes|mesh|cad)|cad_shape|cli\\.hpp|contact/study")
   list(APPEND public_headers ${headers})
 endforeach()
 install(CODE "set(source_dir \"${CMAKE_SOURCE_DIR}\")\nset(headers \"${public_headers}\")\nset(staged \"${staged}\")")
@@ -52,6 +52,11 @@ endforeach()
 set_target_properties(cgcontact_contact PROPERTIES EXPORT_NAME cgcontact)
 set_target_properties(cgcontact PROPERTIES INSTALL_RPATH_USE_LINK_PATH ON)  # a Trilinos of one's own
 install(TARGETS cgcontact)
+if(CGCONTACT_CAD)  # a program looks beside itself, one of somebody else where it is told to
+  install(TARGETS cgcontact_cad LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/cgcontact)
+  target_link_options(cgcontact_core INTERFACE
+    $<INSTALL_INTERFACE:-Wl,-rpath,$<INSTALL_PREFIX>/${CMAKE_INSTALL_LIBDIR}/cgcontact>)
+endif()
 install(TARGETS ${libraries} EXPORT cgcontactTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT cgcontactTargets NAMESPACE cgcontact:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/cgcontactConfig.cmake.in ${CMAKE_BINARY_DIR}/cgcontactConfig.cmake

@@ -135,29 +135,18 @@ void TriangleBody::crossings(const Vec3& x, const Vec3& d, double reach, std::ve
 
 std::unique_ptr<CellSweep> TriangleBody::sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
                                                      const LeafLevel&) const {
-  return std::make_unique<TriangleCells>(*triangles_, grid.num_cells, dividers, order);
+  return std::make_unique<TriangleCells>(*triangles_, nullptr, grid.num_cells, dividers, order);
 }
 
 void TriangleBody::boundary_points(const Index3& cell, const std::vector<char>& selected,
                                    const std::vector<Plane>& dividers, int order, int owner,
                                    BoundaryPoints& points) const {
-  triangle_boundary_points(*triangles_, triangles_near_cell(*triangles_, cell), cell, selected, dividers, order, owner,
-                           points);
+  triangle_boundary_points(*triangles_, nullptr, triangles_near_cell(*triangles_, cell), cell, selected, dividers,
+                           order, owner, points);
 }
 
-/// A plane of area A with the unit normal n crosses A (|nx| + |ny| + |nz|) / h^2 cells (axes of the grid).
-CellEstimate TriangleBody::estimate_cells(const Grid& grid, double) const {
-  const double h = grid.cell_size;
-  double crossed = 0, volume = 0;
-  const Vec3 origin = triangles_->corner(0, 0);
-  for (int t = 0; t < static_cast<int>(num_facets()); ++t) {
-    const Vec3 a = triangles_->corner(t, 0) - origin, b = triangles_->corner(t, 1) - origin,
-               c = triangles_->corner(t, 2) - origin;
-    crossed += (grid.rotation.transpose() * (b - a).cross(c - a)).lpNorm<1>() / 2;
-    volume += a.dot(b.cross(c)) / 6;
-  }
-  const double cut = crossed / (h * h);
-  return {volume / (h * h * h) + cut, cut};
+CellEstimate TriangleBody::estimate_cells(const Grid& grid, double most_cells) const {
+  return estimate_triangle_cells(*triangles_, grid, most_cells);
 }
 
 double TriangleBody::facet_width(const Vec3& x) const {
@@ -177,16 +166,7 @@ double TriangleBody::facet_width(const Vec3& x) const {
 /// The patches with a triangle there.
 std::vector<int> TriangleBody::surfaces_near(const Vec3& centre, double half_size, double slack,
                                              const std::vector<int>&) const {
-  std::vector<int> near;
-  const Vec3 reach = Vec3::Constant(half_size + slack), low = centre - reach, high = centre + reach;
-  triangles_->tree().visit(
-      [&](const Vec3& min, const Vec3& max) {
-        return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();
-      },
-      [&](int t) { near.push_back(triangles_->patch(t)); });
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
-  return near;
+  return patches_near(*triangles_, centre, half_size, slack);
 }
 
 double TriangleBody::signed_distance(const Vec3& x) const {
@@ -218,6 +198,33 @@ void TriangleBody::each_facet_in_cell(const UseFacet& use) const {
     each_piece_of_triangle(*triangles_, t, [&](const Index3& cell, const SurfacePolygon& piece) {
       use(cell, triangles_->patch(t), piece.x.data(), piece.n);
     });
+}
+
+/// A plane of area A with the unit normal n crosses A (|nx| + |ny| + |nz|) / h^2 cells (axes of the grid).
+CellEstimate estimate_triangle_cells(const TriangleSurface& surface, const Grid& grid, double) {
+  const double h = grid.cell_size;
+  double crossed = 0, volume = 0;
+  const Vec3 origin = surface.corner(0, 0);
+  for (int t = 0; t < static_cast<int>(surface.triangles().size()); ++t) {
+    const Vec3 a = surface.corner(t, 0) - origin, b = surface.corner(t, 1) - origin, c = surface.corner(t, 2) - origin;
+    crossed += (grid.rotation.transpose() * (b - a).cross(c - a)).lpNorm<1>() / 2;
+    volume += a.dot(b.cross(c)) / 6;
+  }
+  const double cut = crossed / (h * h);
+  return {volume / (h * h * h) + cut, cut};
+}
+
+std::vector<int> patches_near(const TriangleSurface& surface, const Vec3& centre, double half_size, double slack) {
+  std::vector<int> near;
+  const Vec3 reach = Vec3::Constant(half_size + slack), low = centre - reach, high = centre + reach;
+  surface.tree().visit(
+      [&](const Vec3& min, const Vec3& max) {
+        return (min.array() <= high.array()).all() && (max.array() >= low.array()).all();
+      },
+      [&](int t) { near.push_back(surface.patch(t)); });
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return near;
 }
 
 Solid Solid::bounded_by(TriangleSurface surface) { return Solid(std::make_shared<TriangleBody>(std::move(surface))); }

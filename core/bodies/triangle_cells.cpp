@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "core/base/errors.hpp"
 #include "core/bodies/triangle_pieces.hpp"
@@ -35,6 +36,29 @@ Index3 decode(long long code) {
           static_cast<int>(code >> (2 * bits)) - most};
 }
 
+/// Of the polynomials whose integrals over a flat piece are wanted.
+constexpr int full_degree = 3 * moment_degree + 1;
+
+/// Degrees of the rules for a piece of a curved face: as far as a piece is smaller than its cell the polynomials vary
+/// less on it. Slivers are a hundredth of a cell thick.
+struct CurvedDegrees {
+  int piece, sliver;
+};
+/// More where the map of a triangle is no linear one.
+constexpr int bend_degrees = 4;
+
+CurvedDegrees curved_degrees(const SurfacePolygon& piece) {
+  Vec3 min = piece.x[0], max = piece.x[0];
+  for (int i = 1; i < piece.n; ++i) {
+    min = min.cwiseMin(piece.x[i]);
+    max = max.cwiseMax(piece.x[i]);
+  }
+  const double size = (max - min).maxCoeff();  // cells
+  if (size < 0.25) return {7, 5};
+  if (size < 0.6) return {9, 6};
+  return {full_degree, 8};
+}
+
 /// Adds up the integrals over the pieces in one cell, several points at a time.
 class PieceIntegrals {
  public:
@@ -43,8 +67,8 @@ class PieceIntegrals {
     for (auto& sum : section_) sum.fill(0);
   }
 
-  void add(const SurfacePolygon& piece) {
-    const TriangleRule& rule = triangle_rule(3 * moment_degree + 1);
+  void add(const SurfacePolygon& piece, int degree) {
+    const TriangleRule& rule = triangle_rule(degree);
     for (int k = 1; k + 1 < piece.n; ++k) {
       const Vec3 u = piece.x[k] - piece.x[0], v = piece.x[k + 1] - piece.x[0];
       const double projection = 2 * (u[1] * v[2] - u[2] * v[1]);  // area in cell coordinates, times n_x
@@ -101,6 +125,88 @@ class PieceIntegrals {
   std::array<Lanes, n1 * n1> section_;
 };
 
+/// Adds up the integrals over what lies between the pieces in one cell and their images, several points at a time.
+class SliverIntegrals {
+ public:
+  SliverIntegrals(const TriangleSurface& surface, const CurvedTriangles& curved, const Vec3& corner)
+      : surface_(surface), curved_(curved), corner_(corner) {
+    for (auto& sum : sums_) sum.fill(0);
+  }
+
+  void add(int triangle, const SurfacePolygon& piece, int degree) {
+    any_ = true;
+    static thread_local std::vector<TrianglePlace> places;
+    places.clear();
+    add_piece_rule(surface_, triangle, piece, degree, places);
+    const GaussRule& across = gauss_rule(sliver_points_across);
+    const Vec3& x0 = surface_.corner(triangle, 0);
+    const Vec3 u = surface_.corner(triangle, 1) - x0, v = surface_.corner(triangle, 2) - x0;
+    for (const TrianglePlace& at : places) {
+      const CurvedPlace place = curved_.place(triangle, at.a, at.b);
+      const Vec3 flat = x0 + at.a * u + at.b * v, off = place.x - flat;
+      const Vec3 du = place.along_a - u, dv = place.along_b - v;
+      for (std::size_t q = 0; q < across.node.size(); ++q) {
+        const double t = across.node[q];
+        const Vec3 xi = 2 * (flat + t * off - corner_) - Vec3::Ones();
+        const double volume = 8 * at.weight * across.weight[q] * (u + t * du).cross(v + t * dv).dot(off);
+        for (int d = 0; d < 3; ++d) xi_[d][filled_] = xi[d];
+        weight_[filled_] = volume;
+        removed_ -= std::min(volume, 0.0);
+        if (++filled_ == lanes) flush();
+      }
+    }
+  }
+
+  /// Adds the sums to the cell's moments; true if what is left is too thin.
+  bool finish(Moments& moments) {
+    if (!any_) return false;
+    for (int l = filled_; l < lanes; ++l) xi_[0][l] = xi_[1][l] = xi_[2][l] = weight_[l] = 0;
+    flush();
+    for (int q = 0; q < num_moments; ++q) moments[q] += std::accumulate(sums_[q].begin(), sums_[q].end(), 0.0);
+    return moments[0] < thin * removed_;
+  }
+
+ private:
+  static constexpr int lanes = 8;
+  static constexpr int sliver_points_across = 2;  // polynomials of degree 4 hardly vary across a sliver
+  /// A cell with less than so many times what its slivers take away is thin: what they take outside of the cell may be
+  /// a twentieth of the rest.
+  static constexpr double thin = 5;
+  using Lanes = std::array<double, lanes>;
+
+  void flush() {
+    Lanes lx[n1], ly[n1], lz[n1];
+    for (int l = 0; l < lanes; ++l) {
+      double a[n1], b[n1], c[n1];
+      legendre_values(xi_[0][l], a);
+      legendre_values(xi_[1][l], b);
+      legendre_values(xi_[2][l], c);
+      for (int i = 0; i < n1; ++i) {
+        lx[i][l] = a[i];
+        ly[i][l] = weight_[l] * b[i];
+        lz[i][l] = c[i];
+      }
+    }
+    for (int j = 0; j < n1; ++j)
+      for (int k = 0; k < n1; ++k) {
+        Lanes product;
+        for (int l = 0; l < lanes; ++l) product[l] = ly[j][l] * lz[k][l];
+        for (int i = 0; i < n1; ++i)
+          for (int l = 0; l < lanes; ++l) sums_[(i * n1 + j) * n1 + k][l] += lx[i][l] * product[l];
+      }
+    filled_ = 0;
+  }
+
+  const TriangleSurface& surface_;
+  const CurvedTriangles& curved_;
+  const Vec3 corner_;
+  bool any_ = false;
+  double removed_ = 0;
+  int filled_ = 0;
+  Lanes xi_[3], weight_;
+  std::array<Lanes, num_moments> sums_;
+};
+
 [[noreturn]] void refuse_row(const Index3& cell) {
   throw InputError("the triangle surface is not closed, or crosses itself, in the row of cells j = " +
                    std::to_string(cell[1]) + ", k = " + std::to_string(cell[2]) + " of the body's grid");
@@ -118,9 +224,9 @@ bool settle(Section& section, const Index3& cell) {
 
 }  // namespace
 
-TriangleCells::TriangleCells(const TriangleSurface& surface, const Index3& num_cells,
+TriangleCells::TriangleCells(const TriangleSurface& surface, const CurvedTriangles* curved, const Index3& num_cells,
                              const std::vector<Plane>& dividers, int order)
-    : surface_(surface), num_cells_(num_cells), dividers_(dividers), order_(order) {
+    : surface_(surface), curved_(curved), num_cells_(num_cells), dividers_(dividers), order_(order) {
   const int n = static_cast<int>(surface.triangles().size());
   entries_.reserve(2 * surface.triangles().size());
   for (int t = 0; t < n; ++t)
@@ -146,18 +252,29 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
       const int gap = cells.back().cell[0] - cell[0] - 1;
       if (gap > 0 && settle(section, cell)) found.inside.push_back({{cell[0] + 1, cell[1], cell[2]}, gap});
     }
-    cells.push_back({cell, {}, {}});
+    cells.push_back({cell, {}, {}, false});
     Moments& moments = cells.back().moments;
     for (int q = 0; q < n1 * n1; ++q) moments[q] = 2 * section[q];
     triangles.clear();
     PieceIntegrals integrals(corner);
+    std::optional<SliverIntegrals> slivers;
+    if (curved_) slivers.emplace(surface_, *curved_, corner);
     for (begin = end; begin > row_begin_[row] && entries_[begin - 1].cell == entries_[end - 1].cell; --begin) {
       triangles.push_back(entries_[begin - 1].triangle);
-      integrals.add(piece_in_cell(surface_, triangles.back(), cell));
+      const SurfacePolygon piece = piece_in_cell(surface_, triangles.back(), cell);
+      if (piece.n < 3) continue;
+      if (!slivers || curved_->is_plane(triangles.back())) {
+        integrals.add(piece, full_degree);
+      } else {
+        const CurvedDegrees degrees = curved_degrees(piece);
+        integrals.add(piece, degrees.piece);
+        slivers->add(triangles.back(), piece, degrees.sliver + (curved_->is_bent(triangles.back()) ? bend_degrees : 0));
+      }
     }
     integrals.finish(moments, section);
+    if (slivers) cells.back().thin = slivers->finish(moments);
     std::reverse(triangles.begin(), triangles.end());
-    triangle_boundary_points(surface_, triangles, cell, {}, dividers_, order_, 0, cells.back().points);
+    triangle_boundary_points(surface_, curved_, triangles, cell, {}, dividers_, order_, 0, cells.back().points);
   }
   if (settle(section, cells.back().cell)) refuse_row(cells.back().cell);
   std::reverse(cells.begin() + static_cast<std::ptrdiff_t>(first), cells.end());

@@ -3,11 +3,15 @@
 /// own cell, and its projection times a whole cell to all cells before it in its row. Cells are swept from the far end
 /// of each row, so that whether a cell is inside is a sum of projections, not a decision: pieces in any position count
 /// once.
+/// Where the triangles stand for a curved surface, what lies between a piece and its image on that surface is added to
+/// the piece's cell (its slivers), and the points are those of the image. The sum over all cells is exact; a sliver may
+/// stick out of its cell, where the boundary passes into the next one, by no more than it is thick.
 #pragma once
 
 #include <utility>
 #include <vector>
 
+#include "core/cad/curved_triangles.hpp"
 #include "core/cells/cell_sweep.hpp"
 #include "core/triangles/triangle_surface.hpp"
 
@@ -16,8 +20,9 @@ namespace cgcontact {
 class TriangleCells : public CellSweep {
  public:
   /// Finds the cells of all triangles; grid coordinates. Points are made on the pieces between the dividers by rules of
-  /// `order`. Surface and dividers must outlive this.
-  TriangleCells(const TriangleSurface& surface, const Index3& num_cells, const std::vector<Plane>& dividers, int order);
+  /// `order`. `curved`: what the triangles stand for, nullptr: themselves. All these must outlive this.
+  TriangleCells(const TriangleSurface& surface, const CurvedTriangles* curved, const Index3& num_cells,
+                const std::vector<Plane>& dividers, int order);
 
   GridNumbers take_inside() override { return GridNumbers(num_cells_); }
   /// Rows of cells along x that the surface crosses, by k, j.
@@ -33,6 +38,7 @@ class TriangleCells : public CellSweep {
   };
 
   const TriangleSurface& surface_;
+  const CurvedTriangles* const curved_;
   const Index3 num_cells_;
   const std::vector<Plane>& dividers_;
   const int order_;

@@ -27,6 +27,12 @@ constexpr int full_rule_planes_of_cell = 32, quadratic_rule_planes_of_cell = 128
 /// Of patches with more planes: pieces of at least this area (cell units) get the full rule, a rule of degree 2.
 constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 
+/// On a curved face of a CAD body in a cell: points from which those that stay are chosen (some 30); from so many
+/// triangles on they are small, and rules on them need two degrees less.
+constexpr int few_points = 60, many_triangles = 15;
+/// Degrees that a rule on a triangle with a bent rim has more than one on a straight one.
+constexpr int bend_degrees = 4;
+
 /// Sides of all dividers, one bit each.
 using Sides = std::array<std::uint64_t, 4>;
 
@@ -213,17 +219,27 @@ FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
   return table;
 }
 
+/// The values of some functions at the points begin .. end.
+FunctionTable columns(const FunctionTable& table, std::size_t begin, std::size_t end) {
+  FunctionTable result;
+  result.resize(table.num_functions, static_cast<int>(end - begin));
+  for (int f = 0; f < table.num_functions; ++f) std::copy(table[f] + begin, table[f] + end, result[f]);
+  return result;
+}
+
 class PointMaker {
  public:
-  PointMaker(const TriangleSurface& surface, const std::vector<Plane>& dividers, int order, bool with_pieces)
-      : surface_(surface), dividers_(dividers), order_(order), with_pieces_(with_pieces) {
+  PointMaker(const TriangleSurface& surface, const CurvedTriangles* curved, const std::vector<Plane>& dividers,
+             int order, bool with_pieces)
+      : surface_(surface), curved_(curved), dividers_(dividers), order_(order), with_pieces_(with_pieces) {
     if (dividers.size() > 256)
       throw InputError(
           "too many borders of faces in one cell (allowed: up to 256; declare fewer faces or make the cells smaller)");
   }
 
   void add_piece(int triangle, const SurfacePolygon& polygon) {
-    Part part{surface_.patch(triangle), find_plane(triangle), {}, triangle, polygon};
+    const bool curved = curved_ && !curved_->is_plane(triangle);
+    Part part{surface_.patch(triangle), curved ? -1 : find_plane(triangle), {}, triangle, polygon};
     divide(part, 0);
   }
 
@@ -236,7 +252,9 @@ class PointMaker {
       for (end = begin; end < sorted_.size() && part(end).patch == part(begin).patch; ++end)
         area += twice_area(part(end).polygon).norm() / 2;
       if (area <= lost_piece) continue;
-      if (num_planes(part(begin).patch) > quadratic_rule_planes)
+      if (curved_ && !curved_->is_plane(part(begin).triangle))
+        make_curved_points(begin, end, owner, points);
+      else if (num_planes(part(begin).patch) > quadratic_rule_planes)
         make_facet_points(begin, end, owner, points);
       else
         make_patch_points(begin, end, owner, points);
@@ -344,7 +362,9 @@ class PointMaker {
     const Vec3& normal = surface_.normal(part(begin).triangle);
     std::vector<RulePoint> rule;
     SurfacePolygon whole;
-    if (join_convex(begin, end, whole))
+    if (is_bent(begin, end))
+      add_bent_rule(begin, end, degree + bend_degrees, rule);
+    else if (join_convex(begin, end, whole))
       add_polygon_rule(whole, degree, rule);
     else
       for (std::size_t i = begin; i < end; ++i) add_polygon_rule(part(i).polygon, degree, rule);
@@ -360,6 +380,124 @@ class PointMaker {
       points.append(p.position, normal, p.weight, owner, part(begin).patch);
       if (with_pieces_) points.set_piece(mean / area, normal);
     }
+  }
+
+  /// Has one of the parts a rim that is not straight?
+  bool is_bent(std::size_t begin, std::size_t end) const {
+    if (!curved_) return false;
+    for (std::size_t i = begin; i < end; ++i)
+      if (curved_->is_bent(part(i).triangle)) return true;
+    return false;
+  }
+
+  void add_bent_rule(std::size_t begin, std::size_t end, int degree, std::vector<RulePoint>& rule) const {
+    std::vector<FacetPoint> points;
+    for (std::size_t i = begin; i < end; ++i) add_exact_rule(part(i), degree, points);
+    for (const FacetPoint& p : points) rule.push_back(p.point);
+  }
+
+  /// Appends points on the exact surface. Where a bent rim folds a triangle that is thinner than the
+  /// bend, weights are negative: the folds cancel.
+  void add_exact_rule(const Part& of, int degree, std::vector<FacetPoint>& rule) const {
+    static thread_local std::vector<TrianglePlace> places;
+    places.clear();
+    add_piece_rule(surface_, of.triangle, of.polygon, degree, places);
+    for (const TrianglePlace& at : places) {
+      const CurvedPlace place = curved_->place(of.triangle, at.a, at.b);
+      const Vec3 across = place.along_a.cross(place.along_b);
+      const double stretch = across.norm(), sign = across.dot(place.normal) < 0 ? -1 : 1;
+      rule.push_back({{place.x, sign * at.weight * stretch}, place.normal});
+    }
+  }
+
+  /// Points of the parts begin .. end, those of a curved face of a CAD body: with the integrals of many more points of
+  /// all polynomials as on the quadrics of CSG bodies, of the normal and of the flux of the position.
+  void make_curved_points(std::size_t begin, std::size_t end, int owner, BoundaryPoints& points) const {
+    const int patch = part(begin).patch;
+    for (std::size_t next = begin; begin < end; begin = next) {
+      int triangles = 0;
+      for (; next < end && part(next).sides == part(begin).sides; ++next) triangles += part(next).polygon.n - 2;
+      std::vector<FacetPoint> rule;  // of few points, then of many
+      add_few_points(begin, next, triangles, rule);
+      const std::size_t num_few = rule.size();
+      const int degree = triangles < many_triangles ? 2 * order_ + 1 : 2 * order_ - 1;
+      for (std::size_t i = begin; i < next; ++i)
+        add_exact_rule(part(i), degree + (curved_->is_bent(part(i).triangle) ? bend_degrees : 0), rule);
+      double area = 0;
+      Vec3 mean_position = Vec3::Zero(), mean_normal = Vec3::Zero();
+      for (std::size_t i = num_few; i < rule.size(); ++i) {
+        area += rule[i].point.weight;
+        mean_position += rule[i].point.weight * rule[i].point.position;
+        mean_normal += rule[i].point.weight * rule[i].normal;
+      }
+      if (area <= lost_group) continue;
+      std::vector<double> weights = compress_curved(mean_normal, num_few, rule);
+      for (std::size_t i = 0; i < weights.size(); ++i) {
+        if (!(weights[i] > 0)) continue;
+        points.append(rule[i].point.position, rule[i].normal, weights[i], owner, patch);
+        if (with_pieces_) points.set_piece(mean_position / area, mean_normal / area);
+      }
+    }
+  }
+
+  /// About as many points as there are functions twice, more of them on the larger parts.
+  void add_few_points(std::size_t begin, std::size_t end, int triangles, std::vector<FacetPoint>& rule) const {
+    // A rule of degree 2 n - 1 has n^2 points on a triangle.
+    int n = 1;
+    while (n < order_ + 1 && (n + 1) * (n + 1) * triangles <= few_points) ++n;
+    int left = few_points - n * n * triangles;
+    std::vector<std::pair<double, std::size_t>> by_area;
+    for (std::size_t i = begin; i < end; ++i) by_area.emplace_back(-twice_area(part(i).polygon).norm(), i);
+    std::sort(by_area.begin(), by_area.end());
+    for (const auto& [area, i] : by_area) {
+      const int more = (2 * n + 1) * (part(i).polygon.n - 2);
+      const bool finer = more <= left && n < order_ + 1;
+      if (finer) left -= more;
+      add_exact_rule(part(i), 2 * (finer ? n + 1 : n) - 1, rule);
+    }
+  }
+
+  /// Where folds leave negative weights, the others take them over: the area stays.
+  static void keep_positive(std::vector<double>& weights) {
+    double all = 0, positive = 0;
+    for (const double w : weights) {
+      all += w;
+      positive += std::max(w, 0.0);
+    }
+    if (positive > all)
+      for (double& w : weights) w = std::max(w, 0.0) * all / positive;
+  }
+
+  /// Weights of the first points of a rule, or of all.
+  std::vector<double> compress_curved(const Vec3& mean_normal, std::size_t num_few,
+                                      std::vector<FacetPoint>& rule) const {
+    const auto [s, t] = plane_axes(mean_normal);
+    const int axes[3] = {s, t, 3 - s - t}, n = static_cast<int>(rule.size());
+    std::vector<double> local[3];
+    for (int k = 0; k < 3; ++k)
+      for (const FacetPoint& p : rule) local[k].push_back(p.point.position[axes[k]] - rule[0].point.position[axes[k]]);
+    FunctionTable table = surface_polynomials(local, order_ + 1, false);  // scales the places to -1 .. 1
+    int f = table.num_functions;
+    table.num_functions += 4;
+    table.values.resize(static_cast<std::size_t>(table.num_functions) * n);
+    for (int k = 0; k < 3; ++k, ++f)
+      for (int p = 0; p < n; ++p) table[f][p] = rule[p].normal[axes[k]];
+    for (int p = 0; p < n; ++p)
+      table[f][p] =
+          rule[p].normal[s] * local[0][p] + rule[p].normal[t] * local[1][p] + rule[p].normal[axes[2]] * local[2][p];
+    std::vector<double> weights, others;
+    for (std::size_t i = 0; i < num_few; ++i) weights.push_back(std::abs(rule[i].point.weight));
+    for (std::size_t i = num_few; i < rule.size(); ++i) others.push_back(rule[i].point.weight);
+    if (take_integrals(table, others, weights)) {
+      compress_weights(columns(table, 0, num_few), weights);
+    } else {
+      weights = others;
+      table = columns(table, num_few, rule.size());
+      rule.erase(rule.begin(), rule.begin() + static_cast<std::ptrdiff_t>(num_few));
+      keep_positive(weights);
+      compress_many_weights(table, weights);
+    }
+    return weights;
   }
 
   /// The convex hull of the parts, if it has no larger area than they have.
@@ -384,6 +522,7 @@ class PointMaker {
   }
 
   const TriangleSurface& surface_;
+  const CurvedTriangles* const curved_;
   const std::vector<Plane>& dividers_;
   const int order_;
   const bool with_pieces_;
@@ -466,11 +605,35 @@ std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index
   return found;
 }
 
-void triangle_boundary_points(const TriangleSurface& surface, const std::vector<int>& triangles, const Index3& cell,
-                              const std::vector<char>& selected, const std::vector<Plane>& dividers, int order,
-                              int owner, BoundaryPoints& points) {
+void add_piece_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& piece, int degree,
+                    std::vector<TrianglePlace>& places) {
+  const TriangleRule& rule = triangle_rule(degree);
+  const Vec3& origin = surface.corner(triangle, 0);
+  const Vec3 u = surface.corner(triangle, 1) - origin, v = surface.corner(triangle, 2) - origin, n = u.cross(v);
+  const double inverse = 1 / n.squaredNorm();
+  const auto weights = [&](const Vec3& x) {
+    const Vec3 y = x - origin;
+    return Vec2(n.dot(y.cross(v)) * inverse, n.dot(u.cross(y)) * inverse);
+  };
+  const Vec2 first = weights(piece.x[0]);
+  Vec2 last = weights(piece.x[1]);
+  for (int k = 2; k < piece.n; ++k) {
+    const Vec2 next = weights(piece.x[k]), p = last - first, q = next - first;
+    const double area = 0.5 * (p[0] * q[1] - p[1] * q[0]);
+    last = next;
+    if (area == 0) continue;
+    for (std::size_t i = 0; i < rule.weight.size(); ++i) {
+      const Vec2 at = first + rule.a[i] * p + rule.b[i] * q;
+      places.push_back({at[0], at[1], area * rule.weight[i]});
+    }
+  }
+}
+
+void triangle_boundary_points(const TriangleSurface& surface, const CurvedTriangles* curved,
+                              const std::vector<int>& triangles, const Index3& cell, const std::vector<char>& selected,
+                              const std::vector<Plane>& dividers, int order, int owner, BoundaryPoints& points) {
   const std::vector<Plane> crossing = crossing_planes(dividers, Vec3(cell[0], cell[1], cell[2]), 1);
-  PointMaker maker(surface, crossing, order, divide_faces(dividers));
+  PointMaker maker(surface, curved, crossing, order, divide_faces(dividers));
   for (const int t : triangles) {
     if (!selected.empty() && !selected[surface.patch(t)]) continue;
     const SurfacePolygon piece = piece_in_cell(surface, t, cell);

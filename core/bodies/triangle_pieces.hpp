@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/cad/curved_triangles.hpp"
 #include "core/cells/boundary_points.hpp"
 #include "core/triangles/triangle_surface.hpp"
 
@@ -52,9 +53,20 @@ void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const 
 /// 32 and 128 planes of all patches one degree less). A patch with more planes gets at most 29 points on each side of
 /// the dividers: forces and moments stay exact, integrals of polynomials those of its facets (of degree 3 along the
 /// surface, second moments).
-void triangle_boundary_points(const TriangleSurface& surface, const std::vector<int>& triangles, const Index3& cell,
-                              const std::vector<char>& selected, const std::vector<Plane>& dividers, int order,
-                              int owner, BoundaryPoints& points);
+/// `curved`: what the triangles stand for. Points and normals are then those of the exact surface, as on the quadrics
+/// of CSG bodies.
+void triangle_boundary_points(const TriangleSurface& surface, const CurvedTriangles* curved,
+                              const std::vector<int>& triangles, const Index3& cell, const std::vector<char>& selected,
+                              const std::vector<Plane>& dividers, int order, int owner, BoundaryPoints& points);
+
+/// A place on a triangle of a piece: the weights of its corners 1 and 2, and how much of the triangle it stands for
+/// (the whole one: 1/2).
+struct TrianglePlace {
+  double a, b, weight;
+};
+/// The places of a rule on a piece, exact for polynomials of the degree on the flat triangle.
+void add_piece_rule(const TriangleSurface& surface, int triangle, const SurfacePolygon& piece, int degree,
+                    std::vector<TrianglePlace>& places);
 
 /// The triangles that may have a piece in a cell, ascending.
 std::vector<int> triangles_near_cell(const TriangleSurface& surface, const Index3& cell);

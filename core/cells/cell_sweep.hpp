@@ -18,6 +18,9 @@ struct CellIntegrals {
   Index3 cell;
   Moments moments;
   BoundaryPoints points;  ///< `points.cell` is not set
+  /// Is the part of the body in the cell so thin that its moments need not be those of a positive measure? It is joined
+  /// with a neighbour whatever its volume.
+  bool thin = false;
 };
 
 struct SweptCells {

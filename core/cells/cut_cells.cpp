@@ -184,7 +184,7 @@ class CutCellBuilder {
   void keep(CellIntegrals&& integrals, int level, Found& found) {
     Candidate candidate{std::move(integrals)};
     candidate.level = level;
-    candidate.pruned = candidate.moments[0] < 8 * options_.prune_fraction;
+    candidate.pruned = candidate.thin || candidate.moments[0] < 8 * options_.prune_fraction;
     if (!candidate.pruned) {
       if (!in_grid(candidate.cell, level)) throw InputError("the body sticks out of its grid");
       double difference = 0;
@@ -284,7 +284,7 @@ class CutCellBuilder {
         continue;
       }
       const Candidate& candidate = candidates_[c];
-      ++result_.num_pruned;
+      if (!candidate.thin) ++result_.num_pruned;
       int heir = -1;
       double largest = 0;
       for (std::size_t p = 0; p < pieces.size(); ++p) {
@@ -296,7 +296,7 @@ class CutCellBuilder {
         if (piece.area > largest) heir = owner;
         largest = std::max(largest, piece.area);
       }
-      if (heir >= 0 && candidate.moments[0] > 0) pass_moments(candidate, heir);
+      if (heir >= 0 && (candidate.thin || candidate.moments[0] > 0)) pass_moments(candidate, heir);
     }
     std::vector<int> order(donors_.size()), donors = donors_;
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
@@ -314,7 +314,7 @@ class CutCellBuilder {
   void divide(std::size_t c) {
     const int level = candidates_[c].level + 1;
     const LevelOfGrid& finer = levels_[level];
-    bool has_volume = candidates_[c].moments[0] > 0;
+    bool has_volume = candidates_[c].thin || candidates_[c].moments[0] > 0;
     for (int a = 0; a < 8; ++a) {
       const Index3& cell = candidates_[c].cell;
       Candidate part;
@@ -322,6 +322,7 @@ class CutCellBuilder {
       if (finer.leaves.across >= 0 && part.cell[finer.leaves.across] != 0) continue;
       part.level = level;
       part.pruned = true;
+      part.thin = has_volume && candidates_[c].thin;
       part.moments = {};
       finer.solid.geometry().boundary_points(part.cell, {}, finer.dividers, options_.boundary_order, 0, part.points);
       if (part.points.size() == 0) continue;
@@ -340,7 +341,8 @@ class CutCellBuilder {
     Moments& extra = extra_.back().second;
     if (level == candidate.level) {
       const Index3 offset{candidate.cell[0] - to[0], candidate.cell[1] - to[1], candidate.cell[2] - to[2]};
-      if (std::abs(offset[0]) + std::abs(offset[1]) + std::abs(offset[2]) == 1) {
+      const int steps = std::abs(offset[0]) + std::abs(offset[1]) + std::abs(offset[2]);
+      if (steps == 1 || (candidate.thin && steps <= 3)) {
         extra = shifted_moments(candidate.moments, offset);
         return;
       }

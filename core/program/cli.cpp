@@ -71,6 +71,7 @@ const char* const init_footer =
     "  cgcontact init first.toml\n"
     "  cgcontact init --stl part.stl --unit mm         part.toml: the part under a plate, faces and TODOs listed\n"
     "  cgcontact init fine.toml --stl part.obj --unit in --cells 40\n"
+    "  cgcontact init assembly.step                    assembly.toml: all its solids as bodies, pairs that may touch\n"
     "The scene runs as it is. A file that exists is never overwritten.\n"
     "Exit codes: 0 written, 1 bad input (nothing is written).";
 
@@ -187,13 +188,19 @@ void Parser::describe_init() {
   CLI::App& init =
       add_command("init", CommandLine::init, "Write a commented scene to start from; it runs as it is", init_footer);
   InitOptions& options = line.init_options;
-  init.add_option("FILE", options.file, "Scene to write [default: scene.toml, or as the surface, with .toml]")
+  init.add_option("FILE", options.file,
+                  "Scene to write [default: scene.toml, or as the surface, with .toml], or a CAD file")
       ->type_name("")
       ->check([](const std::string& value) { return value.empty() ? "is empty (allowed: a name in .toml)" : ""; }, "");
   add(init, "--stl", "FILE", "A closed surface (.stl, .obj, .ply or .off) to be a body of the scene",
       [&options](const std::string& text) {
         if (text.empty()) throw InputError("is empty (allowed: an .stl, .obj, .ply or .off file)");
         options.surface = text;
+      });
+  add(init, "--cad", "FILE", "A CAD file (.step, .iges or .brep) whose solids become bodies; without --cad: init FILE",
+      [&options](const std::string& text) {
+        if (text.empty()) throw InputError("is empty (allowed: a .step, .iges or .brep file)");
+        options.cad = text;
       });
   add(init, "--unit", "UNIT", "Unit of the surface: " + join(unit_names()),
       [&options](const std::string& text) { options.unit = parse_unit(text); });

@@ -262,6 +262,68 @@ void compress_many_weights(FunctionTable functions, std::vector<double>& weights
   }
 }
 
+/// The least change in the sense of sum (change^2 / weight): weights times a combination of the functions, by
+/// Cholesky's factors of their products.
+bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights) {
+  constexpr double least_pivot = 1e-8;  // of a function's square: what is left of it beside the others is rounding
+  constexpr double good_enough = 1e-6;  // of the largest integral: functions that nearly depend on others
+  const int m = functions.num_functions, n = static_cast<int>(weights.size()), all = functions.num_points;
+  Vector wanted(m, 0.0), factor(static_cast<std::size_t>(m) * m, 0.0), trial = weights;
+  double size = 0;
+  for (int f = 0; f < m; ++f) {
+    for (int p = n; p < all; ++p) wanted[f] += others[p - n] * functions[f][p];
+    size = std::max(size, std::abs(wanted[f]));
+  }
+  std::vector<char> independent(m, 1);
+  Vector row(n);
+  for (int f = 0; f < m; ++f) {
+    double* const own = &factor[static_cast<std::size_t>(f) * m];
+    for (int p = 0; p < n; ++p) row[p] = weights[p] * functions[f][p];
+    for (int g = 0; g <= f; ++g) {
+      const double* const other = functions[g];
+      for (int p = 0; p < n; ++p) own[g] += row[p] * other[p];
+    }
+    const double square = own[f];
+    for (int g = 0; g < f; ++g) {
+      if (!independent[g]) {
+        own[g] = 0;
+        continue;
+      }
+      const double* const before = &factor[static_cast<std::size_t>(g) * m];
+      for (int k = 0; k < g; ++k) own[g] -= own[k] * before[k];
+      own[g] /= before[g];
+      own[f] -= own[g] * own[g];
+    }
+    independent[f] = own[f] > least_pivot * square;
+    own[f] = independent[f] ? std::sqrt(own[f]) : 1;
+  }
+  double error = 0;
+  Vector missing(m);
+  for (int pass = 0; pass < 4; ++pass) {
+    error = 0;
+    for (int f = 0; f < m; ++f) {
+      missing[f] = wanted[f];
+      for (int p = 0; p < n; ++p) missing[f] -= trial[p] * functions[f][p];
+      error = std::max(error, std::abs(missing[f]));
+    }
+    if (pass == 3 || error <= accuracy * size) break;
+    for (int f = 0; f < m; ++f) {
+      for (int g = 0; g < f; ++g) missing[f] -= factor[static_cast<std::size_t>(f) * m + g] * missing[g];
+      missing[f] = independent[f] ? missing[f] / factor[static_cast<std::size_t>(f) * m + f] : 0;
+    }
+    for (int f = m - 1; f >= 0; --f) {
+      for (int g = f + 1; g < m; ++g) missing[f] -= factor[static_cast<std::size_t>(g) * m + f] * missing[g];
+      missing[f] = independent[f] ? missing[f] / factor[static_cast<std::size_t>(f) * m + f] : 0;
+    }
+    for (int f = 0; f < m; ++f)
+      for (int p = 0; p < n; ++p) trial[p] += missing[f] * weights[p] * functions[f][p];
+  }
+  if (!(error <= good_enough * size) || std::any_of(trial.begin(), trial.end(), [](double w) { return !(w > 0); }))
+    return false;
+  weights = trial;
+  return true;
+}
+
 FunctionTable surface_polynomials(std::vector<double> (&points)[3], int degree, bool curved) {
   const int n = static_cast<int>(points[0].size());
   double wider = 0;  // of s and t

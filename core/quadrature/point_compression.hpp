@@ -26,6 +26,11 @@ void compress_weights(const FunctionTable& functions, std::vector<double>& weigh
 /// The same for many points, a part of them at a time: time proportional to the number of points.
 void compress_many_weights(FunctionTable functions, std::vector<double>& weights);
 
+/// Changes the positive `weights` of the first points of the table as little as it takes, each by its own measure, for
+/// them to have the integrals of the points after them, whose weights (of any sign) are `others`. False, and nothing is
+/// changed, if that would take a weight that is not positive or is not possible to rounding accuracy.
+bool take_integrals(const FunctionTable& functions, const std::vector<double>& others, std::vector<double>& weights);
+
 /// The polynomials of total degree <= degree in (s, t), and with `curved` also those of degree <= degree - 1 times the
 /// height: on a plane, a sphere or a cylinder these are all polynomials of that degree in space. `points`: s, t,
 /// height of all points; scaled in place, the height by the extent along the face.

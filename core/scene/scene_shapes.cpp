@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <set>
 
 #include "core/base/suggest.hpp"
 #include "core/bodies/booleans.hpp"
+#include "core/bodies/cad_body.hpp"
+#include "core/scene/scene_cad.hpp"
 #include "core/scene/scene_mesh.hpp"
 
 namespace cgcontact {
@@ -18,8 +21,8 @@ const std::vector<std::string> box_faces = {"x-", "x+", "y-", "y+", "z-", "z+"};
 const std::vector<std::string> sphere_faces = {"surface"};
 const std::vector<std::string> cylinder_faces = {"side", "bottom", "top"};
 const std::vector<std::string> half_space_faces = {"plane"};
-const std::vector<std::string> kinds = {"box",  "sphere", "cylinder",     "half_space",
-                                        "mesh", "union",  "intersection", "difference"};
+const std::vector<std::string> kinds = {"box", "sphere", "cylinder",     "half_space", "mesh",
+                                        "cad", "union",  "intersection", "difference"};
 const std::vector<std::string> placement_keys = {"name", "translate", "rotate"};
 
 std::string as_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
@@ -63,6 +66,13 @@ Solid read_half_space(const TomlCursor& node, const std::string& name) {
                            node.at("normal", "[x, y, z], outward").direction(), name);
 }
 
+/// Infinite for what is not bounded.
+double longest(const Solid& solid) {
+  Vec3 min, max;
+  if (!solid.bounding_box(min, max)) return std::numeric_limits<double>::infinity();
+  return (max - min).maxCoeff();
+}
+
 class ShapeReader {
  public:
   explicit ShapeReader(const TomlCursor& body) : body_(body) {}
@@ -78,6 +88,7 @@ class ShapeReader {
   std::string name_of(const TomlCursor& node, const std::string& kind);
   Solid read_primitive(const TomlCursor& node, const std::string& kind);
   Solid read_mesh_shape(const TomlCursor& node, const std::string& name);
+  Solid read_cad_shape(const TomlCursor& node, const std::string& name);
   Solid read_operation(const TomlCursor& node, const std::string& kind);
   Solid combine(const TomlCursor& list, const std::string& kind, const Solid& a, const Solid& b);
   Solid placed(const TomlCursor& node, const Solid& solid) const;
@@ -128,6 +139,7 @@ Solid ShapeReader::read_primitive(const TomlCursor& node, const std::string& kin
     return read_cylinder(data, name);
   }
   if (kind == "mesh") return read_mesh_shape(data, name);
+  if (kind == "cad") return read_cad_shape(data, name);
   primitives.push_back({name, half_space_faces});
   return read_half_space(data, name);
 }
@@ -142,6 +154,14 @@ Solid ShapeReader::read_mesh_shape(const TomlCursor& node, const std::string& na
   const std::string doubt = doubtful_unit(mesh.extent);
   if (!doubt.empty()) warnings.push_back(node.at("file").string("a file name") + ": " + doubt);
   return mesh.solid;
+}
+
+Solid ShapeReader::read_cad_shape(const TomlCursor& node, const std::string& name) {
+  CadShape cad = read_cad_solid(node, name, body_);
+  primitives.push_back({name, cad.faces});
+  notes.push_back(cad.note);
+  warnings.insert(warnings.end(), cad.warnings.begin(), cad.warnings.end());
+  return cad.solid;
 }
 
 Solid ShapeReader::read_operation(const TomlCursor& node, const std::string& kind) {
@@ -164,6 +184,13 @@ Solid ShapeReader::combine(const TomlCursor& list, const std::string& kind, cons
                                                       : BooleanOp::Kind::subtract;
   if (const auto exact = combine_expressions(op, a, b)) return *exact;
   try {
+    if (as_cad(a) || as_cad(b)) {
+      if (const auto exact = combine_cad(op, a, b, cell_size_for_cad(body_, std::min(longest(a), longest(b)))))
+        return *exact;
+      throw InputError(
+          std::string("a CAD solid and a mesh cannot be combined (allowed: CAD solids with each other and with box, "
+                      "sphere, cylinder and half_space)"));
+    }
     const TriangleBoolean result = combine_triangles(op, a, b, read_cell_size(body_));
     std::string note = fmt::format("{} with a mesh: {} triangles", kind, result.solid.geometry().num_facets());
     if (result.facet_error > 0)

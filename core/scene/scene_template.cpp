@@ -13,6 +13,8 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/suggest.hpp"
+#include "core/cad/cad_model.hpp"
+#include "core/scene/cad_template.hpp"
 #include "core/scene/part_outline.hpp"
 #include "core/scene/scene_mesh.hpp"
 
@@ -166,27 +168,6 @@ displacement = {{x = 0, y = 0, z = "-push"}}
 faces = ["part.top", "plate.block.z-"]
 )toml";
 
-/// A TOML string.
-std::string in_quotes(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') result += '\\';
-    if (static_cast<unsigned char>(c) < 0x20)
-      result += fmt::format("\\u{:04X}", c);
-    else
-      result += c;
-  }
-  return result + "\"";
-}
-
-/// As a word of a command line in a comment: without line breaks, quoted if needed.
-std::string shell_word(const std::string& text) {
-  std::string word = text;
-  std::replace_if(
-      word.begin(), word.end(), [](unsigned char c) { return c < 0x20; }, '?');
-  return word.find_first_of(" '\"\\$&()*;<>?[]`{|}~!#") == std::string::npos ? word : "\"" + word + "\"";
-}
-
 /// Multiples of a power of ten that is small against `size`.
 std::string vector(const Vec3& v, double size) {
   const double digits = std::ceil(4 - std::log10(size));
@@ -322,14 +303,14 @@ std::string scene_of_part(const InitOptions& options, const PartOutline& part, d
   told += fmt::format("cells of {:.3g} m; the part has {} smooth face{}\n", layout.cell_size, part.parts.size(),
                       part.parts.size() == 1 ? "" : "s");
   return fmt::format(
-      part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", shell_word(file)),
+      part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", comment_word(file)),
       fmt::arg("turn", rotation_line(part.turn)), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
-      fmt::arg("stem", shell_word(fs::path(file).stem().string())),
+      fmt::arg("stem", comment_word(fs::path(file).stem().string())),
       fmt::arg("finer", fmt::format("{:.3g}", layout.cell_size / 1.5)),
-      fmt::arg("title", in_quotes(fs::path(options.surface).stem().string() + " under a plate")),
+      fmt::arg("title", toml_string(fs::path(options.surface).stem().string() + " under a plate")),
       fmt::arg("h", layout.cell_size), fmt::arg("cells", std::lround(extent.maxCoeff() / layout.cell_size)),
       fmt::arg("push", layout.push), fmt::arg("bottom", end_selector(part, part.bottom, -1)),
-      fmt::arg("top", end_selector(part, part.top, 1)), fmt::arg("surface", in_quotes(surface)),
+      fmt::arg("top", end_selector(part, part.top, 1)), fmt::arg("surface", toml_string(surface)),
       fmt::arg("unit", options.unit), fmt::arg("faces", face_lines(part)), fmt::arg("p0", layout.plate_min[0]),
       fmt::arg("p1", layout.plate_min[1]), fmt::arg("z", layout.plate_min[2]), fmt::arg("q0", layout.plate_max[0]),
       fmt::arg("q1", layout.plate_max[1]), fmt::arg("q2", layout.plate_max[2]),
@@ -359,30 +340,84 @@ std::string passing_scene(const InitOptions& options, const std::string& file, c
   return text;
 }
 
+/// The scene of a CAD file: it is as it is, and does it run?
+std::string cad_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
+                      std::string& told) {
+  const std::string text = scene_of_cad_file(options, file, "It passes check as it is.", told);
+  const std::string fault = find_fault ? find_fault(text, file) : "";
+  if (fault.empty()) return text;
+  told = fmt::format("warning: the scene does not pass check yet: {}\n", fault);
+  return scene_of_cad_file(options, file, "It does not pass check yet.", told);
+}
+
+void check_cad_options(const InitOptions& options) {
+  if (!options.surface.empty())
+    throw InputError(
+        "--cad and --stl exclude each other (allowed: one of them; several parts are several bodies, to be added by "
+        "hand)");
+  const CadFormat format = cad_format(options.cad);
+  if (format == CadFormat::unknown)
+    throw InputError(options.cad + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep)");
+  if (format == CadFormat::brep && options.unit.empty())
+    throw InputError(fmt::format("{} needs --unit: a .brep file does not say its unit (allowed: {})", options.cad,
+                                 join(unit_names())));
+  if (format != CadFormat::brep && !options.unit.empty())
+    throw InputError(fmt::format("--unit {}: {} says its unit itself (allowed: --unit with --stl, or a .brep file)",
+                                 options.unit, options.cad));
+}
+
 }  // namespace
 
 std::string init_scene(const InitOptions& options, const FindFault& find_fault) {
-  const bool from_surface = !options.surface.empty();
+  if (options.cad.empty() && cad_format(options.file) != CadFormat::unknown) {
+    InitOptions by_cad = options;  // cgcontact init part.step
+    by_cad.cad.swap(by_cad.file);
+    return init_scene(by_cad, find_fault);
+  }
+  const bool from_surface = !options.surface.empty(), from_cad = !options.cad.empty();
+  if (from_cad) check_cad_options(options);
   if (from_surface && options.unit.empty())
     throw InputError(
         fmt::format("--stl {} needs --unit as well: the file does not say in which unit its numbers are (allowed: {})",
                     options.surface, join(unit_names())));
-  if (!from_surface && !options.unit.empty())
+  if (!from_surface && !from_cad && !options.unit.empty())
     throw InputError(fmt::format("--unit {} is the unit of a surface: it needs --stl FILE", options.unit));
   std::string file = options.file;
-  if (file.empty()) file = from_surface ? fs::path(options.surface).stem().string() + ".toml" : "scene.toml";
+  if (file.empty())
+    file = from_surface || from_cad ? fs::path(from_cad ? options.cad : options.surface).stem().string() + ".toml"
+                                    : "scene.toml";
   if (fs::path(file).extension() != ".toml")
     throw InputError(file + ": is not the name of a scene (allowed: a name that ends in .toml)");
   expect_new(file);
   std::string told;
-  const std::string name = shell_word(file), stem = shell_word(fs::path(file).stem().string());
-  const std::string text =
-      from_surface ? passing_scene(options, file, find_fault, told) : fmt::format(example, name, stem);
+  const std::string name = comment_word(file), stem = comment_word(fs::path(file).stem().string());
+  const std::string text = from_cad       ? cad_scene(options, file, find_fault, told)
+                           : from_surface ? passing_scene(options, file, find_fault, told)
+                                          : fmt::format(example, name, stem);
   write_new_file(file, text);
   told += fmt::format("wrote {}\nNext:\n", file);
-  if (from_surface) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";
+  if (from_surface || from_cad) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";
   told += fmt::format("  cgcontact check {0}\n  cgcontact run {0}\n", name);
   return told;
+}
+
+std::string toml_string(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    if (static_cast<unsigned char>(c) < 0x20)
+      result += fmt::format("\\u{:04X}", c);
+    else
+      result += c;
+  }
+  return result + "\"";
+}
+
+std::string comment_word(const std::string& text) {
+  std::string word = text;
+  std::replace_if(
+      word.begin(), word.end(), [](unsigned char c) { return c < 0x20; }, '?');
+  return word.find_first_of(" '\"\\$&()*;<>?[]`{|}~!#") == std::string::npos ? word : "\"" + word + "\"";
 }
 
 std::vector<std::string> unit_names() {

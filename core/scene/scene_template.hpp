@@ -9,9 +9,10 @@
 namespace cgcontact {
 
 struct InitOptions {
-  std::string file;     ///< scene to write; empty: scene.toml, or the name of the surface with .toml
+  std::string file;     ///< scene to write; empty: scene.toml, or the name of the surface or CAD file with .toml
   std::string surface;  ///< .stl, .obj, .ply or .off file of a part; empty: the example without a file
-  std::string unit;     ///< of the surface, as in a scene
+  std::string cad;      ///< .step, .iges or .brep file whose solids become bodies, instead of a surface
+  std::string unit;     ///< of the surface or the .brep file, as in a scene
   bool repair = false;  ///< the surface, as the key of that name does
   int cells = 20;       ///< along the longest side of the part
 };
@@ -27,6 +28,12 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault =
 
 /// An integer from fewest_init_cells to most_init_cells; throws InputError.
 int parse_init_cells(const std::string& text);
+
+/// A TOML string.
+std::string toml_string(const std::string& text);
+
+/// As a word of a command line in a comment: without line breaks, quoted if needed.
+std::string comment_word(const std::string& text);
 
 /// The units that a surface may have in a scene.
 std::vector<std::string> unit_names();

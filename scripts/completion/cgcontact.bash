@@ -64,6 +64,7 @@ _cgcontact() {
       COMPREPLY=("${COMPREPLY[@]/%/=}") ;;
     -o | --out) compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -d -- "$current")) ;;
     --stl) _cgcontact_files stl obj ply off ;;
+    --cad) _cgcontact_files step stp iges igs brep ;;
     --unit) _cgcontact_words "$("$program" init --help 2>/dev/null | sed -nE 's/.*Unit of the surface: //p' | tr -d ,)" ;;
     --preconditioner) _cgcontact_words "multigrid muelu" ;;
     -t | --threads) _cgcontact_words "$(seq 1 "$(nproc 2>/dev/null || echo 1)")" ;;

@@ -70,6 +70,9 @@ def main():
         out = run(program, "run", scenes / "two_solids.toml", "--set", "n=8", "--out", folder / "out", env=environment)
         check(out.startswith("solved"), out)
         run(program, "check", scenes / "rail.toml", env=environment)
+        with_cad = any(prefix.rglob("libcgcontact_cad.so"))
+        if with_cad:
+            run(program, "check", scenes / "lug.toml", "--set", "n=4", env=environment)
         completions = run("bash", "-c", 'source "$1"; COMP_WORDS=("$2" ""); COMP_CWORD=1; _cgcontact; echo "${COMPREPLY[@]}"', "bash",
                           prefix / "share/bash-completion/completions/cgcontact", program)
         check("init" in completions.split(), completions)
@@ -80,7 +83,8 @@ def main():
         commands = (folder / "user-build" / "CMakeFiles" / "user.dir" / "flags.make").read_text()
         check("-march" not in commands, "the library's flags reached the user: " + commands)
         check_alignment(prefix)
-        print(run(folder / "user-build" / "user", scenes / "two_solids.toml", env=environment))
+        print(run(folder / "user-build" / "user", scenes / "two_solids.toml", *([scenes / "lug.toml"] if with_cad else []),
+                  env=environment))
 
 
 main()

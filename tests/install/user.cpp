@@ -33,6 +33,15 @@ void run_file(const char* file) {
   expect("closed area of the lower body", active_area, results.pairs[0].area, 0.1);
 }
 
+/// A body from a CAD file: the module with OpenCASCADE is found. A quarter of the lug, whose eye is 30 mm and whose
+/// round end another 12 mm above its sole.
+void read_cad_file(const char* file) {
+  const Scene scene = read_scene(file);
+  Vec3 min, max;
+  scene.bodies.at(0).solid.bounding_box(min, max);
+  expect("height of the lug", max[2] - min[2], 42e-3, 1e-3);
+}
+
 FaceRef face(int body, const char* name) {
   FaceRef ref;
   ref.body = body;
@@ -81,9 +90,10 @@ void run_code() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return 2;
+  if (argc < 2) return 2;
   const TrilinosScope trilinos(1);
   run_file(argv[1]);
+  if (argc > 2) read_cad_file(argv[2]);
   run_code();
   return failures;
 }

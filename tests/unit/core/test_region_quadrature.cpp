@@ -139,6 +139,37 @@ TEST(Regions, LinesAreExact) {
   }
 }
 
+// Proves that few points take over the integrals of many on a curved patch, to rounding, with positive weights; and
+// that what few points cannot take leaves them alone.
+TEST(Compression, FewPointsTakeTheIntegralsOfMany) {
+  std::vector<double> points[3], weights, others;
+  const auto add = [&](int n, std::vector<double>& w) {
+    for (int i = 0; i < n * n; ++i) {
+      const double s = (i % n + 0.5) / n, t = (i / n + 0.5) / n;
+      points[0].push_back(s);
+      points[1].push_back(t);
+      points[2].push_back(0.1 * s * s + 0.05 * t * t * t);
+      w.push_back(1.0 / (n * n) * (1 + 0.1 * s));
+    }
+  };
+  add(6, weights);
+  add(40, others);
+  const FunctionTable table = surface_polynomials(points, 4, false);
+  const std::vector<double> before = weights;
+  ASSERT_TRUE(take_integrals(table, others, weights));
+  for (int f = 0; f < table.num_functions; ++f) {
+    double few = 0, many = 0;
+    for (std::size_t p = 0; p < weights.size(); ++p) few += weights[p] * table[f][p];
+    for (std::size_t p = 0; p < others.size(); ++p) many += others[p] * table[f][weights.size() + p];
+    EXPECT_NEAR(few, many, 1e-11);
+  }
+  for (std::size_t p = 0; p < weights.size(); ++p) EXPECT_GT(weights[p], 0.1 * before[p]);
+  for (double& w : others) w = -w;
+  const std::vector<double> kept = weights;
+  EXPECT_FALSE(take_integrals(table, others, weights));
+  EXPECT_EQ(weights, kept);
+}
+
 // Proves that compression keeps all integrals, keeps weights positive and needs no more points than functions.
 TEST(Compression, KeepsIntegrals) {
   for (const bool curved : {false, true})

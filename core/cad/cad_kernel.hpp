@@ -1,0 +1,25 @@
+/// What the program has OpenCASCADE do. It lies in a module of its own, which the program loads when it meets the first
+/// CAD file: OpenCASCADE's libraries take time and memory at every start, and few scenes need them.
+#pragma once
+
+#include "core/cad/cad_model.hpp"
+
+namespace cgcontact {
+
+/// The functions of CadModel and read_cad that need OpenCASCADE.
+struct CadKernel {
+  double (*volume)(const CadModel& model);
+  double (*area)(const CadModel& model);
+  std::pair<Vec3, Vec3> (*box)(const CadModel& model);
+  double (*distance)(const CadModel& model, int face, const Vec3& x);
+  CurvedTriangles (*triangles)(const CadModel& model, double deflection);
+  CadModel (*combine)(CadModel::Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
+                      const Similarity& place_b);
+  CadModel (*inner_side)(const Surface& surface, const Vec3& centre, double radius);
+  std::vector<CadSolid> (*read)(const std::string& file, const CadReading& reading);
+};
+
+/// The name of the module's function that returns its kernel.
+constexpr const char* cad_kernel_function = "cgcontact_cad_kernel";
+
+}  // namespace cgcontact

@@ -1,0 +1,84 @@
+/// Solids of CAD files (STEP, IGES, BREP) by OpenCASCADE, of which no header appears here. Lengths of the model in mm,
+/// as OpenCASCADE has them; all that leaves it in the coordinates of a Similarity is said so.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/cad/curved_triangles.hpp"
+#include "core/geometry/surface.hpp"
+
+namespace cgcontact {
+
+struct CadFace {
+  std::string name;                          ///< in the file, "" if it has none
+  std::optional<std::array<int, 3>> colour;  ///< red, green, blue, 0 to 255
+  std::string kind;                          ///< plane, cylinder, cone, sphere, torus, other
+  double area = 0;                           ///< mm^2
+  double radius = 0;                         ///< mm: cylinder, sphere, small one of a torus
+  double major_radius = 0;                   ///< mm: torus
+  double half_angle = 0;                     ///< radians: cone
+  Vec3 middle = Vec3::Zero();                ///< mm, centroid of the face
+  Vec3 axis = Vec3::Zero();                  ///< unit: outward normal of a plane, axis of the others
+  std::vector<std::string> names;            ///< "part.face": what it is called in the scene
+};
+
+/// The kinds that a face may have.
+const std::vector<std::string>& cad_kinds();
+
+/// One solid. Read-only, copies share it.
+class CadModel {
+ public:
+  struct Shape;  ///< OpenCASCADE's
+  CadModel(std::shared_ptr<const Shape> shape, std::vector<CadFace> faces);
+
+  const Shape& shape() const { return *shape_; }
+  const std::vector<CadFace>& faces() const { return faces_; }
+  double volume() const;  ///< mm^3
+  double area() const;    ///< mm^2
+  /// Corners of a box around it, mm.
+  std::pair<Vec3, Vec3> box() const;
+  /// The faces with these names, in their order.
+  CadModel named(const std::vector<std::vector<std::string>>& names) const;
+  /// Distance of a point from a face, mm.
+  double distance(int face, const Vec3& x) const;
+
+  /// Triangles no farther than about `deflection` (mm) from the surface, closed. Throws InputError that names the face
+  /// that could not be divided into triangles.
+  CurvedTriangles triangles(double deflection) const;
+
+  /// Boolean operations on two models, each moved to the same space first; the faces keep their names. Throws
+  /// InputError if the result is no single body of one or more solids.
+  enum class Operation { unite, intersect, subtract };
+  static CadModel combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
+                          const Similarity& place_b);
+  /// The inner side of a plane, sphere or cylinder, as far as a ball (mm) reaches.
+  static CadModel inner_side(const Surface& surface, const Vec3& centre, double radius);
+
+ private:
+  std::shared_ptr<const Shape> shape_;
+  std::vector<CadFace> faces_;
+};
+
+/// A solid of a file.
+struct CadSolid {
+  std::string name;  ///< unique in the file
+  CadModel model;
+  std::string repair;  ///< "" or what was repaired on request
+};
+
+struct CadReading {
+  bool repair = false;
+};
+
+/// All solids of a .step, .stp, .iges, .igs or .brep file in the places that the assembly gives them, in mm (.brep: in
+/// its own units). Throws InputError: not to be read, none, open shells, invalid ones.
+std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading);
+
+/// By the ending of its name: .step, .stp; .iges, .igs; .brep, .brp (which says nothing of units).
+enum class CadFormat { step, iges, brep, unknown };
+CadFormat cad_format(const std::string& file);
+
+}  // namespace cgcontact

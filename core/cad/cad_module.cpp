@@ -1,0 +1,19 @@
+/// The way into the module with OpenCASCADE.
+#include "core/cad/cad_kernel.hpp"
+
+extern "C" const cgcontact::CadKernel* cgcontact_cad_kernel() {
+  using namespace cgcontact;
+  static const CadKernel kernel{
+      [](const CadModel& model) { return model.volume(); },
+      [](const CadModel& model) { return model.area(); },
+      [](const CadModel& model) { return model.box(); },
+      [](const CadModel& model, int face, const Vec3& x) { return model.distance(face, x); },
+      [](const CadModel& model, double deflection) { return model.triangles(deflection); },
+      [](CadModel::Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
+         const Similarity& place_b) { return CadModel::combine(operation, a, place_a, b, place_b); },
+      [](const Surface& surface, const Vec3& centre, double radius) {
+        return CadModel::inner_side(surface, centre, radius);
+      },
+      [](const std::string& file, const CadReading& reading) { return read_cad(file, reading); }};
+  return &kernel;
+}

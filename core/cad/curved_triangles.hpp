@@ -1,0 +1,105 @@
+/// Triangles that stand for the faces of a CAD solid: each is the image of a triangle of the parameter plane, whose
+/// sides on the rim of a face are bent to the rim's curve. The images together are the exact surface. No OpenCASCADE
+/// here.
+/// Where a face ends in a point (pole of a sphere, tip of a cone) the parameter plane has a line for it: the triangle
+/// is the image of a strip between two lines, one for each of its other two corners.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "core/geometry/parametric_surface.hpp"
+#include "core/triangles/triangle_tree.hpp"
+
+namespace cgcontact {
+
+struct CurvedTriangle {
+  /// One side, from corner k to the next one.
+  struct Side {
+    int edge = -1;          ///< number of the CAD edge it lies on, < 0: inside of the face
+    double t0 = 0, t1 = 0;  ///< parameters of the edge at both ends
+    int curve = -1;         ///< the edge in the parameter plane (CurvedTriangles::curves), < 0: straight
+    int bend = -1;          ///< index into CurvedTriangles::bends, < 0: straight
+  };
+  int face = 0;
+  int pole = -1;      ///< corner that is a line of the parameter plane, < 0: none
+  int pole_axis = 0;  ///< 0: that line is along u, 1: along v
+  std::array<Vec2, 3> uv;
+  std::array<Side, 3> sides;
+};
+
+/// A face of the solid: its surface in the units of the file.
+struct CurvedFace {
+  std::shared_ptr<const ParametricSurface> surface;
+  double orientation = 1;  ///< of S_u x S_v: 1 outwards, -1 inwards
+};
+
+/// A place on the exact surface, in the coordinates of the triangles.
+struct CurvedPlace {
+  Vec3 x;
+  Vec3 along_a, along_b;  ///< derivatives for the weights a, b of corners 1, 2
+  Vec3 normal;            ///< outward unit normal
+};
+
+/// The image of a part of space under x -> scale * rotation * x + translation.
+struct Similarity {
+  Mat3 rotation = Mat3::Identity();
+  Vec3 translation = Vec3::Zero();
+  double scale = 1;
+
+  Vec3 operator()(const Vec3& x) const { return scale * (rotation * x) + translation; }
+  Vec3 direction(const Vec3& d) const { return scale * (rotation * d); }
+  /// This one after `before`.
+  Similarity after(const Similarity& before) const {
+    return {rotation * before.rotation, scale * (rotation * before.translation) + translation, scale * before.scale};
+  }
+};
+
+/// Read-only after refine(): threads share it.
+class CurvedTriangles {
+ public:
+  /// A bent side: distance from the straight one in the parameter plane = s (1 - s) times this polynomial of 2 s - 1,
+  /// s from 0 to 1 along the side.
+  static constexpr int bend_terms = 7;
+  using Bend = std::array<Vec2, bend_terms>;
+
+  std::vector<Vec3> points;  ///< in the placed coordinates
+  std::vector<Triangle> corners;
+  std::vector<CurvedTriangle> triangles;
+  std::vector<CurvedFace> faces;
+  std::vector<std::shared_ptr<const PlaneCurve>> curves;
+  std::vector<Bend> bends;
+  Similarity placement;  ///< from the units of the file
+
+  bool is_plane(int triangle) const { return faces[triangles[triangle].face].surface->is_plane(); }
+  /// Is a side of it bent in the parameter plane, or one of its corners a line? Then its map is no linear one.
+  bool is_bent(int triangle) const;
+  /// Parameters at the weights 1 - a - b, a, b of the corners.
+  Vec2 parameters(int triangle, double a, double b) const;
+  CurvedPlace place(int triangle, double a, double b) const;
+
+  /// Divides triangles until no side and no middle is farther than `sag` from the exact surface; computes the bends.
+  void refine(double sag);
+  /// The largest distance of the middles of the sides and of the triangles from the exact surface.
+  double largest_sag() const;
+  /// The image; `points` and `placement` move.
+  CurvedTriangles moved(const Similarity& motion) const;
+
+ private:
+  struct Map {
+    Vec2 uv, along_a, along_b;
+  };
+  Map map(int triangle, double a, double b) const;
+  Vec2 middle_of_side(const CurvedTriangle& triangle, int side) const;
+  double sag_of_side(std::size_t triangle, int side) const;
+  bool divide_long_sides(double sag);
+  void find_bends();
+};
+
+/// The place of a parametric surface that is nearest to x, from a start near it; false if it is not found.
+bool project(const ParametricSurface& surface, const Vec3& x, Vec2& uv, SurfaceJet& jet);
+/// Where the line x + t d meets the surface, from a start near it; false if it is not found.
+bool meet(const ParametricSurface& surface, const Vec3& x, const Vec3& d, Vec2& uv, double& t, SurfaceJet& jet);
+
+}  // namespace cgcontact

@@ -1,0 +1,335 @@
+// Bodies from CAD files: cells and boundary are those of the exact surfaces; files, names, units, places, booleans.
+#include <unistd.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "core/base/errors.hpp"
+#include "core/bodies/cad_body.hpp"
+#include "core/scene/read_scene.hpp"
+#include "tests/support/cad_parts.hpp"
+#include "tests/unit/core/cut_cells_checks.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr double mm = 1e-3;
+
+/// The parts as files, written once.
+class Cad : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::filesystem::temp_directory_path() / ("cgcontact_cad_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    parts_ = test::write_cad_parts(folder_.string());
+  }
+  static void TearDownTestSuite() { std::filesystem::remove_all(folder_); }
+
+  static std::string file(const std::string& name) { return (folder_ / name).string(); }
+  static CadModel model(const std::string& name) { return read_cad(file(name + ".step"), {}).at(0).model; }
+  /// Scaled to `cells` cells along its longest side.
+  static Solid body(const CadModel& model, double cells) {
+    const auto [low, high] = model.box();
+    const Solid in_metres(std::make_shared<CadBody>(model, mm, mm * (high - low).maxCoeff() / cells));
+    return in_metres.transformed(Mat3::Identity(), Vec3::Zero(), cells / (mm * (high - low).maxCoeff()));
+  }
+
+  static std::filesystem::path folder_;
+  static std::vector<test::CadPart> parts_;
+};
+std::filesystem::path Cad::folder_;
+std::vector<test::CadPart> Cad::parts_;
+
+double size_of(const CadModel& model, double cells) {
+  const auto [low, high] = model.box();
+  return (high - low).maxCoeff() / cells;  // mm per cell
+}
+
+/// Integral of x over the cells, from their moments.
+Vec3 first_moment(const CutCells& cells) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t a = 0; a < cells.cells.size(); ++a) {
+    const int cut = cells.cut_of_active[a];
+    const Moments& m = cut < 0 ? full_cell_moments() : cells.moments[cut];
+    constexpr int n = moment_degree + 1;
+    const Vec3 linear(m[n * n], m[n], m[1]);
+    for (int k = 0; k < 3; ++k) sum[k] += m[0] / 8 * (cells.cells[a][k] + 0.5) + linear[k] / 16;
+  }
+  return sum;
+}
+
+// Proves that volume and area are those of the exact surfaces (closed forms; OpenCASCADE's own integrals where there is
+// none) at 10 cells per side in three positions. 1e-8 was asked. The boundary closes to 1e-6: normals are those of the
+// surface, with points chosen to keep their integrals to 1e-6 per cell.
+TEST_F(Cad, VolumeAndAreaAreExact) {
+  for (const test::CadPart& part : parts_) {
+    SCOPED_TRACE(part.name);
+    const CadModel m = model(part.name);
+    const double volume = part.volume > 0 ? part.volume : m.volume(), area = part.area > 0 ? part.area : m.area();
+    EXPECT_NEAR(m.volume() / volume, 1, 1e-9);
+    const double h = size_of(m, 10);
+    const Solid solid = body(m, 10);
+    for (const auto& [turn, fraction] :
+         {std::pair(Mat3(Mat3::Identity()), Vec3(1, 1, 1)), std::pair(Mat3(Mat3::Identity()), Vec3(1.3, 1.7, 1.2)),
+          std::pair(rotation(Vec3(1, 2, 3), 0.3), Vec3(1.1, 1.9, 1.4))}) {
+      const CutCells cells = cut(solid, turn, fraction);
+      const Totals sum = totals(cells);
+      EXPECT_NEAR(sum.volume * h * h * h / volume, 1, 2e-9);
+      EXPECT_NEAR(sum.area * h * h / area, 1, 2e-9);
+      EXPECT_NEAR(sum.flux / sum.volume, 1, 1e-6);
+      EXPECT_LT(sum.closure.norm() / sum.area, 1e-6);
+      EXPECT_NEAR(area_by_cells(cells, {{Vec3(1, 2, 3).normalized(), 8}, {Vec3(1, 0, 0), 5}}, 2) / sum.area, 1, 1e-7);
+    }
+  }
+}
+
+// Proves that first moments are exact too: the centroid of a ball is its centre, that of a torus its middle. Slivers
+// that stick out of their cells are counted where they are.
+TEST_F(Cad, CentroidIsExact) {
+  for (const std::string name : {"sphere", "torus"}) {
+    const Solid solid = body(model(name), 10);
+    const Vec3 fraction(1.3, 1.7, 1.2);
+    Vec3 min, max;
+    solid.bounding_box(min, max);
+    const CutCells cells = cut(solid, Mat3::Identity(), fraction);
+    const Vec3 centroid = first_moment(cells) / totals(cells).volume;
+    EXPECT_LT((centroid - (fraction - min)).norm(), 1e-8) << name;
+  }
+}
+
+// Proves that points and normals of the boundary are those of the sphere, not of triangles a hundredth of a cell from
+// it: to rounding.
+TEST_F(Cad, PointsLieOnTheSurface) {
+  const CadModel m = model("sphere");
+  const Solid solid = body(m, 10);
+  const Vec3 shift(7, 8, 9);
+  const CutCells cells = make_cut_cells(solid.transformed(Mat3::Identity(), shift), [] {
+    Grid grid;
+    grid.num_cells = {16, 16, 16};
+    return grid;
+  }());
+  double off = 0, turned = 0;
+  for (std::size_t i = 0; i < cells.boundary.size(); ++i) {
+    const Vec3 r = cells.boundary.position[i] - shift;
+    off = std::max(off, std::abs(r.norm() - 5));
+    turned = std::max(turned, (cells.boundary.normal[i] - r.normalized()).norm());
+  }
+  EXPECT_LT(off, 1e-12);
+  EXPECT_LT(turned, 1e-12);
+}
+
+// Proves that lines, distances, sides and nearest points are those of the exact surface: a sphere of radius 5.
+TEST_F(Cad, SearchesMeetTheExactSurface) {
+  const Solid solid = body(model("sphere"), 10);
+  for (int k = 0; k < 200; ++k) {
+    const Vec3 d = Vec3(std::sin(1.1 * k), std::cos(2.3 * k), std::sin(0.7 * k + 1)).normalized();
+    std::vector<Crossing> found;
+    solid.crossings(0.1 * d.unitOrthogonal(), d, 20, found);
+    ASSERT_EQ(found.size() % 2, 0u);
+    ASSERT_GE(found.size(), 2u);
+    for (const Crossing& c : found) {
+      const Vec3 x = 0.1 * d.unitOrthogonal() + c.t * d;
+      EXPECT_NEAR(x.norm(), 5, 1e-12);
+      EXPECT_LT((c.normal - x / 5).norm(), 1e-12);
+    }
+    EXPECT_TRUE(solid.contains(4.9999 * d));
+    EXPECT_FALSE(solid.contains(5.0001 * d));
+    EXPECT_NEAR(solid.distance_to_surfaces(5.004 * d), 0.004, 1e-12);
+    EXPECT_NEAR(solid.surfaces()[0].near(5.3 * d).point.norm(), 5, 1e-12);
+    EXPECT_LT((solid.surfaces()[0].gradient(5.3 * d) - d).norm(), 1e-12);
+  }
+}
+
+// Proves that threads may share a body: four of them find the same crossings and distances as one does.
+TEST_F(Cad, ThreadsShareABody) {
+  const Solid solid = body(model("lofted"), 10);
+  Vec3 min, max;
+  solid.bounding_box(min, max);
+  const auto look = [&] {
+    std::vector<double> found;
+    std::vector<Crossing> crossings;
+    for (int k = 0; k < 500; ++k) {
+      const Vec3 d = Vec3(std::sin(1.1 * k), std::cos(2.3 * k), std::sin(0.7 * k + 1)).normalized();
+      crossings.clear();
+      solid.crossings((min + max) / 2, d, 20, crossings);
+      for (const Crossing& c : crossings) found.push_back(c.t);
+      found.push_back(solid.distance_to_surfaces((min + max) / 2 + 3 * d));
+    }
+    return found;
+  };
+  const std::vector<double> alone = look();
+  std::vector<std::vector<double>> together(4);
+  std::vector<std::thread> threads;
+  for (auto& result : together) threads.emplace_back([&] { result = look(); });
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& result : together) EXPECT_EQ(result, alone);
+}
+
+// Proves that smaller cells than those that the solid was read for get triangles of their own: they are a hundredth of
+// the cells from the surface, whatever cells the solid was read for, and the volume is exact.
+TEST_F(Cad, TrianglesFollowTheCells) {
+  const CadModel m = model("cross_drilled");
+  const Solid coarse = body(m, 5), fine = coarse.transformed(Mat3::Identity(), Vec3::Zero(), 8);
+  EXPECT_LE(as_cad(coarse)->surface().sag, 0.01);
+  EXPECT_LE(as_cad(fine)->surface().sag, 0.01);
+  EXPECT_GT(fine.geometry().num_facets(), 2 * coarse.geometry().num_facets());
+  const double h = size_of(m, 40);
+  const Totals sum = totals(cut(fine, Mat3::Identity(), Vec3(1.3, 1.7, 1.2)));
+  EXPECT_NEAR(sum.volume * h * h * h / m.volume(), 1, 1e-9);
+  EXPECT_NEAR(sum.area * h * h / m.area(), 1, 1e-9);
+}
+
+// Proves that booleans with primitives are exact: half a sphere, and a bore through it whose rim is no conic.
+// Reference: (pi R^3 / 3) 2, less the napkin ring 4/3 pi (R^2 - a^2)^(3/2) kept.
+TEST_F(Cad, BooleansWithPrimitives) {
+  const Solid ball(std::make_shared<CadBody>(model("sphere"), mm, mm));
+  const auto exact = [](const Solid& solid) {
+    const Totals sum =
+        totals(cut(solid.transformed(Mat3::Identity(), Vec3::Zero(), 1 / mm), Mat3::Identity(), Vec3(1, 1.2, 1.3)));
+    return sum.volume;
+  };
+  const auto half =
+      combine_cad(BooleanOp::Kind::intersect, ball, Solid::half_space(Vec3::Zero(), Vec3(1, 0, 0), "cut"), mm);
+  ASSERT_TRUE(half);
+  EXPECT_NEAR(exact(*half) / (250 * pi / 3), 1, 1e-9);
+  const auto names = half->surfaces();
+  EXPECT_TRUE(std::any_of(names.begin(), names.end(), [](const Surface& s) {
+    return s.kind == Surface::Kind::plane && s.names == std::vector<std::string>{"cut.plane"};
+  }));
+  const Solid drill = Solid::cylinder(Vec3(0, 0, -1), Vec3(0, 0, 1), 3 * mm, "drill");
+  const auto ring = combine_cad(BooleanOp::Kind::subtract, ball, drill, mm);
+  ASSERT_TRUE(ring);
+  EXPECT_NEAR(exact(*ring) / (4 * pi / 3 * 64), 1, 1e-8);  // OpenCASCADE's edge is 1e-7 mm from both surfaces
+  const Solid box = Solid::box(Vec3::Constant(-2 * mm), Vec3::Constant(20 * mm), "box");
+  const auto sum = combine_cad(BooleanOp::Kind::unite, ball, box, mm);
+  ASSERT_TRUE(sum);
+  EXPECT_GT(exact(*sum), 22.0 * 22 * 22);
+  EXPECT_THROW(
+      combine_cad(BooleanOp::Kind::intersect, ball, Solid::half_space(Vec3(1, 0, 0), Vec3(-1, 0, 0), "far"), mm),
+      InputError);
+}
+
+// Proves that an assembly in inches comes with its places, names, repeated parts and colours.
+TEST_F(Cad, AssemblyInInches) {
+  const std::vector<CadSolid> solids = read_cad(file("assembly.step"), {});
+  ASSERT_EQ(solids.size(), 3u);
+  const double inch = 25.4;
+  EXPECT_EQ(solids[0].name, "bolt_1");
+  EXPECT_EQ(solids[1].name, "bolt_2");
+  EXPECT_EQ(solids[2].name, "base plate");
+  for (int k = 0; k < 2; ++k) EXPECT_NEAR(solids[k].model.volume() / std::pow(inch, 3), 80 * pi, 1e-6);
+  const auto [low, high] = solids[0].model.box();
+  EXPECT_LT((low / inch - Vec3(6, -2, 0)).norm(), 1e-6);
+  EXPECT_LT((high / inch - Vec3(10, 2, 20)).norm(), 1e-6);
+  const CadFace& end = solids[1].model.faces()[1];  // the bolt turned by 30 degrees about x
+  EXPECT_LT((end.axis - Vec3(0, -0.5, std::sqrt(0.75))).norm(), 1e-9);
+  const std::vector<CadFace>& faces = solids[2].model.faces();
+  const auto seat = std::find_if(faces.begin(), faces.end(), [](const CadFace& f) { return f.name == "seat"; });
+  ASSERT_NE(seat, faces.end());
+  EXPECT_EQ(seat->kind, "plane");
+  EXPECT_LT((seat->axis - Vec3(0, 0, 1)).norm(), 1e-12);
+  ASSERT_TRUE(seat->colour);
+  EXPECT_EQ(*seat->colour, (std::array<int, 3>{255, 0, 0}));
+}
+
+// Proves that IGES and BREP files give the same box.
+TEST_F(Cad, OtherFormats) {
+  for (const std::string name : {"box.igs", "box.brep"}) {
+    const std::vector<CadSolid> solids = read_cad(file(name), {});
+    ASSERT_EQ(solids.size(), 1u) << name;
+    EXPECT_NEAR(solids[0].model.volume(), 1000, 1e-6) << name;
+    EXPECT_EQ(solids[0].model.faces().size(), 6u) << name;
+  }
+}
+
+std::string message_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void expect_words(const std::string& message, const std::vector<std::string>& words) {
+  for (const std::string& word : words) EXPECT_NE(message.find(word), std::string::npos) << message;
+}
+
+// Proves that what cannot be read is refused with what is wrong: face and gap where a surface is open.
+TEST_F(Cad, BadFiles) {
+  const auto refused = [&](const std::string& name, bool repair, const std::vector<std::string>& words) {
+    expect_words(message_of([&] { read_cad(file(name), {repair}); }), words);
+  };
+  refused("missing.step", false, {"missing.step: cannot be opened"});
+  refused("text.step", false, {"is not a STEP file"});
+  refused("empty.step", false, {"is not a STEP file"});
+  refused("part.stl", false, {"is not the name of a CAD file", ".iges"});
+  refused("open_box.step", false, {"open surface", "4 of its edges", "face 1 (plane)", "10 mm from", "repair = true"});
+  refused("open_box.step", true, {"stays open"});
+  refused("loose_box.step", false, {"open surface", "face", "0.001 mm from"});
+}
+
+// Proves that a repair closes a gap of a thousandth of a millimetre and says what it did.
+TEST_F(Cad, Repair) {
+  const std::vector<CadSolid> solids = read_cad(file("loose_box.step"), {true});
+  ASSERT_EQ(solids.size(), 1u);
+  expect_words(solids[0].repair, {"gaps of up to", "area", "before", "after"});
+  EXPECT_NEAR(solids[0].model.volume(), 1000, 0.11);  // the gap's volume is 0.1 mm^3
+}
+
+/// The scene of one body with this shape, held somewhere.
+Scene scene_of(const std::string& folder, const std::string& cad, const std::string& face = "cad") {
+  return parse_scene(
+      "[[body]]\nname = \"part\"\nmaterial = {E = 1e9, nu = 0.3}\ncell_size = 2e-3\n[body.shape]\ncad = {" + cad +
+          "}\n[[support]]\nface = \"part." + face + "\"\nsymmetry = true\n",
+      folder + "/scene.toml", {});
+}
+
+// Proves that faces are found by number, name, colour, kind and size, normal and place, and that what selects nothing
+// is refused with what there is.
+TEST_F(Cad, FacesOfAScene) {
+  const auto area = [&](const std::string& cad, const std::string& face) {
+    const Scene scene = scene_of(folder_.string(), cad, face);
+    const FaceSpec& spec = scene.supports[0].face.face;
+    double sum = 0;
+    const std::vector<CadFace>& faces = as_cad(scene.bodies[0].solid)->model().faces();
+    for (const CadFace& f : faces)
+      if (spec.selects(f.names)) sum += f.area;
+    return sum;
+  };
+  const std::string plate = "file = \"assembly.step\", solid = \"base plate\"";
+  const double in2 = 25.4 * 25.4;
+  EXPECT_NEAR(area(plate, "seat") / in2, 900, 1e-6);
+  EXPECT_NEAR(area(plate, "face1") / in2, 150, 1e-6);
+  EXPECT_NEAR(area(plate + ", faces = [{name = \"red\", color = \"#ff0000\"}]", "red") / in2, 900, 1e-6);
+  EXPECT_NEAR(area(plate + ", faces = [{name = \"up\", called = \"seat\"}]", "up") / in2, 900, 1e-6);
+  EXPECT_NEAR(area(plate + ", faces = [{name = \"two\", number = [1, 2]}]", "two") / in2, 300, 1e-6);
+  EXPECT_NEAR(area(plate + ", faces = [{name = \"low\", normal = {axis = [0, 0, -1], angle = 5}}]", "low") / in2, 900,
+              1e-6);
+  EXPECT_NEAR(area(plate + ", faces = [{name = \"near\", nearest = [0.5, 0, -0.05]}]", "near") / in2, 150, 1e-6);
+  EXPECT_NEAR(
+      area("file = \"cross_drilled.step\", faces = [{name = \"hole\", kind = \"cylinder\", radius = 2e-3}]", "hole"),
+      area("file = \"cross_drilled.step\", faces = [{name = \"hole\", radius = \"4e-3/2\"}]", "hole"), 1e-12);
+  const auto refused = [&](const std::string& cad, const std::vector<std::string>& words) {
+    expect_words(message_of([&] { scene_of(folder_.string(), cad); }), words);
+  };
+  refused("file = \"assembly.step\"",
+          {"scene.toml:6", "cad.file", "3 solids", "\"bolt_1\", \"bolt_2\", \"base plate\""});
+  refused("file = \"assembly.step\", solid = \"bolt1\"",
+          {"cad.solid = \"bolt1\"", "no such solid", "did you mean \"bolt_1\"?"});
+  refused("file = \"assembly.step\", solid = 4", {"cad.solid = 4", "1 to 3"});
+  refused(plate + ", unit = \"mm\"", {"unit", "the file says its unit"});
+  refused("file = \"box.brep\"", {"unit", "does not say its unit"});
+  refused(plate + ", faces = [{name = \"a\", called = \"seet\"}]", {"called = \"seet\"", "allowed: seat"});
+  refused(plate + ", faces = [{name = \"a\", color = \"red\"}]", {"is no colour", "#rrggbb"});
+  refused(plate + ", faces = [{name = \"a\", color = \"#00ff00\"}]", {"#ff0000"});
+  refused(plate + ", faces = [{name = \"a\", kind = \"cilinder\"}]", {"kind", "did you mean \"cylinder\"?"});
+  refused(plate + ", faces = [{name = \"a\", kind = \"cylinder\"}]", {"no face of the solid is so", "allowed: plane"});
+  refused(plate + ", faces = [{name = \"a\", radius = 1}]", {"the file has none"});
+  refused(plate + ", faces = [{name = \"a\"}]", {"selects nothing", "nearest"});
+  refused(plate + ", faces = [{name = \"face2\", number = 1}]", {"is a name that the file gives a face"});
+  refused(plate + ", faces = [{name = \"a\", number = 9}]", {"1 to 6"});
+}
+
+}  // namespace
+}  // namespace cgcontact
