@@ -36,6 +36,13 @@ std::string number(double unknowns) { return grouped(static_cast<long long>(std:
 
 }  // namespace
 
+void check_first_grids(const Scene& scene, const std::vector<BodyModel>& bodies) {
+  const double unknowns = count_unknowns(bodies), allowed = scene.accuracy.max_unknowns;
+  if (scene.accuracy.any() && unknowns > allowed)
+    throw InputError(fmt::format("{}: accuracy.max_unknowns = {:g}: the first grid has {} already", scene.file, allowed,
+                                 number(unknowns)));
+}
+
 std::string describe(int number, const SolveFigures& solve) {
   return fmt::format(
       "solve {}: {} unknowns, {:.1f} s, {} outer iterations, cells from {:.3g} m, error of pressure {} (change {}), "
@@ -62,7 +69,8 @@ double AdaptiveRun::allowed_unknowns() {
   limit_ = "max_unknowns";
   if (figures_.solves.empty()) return options.max_unknowns;
   const SolveFigures& last = figures_.solves.back();
-  const double in_time = (options.max_time - seconds()) / (dearer * last.seconds) * static_cast<double>(last.unknowns);
+  const double in_time =
+      (options.max_time - seconds()) / (dearer * (last.seconds - search_)) * static_cast<double>(last.unknowns);
   if (in_time < options.max_unknowns) limit_ = "max_time";
   return std::min(in_time, options.max_unknowns);
 }
@@ -74,9 +82,7 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   refused_.clear();
   if (figures_.solves.empty()) {
     place_within(1e300, 1, callbacks);
-    if (count_unknowns(next_->state.bodies) > allowed)
-      throw InputError(fmt::format("{}: accuracy.max_unknowns = {:g}: the first grid has {} already", given_.file,
-                                   allowed, number(count_unknowns(next_->state.bodies))));
+    check_first_grids(given_, next_->state.bodies);
     return true;
   }
   if (!resolved_) {  // where zones are is not known for certain: the grid that finds them is not to be a large one
@@ -127,7 +133,9 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   }
   SolvedState& state = next_->state;
   Results& results = next_->results;
+  search_ = seconds();
   zones_ = zone_states(state, results);
+  search_ = seconds() - search_;
   SolveFigures solve;
   solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
   const ErrorFigures errors = error_figures(*next_scene_, zones_, results);

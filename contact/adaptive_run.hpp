@@ -16,6 +16,9 @@ struct AdaptiveCallbacks : ProgressCallbacks {
   std::function<void(int number, const SolveFigures&)> solved = [](int, const SolveFigures&) {};
 };
 
+/// Throws InputError if the first grids have more unknowns than accuracy.max_unknowns.
+void check_first_grids(const Scene& scene, const std::vector<BodyModel>& bodies);
+
 /// One line: unknowns, time, estimated errors.
 std::string describe(int number, const SolveFigures& solve);
 
@@ -38,7 +41,6 @@ class AdaptiveRun {
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
   double allowed_unknowns();
   double seconds() const;
-  std::string cost_of_more() const;
 
   const Scene& given_;
   GridSizes sizes_;
@@ -49,6 +51,7 @@ class AdaptiveRun {
   std::vector<ZoneState> zones_;  // of the last solve
   bool resolved_ = false;         // are they all?
   std::string refused_;           // why a next grid could not be made
+  double search_ = 0;             // s, for zones after the last solve: takes no longer with more unknowns
   const char* limit_ = "";        // that binds the next grid
   double needed_ = 0;             // unknowns of the grid that the targets ask for
 };
