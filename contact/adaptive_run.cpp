@@ -57,6 +57,7 @@ AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes
   figures_.pressure = scene.accuracy.pressure;
   figures_.force = scene.accuracy.force;
   figures_.stress = scene.accuracy.stress;
+  figures_.stress_of_body = scene.accuracy.stress_of_body;
 }
 
 double AdaptiveRun::seconds() const {
@@ -139,7 +140,8 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   SolveFigures solve;
   solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
   const ErrorFigures errors = error_figures(*next_scene_, zones_, results);
-  resolved_ = errors.pressure.has_value();
+  resolved_ = errors.pressure.has_value() || zones_.empty();
+  energies_.push_back(cell_energies(results));
   solve.unknowns = results.unknowns;
   solve.outer_iterations = results.outer_iterations;
   solve.converged = results.converged;
@@ -152,6 +154,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   solve.pressure = errors.pressure;
   solve.force = errors.force;
   solve.stress = errors.stress;
+  solve.stress_of_body = errors.stress_of_body;
   simulation_ = std::move(next_);
   scene_ = std::move(next_scene_);
   solve.seconds = seconds() - before;
@@ -193,6 +196,8 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   double earlier = 0;
   for (std::size_t k = 0; k + 1 < figures_.solves.size(); ++k) earlier += figures_.solves[k].seconds;
   if (earlier > 0) results.times_s.insert(results.times_s.begin(), {"earlier solves", earlier});
+  if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
+  for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
   results.accuracy = figures_;
   results.accuracy.asked = true;
 }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "contact/adaptive/next_grid.hpp"
+#include "contact/adaptive/singular_places.hpp"
 #include "contact/adaptive/two_grid_estimate.hpp"
 #include "contact/simulation.hpp"
 
@@ -48,12 +49,13 @@ class AdaptiveRun {
   std::unique_ptr<Simulation> simulation_, next_;
   AccuracyFigures figures_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::vector<ZoneState> zones_;  // of the last solve
-  bool resolved_ = false;         // are they all?
-  std::string refused_;           // why a next grid could not be made
-  double search_ = 0;             // s, for zones after the last solve: takes no longer with more unknowns
-  const char* limit_ = "";        // that binds the next grid
-  double needed_ = 0;             // unknowns of the grid that the targets ask for
+  std::vector<ZoneState> zones_;                     // of the last solve
+  std::vector<std::vector<CellEnergies>> energies_;  // of all solves
+  bool resolved_ = false;                            // are they all?
+  std::string refused_;                              // why a next grid could not be made
+  double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns
+  const char* limit_ = "";  // that binds the next grid
+  double needed_ = 0;       // unknowns of the grid that the targets ask for
 };
 
 }  // namespace cgcontact
