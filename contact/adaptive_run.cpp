@@ -100,7 +100,8 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
 /// Places the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`.
 /// False: the cells would be hardly smaller than those before.
 bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
-  while (factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
+  // What no limit makes coarser is worth a solve even if little is missing.
+  while (factor == 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
     next_scene_ = scene_on_grids(given_, sizes_, factor);
     next_ = std::make_unique<Simulation>(*next_scene_);
     try {
