@@ -213,7 +213,7 @@ class Parts(Init):
                 self.assertAlmostEqual(float(re.search(r"# (\S+) m\^2", line).group(1)) / area, 1, delta=1e-3)
             finer = re.search(r"run \S+ --set (accuracy.force=\S+)", text).group(1)
             self.assertEqual(cgcontact("check", file, "--set", finer).code, 0)
-            cells = f"cells_{name}.toml"
+            cells = f"one_size_{name}.toml"
             self.written(cells, "--stl", f"{name}.stl", "--unit", "mm", "--cells", "20")
             finer = re.search(r"run \S+ --set (h=\S+)", pathlib.Path(cells).read_text()).group(1)
             self.assertEqual(cgcontact("check", cells, "--set", finer).code, 0)
