@@ -37,6 +37,13 @@ std::string number(double unknowns) { return grouped(static_cast<long long>(std:
 
 }  // namespace
 
+void check_first_grids(const Scene& scene, const std::vector<BodyModel>& bodies) {
+  const double unknowns = count_unknowns(bodies), allowed = scene.accuracy.max_unknowns;
+  if (scene.accuracy.any() && unknowns > allowed)
+    throw InputError(fmt::format("{}: accuracy.max_unknowns = {:g}: the first grid has {} already", scene.file, allowed,
+                                 number(unknowns)));
+}
+
 std::string describe(int number, const SolveFigures& solve) {
   return fmt::format(
       "solve {}: {} unknowns, {:.1f} s, {} outer iterations, cells from {:.3g} m, error of pressure {} (change {}), "
@@ -51,6 +58,7 @@ AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes
   figures_.pressure = scene.accuracy.pressure;
   figures_.force = scene.accuracy.force;
   figures_.stress = scene.accuracy.stress;
+  figures_.stress_of_body = scene.accuracy.stress_of_body;
 }
 
 double AdaptiveRun::seconds() const {
@@ -63,7 +71,8 @@ double AdaptiveRun::allowed_unknowns() {
   limit_ = "max_unknowns";
   if (figures_.solves.empty()) return options.max_unknowns;
   const SolveFigures& last = figures_.solves.back();
-  const double in_time = (options.max_time - seconds()) / (dearer * last.seconds) * static_cast<double>(last.unknowns);
+  const double in_time =
+      (options.max_time - seconds()) / (dearer * (last.seconds - search_)) * static_cast<double>(last.unknowns);
   if (in_time < options.max_unknowns) limit_ = "max_time";
   return std::min(in_time, options.max_unknowns);
 }
@@ -75,9 +84,7 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   refused_.clear();
   if (figures_.solves.empty()) {
     place_within(1e300, 1, callbacks);
-    if (count_unknowns(next_->state.bodies) > allowed)
-      throw InputError(fmt::format("{}: accuracy.max_unknowns = {:g}: the first grid has {} already", given_.file,
-                                   allowed, number(count_unknowns(next_->state.bodies))));
+    check_first_grids(given_, next_->state.bodies);
     return true;
   }
   if (!resolved_) {  // where zones are is not known for certain: the grid that finds them is not to be a large one
@@ -94,7 +101,8 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
 /// Places the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`.
 /// False: the cells would be hardly smaller than those before.
 bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
-  while (factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
+  // What no limit makes coarser is worth a solve even if little is missing.
+  while (factor == 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
     next_scene_ = scene_on_grids(given_, sizes_, factor);
     next_ = std::make_unique<Simulation>(*next_scene_);
     try {
@@ -128,11 +136,14 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   }
   SolvedState& state = next_->state;
   Results& results = next_->results;
+  search_ = seconds();
   zones_ = zone_states(state, results);
+  search_ = seconds() - search_;
   SolveFigures solve;
   solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
   const ErrorFigures errors = error_figures(*next_scene_, zones_, results);
-  resolved_ = errors.pressure.has_value();
+  resolved_ = errors.pressure.has_value() || zones_.empty();
+  energies_.push_back(cell_energies(results));
   solve.unknowns = results.unknowns;
   solve.outer_iterations = results.outer_iterations;
   solve.converged = results.converged;
@@ -145,6 +156,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   solve.pressure = errors.pressure;
   solve.force = errors.force;
   solve.stress = errors.stress;
+  solve.stress_of_body = errors.stress_of_body;
   simulation_ = std::move(next_);
   scene_ = std::move(next_scene_);
   solve.seconds = seconds() - before;
@@ -186,6 +198,8 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   double earlier = 0;
   for (std::size_t k = 0; k + 1 < figures_.solves.size(); ++k) earlier += figures_.solves[k].seconds;
   if (earlier > 0) results.times_s.insert(results.times_s.begin(), {"earlier solves", earlier});
+  if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
+  for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
   results.accuracy = figures_;
   results.accuracy.asked = true;
 }

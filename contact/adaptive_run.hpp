@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "contact/adaptive/next_grid.hpp"
+#include "contact/adaptive/singular_places.hpp"
 #include "contact/adaptive/two_grid_estimate.hpp"
 #include "contact/simulation.hpp"
 
@@ -15,6 +16,9 @@ struct AdaptiveCallbacks : ProgressCallbacks {
   /// After each solve; its number begins with 1.
   std::function<void(int number, const SolveFigures&)> solved = [](int, const SolveFigures&) {};
 };
+
+/// Throws InputError if the first grids have more unknowns than accuracy.max_unknowns.
+void check_first_grids(const Scene& scene, const std::vector<BodyModel>& bodies);
 
 /// One line: unknowns, time, estimated errors.
 std::string describe(int number, const SolveFigures& solve);
@@ -38,7 +42,6 @@ class AdaptiveRun {
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
   double allowed_unknowns();
   double seconds() const;
-  std::string cost_of_more() const;
 
   const Scene& given_;
   GridSizes sizes_;
@@ -46,11 +49,13 @@ class AdaptiveRun {
   std::unique_ptr<Simulation> simulation_, next_;
   AccuracyFigures figures_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  std::vector<ZoneState> zones_;  // of the last solve
-  bool resolved_ = false;         // are they all?
-  std::string refused_;           // why a next grid could not be made
-  const char* limit_ = "";        // that binds the next grid
-  double needed_ = 0;             // unknowns of the grid that the targets ask for
+  std::vector<ZoneState> zones_;                     // of the last solve
+  std::vector<std::vector<CellEnergies>> energies_;  // of all solves
+  bool resolved_ = false;                            // are they all?
+  std::string refused_;                              // why a next grid could not be made
+  double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns
+  const char* limit_ = "";  // that binds the next grid
+  double needed_ = 0;       // unknowns of the grid that the targets ask for
 };
 
 }  // namespace cgcontact

@@ -91,6 +91,7 @@ int check(const Scene& given, const CommandLine& options) {
   if (scene.accuracy.any()) fmt::print("[accuracy]: these are the first grids, which a run refines\n");
   fmt::print("{}", describe(scene, preparation));
   if (options.settings) fmt::print("{}", describe_settings(scene));
+  check_first_grids(scene, preparation.bodies);
   check_memory(scene, preparation);
   return 0;
 }
@@ -142,7 +143,9 @@ Scene read_scene_as_region(const CommandLine& options) {
 /// What `check` would say of a scene; "": it passes.
 std::string fault_of(const std::string& text, const std::string& file) try {
   const Scene scene = on_first_grids(parse_scene(text, file));
-  check_memory(scene, prepare(scene));
+  const Preparation preparation = prepare(scene);
+  check_first_grids(scene, preparation.bodies);
+  check_memory(scene, preparation);
   return "";
 } catch (const InputError& error) {
   return error.what();

@@ -20,44 +20,86 @@ double asked_ratio(const SizeField& zones, const Vec3& x, double h) {
   return ratio;
 }
 
+/// Squares of the body's error, now and when its cells are as small as `zones` ask.
+struct ErrorSums {
+  double now = 0, expected = 0;
+};
+
+void add(const BodyFields& body, const SizeField& zones, ErrorSums& sums) {
+  for (int c = 0; c < static_cast<int>(body.error_of_cell.size()); ++c) {
+    const double e = body.error_of_cell[c];
+    sums.now += e * e;
+    const Vec3 x = global_position(*body.cut_cells, c, Vec3::Zero());
+    sums.expected += std::pow(e * asked_ratio(zones, x, body.cut_cells->h(c)), 2);
+  }
+}
+
+int dimensions_of(const BodyFields& body) { return body.cut_cells->grid.is_quadtree() ? 2 : 3; }
+
+/// Power of the size that a cell's error goes with.
+double order_of(const BodyFields& body) { return 1 + dimensions_of(body) / 2.0; }
+
+/// Sum of e^(6/5) over the body's cells, in plane strain of e.
+double power_sum(const BodyFields& body) {
+  double sum = 0;
+  for (const double e : body.error_of_cell) sum += std::pow(e, dimensions_of(body) / order_of(body));
+  return sum;
+}
+
+/// wanted: error, sqrt(J), of the cells that make up `sum`.
+std::vector<SizedBall> sizes_for(const BodyFields& body, double wanted, double sum, double first_size) {
+  std::vector<SizedBall> balls;
+  const CutCells& cells = *body.cut_cells;
+  for (int c = 0; c < static_cast<int>(cells.cells.size()); ++c) {
+    const double e = body.error_of_cell[c];
+    if (!(e > 0)) continue;
+    const double ratio = wanted * std::pow(e, -1 / order_of(body)) / std::sqrt(sum), h = cells.h(c);
+    const double size = rounding * h * std::clamp(ratio, smallest_ratio, largest_ratio);
+    if (size < first_size) balls.push_back({global_position(cells, c, Vec3::Zero()), half_diagonal * h, size});
+  }
+  return balls;
+}
+
+double energy_norm(const BodyFields& body) {
+  double sum = 0;
+  for (const double energy : body.energy_of_cell) sum += energy;
+  return std::sqrt(sum);
+}
+
 }  // namespace
 
+double energy_error_of_body(const BodyFields& body) {
+  double sum = 0;
+  for (const double e : body.error_of_cell) sum += e * e;
+  const double norm = energy_norm(body);
+  return norm > 0 ? std::sqrt(sum) / norm : 0;
+}
+
 double expected_energy_error(const Results& results, const std::vector<std::unique_ptr<SizeField>>& zones) {
-  double now = 0, expected = 0;
-  for (std::size_t b = 0; b < results.bodies.size(); ++b) {
-    const BodyFields& body = results.bodies[b];
-    for (int c = 0; c < static_cast<int>(body.error_of_cell.size()); ++c) {
-      const double e = body.error_of_cell[c];
-      now += e * e;
-      expected += std::pow(
-          e * asked_ratio(*zones[b], global_position(*body.cut_cells, c, Vec3::Zero()), body.cut_cells->h(c)), 2);
-    }
-  }
-  return now > 0 ? results.estimated_error_relative * std::sqrt(expected / now) : 0;
+  ErrorSums sums;
+  for (std::size_t b = 0; b < results.bodies.size(); ++b) add(results.bodies[b], *zones[b], sums);
+  return sums.now > 0 ? results.estimated_error_relative * std::sqrt(sums.expected / sums.now) : 0;
+}
+
+double expected_energy_error(const BodyFields& body, const SizeField& zones) {
+  ErrorSums sums;
+  add(body, zones, sums);
+  return sums.now > 0 ? energy_error_of_body(body) * std::sqrt(sums.expected / sums.now) : 0;
 }
 
 std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double target,
                                                  const std::vector<double>& first_sizes) {
   double sum = 0;
-  const int dimensions = results.bodies.front().cut_cells->grid.is_quadtree() ? 2 : 3;
-  const double order = 1 + dimensions / 2.0;  // of error_of_cell in the size
-  for (const BodyFields& body : results.bodies)
-    for (const double e : body.error_of_cell) sum += std::pow(e, dimensions / order);
+  for (const BodyFields& body : results.bodies) sum += power_sum(body);
   std::vector<std::vector<SizedBall>> balls(results.bodies.size());
   if (!(results.estimated_error_relative > 0)) return balls;
   const double wanted = target * results.estimated_error / results.estimated_error_relative;
-  for (std::size_t b = 0; b < balls.size(); ++b) {
-    const BodyFields& body = results.bodies[b];
-    const CutCells& cells = *body.cut_cells;
-    for (int c = 0; c < static_cast<int>(cells.cells.size()); ++c) {
-      const double e = body.error_of_cell[c];
-      if (!(e > 0)) continue;
-      const double ratio = wanted * std::pow(e, -1 / order) / std::sqrt(sum), h = cells.h(c);
-      const double size = rounding * h * std::clamp(ratio, smallest_ratio, largest_ratio);
-      if (size < first_sizes[b]) balls[b].push_back({global_position(cells, c, Vec3::Zero()), half_diagonal * h, size});
-    }
-  }
+  for (std::size_t b = 0; b < balls.size(); ++b) balls[b] = sizes_for(results.bodies[b], wanted, sum, first_sizes[b]);
   return balls;
+}
+
+std::vector<SizedBall> energy_sizes(const BodyFields& body, double target, double first_size) {
+  return sizes_for(body, target * energy_norm(body), power_sum(body), first_size);
 }
 
 }  // namespace cgcontact

@@ -9,9 +9,14 @@
 
 namespace cgcontact {
 
+/// Of one body: its estimated error relative to its own energy norm.
+double energy_error_of_body(const BodyFields& body);
+
 /// The relative error of the energy norm that is expected once the cells are as small as `zones` (of each body) ask:
 /// the error of a place falls like the size of its cells.
 double expected_energy_error(const Results& results, const std::vector<std::unique_ptr<SizeField>>& zones);
+/// The same of one body.
+double expected_energy_error(const BodyFields& body, const SizeField& zones);
 
 /// For each body the sizes of the grid of fewest cells that has a relative error of `target` in the energy norm, all
 /// bodies together (Fuenmayor and Oliver, IJNME 39 (1996) 4039, with p = 1 in three dimensions): error_of_cell falls
@@ -19,5 +24,7 @@ double expected_energy_error(const Results& results, const std::vector<std::uniq
 /// h_new/h = E e^(-1/2) (sum of e)^(-1/2). Only where that is less than the first cells of the body (m).
 std::vector<std::vector<SizedBall>> energy_sizes(const Results& results, double target,
                                                  const std::vector<double>& first_sizes);
+/// The same of one body, whose own error is to be `target` of its own energy norm. first_size: m.
+std::vector<SizedBall> energy_sizes(const BodyFields& body, double target, double first_size);
 
 }  // namespace cgcontact

@@ -31,6 +31,24 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
   return allowed;
 }
 
+const BodyFields& body_named(const Results& results, const std::string& name) {
+  return *std::find_if(results.bodies.begin(), results.bodies.end(),
+                       [&](const BodyFields& body) { return body.name == name; });
+}
+
+/// Adds what targets of single bodies ask of them. fields: what the zones ask.
+void add_body_targets(const AccuracyOptions& options, const Results& results,
+                      const std::vector<std::unique_ptr<SizeField>>& fields, GridSizes& next) {
+  for (const BodyTarget& target : options.stress_of_body) {
+    const BodyFields& body = body_named(results, target.body);
+    const std::size_t b = &body - results.bodies.data();
+    if (target.error >= expected_energy_error(body, *fields[b])) continue;
+    const double wanted = options.energy_aim * target.error;
+    next.energy[b] = energy_sizes(body, wanted, next.first[b]);
+    next.change = std::min(next.change, wanted / energy_error_of_body(body));
+  }
+}
+
 }  // namespace
 
 GridSizes first_sizes(const Scene& scene) {
@@ -79,7 +97,12 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
     errors.pressure = pressure;
     errors.force = force;
   }
-  errors.met = known && (!options.pressure || pressure <= *options.pressure) &&
+  bool bodies_met = true;
+  for (const BodyTarget& target : options.stress_of_body) {
+    errors.stress_of_body.push_back(energy_error_of_body(body_named(results, target.body)));
+    bodies_met &= errors.stress_of_body.back() <= target.error;
+  }
+  errors.met = known && bodies_met && (!options.pressure || pressure <= *options.pressure) &&
                (!options.force || force <= *options.force) && (!options.stress || errors.stress <= *options.stress);
   return errors;
 }
@@ -117,6 +140,7 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
   } else {
     next.energy = present.energy;
   }
+  add_body_targets(options, results, fields, next);
   return next;
 }
 

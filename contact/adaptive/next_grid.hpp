@@ -25,7 +25,8 @@ std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes
 struct ErrorFigures {
   std::optional<double> pressure, force;  ///< the largest of the pairs that matter
   double stress = 0;
-  bool met = false;  ///< all that the scene asks for
+  std::vector<double> stress_of_body;  ///< of those that the scene asks for
+  bool met = false;                    ///< all that the scene asks for
 };
 ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results);
 

@@ -93,6 +93,8 @@ void fill_body_fields(const SolvedState& state, Results& results) {
     };
     fields.error_of_cell = std::move(sums.error_of_cell);
     for (double& e : fields.error_of_cell) e = std::sqrt(e * energy);
+    fields.energy_of_cell = std::move(sums.solution_of_cell);
+    for (double& e : fields.energy_of_cell) e *= energy;
     if (!state.patch_states.empty()) fill_patch_states(state.system.meshes[b], state.patch_states[b], fields);
     results.bodies.push_back(std::move(fields));
   }

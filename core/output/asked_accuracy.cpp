@@ -12,6 +12,12 @@ std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy) {
   if (accuracy.pressure) errors.push_back({"pressure", *accuracy.pressure, last.pressure});
   if (accuracy.force) errors.push_back({"force", *accuracy.force, last.force});
   if (accuracy.stress) errors.push_back({"stress", *accuracy.stress, last.stress});
+  for (std::size_t k = 0; k < accuracy.stress_of_body.size(); ++k) {
+    const BodyTarget& target = accuracy.stress_of_body[k];
+    std::optional<double> estimate;
+    if (k < last.stress_of_body.size()) estimate = last.stress_of_body[k];
+    errors.push_back({"stress in " + target.body, target.error, estimate});
+  }
   return errors;
 }
 

@@ -11,7 +11,7 @@ namespace cgcontact {
 
 /// One target; relative errors.
 struct AskedError {
-  const char* name;  ///< "pressure", "force", "stress"
+  std::string name;  ///< "pressure", "force", "stress", "stress in NAME"
   double target;
   std::optional<double> estimate;  ///< of the last solve; none: the contact zone is not resolved
 };

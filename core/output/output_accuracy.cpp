@@ -19,7 +19,8 @@ constexpr double room_across = 1.3, room_above = 1.5;
 /// One kind of error over the solves; none: not known, or zero by equilibrium, which has no place on a logarithmic
 /// axis.
 struct Curve {
-  const char *name, *colour;
+  std::string name;
+  const char* colour;
   std::optional<double> target;
   std::vector<std::optional<double>> errors;
 };
@@ -36,8 +37,18 @@ std::vector<Curve> curves_of(const AccuracyFigures& accuracy) {
     force.errors.push_back(solve.force);
     stress.errors.emplace_back(solve.stress);
   }
+  std::vector<Curve> all{pressure, force, stress};
+  constexpr const char* colours[] = {"#8a4fb0", "#b08a20", "#208a8a", "#b0406a"};
+  for (std::size_t k = 0; k < accuracy.stress_of_body.size(); ++k) {
+    const BodyTarget& target = accuracy.stress_of_body[k];
+    Curve& curve =
+        all.emplace_back(Curve{"stress in " + target.body, colours[k % std::size(colours)], target.error, {}});
+    for (const SolveFigures& solve : accuracy.solves)
+      curve.errors.emplace_back(k < solve.stress_of_body.size() ? std::optional(solve.stress_of_body[k])
+                                                                : std::nullopt);
+  }
   std::vector<Curve> curves;
-  for (Curve& curve : std::vector<Curve>{pressure, force, stress}) {
+  for (Curve& curve : all) {
     for (std::optional<double>& error : curve.errors)
       if (error && !(*error > 0 && std::isfinite(*error))) error.reset();
     if (curve.target || has_errors(curve)) curves.push_back(std::move(curve));

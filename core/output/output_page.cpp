@@ -320,14 +320,25 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
   double most = 0;
   for (const SolveFigures& solve : accuracy.solves) most = std::max(most, solve.seconds);
   const auto error = [](const std::optional<double>& e) { return cell(e ? percent(*e) : "not resolved"); };
+  std::vector<std::string> heads{"Solve",      "Unknowns",         "Smallest cell",
+                                 "Levels",     "Outer iterations", "Est. error of the pressure",
+                                 "its change", "of the force",     "of the stress"};
+  for (const BodyTarget& target : accuracy.stress_of_body) heads.push_back("of that in " + html_text(target.body));
+  heads.insert(heads.end(), {"Time", ""});
+  const auto of_bodies = [&](const SolveFigures& solve) {
+    std::string cells;
+    for (const double e : solve.stress_of_body) cells += cell(percent(e));
+    return cells;
+  };
   for (std::size_t k = 0; k < accuracy.solves.size(); ++k) {
     const SolveFigures& solve = accuracy.solves[k];
-    rows.push_back(
-        name_cell(fmt::format("{}{}", k + 1, solve.converged ? "" : " (did not converge)")) +
-        cell(count(solve.unknowns)) + cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) +
-        cell(count(solve.levels)) + cell(count(solve.outer_iterations)) + error(solve.pressure) +
-        cell(solve.change ? percent(*solve.change) : "-") + error(solve.force) + cell(percent(solve.stress)) +
-        "<td class=\"run\">" + seconds(solve.seconds) + "</td>" + bar(most > 0 ? solve.seconds / most : 0, "bar run"));
+    rows.push_back(name_cell(fmt::format("{}{}", k + 1, solve.converged ? "" : " (did not converge)")) +
+                   cell(count(solve.unknowns)) +
+                   cell(figure(solve.smallest_cell, length_unit(solve.smallest_cell), 3)) + cell(count(solve.levels)) +
+                   cell(count(solve.outer_iterations)) + error(solve.pressure) +
+                   cell(solve.change ? percent(*solve.change) : "-") + error(solve.force) +
+                   cell(percent(solve.stress)) + of_bodies(solve) + "<td class=\"run\">" + seconds(solve.seconds) +
+                   "</td>" + bar(most > 0 ? solve.seconds / most : 0, "bar run"));
   }
   std::string targets;
   for (const AskedError& asked : asked_errors(accuracy))
@@ -335,9 +346,7 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
   return paragraph("Asked for: " + targets +
                    ". Each solve has smaller cells where the estimates of the one before asked for them; the figures, "
                    "pictures and files are those of the last one.") +
-         table({"Solve", "Unknowns", "Smallest cell", "Levels", "Outer iterations", "Est. error of the pressure",
-                "its change", "of the force", "of the stress", "Time", ""},
-               rows) +
+         table(heads, rows) +
          picture(parts.directory, "accuracy.svg", "Estimated errors and time over the unknowns of the solves",
                  "The errors are estimates; a target is the dashed line in the colour of its error. The change of the "
                  "pressure since the solve before tells how far to trust them.");

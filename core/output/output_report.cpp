@@ -67,7 +67,14 @@ Json json_of(const StepFigures& step) {
 }
 
 Json json_of(const AccuracyFigures& accuracy) {
-  Json solves = Json::array();
+  Json solves = Json::array(), targets = object();
+  for (const BodyTarget& target : accuracy.stress_of_body) targets[target.body] = target.error;
+  const auto by_body = [&](const SolveFigures& solve) {
+    Json errors = object();
+    for (std::size_t k = 0; k < solve.stress_of_body.size(); ++k)
+      errors[accuracy.stress_of_body[k].body] = solve.stress_of_body[k];
+    return errors;
+  };
   for (const SolveFigures& solve : accuracy.solves)
     solves.push_back({{"unknowns", solve.unknowns},
                       {"seconds", solve.seconds},
@@ -78,11 +85,13 @@ Json json_of(const AccuracyFigures& accuracy) {
                       {"pressure", json_of(solve.pressure)},
                       {"force", json_of(solve.force)},
                       {"stress", solve.stress},
+                      {"stress_of_body", by_body(solve)},
                       {"change", json_of(solve.change)}});
   return {{"targets",
            {{"pressure", json_of(accuracy.pressure)},
             {"force", json_of(accuracy.force)},
-            {"stress", json_of(accuracy.stress)}}},
+            {"stress", json_of(accuracy.stress)},
+            {"stress_of_body", targets}}},
           {"reached", accuracy.reached},
           {"text", accuracy.text},
           {"solves", solves}};
@@ -142,6 +151,14 @@ void add_solution(const Results& results, Json& json) {
                                {"contact", json_of(body.contact)}});
 }
 
+Json json_of(const SingularPlace& place) {
+  return {{"body", place.body},
+          {"faces", place.faces},
+          {"at", json_of(place.x)},
+          {"exponent", place.exponent},
+          {"cell", place.cell}};
+}
+
 /// The largest values and their places, by body; null where nothing was drawn.
 Json json_of_bodies(const Results& results) {
   Json bodies = Json::array();
@@ -180,7 +197,11 @@ void write_report(const Results& results, const std::vector<std::string>& files,
   json["scene"] = results.scene_file;
   json["title"] = results.title;
   json["verdict"] = json_of(results.verdict);
-  if (results.accuracy.asked) json["accuracy"] = json_of(results.accuracy);
+  if (results.accuracy.asked) {
+    json["accuracy"] = json_of(results.accuracy);
+    json["singular_places"] = Json::array();
+    for (const SingularPlace& place : results.singular_places) json["singular_places"].push_back(json_of(place));
+  }
   json["version"] = CGCONTACT_VERSION;
   json["command"] = results.command;
   json["backend"] = results.backend;

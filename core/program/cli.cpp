@@ -205,7 +205,7 @@ void Parser::describe_init() {
   add(init, "--unit", "UNIT", "Unit of the surface: " + join(unit_names()),
       [&options](const std::string& text) { options.unit = parse_unit(text); });
   init.add_flag("--repair", options.repair, "Repair a surface that is open, crosses itself, ...; what changed is told");
-  add(init, "--cells", "N", "Cells along the longest side of the surface [default: 20]",
+  add(init, "--cells", "N", "Cells of one size, N along the longest side, and no [accuracy]",
       [&options](const std::string& text) { options.cells = parse_init_cells(text); });
 }
 

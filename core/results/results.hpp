@@ -20,7 +20,8 @@ struct BodyFields {
   std::function<Vec3(int cell, const Vec3& xi)> displacement;      ///< m
   std::function<Sym3(int cell, const Vec3& xi)> stress_raw;        ///< Pa, sigma_h
   std::function<Sym3(int cell, const Vec3& xi)> stress_recovered;  ///< Pa, sigma*
-  std::vector<double> error_of_cell;  ///< estimated error, energy norm per active cell, sqrt(J)
+  std::vector<double> error_of_cell;   ///< estimated error, energy norm per active cell, sqrt(J)
+  std::vector<double> energy_of_cell;  ///< of the solution: square of its energy norm per active cell, J
   /// Per active cell: the largest numbers of the patches of its eight nodes (Results::patch_kinds, patch_statuses).
   /// Empty without constrained recovery.
   std::vector<unsigned char> patch_kind, patch_status;
@@ -156,6 +157,7 @@ struct SolveFigures {
   /// zones are not resolved; of the stress in the energy norm.
   std::optional<double> pressure, force;
   double stress = 0;
+  std::vector<double> stress_of_body;  ///< of the bodies of AccuracyFigures::stress_of_body
   /// Relative L2 norm of the change of the pressure since the solve before, the largest of all pairs; none: the zones
   /// of that were not resolved.
   std::optional<double> change;
@@ -166,7 +168,17 @@ struct AccuracyFigures {
   bool asked = false, reached = false;
   std::string text;                               ///< what stopped it, if it is not reached
   std::optional<double> pressure, force, stress;  ///< targets
+  std::vector<BodyTarget> stress_of_body;         ///< the same
   std::vector<SolveFigures> solves;
+};
+
+/// Where the stress has no finite value: from solve to solve it grows like a negative power of the cell size.
+struct SingularPlace {
+  std::string body;
+  std::vector<std::string> faces;  ///< of the body, with those of supports and loads, that come near
+  Vec3 x = Vec3::Zero();           ///< m
+  double exponent = 0;             ///< stress ~ h^-exponent
+  double cell = 0;                 ///< m, on the last grid
 };
 
 /// Relative L2 error of the pressure in a zone.
@@ -214,6 +226,7 @@ struct Results {
   std::vector<StressErrorSample> stress_errors;
   std::vector<ZoneError> pressure_errors;
   AccuracyFigures accuracy;
+  std::vector<SingularPlace> singular_places;  ///< with [accuracy], from two solves on
 };
 
 }  // namespace cgcontact

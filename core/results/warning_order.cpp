@@ -18,6 +18,7 @@ const Phrase phrases[] = {
     {"small strain", 1},
     {"adds up to", 1},
     {"elements lock", 1},
+    {"has no finite value", 1},
     {"bending and the stress", 1},
     {"not resolved", 0},
     {"were singular", 1},

@@ -126,28 +126,32 @@ void find_ends(const TriangleSurface& surface, PartOutline& outline) {
 
 }  // namespace
 
-double PartOutline::push_for(double half_width, double most) const {
-  const auto is_wide = [&](double push) {
-    const double level = max[2] - push;
-    double cut = 0,
-           rim = 0;  // of the plane through the part: by the divergence theorem, what lies above it projects on it
-    for (const auto& corners : below_top) {
-      std::vector<Vec3> above, ends;
-      for (int k = 0; k < 3; ++k) {
-        const Vec3 &a = corners[k], &b = corners[(k + 1) % 3];
-        const double da = a[2] - level, db = b[2] - level;
-        if (da >= 0) above.push_back(a);
-        if ((da >= 0) != (db >= 0)) ends.push_back(a + da / (da - db) * (b - a)), above.push_back(ends.back());
-      }
-      for (std::size_t k = 2; k < above.size(); ++k) cut += (above[k - 1] - above[0]).cross(above[k] - above[0])[2] / 2;
-      if (ends.size() == 2) rim += (ends[1] - ends[0]).norm();
+PartCut PartOutline::cut_at(double push) const {
+  const double level = max[2] - push;
+  PartCut cut;  // by the divergence theorem, what lies above it projects on it
+  for (const auto& corners : below_top) {
+    std::vector<Vec3> above, ends;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 &a = corners[k], &b = corners[(k + 1) % 3];
+      const double da = a[2] - level, db = b[2] - level;
+      if (da >= 0) above.push_back(a);
+      if ((da >= 0) != (db >= 0)) ends.push_back(a + da / (da - db) * (b - a)), above.push_back(ends.back());
     }
-    return cut >= half_width * rim;
-  };
-  double narrow = 0, wide = most;
-  if (!is_wide(most)) return most;
-  for (int pass = 0; pass < 30; ++pass) (is_wide((narrow + wide) / 2) ? wide : narrow) = (narrow + wide) / 2;
-  return wide;
+    for (std::size_t k = 2; k < above.size(); ++k)
+      cut.area += (above[k - 1] - above[0]).cross(above[k] - above[0])[2] / 2;
+    if (ends.size() == 2) cut.rim += (ends[1] - ends[0]).norm();
+  }
+  return cut;
+}
+
+double PartOutline::push_until(const std::function<bool(double, const PartCut&)>& is_enough, double most) const {
+  double near = 0, far = most;
+  if (!is_enough(most, cut_at(most))) return most;
+  for (int pass = 0; pass < 30; ++pass) {
+    const double middle = (near + far) / 2;
+    (is_enough(middle, cut_at(middle)) ? far : near) = middle;
+  }
+  return far;
 }
 
 PartOutline outline_part(const std::string& file, double scale, bool repair) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,13 @@ struct PartEnd {
   bool faces_outwards = false;
 };
 
+/// A plane figure.
+struct PartCut {
+  double area = 0, rim = 0;  ///< m^2; m, the length of its boundary
+  /// m; of a strip half its width, of a disc a quarter of its diameter.
+  double half_width() const { return rim > 0 ? area / rim : 0; }
+};
+
 struct PartOutline {
   std::string note;                             ///< file, triangles, size, repairs; one line
   std::string doubt;                            ///< "" or why the unit may be wrong
@@ -36,9 +44,10 @@ struct PartOutline {
   std::vector<SmoothPart> parts;  ///< largest first, places and normals as in the file
   Mat3 turn = Mat3::Identity();   ///< min, max, top and bottom are those of the part turned so about the origin
   double area = 0;                ///< m^2
-  /// How far a horizontal plane is to come down on the part for the cut to be twice this wide (area over length of its
-  /// rim), m; at most `most`.
-  double push_for(double half_width, double most) const;
+  /// Of the horizontal plane that has come down by `push` (m) on the part.
+  PartCut cut_at(double push) const;
+  /// How far it is to come down until the cut is far enough, m; at most `most`.
+  double push_until(const std::function<bool(double push, const PartCut&)>& is_enough, double most) const;
   /// Triangles that come near the top, turned, m below it: corners by their depth.
   std::vector<std::array<Vec3, 3>> below_top;
 };

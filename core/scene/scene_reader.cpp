@@ -531,6 +531,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   if (const auto title = root.find("title")) scene_.title = printable(title->string());
   if (const auto node = root.find("accuracy")) scene_.accuracy = read_accuracy(*node);
   read_bodies(root);
+  if (!scene_.accuracy.stress_of_body.empty()) root.find("accuracy")->find("stress")->expect_keys(body_names());
   read_plane_strain(root);
   read_supports(root);
   add_ends_in_plane_strain();

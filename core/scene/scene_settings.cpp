@@ -87,18 +87,30 @@ double read_target(const TomlCursor& node) {
   return value;
 }
 
+/// body = target
+std::vector<BodyTarget> read_body_targets(const TomlCursor& node) {
+  std::vector<BodyTarget> targets;
+  for (const auto& [body, target] : node.entries()) targets.push_back({body, read_target(target)});
+  if (targets.empty()) node.fail("names no body", "\"1 %\", or {body = \"1 %\", ...}");
+  return targets;
+}
+
 }  // namespace
 
 AccuracyOptions read_accuracy(const TomlCursor& node) {
   AccuracyOptions options;
   const std::pair<const char*, std::optional<double> AccuracyOptions::*> targets[] = {
-      {"pressure", &AccuracyOptions::pressure},
-      {"force", &AccuracyOptions::force},
-      {"stress", &AccuracyOptions::stress}};
-  std::vector<std::string> also;
+      {"pressure", &AccuracyOptions::pressure}, {"force", &AccuracyOptions::force}};
+  std::vector<std::string> also{"stress"};
   for (const auto& [key, member] : targets) {
     also.emplace_back(key);
     if (const auto target = node.find(key)) options.*member = read_target(*target);
+  }
+  if (const auto target = node.find("stress")) {
+    if (target->is_table())
+      options.stress_of_body = read_body_targets(*target);
+    else
+      options.stress = read_target(*target);
   }
   read_settings(node, options.settings(), "", also);
   if (!options.any()) node.fail("asks for nothing", "at least one of pressure, force, stress = \"1 %\"");

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 
 #include "core/base/errors.hpp"
 #include "core/base/suggest.hpp"
@@ -112,22 +113,20 @@ const char* const part_scene = R"toml(# {note}
 #
 #   cgcontact check {file}       what the scene contains
 #   cgcontact run {file}         solve; results in out/{stem}
-#   cgcontact run {file} --set h={finer}
+#   cgcontact run {file} --set {finer}
 #
 # but it knows nothing of your problem: go through the lines marked TODO. Lengths in m, pressures in Pa. Every key is in
 # docs/scene.md of cgcontact.
 
 title = {title}
 
-[parameters]
-h = {h:.6g}           # cell size of the part, m: {cells} cells along its longest side. Smaller is more accurate and costs more
-push = {push:.6g}     # TODO how far the plate moves down, m
+{accuracy}[parameters]
+{h}push = {push:.6g}     # TODO how far the plate moves down, m
 
 [[body]]
 name = "part"
 material = {{E = 210e9, nu = 0.3}}   # TODO Young's modulus (Pa) and Poisson's ratio; this is steel
-cell_size = "h"
-faces = [                          # TODO parts of the surface that supports, loads and contact refer to, here by place and direction
+{part_cells}faces = [                          # TODO parts of the surface that supports, loads and contact refer to, here by place and direction
   {{name = "bottom", {bottom}}},
   {{name = "top", {top}}},
 ]
@@ -148,8 +147,7 @@ unit = "{unit}"
 name = "plate"
 shape = {{name = "block", box = {{min = [{p0:.9g}, {p1:.9g}, {z:.9g}], max = [{q0:.9g}, {q1:.9g}, {q2:.9g}]}}}}   # TODO what touches the part
 material = {{E = 210e9, nu = 0.3}}   # TODO
-cell_size = "{plate_ratio:.3g}*h"
-grid = {{offset = [0.3, 0.6, 0.2]}}   # cells need not fit the body: the grid begins a part of a cell before it
+{plate_cells}grid = {{offset = [0.3, 0.6, 0.2]}}   # cells need not fit the body: the grid begins a part of a cell before it
 
 [[support]]                        # TODO what holds the part
 face = "part.bottom"
@@ -180,42 +178,82 @@ double two_digits(double value) {
   return std::round(value / unit) * unit;
 }
 
-/// Cells of part and plate, and where the plate is: enough cells through thin parts, not too many in all.
+/// Where the plate is and how far it moves; cells of part and plate, zero: [accuracy] chooses them.
 struct Layout {
-  double cell_size, plate_cell, push;
+  double cell_size = 0, plate_cell = 0, push = 0;
   Vec3 plate_min, plate_max;
-  bool is_narrow;  ///< the plate would have to come down too far for a contact zone of some cells
+  bool is_narrow = false;  ///< the plate would have to come down too far for a contact zone of some cells
+  bool is_long = false;    ///< the contact zone is much longer than wide
 };
 
-Layout lay_out(const PartOutline& part, double cells) {
+/// Flat ends are compressed by that part of the part's height; the plate comes down on others by no more than that.
+constexpr double flat_strain = 1e-3, most_strain = 0.01;
+
+/// Enough cells through thin parts, not too many in all.
+double cell_size_for(const PartOutline& part, double cells) {
   const Vec3 extent = part.max - part.min;
   const double longest = extent.maxCoeff(), shortest = extent.minCoeff();
-  constexpr double cells_through = 4, most_cells = 30000, most_plate_cells_across = 60;
-  Layout layout{};
+  constexpr double cells_through = 4, most_cells = 30000;
   double h = std::min(longest / cells, shortest / cells_through);
   const double affordable = std::cbrt(part.volume / (most_cells * std::pow(cells / 20.0, 3)));
   h = std::min(std::max(h, affordable), shortest / 1.2);
   // Sheets: rather less than a cell through the thickness than too many cells.
-  h = two_digits(std::max(h, std::sqrt(part.area / 2 / (4 * most_cells))));
-  layout.cell_size = h;
+  return two_digits(std::max(h, std::sqrt(part.area / 2 / (2 * most_cells))));
+}
 
+/// The plate over the top of the part; `least`: half of its width, thickness (m).
+void place_plate(const PartOutline& part, double least_half, double least_thickness, Layout& layout) {
   const PartEnd& top = part.top;
+  const Vec3 extent = part.max - part.min, center = (top.min + top.max) / 2;
   const double narrowest = std::min(extent[0], extent[1]);
   Vec3 half = (top.max - top.min) / 2;
-  for (int k = 0; k < 2; ++k) half[k] = std::max({1.1 * half[k], 0.2 * narrowest, 3 * h});
-  layout.plate_cell = std::max(0.8 * h, 2 * std::max(half[0], half[1]) / most_plate_cells_across);
-  const double thickness =
-      std::max(cells_through * layout.plate_cell, std::min(0.6 * std::min(half[0], half[1]), extent[2]));
-  const Vec3 center = (top.min + top.max) / 2;
+  for (int k = 0; k < 2; ++k) half[k] = std::max({1.1 * half[k], 0.2 * narrowest, least_half});
+  const double thickness = std::max(least_thickness, std::min(0.6 * std::min(half[0], half[1]), extent[2]));
   layout.plate_min = {center[0] - half[0], center[1] - half[1], part.max[2]};
   layout.plate_max = {center[0] + half[0], center[1] + half[1], part.max[2] + thickness};
+}
 
-  // Flat: a thousandth. Others: so far that the planes would cut out some six cells across; a contact zone is 0.7 of
-  // that.
-  const double most = std::max(0.01 * extent[2], 0.6 * h);
-  const double push = top.flat ? 1e-3 * extent[2] : part.push_for(1.42 * h, most);
+Layout lay_out_cells(const PartOutline& part, double cells) {
+  constexpr double plate_cells_through = 4, most_plate_cells_across = 60;
+  Layout layout;
+  const double h = layout.cell_size = cell_size_for(part, cells);
+  place_plate(part, 3 * h, 0, layout);
+  const Vec3 size = layout.plate_max - layout.plate_min;
+  layout.plate_cell = std::max(0.8 * h, std::max(size[0], size[1]) / most_plate_cells_across);
+  place_plate(part, 3 * h, plate_cells_through * layout.plate_cell, layout);
+
+  // Others than flat ones: so far that the planes would cut out some six cells across; a contact zone is 0.7 of that.
+  const double height = part.max[2] - part.min[2], most = std::max(most_strain * height, 0.6 * h);
+  const auto is_wide = [&](double, const PartCut& cut) { return cut.half_width() >= 1.42 * h; };
+  const double push = part.top.flat ? flat_strain * height : part.push_until(is_wide, most);
   layout.push = two_digits(push);
-  layout.is_narrow = !top.flat && push == most;
+  layout.is_narrow = !part.top.flat && push == most;
+  return layout;
+}
+
+/// With [accuracy]: nothing depends on cells. The push is the largest of which the contact zone is rather smaller than
+/// the part and its strain moderate. is_narrow: a tip or edge, which has no such push.
+Layout lay_out(const PartOutline& part) {
+  // Half widths of the cut over the part's shortest side; ways down over half widths: of a ball 0.15 is a contact
+  // radius of a tenth of its own and a pressure of E/30. Facets are steep at once, so that 0.15 does not count below
+  // `least`.
+  constexpr double least = 0.04, most = 0.1, steep = 0.15, too_steep = 0.3;
+  constexpr double smallest_part = 1e-4;       // of the most that the plate may come down
+  constexpr double long_compactness = 0.0125;  // area over the rim squared: some 17 times as long as wide
+  Layout layout;
+  place_plate(part, 0, 0, layout);
+  const Vec3 extent = part.max - part.min;
+  const double side = extent.minCoeff(), most_push = most_strain * extent[2];
+  const auto is_enough = [&](double push, const PartCut& cut) {
+    const double half_width = cut.half_width();
+    return half_width >= most * side || push >= too_steep * half_width ||
+           (half_width >= least * side && push >= steep * half_width);
+  };
+  const double push = part.top.flat ? flat_strain * extent[2] : part.push_until(is_enough, most_push);
+  const PartCut cut = part.cut_at(push);
+  layout.is_narrow = push < smallest_part * most_push;
+  layout.is_long = !part.top.flat && cut.area < long_compactness * cut.rim * cut.rim;
+  layout.push = two_digits(push);
   return layout;
 }
 
@@ -279,11 +317,49 @@ std::string rotation_line(const Mat3& turn) {
 }
 
 const char* const runs = "It runs as it is:";
+/// Along the longest side, where [accuracy] cannot be asked for.
+constexpr double default_cells = 20;
 
-/// A scene around a part with this many cells along its longest side, and what to tell of it. `state`: does it run?
-std::string scene_of_part(const InitOptions& options, const PartOutline& part, double cells, const std::string& file,
-                          const std::string& state, std::string& told) {
-  const Layout layout = lay_out(part, cells);
+/// What a scene says of its accuracy: the text of the lines, and the setting that makes it finer.
+struct AccuracyLines {
+  std::string accuracy, h, part_cells, plate_cells, finer;
+};
+
+AccuracyLines lines_for_cells(const Layout& layout, const PartOutline& part) {
+  AccuracyLines lines;
+  const double longest = (part.max - part.min).maxCoeff();
+  lines.h = fmt::format(
+      "h = {:.6g}           # cell size of the part, m: {} cells along its longest side. Smaller is more accurate and "
+      "costs more\n",
+      layout.cell_size, std::lround(longest / layout.cell_size));
+  lines.part_cells = "cell_size = \"h\"\n";
+  lines.plate_cells = fmt::format("cell_size = \"{:.3g}*h\"\n", layout.plate_cell / layout.cell_size);
+  lines.finer = fmt::format("h={:.3g}", layout.cell_size / 1.5);
+  return lines;
+}
+
+/// A first run ends in about a minute at most.
+AccuracyLines lines_for_accuracy(const PartOutline& part) {
+  const char* const target = part.top.flat ? "force" : "pressure";
+  AccuracyLines lines;
+  lines.accuracy = "[accuracy]            # cells follow from it: no body has a cell_size\n";
+  lines.accuracy += part.top.flat ? "force = \"5 %\"         # estimated error of the contact force that is asked for; "
+                                    "the pressure of a flat face is infinite at its rim\n"
+                                  : "pressure = \"5 %\"      # estimated error of the contact pressure that is asked "
+                                    "for; less costs more\n";
+  lines.accuracy +=
+      "max_unknowns = 4e5    # limits of a first look; without them the run goes on until the accuracy is reached\n"
+      "max_time = 60         # s\n\n";
+  lines.finer = fmt::format("accuracy.{}=2%", target);
+  return lines;
+}
+
+/// A scene around a part with this many cells along its longest side (none: with [accuracy]), and what to tell of it.
+/// `state`: does it run?
+std::string scene_of_part(const InitOptions& options, const PartOutline& part, std::optional<double> cells,
+                          const std::string& file, const std::string& state, std::string& told) {
+  const Layout layout = cells ? lay_out_cells(part, *cells) : lay_out(part);
+  const AccuracyLines lines = cells ? lines_for_cells(layout, part) : lines_for_accuracy(part);
   const Vec3 extent = part.max - part.min;
   const fs::path folder = fs::absolute(file).parent_path();
   const std::string surface = fs::path(options.surface).is_absolute()
@@ -300,24 +376,25 @@ std::string scene_of_part(const InitOptions& options, const PartOutline& part, d
   if (extent.minCoeff() < layout.cell_size)
     told +=
         fmt::format("warning: the part is {:.3g} m thin, less than a cell: its bending is rough\n", extent.minCoeff());
-  told += fmt::format("cells of {:.3g} m; the part has {} smooth face{}\n", layout.cell_size, part.parts.size(),
-                      part.parts.size() == 1 ? "" : "s");
+  told += fmt::format("{}; the part has {} smooth face{}\n",
+                      cells ? fmt::format("cells of {:.3g} m", layout.cell_size)
+                            : fmt::format("{} to 5 %", part.top.flat ? "force" : "pressure"),
+                      part.parts.size(), part.parts.size() == 1 ? "" : "s");
   return fmt::format(
       part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", comment_word(file)),
       fmt::arg("turn", rotation_line(part.turn)), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
-      fmt::arg("stem", comment_word(fs::path(file).stem().string())),
-      fmt::arg("finer", fmt::format("{:.3g}", layout.cell_size / 1.5)),
+      fmt::arg("stem", comment_word(fs::path(file).stem().string())), fmt::arg("finer", lines.finer),
       fmt::arg("title", toml_string(fs::path(options.surface).stem().string() + " under a plate")),
-      fmt::arg("h", layout.cell_size), fmt::arg("cells", std::lround(extent.maxCoeff() / layout.cell_size)),
-      fmt::arg("push", layout.push), fmt::arg("bottom", end_selector(part, part.bottom, -1)),
-      fmt::arg("top", end_selector(part, part.top, 1)), fmt::arg("surface", toml_string(surface)),
-      fmt::arg("unit", options.unit), fmt::arg("faces", face_lines(part)), fmt::arg("p0", layout.plate_min[0]),
-      fmt::arg("p1", layout.plate_min[1]), fmt::arg("z", layout.plate_min[2]), fmt::arg("q0", layout.plate_max[0]),
-      fmt::arg("q1", layout.plate_max[1]), fmt::arg("q2", layout.plate_max[2]),
-      fmt::arg("plate_ratio", layout.plate_cell / layout.cell_size));
+      fmt::arg("accuracy", lines.accuracy), fmt::arg("h", lines.h), fmt::arg("part_cells", lines.part_cells),
+      fmt::arg("plate_cells", lines.plate_cells), fmt::arg("push", layout.push),
+      fmt::arg("bottom", end_selector(part, part.bottom, -1)), fmt::arg("top", end_selector(part, part.top, 1)),
+      fmt::arg("surface", toml_string(surface)), fmt::arg("unit", options.unit), fmt::arg("faces", face_lines(part)),
+      fmt::arg("p0", layout.plate_min[0]), fmt::arg("p1", layout.plate_min[1]), fmt::arg("z", layout.plate_min[2]),
+      fmt::arg("q0", layout.plate_max[0]), fmt::arg("q1", layout.plate_max[1]), fmt::arg("q2", layout.plate_max[2]));
 }
 
-/// Tries cells of several sizes until the scene passes `find_fault`.
+/// With [accuracy], or, if that does not pass `find_fault` or cells are asked for, with cells of the first of several
+/// sizes that passes.
 std::string passing_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
                           std::string& told) {
   for (const std::string& name : {options.surface, file})
@@ -327,15 +404,30 @@ std::string passing_scene(const InitOptions& options, const std::string& file, c
                       "(allowed: another name)",
                       name));
   const PartOutline part = outline_part(options.surface, mesh_units().at(options.unit), options.repair);
-  std::string first_fault;
+  const auto fault_of = [&](const std::string& text) { return find_fault ? find_fault(text, file) : ""; };
+  std::string first_fault, refused;
+  if (!options.cells) {
+    const Layout layout = lay_out(part);
+    if (layout.is_long)
+      refused = "cells of one size: the contact zone is long, small cells all along it cost too much\n";
+    if (!layout.is_long && !layout.is_narrow) {
+      const std::string text = scene_of_part(options, part, std::nullopt, file, runs, told);
+      first_fault = fault_of(text);
+      if (first_fault.empty()) return text;
+      refused = fmt::format("cells of one size: the scene with [accuracy] does not pass check: {}\n", first_fault);
+    }
+  }
+  const double cells = options.cells.value_or(default_cells);
   for (const double factor : {1.0, 0.7, 1.4, 0.5, 2.0}) {
-    const std::string text = scene_of_part(options, part, options.cells * factor, file, runs, told);
-    const std::string fault = find_fault ? find_fault(text, file) : "";
-    if (fault.empty()) return text;
+    const std::string text = scene_of_part(options, part, cells * factor, file, runs, told);
+    const std::string fault = fault_of(text);
+    if (fault.empty()) {
+      told += refused;
+      return text;
+    }
     if (first_fault.empty()) first_fault = fault;
   }
-  const std::string text =
-      scene_of_part(options, part, options.cells, file, "It does not run yet (see `check`):", told);
+  const std::string text = scene_of_part(options, part, cells, file, "It does not run yet (see `check`):", told);
   told += fmt::format("warning: the scene does not pass check yet: {}\n", first_fault);
   return text;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@ struct InitOptions {
   std::string cad;      ///< .step, .iges or .brep file whose solids become bodies, instead of a surface
   std::string unit;     ///< of the surface or the .brep file, as in a scene
   bool repair = false;  ///< the surface, as the key of that name does
-  int cells = 20;       ///< along the longest side of the part
+  /// Cells of one size, so many along the longest side of the part; none: the scene asks for an accuracy.
+  std::optional<int> cells;
 };
 
 constexpr int fewest_init_cells = 4, most_init_cells = 200;
@@ -23,7 +25,7 @@ constexpr int fewest_init_cells = 4, most_init_cells = 200;
 using FindFault = std::function<std::string(const std::string& text, const std::string& file)>;
 
 /// Writes the scene, which must not exist yet, and returns what to tell the user: also that it does not pass
-/// `find_fault` with cells of any of several sizes. Throws InputError.
+/// `find_fault`, neither with [accuracy] nor with cells of any of several sizes. Throws InputError.
 std::string init_scene(const InitOptions& options, const FindFault& find_fault = {});
 
 /// An integer from fewest_init_cells to most_init_cells; throws InputError.

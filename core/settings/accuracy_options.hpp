@@ -2,16 +2,25 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "core/settings/settings.hpp"
 
 namespace cgcontact {
 
+/// Of the stress of one body.
+struct BodyTarget {
+  std::string body;
+  double error = 0;  ///< relative to the energy norm of its own stress
+};
+
 struct AccuracyOptions {
   // Wanted relative errors; none: not asked for.
-  std::optional<double> pressure;  ///< contact pressure, L2 norm over the faces of each pair
-  std::optional<double> force;     ///< contact force of each pair
-  std::optional<double> stress;    ///< stress, energy norm, all bodies together
+  std::optional<double> pressure;          ///< contact pressure, L2 norm over the faces of each pair
+  std::optional<double> force;             ///< contact force of each pair
+  std::optional<double> stress;            ///< stress, energy norm, all bodies together
+  std::vector<BodyTarget> stress_of_body;  ///< the same of single bodies
 
   // What a run may cost at most.
   double max_unknowns = 5e6;  ///< of one solve
@@ -49,7 +58,7 @@ struct AccuracyOptions {
   /// Part of a cell: faces of an open pair that are so near may touch between the points where the gap is known.
   double near_gap = 0.05;
 
-  bool any() const { return pressure || force || stress; }
+  bool any() const { return pressure || force || stress || !stress_of_body.empty(); }
   std::vector<Setting> settings();
   void check() const;
   std::string print() const;

@@ -306,7 +306,8 @@ Transfer make_row_transfer(const ElasticSystem& fine, const ElasticSystem& coars
 }  // namespace
 
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
-  if (!fine.constraints.empty()) return make_row_transfer(fine, coarse);
+  // A body whose largest cells are all refined has several parts and no hanging node.
+  if (!fine.constraints.empty() || fine.parts().size() != fine.meshes.size()) return make_row_transfer(fine, coarse);
   Transfer transfer;
   transfer.parents = decltype(transfer.parents)("cgcontact::coarsen::parents", fine.num_nodes);
   transfer.children = decltype(transfer.children)("cgcontact::coarsen::children", coarse.num_nodes);

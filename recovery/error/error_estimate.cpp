@@ -201,11 +201,15 @@ EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const Reco
   const std::size_t num_cells = mesh.cell_nodes.size();
   EnergySums sums;
   sums.error_of_cell.resize(num_cells);
+  sums.solution_of_cell.resize(num_cells);
   std::vector<EnergySums> chunks(num_chunks(num_cells, grain));
   parallel_chunks("cgcontact::error_estimate::cells", num_cells, grain,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    for (std::size_t e = begin; e < end; ++e)
+                    for (std::size_t e = begin; e < end; ++e) {
+                      const double before = chunks[chunk].solution;
                       sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), chunks[chunk]), 0.0);
+                      sums.solution_of_cell[e] = std::max(chunks[chunk].solution - before, 0.0);
+                    }
                   });
   for (const EnergySums& chunk : chunks) {
     sums.error += chunk.error;

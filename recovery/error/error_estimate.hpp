@@ -9,11 +9,12 @@ namespace cgcontact {
 
 /// Squares of energy norms, in units of Scales::stress * Scales::length^3.
 struct EnergySums {
-  std::vector<double> error_of_cell;  ///< |sigma* - sigma_h|^2 per active cell
-  double error = 0;                   ///< their sum
-  double solution = 0;                ///< |sigma_h|^2
-  double exact_error = 0;             ///< |sigma_exact - sigma_h|^2 when an exact stress is given
-  double recovered_error = 0;         ///< |sigma_exact - sigma*|^2
+  std::vector<double> error_of_cell;     ///< |sigma* - sigma_h|^2 per active cell
+  std::vector<double> solution_of_cell;  ///< |sigma_h|^2 per active cell
+  double error = 0;                      ///< their sum
+  double solution = 0;                   ///< |sigma_h|^2
+  double exact_error = 0;                ///< |sigma_exact - sigma_h|^2 when an exact stress is given
+  double recovered_error = 0;            ///< |sigma_exact - sigma*|^2
 };
 
 /// Exact stress at x (m, global axes) in Pa; grid axes conversion is done here. May be called by several threads at

@@ -9,7 +9,7 @@ import struct
 import sys
 
 FOOT_RADIUS, HEIGHT, CAP_RADIUS = 10.0, 8.0, 40.0
-RINGS, SEGMENTS = 40, 96
+RINGS, SEGMENTS = 120, 96
 
 
 def profile():

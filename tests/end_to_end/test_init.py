@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 600
+# timeout: 900
 """cgcontact init: the scenes it writes are accepted and solved as they are; it overwrites nothing and says what is wrong."""
 import math
 import os
@@ -132,8 +132,8 @@ class Example(Init):
 
 class Parts(Init):
     def test_parts_of_all_shapes_run_as_they_are(self):
-        """Blocks, round, thin, long, pointed, hollow parts, two shells, far from the origin: solved, with a compressive force (a sharp tip: turned so that a flat face is on top),
-        in at most 250,000 unknowns."""
+        """Blocks, round, thin, long, pointed, hollow parts, two shells, far from the origin: solved to the accuracy that the scene asks for (a sharp tip under or above the
+        part: that, or as far as the scene's limits go), with a compressive force, resolved, within the limits. A sharp tip: turned so that a flat face is on top."""
         for name, triangles in SHAPES.items():
             with self.subTest(shape=name):
                 file = name.replace(" ", "_")
@@ -141,12 +141,56 @@ class Parts(Init):
                 told = self.written("--stl", f"parts/{file}.stl", "--unit", "mm")
                 self.assertEqual("the part ends in a tip or a sharp edge at its top (z+): it is turned" in told, name == "tip up", told)
                 self.assertNotIn("warning", told)
+                target = "pressure" if name == "sphere" else "force"
+                self.assertIn(f"{target} to 5 %", told)
                 text = pathlib.Path(f"{file}.toml").read_text()
                 self.assertIn(f'file = "parts/{file}.stl"', text)
+                self.assertRegex(text, rf'(?m)^\[accuracy\].*\n{target} = "5 %"')
+                self.assertNotRegex(text, r"(?m)^ *cell_size|^h = ")
                 done = self.solved(f"{file}.toml")
+                accuracy = done["accuracy"]
+                self.assertTrue(accuracy["reached"] or (name.startswith("tip") and "accuracy.max_" in accuracy["text"]), accuracy)
+                self.assertEqual(done["verdict"]["state"], "resolved")
+                self.assertLessEqual(done["unknowns"], 4e5)
+                self.assertLess(sum(solve["seconds"] for solve in accuracy["solves"]), 120)
+                self.assertLess(done["contact"][0]["force"]["part"][2], 0, "the plate presses the part down")
+
+    def test_cells_of_one_size(self):
+        """--cells: no [accuracy], all shapes solved with a compressive force in at most 250,000 unknowns."""
+        for name, triangles in SHAPES.items():
+            with self.subTest(shape=name):
+                file = name.replace(" ", "_")
+                write_stl(f"parts/{file}.stl", triangles)
+                told = self.written(f"cells_{file}.toml", "--stl", f"parts/{file}.stl", "--unit", "mm", "--cells", "20")
+                self.assertNotIn("warning", told)
+                self.assertIn("cells of ", told)
+                self.assertNotIn("[accuracy]", pathlib.Path(f"cells_{file}.toml").read_text())
+                done = self.solved(f"cells_{file}.toml")
                 self.assertLess(done["unknowns"], 250000)
                 self.assertTrue(done["converged"])
                 self.assertLess(done["contact"][0]["force"]["part"][2], 0, "the plate presses the part down")
+
+    def test_where_no_accuracy_can_be_asked_for(self):
+        """A tip without a flat face, contact along a ring: cells of one size, init says why, the scene is solved."""
+        torus = turned([(20 + 5 * math.cos(math.pi * k / 16), 5 * math.sin(math.pi * k / 16)) for k in range(32)], 48)
+        for name, triangles, words in (("spindle", turned([(0, -30), (10, 0), (0, 30)]), "warning: the part ends in a tip"),
+                                       ("torus", torus, "cells of one size: the contact zone is long")):
+            with self.subTest(shape=name):
+                write_stl(f"{name}.stl", triangles)
+                self.assertIn(words, self.written("--stl", f"{name}.stl", "--unit", "mm"))
+                text = pathlib.Path(f"{name}.toml").read_text()
+                self.assertNotIn("[accuracy]", text)
+                self.assertIn('cell_size = "h"', text)
+                self.assertTrue(self.solved(f"{name}.toml")["converged"])
+
+    def test_what_does_not_pass_check_gets_cells(self):
+        """A foil, whose first grid would need more memory than allowed: init says so and writes cells that fit."""
+        write_stl("foil.stl", box((0, 0, 0), (50, 40, 0.1)))
+        outcome = cgcontact("init", "--stl", "foil.stl", "--unit", "mm")
+        self.assertEqual((outcome.code, outcome.err), (0, ""))
+        self.assertRegex(outcome.out, r"cells of one size: the scene with \[accuracy\] does not pass check: .*(memory|max_unknowns)")
+        self.assertNotIn("[accuracy]", pathlib.Path("foil.toml").read_text())
+        self.assertEqual(cgcontact("check", "foil.toml").code, 0)
 
     def test_listed_faces_can_be_named(self):
         """The face lines, uncommented as the scene says, divide the whole surface: check lists their areas and no rest. The
@@ -167,8 +211,12 @@ class Parts(Init):
             for k, line in enumerate(lines):
                 area = float(re.search(rf"face surface.face{k + 1}: (\S+) m2", outcome.out).group(1))
                 self.assertAlmostEqual(float(re.search(r"# (\S+) m\^2", line).group(1)) / area, 1, delta=1e-3)
-            finer = re.search(r"run \S+ --set (h=\S+)", text).group(1)
+            finer = re.search(r"run \S+ --set (accuracy.force=\S+)", text).group(1)
             self.assertEqual(cgcontact("check", file, "--set", finer).code, 0)
+            cells = f"one_size_{name}.toml"
+            self.written(cells, "--stl", f"{name}.stl", "--unit", "mm", "--cells", "20")
+            finer = re.search(r"run \S+ --set (h=\S+)", pathlib.Path(cells).read_text()).group(1)
+            self.assertEqual(cgcontact("check", cells, "--set", finer).code, 0)
 
     def test_files_from_other_folders_and_with_odd_names(self):
         """The surface is found from where the scene is, whatever both are called."""

@@ -1,0 +1,31 @@
+/// Where the stress of a run has no finite value: re-entrant edges, ends of loads and supports inside a face, rims of
+/// punches. Told from the solves on several grids.
+#pragma once
+
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// Of one solve, by body and active cell: all that is kept of its stress.
+struct CellEnergies {
+  std::vector<Vec3> x;                           ///< m, middle of the cell
+  std::vector<double> h, volume, energy, error;  ///< m, m^3, J (squares of energy norms)
+};
+std::vector<CellEnergies> cell_energies(const Results& results);
+
+/// The measure is the mean stress S (uniaxial, of the same energy) in the ball of some cells around a place. A place is
+/// singular if
+/// - the last solve's error there is a large part of the stress still, and the largest of its surroundings,
+/// - S has grown from solve to solve like h^-a while its cells were at least halved, and still grows at the end,
+/// - and S falls with the radius of the ball on the last grid, as it does not where a smooth stress was merely not
+/// resolved before.
+/// One for each set of faces; not where further faces meet the edge between some. solves: in order, the last one the
+/// state's.
+std::vector<SingularPlace> singular_places(const SolvedState& state,
+                                           const std::vector<std::vector<CellEnergies>>& solves);
+
+/// One sentence.
+std::string describe(const SingularPlace& place);
+
+}  // namespace cgcontact
