@@ -135,7 +135,7 @@ Solid stretched_to(const BodySpec& body, const Solid& solid, double low, double 
   try {
     return solid.stretched(axis, factor, low - factor * min[axis]);
   } catch (const InputError& error) {
-    refuse(body, error.what(), "a prism between two planes across the axis");
+    refuse(body, error.what(), "a prism between two planes across the axis, of primitives or triangles");
   }
 }
 

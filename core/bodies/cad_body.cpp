@@ -134,6 +134,10 @@ std::shared_ptr<const BodyGeometry> CadBody::transformed(const Mat3& rotation, c
       new CadBody(model_, std::make_shared<const CadSurface>(std::move(moved), face_names(model_))));
 }
 
+std::shared_ptr<const BodyGeometry> CadBody::stretched(int, double, double) const {
+  throw InputError("a CAD solid on refined grids in plane strain is not possible");
+}
+
 bool CadBody::bounding_box(Vec3& min, Vec3& max) const {
   min = surface_->flat.tree().min();
   max = surface_->flat.tree().max();

@@ -33,6 +33,8 @@ class CadBody final : public BodyGeometry {
 
   std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                   double scale) const override;
+  /// Not possible: throws InputError.
+  std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const override;
   bool bounding_box(Vec3& min, Vec3& max) const override;
   bool contains(const Vec3& x) const override { return signed_distance(x) <= 0; }
   double distance_to_surfaces(const Vec3& x) const override { return std::abs(signed_distance(x)); }

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double mm = 1e-3;
+constexpr int default_cells = 20;       // along the longest side of a solid
 constexpr double near_share = 0.01;     // of the smaller solid's longest side: faces this near to each other may touch
 constexpr double least_facing = -0.5;   // cosine between the normals of faces that face each other
 constexpr double least_share = 1e-3;    // of the smaller face: what lies less near than this touches along an edge only
@@ -162,7 +163,7 @@ std::string scene_of_cad_file(const InitOptions& options, const std::string& fil
   const bool without_unit = cad_format(options.cad) == CadFormat::brep;
   const double scale = without_unit ? mesh_units().at(options.unit) : mm;
   const std::vector<CadSolid> solids = read_cad(options.cad, {options.repair});
-  std::vector<Part> parts = read_parts(solids, scale, options.cells);
+  std::vector<Part> parts = read_parts(solids, scale, options.cells.value_or(default_cells));
   const std::string source =
       fs::path(options.cad).is_absolute()
           ? options.cad

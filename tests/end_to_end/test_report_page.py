@@ -160,7 +160,7 @@ class Pages(unittest.TestCase):
         self.check(written, text, root, ["verdict", "reliability", "accuracy", "picture", "contact", "pressure", "profile",
                                          "reference", "conditions", "balance", "grid", *ALWAYS[5:]])
         story = written["accuracy"]
-        self.assertEqual(story["targets"], {"pressure": target / 100, "force": None, "stress": None})
+        self.assertEqual(story["targets"], {"pressure": target / 100, "force": None, "stress": None, "stress_of_body": {}})
         last = story["solves"][-1]
         self.assertEqual((last["unknowns"], last["outer_iterations"], last["converged"]),
                          (written["unknowns"], written["outer_iterations"], True))

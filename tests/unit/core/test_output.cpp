@@ -232,11 +232,23 @@ TEST_F(output, report_holds_the_solves_to_an_accuracy) {
   const auto blocks = make_blocks();
   blocks->scene.output.vtk = blocks->scene.output.plots = false;
   write_results(blocks->results, blocks->scene, out_);
-  EXPECT_FALSE(nlohmann::json::parse(read_text(file("report.json"))).contains("accuracy"));
+  for (const char* key : {"accuracy", "singular_places"})
+    EXPECT_FALSE(nlohmann::json::parse(read_text(file("report.json"))).contains(key)) << key;
   blocks->results.accuracy = solves_to_an_accuracy(3, false);
+  blocks->results.accuracy.stress_of_body = {{"lower", 0.02}};
+  for (SolveFigures& solve : blocks->results.accuracy.solves) solve.stress_of_body = {0.04};
+  blocks->results.singular_places = {{"lower", {"base.x+", "base.z+"}, Vec3(1, 2, 3), 0.4, 1e-3}};
   write_results(blocks->results, blocks->scene, out_);
-  const auto json = nlohmann::json::parse(read_text(file("report.json")))["accuracy"];
-  EXPECT_EQ(json["targets"], nlohmann::json({{"pressure", 0.01}, {"force", nullptr}, {"stress", nullptr}}));
+  const auto report = nlohmann::json::parse(read_text(file("report.json")));
+  EXPECT_EQ(report["singular_places"], nlohmann::json::array({{{"body", "lower"},
+                                                               {"faces", {"base.x+", "base.z+"}},
+                                                               {"at", {1.0, 2.0, 3.0}},
+                                                               {"exponent", 0.4},
+                                                               {"cell", 1e-3}}}));
+  const auto& json = report["accuracy"];
+  EXPECT_EQ(json["targets"],
+            nlohmann::json(
+                {{"pressure", 0.01}, {"force", nullptr}, {"stress", nullptr}, {"stress_of_body", {{"lower", 0.02}}}}));
   EXPECT_EQ(json["reached"], false);
   EXPECT_EQ(json["text"], blocks->results.accuracy.text);
   ASSERT_EQ(json["solves"].size(), 3u);
@@ -249,6 +261,7 @@ TEST_F(output, report_holds_the_solves_to_an_accuracy) {
                                                {"pressure", 0.02},
                                                {"force", 0.0},
                                                {"stress", 0.5 / 3},
+                                               {"stress_of_body", {{"lower", 0.04}}},
                                                {"change", 0.03}}));
   EXPECT_TRUE(json["solves"][0]["pressure"].is_null());
 }
@@ -392,9 +405,12 @@ TEST_F(output, the_story_of_a_run_to_an_accuracy_is_drawn) {
   for (const char* name : {"accuracy.svg", "grid.png"}) EXPECT_FALSE(fs::exists(file(name))) << name;
   for (const int count : {1, 4}) {  // one solve alone is one point on logarithmic axes
     blocks->results.accuracy = solves_to_an_accuracy(count, true);
+    blocks->results.accuracy.stress_of_body = {{"lug", 0.02}};
+    for (SolveFigures& solve : blocks->results.accuracy.solves) solve.stress_of_body = {0.1 / count};
     EXPECT_EQ(write_results(blocks->results, blocks->scene, out_), std::vector<std::string>{});
     for (const char* name : {"accuracy.svg", "grid.png"}) EXPECT_GT(fs::file_size(file(name)), 1000u) << name;
     EXPECT_NE(read_text(file("accuracy.svg")).find("pressure asked for"), std::string::npos);
+    EXPECT_NE(read_text(file("accuracy.svg")).find("stress in lug asked for"), std::string::npos);
   }
   blocks->results.contact_rows.clear();  // no zone to look at, no estimates
   for (BodyFields& body : blocks->results.bodies) body.error_of_cell.clear();
@@ -496,6 +512,10 @@ TEST_F(output, the_summary_says_whether_the_accuracy_is_reached) {
   for (const std::string& line : lines) EXPECT_LE(width(line), 80u) << line;
   results.accuracy.solves.back().pressure.reset();
   EXPECT_NE(summary(results, out_).find("not known, the zone"), std::string::npos);
+  results.accuracy = solves_to_an_accuracy(4, true);
+  results.accuracy.stress_of_body = {{"lug", 0.02}};
+  for (SolveFigures& solve : results.accuracy.solves) solve.stress_of_body = {0.0123};
+  EXPECT_NE(summary(results, out_).find("stress in lug"), std::string::npos);
 }
 
 TEST_F(output, the_summary_has_units_and_errors_and_says_what_to_open) {

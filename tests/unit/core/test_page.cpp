@@ -150,6 +150,11 @@ TEST(page, the_solves_to_an_accuracy_are_listed) {
     EXPECT_TRUE(has(text, shown)) << shown;
   results.accuracy.solves.back().pressure.reset();
   EXPECT_TRUE(has(page(results, {}), "not known, the contact zone is not resolved"));
+  results.accuracy.stress_of_body = {{"lug", 0.02}};
+  for (SolveFigures& solve : results.accuracy.solves) solve.stress_of_body = {0.0234};
+  text = page(results, {});
+  for (const char* shown : {"of that in lug</th>", "of the stress in lug <data value=\"0.0234\">2.34 %</data> (asked"})
+    EXPECT_TRUE(has(text, shown)) << shown;
 }
 
 TEST(page, values_that_are_not_numbers_are_called_so) {
