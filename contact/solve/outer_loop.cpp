@@ -46,9 +46,10 @@ struct ContactSolver::Impl {
   Iterate now_;
   LaggedStress lagged_stress_;
   RightHandSide right_hand_side_;
-  FreeMotions unbalanced_;    // what the loads drive without end
-  bool warm_ = false;         // is there a converged solution to start from?
-  std::string solver_error_;  // of Trilinos, where it gave up
+  FreeMotions unbalanced_;     // what the loads drive without end
+  bool warm_ = false;          // is there a converged solution to start from?
+  bool from_earlier_ = false;  // do closed points and stresses come from another grid, the displacements from nowhere?
+  std::string solver_error_;   // of Trilinos, where it gave up
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
@@ -62,10 +63,12 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
 /// From the last solution or, without one, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   now_.load = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
+  from_earlier_ = false;
   if (!warm_) {
     now_.forget();
     right_hand_side_.forget();
-    if (!earlier_ || !start_from(*earlier_, now_)) initialise_active_set(now_);
+    from_earlier_ = earlier_ && start_from(*earlier_, now_);
+    if (!from_earlier_) initialise_active_set(now_);
     earlier_ = nullptr;
   }
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
@@ -79,7 +82,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   warm_ = false;
   double outer_residual = 1;
   ActiveSetHistory history(problem_.pairs);
-  bool held = false;  // do the closed points of the last iteration hold all bodies?
+  // Do the closed points of the last iteration hold all bodies? No way to search along where displacements are missing.
+  bool held = from_earlier_;
   const RealView before("cgcontact::outer_loop::before", now_.u.size());
   for (int iteration = 1; iteration <= settings().max_outer_iterations; ++iteration) {
     OuterStep step;
