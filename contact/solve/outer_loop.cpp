@@ -29,7 +29,7 @@ struct ContactSolver::Impl {
   Impl(const OuterProblem& problem, const SolvedState* earlier);
   OuterResult run(const std::function<void(const OuterStep&)>& progress);
 
-  OuterResult iterate(const std::function<void(const OuterStep&)>& progress);
+  OuterResult iterate(const std::function<void(const OuterStep&)>& progress, bool held);
   void assemble();
   LinearSolveResult solve_linear(double tolerance);
   bool contact_holds_floating_bodies();
@@ -46,10 +46,9 @@ struct ContactSolver::Impl {
   Iterate now_;
   LaggedStress lagged_stress_;
   RightHandSide right_hand_side_;
-  FreeMotions unbalanced_;     // what the loads drive without end
-  bool warm_ = false;          // is there a converged solution to start from?
-  bool from_earlier_ = false;  // do closed points and stresses come from another grid, the displacements from nowhere?
-  std::string solver_error_;   // of Trilinos, where it gave up
+  FreeMotions unbalanced_;    // what the loads drive without end
+  bool warm_ = false;         // is there a converged solution to start from?
+  std::string solver_error_;  // of Trilinos, where it gave up
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
@@ -63,27 +62,28 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
 /// From the last solution or, without one, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   now_.load = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
-  from_earlier_ = false;
+  // Do the closed points hold all bodies? Those of another grid do; without its displacements there is no way to search
+  // along.
+  bool held = false;
   if (!warm_) {
     now_.forget();
     right_hand_side_.forget();
-    from_earlier_ = earlier_ && start_from(*earlier_, now_);
-    if (!from_earlier_) initialise_active_set(now_);
+    held = earlier_ && start_from(*earlier_, now_);
+    if (!held) initialise_active_set(now_);
     earlier_ = nullptr;
   }
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
-  return iterate(progress);
+  return iterate(progress, held);
 }
 
-OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterStep&)>& progress) {
+/// held: do the closed points that it starts from hold all bodies?
+OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterStep&)>& progress, bool held) {
   OuterResult result;
   result.u = now_.u;
   solver_error_.clear();
   warm_ = false;
   double outer_residual = 1;
   ActiveSetHistory history(problem_.pairs);
-  // Do the closed points of the last iteration hold all bodies? No way to search along where displacements are missing.
-  bool held = from_earlier_;
   const RealView before("cgcontact::outer_loop::before", now_.u.size());
   for (int iteration = 1; iteration <= settings().max_outer_iterations; ++iteration) {
     OuterStep step;

@@ -356,6 +356,13 @@ Solid to_solid(const Operand& result, const std::vector<std::string>& names) {
 }
 
 Place place_of(const Solid& a, const Solid& b) {
+  const auto [low, high] = box_around(a, b);
+  return {0.5 * (low + high), (high - low).norm()};
+}
+
+}  // namespace
+
+std::pair<Vec3, Vec3> box_around(const Solid& a, const Solid& b) {
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (const Solid* solid : {&a, &b}) {
     Vec3 min, max;
@@ -363,10 +370,8 @@ Place place_of(const Solid& a, const Solid& b) {
     low = low.cwiseMin(min);
     high = high.cwiseMax(max);
   }
-  return {0.5 * (low + high), (high - low).norm()};
+  return {low, high};
 }
-
-}  // namespace
 
 std::optional<Solid> combine_expressions(BooleanOp::Kind op, const Solid& a, const Solid& b) {
   if (!as_csg(a) || !as_csg(b)) return std::nullopt;

@@ -4,10 +4,14 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "core/bodies/csg_body.hpp"
 
 namespace cgcontact {
+
+/// Lower and upper corner of the box around those of both that are bounded.
+std::pair<Vec3, Vec3> box_around(const Solid& a, const Solid& b);
 
 /// a op b (unite, intersect, subtract) as one expression of surfaces, exactly; nullopt unless both are such.
 std::optional<Solid> combine_expressions(BooleanOp::Kind op, const Solid& a, const Solid& b);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/errors.hpp"
+#include "core/bodies/booleans.hpp"
 #include "core/bodies/triangle_body.hpp"
 #include "core/bodies/triangle_cells.hpp"
 #include "core/bodies/triangle_pieces.hpp"
@@ -259,13 +260,7 @@ std::optional<Solid> combine_cad(BooleanOp::Kind op, const Solid& a, const Solid
   const CadBody *cad_a = as_cad(a), *cad_b = as_cad(b);
   if (!cad_a && !cad_b) return std::nullopt;
   if ((!cad_a && !as_csg(a)) || (!cad_b && !as_csg(b))) return std::nullopt;
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (const Solid* solid : {&a, &b}) {
-    Vec3 min, max;
-    if (!solid->bounding_box(min, max)) continue;
-    low = low.cwiseMin(min);
-    high = high.cwiseMax(max);
-  }
+  const auto [low, high] = box_around(a, b);
   // In mm: OpenCASCADE's tolerances are lengths.
   const Mat3 same = Mat3::Identity();
   const Vec3 none = Vec3::Zero();

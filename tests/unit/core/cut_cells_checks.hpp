@@ -47,6 +47,19 @@ inline Totals totals(const CutCells& cells) {
   return sum;
 }
 
+/// Integral of x over the cells, from their moments.
+inline Vec3 first_moment(const CutCells& cells) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t a = 0; a < cells.cells.size(); ++a) {
+    const int cut = cells.cut_of_active[a];
+    const Moments& m = cut < 0 ? full_cell_moments() : cells.moments[cut];
+    constexpr int n = moment_degree + 1;
+    const Vec3 linear(m[n * n], m[n], m[1]);
+    for (int k = 0; k < 3; ++k) sum[k] += m[0] / 8 * (cells.cells[a][k] + 0.5) + linear[k] / 16;
+  }
+  return sum;
+}
+
 inline std::vector<int> all_surfaces(const CutCells& cells) {
   std::vector<int> result;
   for (std::size_t i = 0; i < cells.solid.surfaces().size(); ++i) result.push_back(static_cast<int>(i));

@@ -45,19 +45,6 @@ double size_of(const CadModel& model, double cells) {
   return (high - low).maxCoeff() / cells;  // mm per cell
 }
 
-/// Integral of x over the cells, from their moments.
-Vec3 first_moment(const CutCells& cells) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t a = 0; a < cells.cells.size(); ++a) {
-    const int cut = cells.cut_of_active[a];
-    const Moments& m = cut < 0 ? full_cell_moments() : cells.moments[cut];
-    constexpr int n = moment_degree + 1;
-    const Vec3 linear(m[n * n], m[n], m[1]);
-    for (int k = 0; k < 3; ++k) sum[k] += m[0] / 8 * (cells.cells[a][k] + 0.5) + linear[k] / 16;
-  }
-  return sum;
-}
-
 // Proves that volume and area are those of the exact surfaces (closed forms; OpenCASCADE's own integrals where there is
 // none) at 10 cells per side in three positions. 1e-8 was asked. The boundary closes to 1e-6: normals are those of the
 // surface, with points chosen to keep their integrals to 1e-6 per cell.
