@@ -126,10 +126,12 @@ double next_size_ratio(const ZoneState& zone, double estimate, std::optional<dou
                        const AccuracyOptions& options) {
   if (!zone.relevant) return 1;
   if (!zone.resolved) {
-    const double by_width = zone.width ? *zone.width / (2 * options.middle_cells) / zone.cell : 1 / options.most_change;
-    const double needed = zone.needed ? *zone.needed / zone.cell : 1;
-    return std::clamp(std::min(by_width, zone.narrowed ? 1 : needed),
-                      1 / (zone.narrowed ? most_narrowing : options.narrowing), 1 / options.least_change);
+    double ratio = 1 / options.most_change;
+    if (zone.width)  // by counting cells it is known to one of them
+      ratio = (*zone.width / zone.cell + (zone.narrowed ? 0 : 1)) / (2 * options.middle_cells);
+    else if (zone.needed)
+      ratio = std::min(ratio, *zone.needed / zone.cell);
+    return std::clamp(ratio, 1 / (zone.narrowed ? most_narrowing : options.narrowing), 1 / options.least_change);
   }
   if (!target || estimate <= *target) return 1;
   return std::clamp(std::pow(options.aim * *target / zone.error, 1 / options.rate), 1 / options.most_change,
