@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "contact/model/memory.hpp"
+#include "contact/results/peak_estimate.hpp"
 #include "core/base/text.hpp"
 
 namespace cgcontact {
@@ -142,6 +143,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   SolveFigures solve;
   solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
   const ErrorFigures errors = error_figures(*next_scene_, zones_, results);
+  if (!resolved_) energies_.clear();  // the stress of a zone grows like 1/h until it is resolved
   resolved_ = errors.pressure.has_value() || zones_.empty();
   energies_.push_back(cell_energies(results));
   solve.unknowns = results.unknowns;
@@ -199,6 +201,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   for (std::size_t k = 0; k + 1 < figures_.solves.size(); ++k) earlier += figures_.solves[k].seconds;
   if (earlier > 0) results.times_s.insert(results.times_s.begin(), {"earlier solves", earlier});
   if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
+  if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular place
   for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
   results.accuracy = figures_;
   results.accuracy.asked = true;

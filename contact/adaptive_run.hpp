@@ -50,7 +50,7 @@ class AdaptiveRun {
   AccuracyFigures figures_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<ZoneState> zones_;                     // of the last solve
-  std::vector<std::vector<CellEnergies>> energies_;  // of all solves
+  std::vector<std::vector<CellEnergies>> energies_;  // of the solves since the zones are resolved
   bool resolved_ = false;                            // are they all?
   std::string refused_;                              // why a next grid could not be made
   double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns

@@ -13,6 +13,7 @@
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/missed_contact.hpp"
 #include "contact/results/pair_figures.hpp"
+#include "contact/results/peak_estimate.hpp"
 #include "contact/results/postprocess.hpp"
 #include "contact/results/pressure_estimate.hpp"
 #include "contact/results/pressure_paths.hpp"
@@ -282,6 +283,7 @@ void Simulation::fill_results() {
   choose_reference();
   fill_body_fields(state, results);
   estimate_contact_errors(state, results);
+  estimate_peak_errors(results);
   fill_conditions(state, results);
   fill_pressure_errors(state, results);
   if (state.outer.converged)

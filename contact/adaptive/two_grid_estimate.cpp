@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/results/contact_rows.hpp"
+#include "contact/results/peak_estimate.hpp"
 #include "core/base/parallel.hpp"
 
 namespace cgcontact {
@@ -65,6 +66,7 @@ std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, con
     figures.pressure_error_estimate = error;
   }
   for (ContactRow& row : results.contact_rows) row.pressure_error *= factor[row.pair];
+  estimate_peak_errors(results);
   return largest;
 }
 

@@ -19,6 +19,7 @@ struct EarlierSolution {
 /// - with an earlier solution on cells 1/r times as large, whose errors are independent and fall like the size:
 ///   change * r / sqrt(1 + r^2), the change being the relative L2 norm of the difference of the two SPR-C pressures at
 ///   the present contact rows.
+/// The errors of the largest pressures follow from the new ones of the rows (peak_estimate.hpp).
 /// ZoneState::error is that without the factor of 1.8. Returns the largest change; none without an earlier solution.
 std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, const EarlierSolution& earlier,
                                               const AccuracyOptions& options, Results& results);

@@ -83,10 +83,10 @@ std::string percent(double fraction) {
 std::string estimate(const Results& results, const PairFigures& pair, const std::optional<double>& error) {
   const std::size_t k = static_cast<std::size_t>(&pair - results.pairs.data());
   if (pair.active_points == 0) return "-";
-  if (!error) return "not resolved";
-  if (error == 0 && pair.force_given_by_loads) return figure(0, "given by the loads");
   const bool coarse =
       k < results.verdict.pairs.size() && results.verdict.pairs[k].state == Verdict::State::not_resolved;
+  if (!error) return coarse ? "not resolved" : "none";
+  if (error == 0 && pair.force_given_by_loads) return figure(0, "given by the loads");
   return coarse ? figure(*error, "not resolved") : percent(*error);
 }
 
@@ -250,7 +250,7 @@ std::string tiles(const Results& results) {
     text += tile("Contact force", force(pair.force_on_first.norm()),
                  of + "estimated error " + estimate(results, pair, pair.force_error_estimate));
     text += tile("Largest contact pressure", stress(pair.max_pressure),
-                 of + "mean error " + estimate(results, pair, pair.pressure_error_estimate));
+                 of + "estimated error " + estimate(results, pair, pair.max_pressure_error_estimate));
     text += tile("Contact area", figure(pair.area, area_unit(pair.area)),
                  of + fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points)));
   }
@@ -359,15 +359,18 @@ std::string pairs_section(const Results& results) {
     const double size = pair.force_on_first.norm();
     rows.push_back(
         name_cell(html_text(pair.name)) + cell(force(size)) + cell(estimate(results, pair, pair.force_error_estimate)) +
-        cell(stress(pair.max_pressure)) + cell(estimate(results, pair, pair.pressure_error_estimate)) +
-        cell(figure(pair.area, area_unit(pair.area))) + cell(count(pair.active_points) + " of " + count(pair.points)));
+        cell(stress(pair.max_pressure)) + cell(estimate(results, pair, pair.max_pressure_error_estimate)) +
+        cell(estimate(results, pair, pair.pressure_error_estimate)) + cell(figure(pair.area, area_unit(pair.area))) +
+        cell(count(pair.active_points) + " of " + count(pair.points)));
   }
   std::vector<std::string> forces;
   for (const PairFigures& pair : results.pairs)
     forces.push_back(name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) +
                      components(pair.force_on_first, pair.force_on_first.norm()) + cell(place(pair.centre)) +
                      cell(place(pair.max_pressure_at)));
-  return table({"Pair", "Force", "est. error", "Max. pressure", "est. error (mean)", "Area", "Closed points"}, rows) +
+  return table(
+             {"Pair", "Force", "est. error", "Max. pressure", "est. error", "est. error (L2)", "Area", "Closed points"},
+             rows) +
          table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces);
 }
 

@@ -47,6 +47,7 @@ Json json_of(const PairFigures& pair) {
   json["active_points"] = pair.active_points;
   json["pressure_error_estimate"] = pair.pressure_error_estimate;
   json["force_error_estimate"] = json_of(pair.force_error_estimate);
+  json["max_pressure_error_estimate"] = json_of(pair.max_pressure_error_estimate);
   json["force_given_by_loads"] = pair.force_given_by_loads;
   return json;
 }

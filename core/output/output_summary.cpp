@@ -47,8 +47,8 @@ std::string in_unit(double value, const DisplayUnit& unit, int digits) {
 std::string percent(double fraction) { return percent_number(fraction < 1e-9 ? 0.0 : fraction) + " %"; }
 
 Lines pair_table(const Results& results, std::size_t rows) {
-  Lines lines{fmt::format("  {:<20} {:>11} {:>7} {:>12} {:>11} {:>12}", "contact pair", "force", "error",
-                          "max pressure", "error", "area")};
+  Lines lines{fmt::format("  {:<15} {:>11} {:>7} {:>12} {:>7} {:>8} {:>12}", "contact pair", "force", "error",
+                          "max pressure", "error", "L2 error", "area")};
   const std::size_t shown = results.pairs.size() <= rows ? results.pairs.size() : rows - 1;
   for (std::size_t k = 0; k < shown; ++k) {
     const PairFigures& pair = results.pairs[k];
@@ -58,10 +58,11 @@ Lines pair_table(const Results& results, std::size_t rows) {
     const auto error = [&](const std::optional<double>& estimate) {
       return coarse ? "coarse" : pair.active_points > 0 && estimate ? percent(*estimate) : "-";
     };
-    lines.push_back(fmt::format("  {:<20} {:>11} {:>7} {:>12} {:>11} {:>12}", shortened_name(pair.name, 20),
+    lines.push_back(fmt::format("  {:<15} {:>11} {:>7} {:>12} {:>7} {:>8} {:>12}", shortened_name(pair.name, 15),
                                 in_unit(force, force_unit(force), 5), error(pair.force_error_estimate),
                                 in_unit(pair.max_pressure, stress_unit(pair.max_pressure), 5),
-                                error(pair.pressure_error_estimate), in_unit(pair.area, area_unit(pair.area), 4)));
+                                error(pair.max_pressure_error_estimate), error(pair.pressure_error_estimate),
+                                in_unit(pair.area, area_unit(pair.area), 4)));
   }
   if (shown < results.pairs.size())
     lines.push_back(fmt::format("  and {} more pairs, see the report", results.pairs.size() - shown));

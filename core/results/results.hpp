@@ -91,7 +91,8 @@ struct PairFigures {
   double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
   /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
   std::optional<double> force_error_estimate;
-  bool force_given_by_loads = false;  ///< by equilibrium alone
+  std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there
+  bool force_given_by_loads = false;                  ///< by equilibrium alone
 };
 
 /// What a run says of itself before anything else: can its contact be used, and if not, what would help?

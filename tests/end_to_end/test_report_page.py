@@ -66,7 +66,7 @@ class Pages(unittest.TestCase):
             force = pair["force"][pair["bodies"][0]]
             self.close(values(at), [*force, *pair["centre"], *pair["max_pressure_at"]])
             expected = [math.hypot(*force), pair["force_error_estimate"], pair["max_pressure"],
-                        pair["pressure_error_estimate"], pair["area"], pair["active_points"], pair["points"]]
+                        pair["max_pressure_error_estimate"], pair["pressure_error_estimate"], pair["area"], pair["active_points"], pair["points"]]
             self.close(values(row), [value for value in expected if value is not None])
             self.assertEqual("not resolved" in words(row), pair["force_error_estimate"] is None)
             self.assertEqual(row.find("th").text, pair["name"])

@@ -1,0 +1,76 @@
+#include "contact/results/peak_estimate.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace cgcontact {
+namespace {
+
+/// Of the largest pressure, and cells away from it: what belongs to the peak.
+constexpr double near_largest = 0.9, reach = 4;
+/// Of the largest singular value: directions below have no rows that tell the fit's coefficients (a row of cells).
+constexpr double rank_tolerance = 1e-6;
+constexpr int num_coefficients = 6;
+
+std::vector<const ContactRow*> rows_of_peak(const std::vector<ContactRow>& rows, int pair, const PairFigures& figures) {
+  std::vector<const ContactRow*> peak;
+  for (const ContactRow& row : rows)
+    if (row.pair == pair && row.touching && row.pressure_sprc >= near_largest * figures.max_pressure &&
+        (row.x - figures.max_pressure_at).norm() <= reach * row.larger_cell)
+      peak.push_back(&row);
+  return peak;
+}
+
+/// Largest value at the rows of the quadratic function that fits them best, weighted by their areas, Pa.
+double largest_of_fit(const std::vector<const ContactRow*>& peak, const PairFigures& figures) {
+  const Vec3 n = (*std::max_element(peak.begin(), peak.end(), [](const ContactRow* a, const ContactRow* b) {
+                   return a->pressure_sprc < b->pressure_sprc;
+                 }))->normal;
+  const Vec3 t1 = n.unitOrthogonal(), t2 = n.cross(t1);
+  double scale = 0;
+  for (const ContactRow* row : peak) scale = std::max(scale, (row->x - figures.max_pressure_at).norm());
+  if (!(scale > 0)) return figures.max_pressure;
+  const Eigen::Index count = static_cast<Eigen::Index>(peak.size());
+  Eigen::MatrixXd values(count, num_coefficients);
+  Eigen::VectorXd pressure(count), root(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ContactRow& row = *peak[i];
+    const Vec3 d = (row.x - figures.max_pressure_at) / scale;
+    const double u = d.dot(t1), v = d.dot(t2);
+    values.row(i) << 1, u, v, u * u, u * v, v * v;
+    pressure[i] = row.pressure_sprc;
+    root[i] = std::sqrt(row.weight);
+  }
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+  solver.setThreshold(rank_tolerance);
+  solver.compute(root.asDiagonal() * values);
+  return (values * solver.solve(root.cwiseProduct(pressure))).maxCoeff();
+}
+
+bool is_singular(const Results& results, const Vec3& x) {
+  return std::any_of(results.singular_places.begin(), results.singular_places.end(),
+                     [&](const SingularPlace& place) { return (place.x - x).norm() <= reach * place.cell; });
+}
+
+}  // namespace
+
+void estimate_peak_errors(Results& results) {
+  for (std::size_t p = 0; p < results.pairs.size(); ++p) {
+    PairFigures& figures = results.pairs[p];
+    figures.max_pressure_error_estimate.reset();
+    if (!(figures.max_pressure > 0) || results.verdict.pairs[p].state != Verdict::State::resolved ||
+        is_singular(results, figures.max_pressure_at))
+      continue;
+    const std::vector<const ContactRow*> peak = rows_of_peak(results.contact_rows, static_cast<int>(p), figures);
+    double squares = 0, area = 0;
+    for (const ContactRow* row : peak) {
+      squares += row->weight * row->pressure_error * row->pressure_error;
+      area += row->weight;
+    }
+    const double excess = std::abs(figures.max_pressure - largest_of_fit(peak, figures));
+    figures.max_pressure_error_estimate = (excess + std::sqrt(squares / area)) / figures.max_pressure;
+  }
+}
+
+}  // namespace cgcontact
