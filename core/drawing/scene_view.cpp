@@ -22,7 +22,19 @@ SceneBox bounds(const std::vector<DrawnBody>& bodies) {
   return box;
 }
 
+/// Of bodies that are one layer of cells on every level; -1: there are others.
+int axis_of_quadtrees(const Results& results) {
+  int axis = -1;
+  for (const BodyFields& body : results.bodies) {
+    const Grid& grid = body.cut_cells->grid;
+    if (!grid.is_quadtree()) return -1;
+    grid.rotation.col(grid.plane_strain).cwiseAbs().maxCoeff(&axis);
+  }
+  return axis;
+}
+
 int find_thin_axis(const Results& results, const SceneBox& box) {
+  if (const int axis = axis_of_quadtrees(results); axis >= 0) return axis;
   double cell = std::numeric_limits<double>::max();
   for (const BodyFields& body : results.bodies) cell = std::min(cell, body.cut_cells->grid.cell_size);
   const Vec3 extent = box.extent();

@@ -27,8 +27,8 @@ struct SceneView {
   std::vector<DrawnBody> shown;  ///< boundaries, and sections where they are opened
 };
 
-/// Thin bodies (at most two cells across) are seen from the front, others from above at an angle, from the corner that
-/// shows the most stress, cut open where the contact lies inside.
+/// Thin bodies (at most two cells across) and quadtrees are seen from the front, others from above at an angle, from
+/// the corner that shows the most stress, cut open where the contact lies inside.
 SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies);
 
 /// Where a pair is pressed.
