@@ -20,6 +20,8 @@ constexpr double coarsening_power = -1.7;
 constexpr double least_gain = 1.15;
 /// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
 constexpr double first_exploration = 2.5e5;
+/// Of each cell: a node of its own, or two that share the components in the plane.
+constexpr double least_unknowns_per_cell = 3, least_in_plane_strain = 2;
 /// Cells of a grid that was refused become so many times larger.
 constexpr double refused_growth = 1.5;
 /// Grids that are too large for a limit are made so much coarser beyond what the power says.
@@ -32,6 +34,13 @@ double count_unknowns(const std::vector<BodyModel>& bodies) {
   for (const BodyModel& body : bodies)  // in plane strain those of one side, without what is zero across
     nodes += (body.spec->plane_strain ? (dofs_per_node - 1) / 2.0 / dofs_per_node : 1) * size_of(body.cut_cells).nodes;
   return dofs_per_node * nodes;
+}
+
+/// Of one body: surely no more in a grid of so many unknowns.
+double most_cells(const Scene& scene, double unknowns) {
+  const bool plane = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                 [](const BodySpec& body) { return body.plane_strain.has_value(); });
+  return unknowns / (plane ? least_in_plane_strain : least_unknowns_per_cell);
 }
 
 std::string number(double unknowns) { return grouped(static_cast<long long>(std::round(unknowns))); }
@@ -88,13 +97,13 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
     check_first_grids(given_, next_->state.bodies);
     return true;
   }
+  needed_ = static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
   if (!resolved_) {  // where zones are is not known for certain: the grid that finds them is not to be a large one
     const double enough = first_exploration * std::pow(4.0, static_cast<double>(figures_.solves.size() - 1));
     if (enough < allowed && place_within(enough, 1, callbacks)) return true;
     return place_within(allowed, 1, callbacks);
   }
   // Not even the cells of a grid that is too large by far.
-  needed_ = static_cast<double>(figures_.solves.back().unknowns) * std::pow(sizes_.change, unknowns_power);
   const double factor = needed_ > 4 * allowed ? std::pow(allowed / needed_, 1 / unknowns_power) : 1;
   return place_within(allowed, factor, callbacks);
 }
@@ -104,10 +113,13 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
 bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
   // What no limit makes coarser is worth a solve even if little is missing.
   while (factor == 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
-    next_scene_ = scene_on_grids(given_, sizes_, factor);
+    next_scene_ = scene_on_grids(given_, sizes_, factor, most_cells(given_, allowed));
     next_ = std::make_unique<Simulation>(*next_scene_);
     try {
       next_->place(callbacks);
+    } catch (const TooManyCells&) {
+      factor *= refused_growth;
+      continue;
     } catch (const InputError& error) {  // too large for the memory, as the first grid was not
       if (figures_.solves.empty()) throw;
       refused_ = error.what();

@@ -59,7 +59,7 @@ GridSizes first_sizes(const Scene& scene) {
   return sizes;
 }
 
-std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor) {
+std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor, double most_cells) {
   const AccuracyOptions& options = given.accuracy;
   auto scene = std::make_unique<Scene>(given);
   for (std::size_t b = 0; b < scene->bodies.size(); ++b) {
@@ -75,6 +75,7 @@ std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes
     };
     add(sizes.zones[b], options.grading);
     add(sizes.energy[b], options.energy_grading);
+    body.most_cells = most_cells;
     body.cell_size = std::ldexp(smallest, halvings(sizes.first[b], smallest));  // halvings end with the smallest size
   }
   return scene;

@@ -18,8 +18,10 @@ struct GridSizes {
 /// Those of the first grids: cell_size, or from the shape.
 GridSizes first_sizes(const Scene& scene);
 
-/// The scene on grids of these sizes; cells smaller than the first become larger by a factor.
-std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1);
+/// The scene on grids of these sizes; cells smaller than the first become larger by a factor. most_cells: of each body,
+/// surely more are refused (BodySpec).
+std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1,
+                                      double most_cells = std::numeric_limits<double>::infinity());
 
 /// Relative estimated errors after a solve; none: not known, as the zone is not resolved.
 struct ErrorFigures {

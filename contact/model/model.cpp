@@ -143,6 +143,8 @@ template <class Make>
 auto naming_body(const BodySpec& body, const Make& make) {
   try {
     return make();
+  } catch (const TooManyCells& error) {
+    throw TooManyCells(body.place, in_quotes(body.name), error.what());
   } catch (const InputError& error) {
     throw InputError(body.place, in_quotes(body.name), error.what());
   }

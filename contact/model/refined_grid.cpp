@@ -1,8 +1,12 @@
 #include "contact/model/refined_grid.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/memory.hpp"
+#include "core/base/text.hpp"
 #include "core/cells/cells_around.hpp"
 #include "core/cells/size_field.hpp"
 
@@ -13,6 +17,24 @@ namespace {
 constexpr double equal_sizes = 1e-9;
 /// Cells are larger than what is wanted if that is less than so much of their size.
 constexpr double too_large = 0.999;
+
+/// A divided cell that the body touches leaves at least so many cells more, some of its parts being outside.
+constexpr double least_gain = 2, least_gain_in_plane = 1;
+/// Of memory that a cell takes at least (contact/model/memory.cpp).
+constexpr double least_bytes = 500;
+
+CellTree tree_of_sizes(const BodySpec& body, const BodyGeometry& geometry, const Grid& grid,
+                       const std::function<double(const Vec3&, const Vec3&)>& wanted, int levels) {
+  const double memory = memory_budget().bytes, most_cells = std::min(body.most_cells, memory / least_bytes);
+  try {
+    return refine_cells(geometry, grid, wanted, levels,
+                        most_cells / (grid.is_quadtree() ? least_gain_in_plane : least_gain));
+  } catch (const TooManyCells&) {
+    throw TooManyCells(fmt::format("its smaller cells would be more than {}, too many for {}; ask for larger ones",
+                                   grouped(static_cast<long long>(most_cells)),
+                                   most_cells < body.most_cells ? memory_text(memory) + " of memory" : "the limit"));
+  }
+}
 
 /// Halvings that make a cell as small as wanted.
 int halvings_for(double cell_size, double wanted) {
@@ -83,7 +105,7 @@ CellTree refined_tree(const BodySpec& body, const Solid& solid, const Grid& grid
       if (field->asks_below(too_large * size, centre, radius)) smallest = std::min(smallest, size / 2);
     return smallest / grid.cell_size;
   };
-  CellTree tree = refine_cells(solid.geometry(), grid, wanted, levels);
+  CellTree tree = tree_of_sizes(body, solid.geometry(), grid, wanted, levels);
   // Level by level: where the cells of a face are is known from the cells of the level before.
   for (int level = 0; level + 1 < face_levels; ++level) {
     const CutCells cells = make_cut_cells(solid, grid, dividers, options, tree);

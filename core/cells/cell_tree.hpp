@@ -3,14 +3,22 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
+#include "core/base/errors.hpp"
 #include "core/cells/grid.hpp"
 #include "core/cells/grid_numbers.hpp"
 
 namespace cgcontact {
 
 class BodyGeometry;
+
+/// A tree would have more cells than are allowed.
+class TooManyCells : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 class CellTree {
  public:
@@ -54,7 +62,9 @@ inline Index3 cells_of_level(const Index3& num_cells, int level) {
 /// Divides cells which the body touches for as long as they are larger than what is wanted somewhere in them; those of
 /// a quadtree (Grid::slice) into four.
 /// body: grid coordinates. wanted(low, high): smallest wanted size in a box, grid coordinates. most_levels >= 1.
+/// most_divided: TooManyCells as soon as more cells are divided, before their parts are looked at.
 CellTree refine_cells(const BodyGeometry& body, const Grid& grid,
-                      const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int most_levels);
+                      const std::function<double(const Vec3& low, const Vec3& high)>& wanted, int most_levels,
+                      double most_divided = std::numeric_limits<double>::infinity());
 
 }  // namespace cgcontact

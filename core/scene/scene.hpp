@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -73,8 +74,9 @@ struct BodySpec {
   Material material;
   double cell_size = 0;  ///< m; of the largest cells. 0: chosen from the shape, with [accuracy] only
   std::vector<RefineSpec> refine;
-  std::vector<std::shared_ptr<const SizeField>> sizes;  ///< as `refine`, from an earlier solution ([accuracy])
-  std::optional<Coordinate> plane_strain;               ///< nothing varies and nothing moves along this axis
+  std::vector<std::shared_ptr<const SizeField>> sizes;          ///< as `refine`, from an earlier solution ([accuracy])
+  double most_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
+  std::optional<Coordinate> plane_strain;                       ///< nothing varies and nothing moves along this axis
   SourcePlace plane_strain_place;
   bool quadtree = false;  ///< in plane strain with cells of several sizes: one layer of them on every level
   Vec3 grid_offset =

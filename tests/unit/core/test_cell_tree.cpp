@@ -79,6 +79,23 @@ TEST(CellTree, RefusesMoreThanNumbersHold) {
   EXPECT_THROW(CellTree({5, 5, 5}, refined), InputError);
 }
 
+// A ball of 8 cells of size 1/8 towards its middle: as many divided cells as are allowed are made, one less is refused.
+TEST(CellTree, RefusesMoreDividedCellsThanAllowed) {
+  const Solid ball = Solid::sphere({4, 4, 4}, 4, "ball");
+  Grid grid;
+  grid.num_cells = {8, 8, 8};
+  const auto wanted = [](const Vec3& low, const Vec3& high) {
+    const Vec3 middle(4, 4, 4);
+    return 0.125 + (middle - middle.cwiseMax(low).cwiseMin(high)).norm();
+  };
+  const CellTree tree = refine_cells(ball.geometry(), grid, wanted, 4);
+  double divided = 0;  // the balance asks for none: sizes grow by no more than the distance
+  for (int l = 0; l + 1 < tree.num_levels(); ++l) tree.refined(l).each([&](const Index3&) { ++divided; });
+  ASSERT_GT(divided, 20);
+  EXPECT_EQ(refine_cells(ball.geometry(), grid, wanted, 4, divided).num_levels(), tree.num_levels());
+  EXPECT_THROW(refine_cells(ball.geometry(), grid, wanted, 4, divided - 1), TooManyCells);
+}
+
 /// A body in its grid, refined towards a point.
 CutCells refined_cells(const Solid& solid, const Grid& grid, const Vec3& point, double finest, double slope,
                        int levels) {
