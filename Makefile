@@ -7,6 +7,7 @@
 #   make asan       the same with address and undefined-behaviour sanitizers
 #   make tsan       BACKEND=openmp with the thread sanitizer (clang; needs make trilinos-openmp)
 #   make fuzz       RUNS (100000) executions of each fuzz target with libFuzzer and sanitizers
+#   make python         build the Python module and say how to use it
 #   make install PREFIX=DIR   program, library and documents into DIR (default /usr/local)
 #   make docs       reference of the library in build/docs/html (needs doxygen, which it installs)
 #   make format     format the sources; format-check, tidy: complain only
@@ -24,11 +25,11 @@ CLANG_FORMAT ?= clang-format-14
 CLANG_TIDY ?= clang-tidy
 
 build := build/$(BACKEND)
-folders := core kernels recovery contact perf tests
+folders := core kernels recovery contact python perf tests
 sources = $(shell find $(folders) -name '*.[ch]pp')
 
 .NOTPARALLEL:
-.PHONY: all build configure demo test trilinos-openmp asan tsan fuzz install docs format format-check tidy clean deps \
+.PHONY: all build configure demo test python trilinos-openmp asan tsan fuzz install docs format format-check tidy clean deps \
   deps-test deps-docs deps-format
 all: build
 
@@ -56,6 +57,10 @@ demo: configure
 
 test: deps-test build
 	@ctest --preset $(BACKEND)
+
+python: configure
+	@cmake --build --preset $(BACKEND) --target cgcontact_python
+	@echo "PYTHONPATH=$(CURDIR)/$(build)/python python3 -c 'import cgcontact'    (docs/python.md)"
 
 trilinos-openmp:
 	@scripts/build_trilinos_openmp.sh

@@ -9,4 +9,9 @@ endfunction()
 
 function(cgcontact_precompiled_as target other)
   target_precompile_headers(${target} REUSE_FROM ${other})
+  get_target_property(type ${target} TYPE)
+  if(CMAKE_POSITION_INDEPENDENT_CODE AND type STREQUAL EXECUTABLE)  # as the library that has them, not -fPIE
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIC)
+  endif()
 endfunction()

@@ -12,17 +12,19 @@ set -euo pipefail
 
 # trilinos-all-dev: its component packages refer to each other in their CMake files and do not configure alone.
 # libocct-data-exchange-dev: OpenCASCADE, for CAD files; brings its other packages.
+# pybind11-dev, python3-dev, python3-numpy: the Python module.
 # libptscotch-dev: Trilinos names its libraries to the linker, but does not depend on it.
 packages=(
   g++ make cmake ninja-build
   trilinos-all-dev libptscotch-dev libopenmpi-dev libhdf5-dev libeigen3-dev
   libtomlplusplus-dev libmuparser-dev libcli11-dev nlohmann-json3-dev libfmt-dev libcgal-dev libocct-data-exchange-dev
   libgtest-dev libbenchmark-dev
+  pybind11-dev python3-dev python3-numpy
   gnuplot-nox
 )
 for option in "$@"; do
   case "$option" in
-    --test) packages+=(python3 python3-numpy python3-vtk9 groff-base) ;;
+    --test) packages+=(python3 python3-vtk9 python3-matplotlib python3-scipy python3-meshio groff-base) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
     --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;

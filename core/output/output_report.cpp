@@ -191,8 +191,8 @@ Json json_of_bodies(const Results& results) {
 
 }  // namespace
 
-void write_report(const Results& results, const std::vector<std::string>& files,
-                  const std::vector<std::string>& warnings, const std::string& file_name) {
+std::string report_text(const Results& results, const std::vector<std::string>& files,
+                        const std::vector<std::string>& warnings) {
   Json json;
   json["program"] = "cgcontact";
   json["scene"] = results.scene_file;
@@ -219,7 +219,12 @@ void write_report(const Results& results, const std::vector<std::string>& files,
   json["warnings"] = results.warnings;
   for (const std::string& warning : warnings) json["warnings"].push_back(warning);
   json["files"] = files;
-  write_text(file_name, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_report(const Results& results, const std::vector<std::string>& files,
+                  const std::vector<std::string>& warnings, const std::string& file_name) {
+  write_text(file_name, report_text(results, files, warnings));
 }
 
 std::vector<std::string> files_of_report(const std::string& file_name) {

@@ -1,0 +1,170 @@
+#!/usr/bin/python3
+# timeout: 300
+"""The Python module: the numbers of the program to the last bit, scenes from dicts, arrays and probes that agree with the fields, the
+program's messages as exceptions, Ctrl-C, and the scripts of examples/."""
+import json
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import textwrap
+import unittest
+
+import harness
+from harness import cgcontact, report, scene, settings
+
+# Figures that are of one run.
+OWN = ("times_s", "peak_memory_bytes", "command", "files", "accuracy", "bodies")
+LIMITED = {"output__plots": "false", "output__vtk": "false"}
+
+
+def module():
+    return pathlib.Path(harness.PROGRAM).parent / "python"
+
+
+def environment():
+    return {**os.environ, "PYTHONPATH": str(module()), "MPLBACKEND": "Agg"}
+
+
+def python(code, **values):
+    """Runs code with the module; what it prints."""
+    code = "import json, sys, cgcontact, numpy as np\n" + textwrap.dedent(code).format(**values)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=False)
+    if done.returncode != 0:
+        raise AssertionError(done.stderr)
+    return done.stdout
+
+
+class Python(unittest.TestCase):
+    maxDiff = None
+
+    def setUp(self):
+        if not module().is_dir():
+            self.skipTest("built without the Python module")
+
+    def test_the_numbers_of_the_program(self):
+        """Reports are equal, and contact.csv has the digits of the arrays; with [accuracy] too."""
+        for name, values in (("two_solids_3d", {"n": 6}), ("roller", {"accuracy__pressure": '"5 %"'})):
+            with self.subTest(scene=name):
+                outcome = cgcontact("run", scene(name), "--out", name, *settings(**values, **LIMITED))
+                self.assertEqual(outcome.code, 0, outcome.err)
+                keys = {key.replace("__", "."): json.loads(str(value)) for key, value in {**values, **LIMITED}.items()}
+                printed = python("""
+                    r = cgcontact.read({file!r}, {keys!r}).solve()
+                    c = r.contact
+                    assert not c["x"].flags.owndata and not c["x"].flags.writeable
+                    rows = np.column_stack([c["x"], c["normal"], c["weight"], c["gap"], c["pressure_raw"], c["pressure_spr"],
+                                            c["pressure_sprc"], c["pressure_error"], c["active"]])
+                    json.dump([r.report, rows.tolist()], sys.stdout)
+                    """, file=str(scene(name)), keys=keys)
+                own, rows = json.loads(printed)
+                written = report(name)
+                for key in written:
+                    if key not in OWN:
+                        self.assertEqual(own[key], written[key], key)
+                lines = pathlib.Path(name, "contact.csv").read_text().splitlines()[1:]
+                self.assertEqual(len(rows), len(lines))
+                for row, line in zip(rows, lines):
+                    self.assertEqual([f"{value:.10g}" for value in row], line.split(",")[2:])
+
+    def test_a_dict_is_a_scene(self):
+        """Two cubes under uniform pressure: E eps = p exactly, in a scene of dicts with a NumPy array in it."""
+        printed = python("""
+            cube = lambda name, z: dict(name=name, shape=dict(box=dict(min=[0, 0, z], max=np.array([1., 1., z + 1]))),
+                                        material=dict(E=2e9, nu=0), cell_size=0.3, grid=dict(offset=[0.3, 0.2, 0.1]))
+            scene = cgcontact.scene(dict(
+                title="cubes", parameters=dict(p=1e6), body=[cube("low", 0), cube("high", 1)],
+                support=[dict(face="low.box.z-", displacement=dict(z=0)),
+                         *(dict(face=b + ".box." + f, symmetry=True) for b in ("low", "high") for f in ("x-", "y-"))],
+                load=[dict(face="high.box.z+", pressure="p")],
+                contact=[dict(faces=["low.box.z+", "high.box.z-"])]), p=2e6)
+            result = scene.solve()
+            probe = result.probe(np.array([[0.5, 0.5, 2.0], [0.1, 0.9, 0.5], [3, 3, 3]]))
+            json.dump([scene.parameters, scene.bodies, result.report["contact"][0]["max_pressure"],
+                       [v.tolist() for v in (probe["body"], probe["displacement"][:, 2], probe["stress"][:, 2])]], sys.stdout)
+            """)
+        parameters, bodies, pressure, (body, displacement, stress) = json.loads(printed)
+        self.assertEqual((parameters, bodies), ({"p": 2e6}, ["low", "high"]))
+        # The solver's tolerance is 1e-6 of the load; the patch test holds to 1e-8 of it.
+        self.assertAlmostEqual(pressure / 2e6, 1, delta=1e-6)
+        self.assertEqual(body, [1, 0, -1])
+        for value, exact in zip(displacement, (-2e-3, -0.5e-3)):
+            self.assertAlmostEqual(value / exact, 1, delta=1e-6)
+        for value in stress[:2]:
+            self.assertAlmostEqual(value / -2e6, 1, delta=1e-6)
+        self.assertNotEqual(stress[2], stress[2], "NaN outside of all bodies")
+
+    def test_messages(self):
+        """Those of the program, as InputError, which is a ValueError."""
+        bad = harness.SOURCE / "tests" / "bad_scenes" / "contact_with_one_face.toml"
+        outcome = cgcontact("check", bad)
+        printed = python("""
+            try:
+                cgcontact.read({bad!r})
+            except cgcontact.InputError as error:
+                assert isinstance(error, ValueError)
+                print(error)
+            """, bad=str(bad))
+        self.assertEqual("cgcontact: " + printed.strip(), outcome.err.strip())
+        printed = python("""
+            for call in (lambda: cgcontact.scene(dict(body=[dict(name="a", cell_sise=1)])), lambda: cgcontact.scene(dict(body=[object()])),
+                         lambda: cgcontact.read({file!r}, n=4).solve().cells("nobody"),
+                         lambda: cgcontact.read({file!r}, n=4).solve().probe(np.zeros(3))):
+                try:
+                    call()
+                except Exception as error:
+                    print(type(error).__name__, error)
+            """, file=str(scene("two_solids"))).splitlines()
+        self.assertEqual([line.split()[0] for line in printed], ["InputError", "TypeError", "InputError", "InputError"])
+        self.assertIn("cell_sise", printed[0])
+        self.assertIn('"nobody" (allowed: "lower", "upper")', printed[2])
+
+    def test_progress_and_interruption(self):
+        """Events come in order; what progress raises ends the solve, and so does Ctrl-C."""
+        printed = python("""
+            events = []
+            cgcontact.read({file!r}, n=4).solve(progress=events.append)
+            assert events[0] == dict(phase="cut cells"), events[0]
+            assert [e["iteration"] for e in events if "iteration" in e] == list(range(1, 1 + sum("iteration" in e for e in events)))
+            def stop(event):
+                raise RuntimeError("enough")
+            try:
+                cgcontact.read({file!r}, n=4).solve(progress=stop)
+            except RuntimeError as error:
+                print(error)
+            import os, signal
+            try:
+                cgcontact.read({file!r}, n=4).solve(progress=lambda event: os.kill(os.getpid(), signal.SIGINT))
+            except KeyboardInterrupt:
+                print("interrupted")
+            print(cgcontact.read({file!r}, n=4).solve().converged)
+            """, file=str(scene("two_solids")))
+        self.assertEqual(printed.split(), ["enough", "interrupted", "True"])
+
+    def test_writes_what_the_program_writes(self):
+        python("cgcontact.read({file!r}, n=6).solve().write('written')", file=str(scene("two_solids")))
+        outcome = cgcontact("run", scene("two_solids"), "--out", "program", *settings(n=6))
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertEqual(report("written")["files"], report("program")["files"])
+        for name in ("contact.csv", "scene.png"):
+            self.assertEqual(pathlib.Path("written", name).read_bytes(), pathlib.Path("program", name).read_bytes(), name)
+
+    def test_examples(self):
+        """Every script runs; those that need a package that is not here are skipped, and counted."""
+        scripts, skipped = sorted((harness.SOURCE / "examples").glob("*.py")), []
+        self.assertEqual(len(scripts), 4)
+        for script in scripts:
+            with self.subTest(script=script.name):
+                done = subprocess.run([sys.executable, script], capture_output=True, text=True, env=environment(), check=False)
+                if "No module named" in done.stderr:
+                    skipped.append(script.name)
+                    continue
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertGreater(len(done.stdout), 20)
+        print("skipped for lack of packages:", skipped)
+        self.assertLessEqual(len(skipped), 2, "scipy and meshio at most")
+
+
+if __name__ == "__main__":
+    harness.main()
