@@ -49,7 +49,7 @@ double read_parameter(const TomlCursor& table, const std::string& name, Constant
 }
 
 Material read_material(const TomlCursor& node) {
-  node.expect_keys({"E", "nu"});
+  node.expect_keys({"E", "nu", "density", "expansion", "yield"});
   Range poisson;
   poisson.min = -1;
   poisson.max = 0.5;
@@ -64,6 +64,9 @@ Material read_material(const TomlCursor& node) {
   youngs_modulus.number(Range::positive("Pa"));
   material.youngs_modulus = youngs_modulus.number(modulus);
   material.poisson_ratio = node.at("nu", "-1 < nu < 0.5").number(poisson);
+  if (const auto value = node.find("density")) material.density = value->number(Range::positive("kg/m^3"));
+  if (const auto value = node.find("expansion")) material.expansion = value->number(Range::any("1/K"));
+  if (const auto value = node.find("yield")) material.yield_stress = value->number(Range::positive("Pa"));
   return material;
 }
 
