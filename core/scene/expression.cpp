@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <mutex>
 
 #include "core/base/suggest.hpp"
@@ -47,12 +48,19 @@ std::size_t length_of_number(const std::string& text, std::size_t begin) {
   return k - begin;
 }
 
-/// Calls visit(name, is_called) for every name in the text; a name followed by "(" is called.
-void for_each_name(const std::string& text, const std::function<void(const std::string&, bool)>& visit) {
+/// Calls visit(name, is_called) for every name in the text; a name followed by "(" is called. `with_units`: also for
+/// units that may be meant as parameters.
+void for_each_name(const std::string& text, const std::function<void(const std::string&, bool)>& visit,
+                   bool with_units = false) {
   std::size_t k = 0;
   while (k < text.size()) {
     if (const std::size_t length = length_of_number(text, k)) {
       k += length;
+      const std::size_t next = std::min(text.find_first_not_of(" \t", k), text.size());
+      std::vector<std::string> doubtful;
+      if (const std::size_t unit = length_of_unit(text, next, nullptr, &doubtful)) k = next + unit;
+      for (const std::string& name : doubtful)
+        if (with_units) visit(name, false);
     } else if (starts_name(text[k])) {
       const std::size_t begin = k;
       while (k < text.size() && continues_name(text[k])) ++k;
@@ -69,7 +77,7 @@ mu::Parser make_parser(const Constants& constants) {
   parser.DefineConst("pi", pi);
   parser.DefineConst(pi_name, pi);
   parser.DefineConst(e_name, e);
-  for (const auto& [name, value] : constants) parser.DefineConst(name, value);
+  for (const auto& [name, quantity] : constants) parser.DefineConst(name, quantity.value);
   return parser;
 }
 
@@ -98,12 +106,11 @@ std::string format_number(double value) {
   const auto contains = [](const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
-  static const std::vector<std::string> units = {"m",  "mm", "cm",  "um",  "km",  "in",  "ft",  "N", "kN",
-                                                 "MN", "Pa", "kPa", "MPa", "GPa", "deg", "rad", "kg"};
   for_each_name(text, [&](const std::string& name, bool is_called) {
-    if (!is_called && contains(units, name) && !contains(known, name) && did_you_mean(name, parameters).empty())
+    if (!is_called && contains(names_of_units(), name) && !contains(known, name) &&
+        did_you_mean(name, parameters).empty())
       throw InputError(place, in_quotes(text),
-                       "unknown name " + in_quotes(name) + ": numbers have no units here, all values are in SI units",
+                       "unknown name " + in_quotes(name) + ": a unit stands behind a number, as in \"20 mm\"",
                        join(known) + ", " + join(functions, " "));
     if (is_called && !contains(functions, name) && !contains(known, name))
       throw InputError(place, in_quotes(text), "unknown function " + in_quotes(name) + did_you_mean(name, functions),
@@ -143,11 +150,131 @@ void check_text(const std::string& text, const SourcePlace& place) {
   }
 }
 
+/// A text without units: the numbers that have one are constants of their own.
+struct TextWithoutUnits {
+  std::string text;
+  Constants constants;
+  bool has_units = false, has_dimensions = false;  ///< of a quantity in it
+};
+
+/// A unit behind "*" or "/" must not be meant as a parameter.
+void check_not_parameters(const std::string& text, const std::vector<std::string>& names, const SourcePlace& place,
+                          const Constants& constants) {
+  for (const std::string& name : names)
+    if (constants.count(name))
+      throw InputError(place, in_quotes(text), in_quotes(name) + " is a parameter and a unit",
+                       "another name of the parameter, or brackets around the number and its unit: (5 N)/" + name);
+}
+
+/// A word behind a number that is no unit has no meaning.
+void check_no_word(const std::string& text, std::size_t begin, const SourcePlace& place) {
+  std::size_t end = begin;
+  while (end < text.size() && (continues_name(text[end]) || static_cast<unsigned char>(text[end]) >= 0x80)) ++end;
+  const std::string word = text.substr(begin, end - begin);
+  if (word.empty() || word[0] == '_' || length_of_number(text, begin) > 0) return;
+  const bool celsius = word == "C" || word == "\u00b0C" || word == "degC";
+  throw InputError(place, in_quotes(text),
+                   in_quotes(word) + " is no unit" +
+                       (celsius ? ": temperatures are differences, in K" : did_you_mean(word, names_of_units())),
+                   "an operator behind the number, or one of " + join(names_of_units()));
+}
+
+TextWithoutUnits without_units(const std::string& text, const SourcePlace& place, const Constants& constants) {
+  TextWithoutUnits result{"", constants};
+  std::string prefix = "_number";
+  while (text.find(prefix) != std::string::npos) prefix += '_';
+  int count = 0;
+  for (std::size_t k = 0; k < text.size();) {
+    std::size_t end = k + 1;
+    if (const std::size_t length = length_of_number(text, k)) {
+      end = k + length;
+      const std::size_t next = std::min(text.find_first_not_of(" \t", end), text.size());
+      Unit unit;
+      std::vector<std::string> names;
+      const std::size_t unit_length = length_of_unit(text, next, &unit, &names);
+      if (unit_length == 0) {
+        check_no_word(text, next, place);
+      } else {
+        check_not_parameters(text, names, place, constants);
+        const std::string name = prefix + std::to_string(count++);
+        result.constants[name] = Quantity(unit.to_si(std::stod(text.substr(k, length))), unit.dimension, true);
+        result.has_units = result.has_dimensions = true;
+        result.text += name;
+        k = next + unit_length;
+        continue;
+      }
+    } else if (starts_name(text[k])) {
+      while (end < text.size() && continues_name(text[end])) ++end;
+      const std::string name = text.substr(k, end - k);
+      if (const auto found = constants.find(name); found != constants.end()) {
+        result.has_units = result.has_units || found->second.has_units;
+        result.has_dimensions = result.has_dimensions || found->second.dimension;
+      }
+    }
+    result.text += text.substr(k, end - k);
+    k = end;
+  }
+  return result;
+}
+
+/// Evaluates a text in other units; never moved.
+class ParserInUnits {
+ public:
+  ParserInUnits(const TextWithoutUnits& text, const Vec3& x) : x_(x) {
+    parser_ = make_parser({});
+    for (const auto& [name, quantity] : text.constants) {
+      Variable& variable = variables_[name];
+      variable = {quantity.value, quantity.value, quantity.dimension.value_or(Dimension{})};
+      parser_.DefineVar(name, &variable.value);
+    }
+    for (int k = 0; k < 3; ++k) parser_.DefineVar(axis_names[k], &scaled_x_[k]);
+    parser_.SetExpr(text.text);
+  }
+  ParserInUnits(const ParserInUnits&) = delete;
+  double operator()(const UnitScales& scales) {
+    for (auto& [name, variable] : variables_) variable.value = variable.in_si * scale_of(variable.dimension, scales);
+    for (int k = 0; k < 3; ++k) scaled_x_[k] = x_[k] * scales[Dimension::length];
+    return parser_.Eval();
+  }
+
+ private:
+  struct Variable {
+    double value = 0, in_si = 0;
+    Dimension dimension;
+  };
+  std::map<std::string, Variable> variables_;
+  const Vec3 x_;
+  double scaled_x_[3] = {0, 0, 0};
+  mu::Parser parser_;
+};
+
+/// Dimension of the text's value at x. Throws InputError if its parts have units that do not fit.
+FoundDimension dimension_at(const TextWithoutUnits& plain, const std::string& text, const SourcePlace& place,
+                            const Constants& constants, const Vec3& x) {
+  ParserInUnits parser(plain, x);
+  FoundDimension found = find_dimension([&parser](const UnitScales& scales) { return parser(scales); });
+  if (!found.mixed.empty() && plain.has_units)
+    throw InputError(place, in_quotes(text),
+                     "mixes quantities of different dimensions: its parts do not have the same power of " +
+                         found.mixed + used_constants(text, constants),
+                     "quantities of one dimension in sums, comparisons, min and max; beside units, a number without "
+                     "one is a pure number");
+  return found;
+}
+
+/// Places at which the units of a field are looked at, m: where it is zero nothing is seen.
+std::vector<Vec3> places_for_units() {
+  std::vector<Vec3> places;
+  for (const double size : {1e-3, 0.02, 1.0, 30.0})
+    for (const double sign : {1.0, -1.0}) places.push_back(sign * size * Vec3(0.31, 0.47, 0.83));
+  return places;
+}
+
 /// A parser with the variables it is bound to; never moved.
 struct BoundParser {
-  BoundParser(const std::string& text, const Constants& constants) : parser(make_parser(constants)) {
+  explicit BoundParser(const TextWithoutUnits& plain) : parser(make_parser(plain.constants)) {
     for (int k = 0; k < 3; ++k) parser.DefineVar(axis_names[k], &x[k]);
-    parser.SetExpr(text);
+    parser.SetExpr(plain.text);
   }
   BoundParser(const BoundParser&) = delete;
   double evaluate(const Vec3& point) {
@@ -163,10 +290,11 @@ struct BoundParser {
 
 /// A text that has been checked, with as many parsers as threads have ever evaluated it at the same time.
 struct Expression::Compiled {
-  Compiled(const std::string& text_in, const SourcePlace& place_in, const Constants& constants_in)
-      : text(text_in), place(place_in), constants(constants_in) {
+  Compiled(const TextWithoutUnits& plain_in, const std::string& text_in, const SourcePlace& place_in,
+           const Constants& constants_in)
+      : plain(plain_in), text(text_in), place(place_in), constants(constants_in) {
     try {
-      auto parser = std::make_unique<BoundParser>(text, constants);
+      auto parser = std::make_unique<BoundParser>(plain);
       is_constant = parser->parser.GetUsedVar().empty();
       parser->parser.Eval();  // makes the bytecode
       idle.push_back(std::move(parser));
@@ -174,7 +302,7 @@ struct Expression::Compiled {
       fail(error, text, place, constants, true);
     }
   }
-  Compiled(const Compiled& other) : Compiled(other.text, other.place, other.constants) {}
+  Compiled(const Compiled& other) : Compiled(other.plain, other.text, other.place, other.constants) {}
   Compiled& operator=(const Compiled&) = delete;
 
   double evaluate(const Vec3& point) {
@@ -204,10 +332,11 @@ struct Expression::Compiled {
         return parser;
       }
     }
-    return std::make_unique<BoundParser>(text, constants);
+    return std::make_unique<BoundParser>(plain);
   }
 
-  std::string text;
+  TextWithoutUnits plain;
+  std::string text;  ///< as it was written
   SourcePlace place;
   Constants constants;
   std::mutex mutex;
@@ -219,9 +348,15 @@ Expression::Expression() = default;
 
 Expression::Expression(double value) : constant_(value) {}
 
-Expression::Expression(const std::string& text, const SourcePlace& place, const Constants& constants) {
+Expression::Expression(const std::string& text, const SourcePlace& place, const Constants& constants,
+                       const std::optional<Unit>& wanted) {
   check_text(text, place);
-  auto compiled = std::make_unique<Compiled>(text, place, constants);
+  const TextWithoutUnits plain = without_units(text, place, constants);
+  auto compiled = std::make_unique<Compiled>(plain, text, place, constants);
+  if (plain.has_units)
+    for (const Vec3& x : places_for_units())
+      if (const FoundDimension found = dimension_at(plain, text, place, constants, x); found.dimension && wanted)
+        value_in(*wanted, Quantity(0, *found.dimension, true), place, in_quotes(text), "an expression");
   if (compiled->is_constant)
     constant_ = compiled->evaluate(Vec3::Zero());
   else
@@ -246,12 +381,13 @@ bool Expression::is_zero() const { return is_constant() && constant_ == 0; }
 
 bool Expression::is_constant() const { return compiled_ == nullptr; }
 
-double evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants) {
+Quantity evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants) {
   check_text(text, place);
+  const TextWithoutUnits plain = without_units(text, place, constants);
   double value = 0;
   try {
-    mu::Parser parser = make_parser(constants);
-    parser.SetExpr(text);
+    mu::Parser parser = make_parser(plain.constants);
+    parser.SetExpr(plain.text);
     value = parser.Eval();
   } catch (const mu::ParserError& error) {
     fail(error, text, place, constants, false);
@@ -260,14 +396,20 @@ double evaluate_constant(const std::string& text, const SourcePlace& place, cons
     throw InputError(place, in_quotes(text),
                      "the value is not finite" + used_constants(text, constants) + " (division by zero?)",
                      "a finite number");
-  return value;
+  Quantity quantity(value);
+  if (plain.has_dimensions) {
+    quantity.dimension = dimension_at(plain, text, place, constants, Vec3::Zero()).dimension;
+    quantity.has_units = plain.has_units;
+  }
+  return quantity;
 }
 
 std::vector<std::string> identifiers(const std::string& text) {
   std::vector<std::string> names;
-  for_each_name(text, [&names](const std::string& name, bool is_called) {
+  const auto add = [&names](const std::string& name, bool is_called) {
     if (!is_called && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  });
+  };
+  for_each_name(text, add, true);
   return names;
 }
 

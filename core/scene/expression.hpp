@@ -8,11 +8,12 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/types.hpp"
+#include "core/scene/unit_check.hpp"
 
 namespace cgcontact {
 
 /// Named numbers that expressions may use besides x, y, z and pi (the scene's [parameters]).
-using Constants = std::map<std::string, double>;
+using Constants = std::map<std::string, Quantity>;
 
 /// Name of the constant that only [reference] knows, after the solve: magnitude of the first pair's contact force, N.
 inline constexpr const char* contact_force_name = "contact_force";
@@ -22,8 +23,10 @@ class Expression {
  public:
   Expression();  ///< zero
   explicit Expression(double value);
-  /// Compiles; throws InputError that names the place, the text and the position of the mistake.
-  Expression(const std::string& text, const SourcePlace& place, const Constants& constants = {});
+  /// Compiles; throws InputError that names the place, the text and the position of the mistake. Units in the text are
+  /// checked against the SI unit that is `wanted` (none: any dimension), x, y and z being lengths.
+  Expression(const std::string& text, const SourcePlace& place, const Constants& constants = {},
+             const std::optional<Unit>& wanted = std::nullopt);
   ~Expression();
   Expression(const Expression&);
   Expression& operator=(const Expression&);
@@ -43,9 +46,10 @@ class Expression {
 };
 
 /// Value of an expression of the constants alone; throws InputError like Expression, also if x, y or z occur.
-double evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants = {});
+Quantity evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants = {});
 
-/// The names of variables and constants (not of functions) that occur in the text, in order, without repetition.
+/// The names of variables and constants (not of functions) that occur in the text, in order, without repetition; with
+/// units behind "*" or "/", which may be meant as constants.
 std::vector<std::string> identifiers(const std::string& text);
 
 /// " with n = 16, t = 0.1" for the constants that occur in the text, or "".

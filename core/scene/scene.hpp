@@ -34,6 +34,9 @@ const std::string& name_of(Coordinate coordinate);
 struct Material {
   double youngs_modulus = 0;  ///< Pa
   double poisson_ratio = 0;
+  std::optional<double> density = {};       ///< kg/m^3
+  std::optional<double> expansion = {};     ///< 1/K, of lengths
+  std::optional<double> yield_stress = {};  ///< Pa
 };
 
 /// A named part of a body's boundary: the points that match every selector given.

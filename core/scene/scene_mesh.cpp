@@ -34,7 +34,9 @@ Range angle_range() {
 double read_scale(const TomlCursor& node) {
   const auto unit = node.find("unit"), scale = node.find("scale");
   if (unit && scale) node.fail("has both unit and scale", "unit = \"mm\" or scale = 1e-3");
-  if (scale) return scale->number(Range::positive("m per unit of the file"));
+  Range per_unit = Range::positive("m");
+  per_unit.text = "> 0 m per unit of the file";
+  if (scale) return scale->number(per_unit);
   std::vector<std::string> names;
   for (const auto& entry : mesh_units()) names.push_back(entry.first);
   return mesh_units().at(

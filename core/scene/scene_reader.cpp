@@ -27,8 +27,8 @@ std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::str
 }
 
 /// One parameter after those that its expression uses; `in_progress` detects circles.
-double read_parameter(const TomlCursor& table, const std::string& name, Constants& known,
-                      std::set<std::string>& in_progress) {
+Quantity read_parameter(const TomlCursor& table, const std::string& name, Constants& known,
+                        std::set<std::string>& in_progress) {
   const TomlCursor entry = table.at(name);
   if (!is_free_name(name))
     entry.fail("\"" + name + "\" cannot be the name of a parameter",
@@ -40,31 +40,12 @@ double read_parameter(const TomlCursor& table, const std::string& name, Constant
     for (const std::string& used : identifiers(entry.string()))
       if (table.find(used)) read_parameter(table, used, known, in_progress);
     const SceneText text{entry.text().file, known};
-    known[name] = TomlCursor(entry.node(), entry.key(), text).number(Range::any());
+    known[name] = TomlCursor(entry.node(), entry.key(), text).quantity();
   } else {
-    known[name] = entry.number(Range::any());
+    known[name] = entry.quantity();
   }
   in_progress.erase(name);
   return known[name];
-}
-
-Material read_material(const TomlCursor& node) {
-  node.expect_keys({"E", "nu"});
-  Range poisson;
-  poisson.min = -1;
-  poisson.max = 0.5;
-  poisson.min_allowed = poisson.max_allowed = false;
-  poisson.text = "-1 < nu < 0.5; at 0.5 the material is incompressible and its bulk modulus E/(3(1-2nu)) infinite";
-  Range modulus;  // beyond it forces overflow
-  modulus.min = 1e-9;
-  modulus.max = 1e21;
-  modulus.text = "1e-9 to 1e21 Pa";
-  Material material;
-  const TomlCursor youngs_modulus = node.at("E", "> 0 Pa");
-  youngs_modulus.number(Range::positive("Pa"));
-  material.youngs_modulus = youngs_modulus.number(modulus);
-  material.poisson_ratio = node.at("nu", "-1 < nu < 0.5").number(poisson);
-  return material;
 }
 
 /// Cell size, checked against the number of cells that it makes.
@@ -100,7 +81,7 @@ void read_grid(const TomlCursor& node, BodySpec& body) {
     fraction.max = 1;
     fraction.max_allowed = false;
     fraction.text = "fractions of a cell, 0 <= f < 1";
-    body.grid_offset = offset->vector("fractions of a cell, 0 <= f < 1");
+    body.grid_offset = offset->vector();
     const std::vector<TomlCursor> components = offset->elements("");
     for (const TomlCursor& component : components) component.number(fraction);
   }
@@ -114,7 +95,7 @@ std::array<Expression, 3> read_vector_field(const TomlCursor& node, const std::s
   const std::string allowed = "[x, y, z] of numbers or expressions, " + unit;
   const std::vector<TomlCursor> components = node.elements(allowed);
   if (components.size() != 3) node.fail("has " + std::to_string(components.size()) + " components, not 3", allowed);
-  return {components[0].expression(), components[1].expression(), components[2].expression()};
+  return {components[0].expression(unit), components[1].expression(unit), components[2].expression(unit)};
 }
 
 /// Throws if the name was there before.
@@ -237,7 +218,7 @@ RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body
   return refine;
 }
 
-BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) const {
+BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape, const SceneMaterials& materials) const {
   BodySpec body;
   body.place = node.place();
   body.name = read_name(node.at("name", "a name"));
@@ -245,7 +226,7 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape) cons
   body.notes = shape.notes;
   body.warnings = shape.warnings;
   body.repairs = shape.repairs;
-  body.material = read_material(node.at("material", "{E = .., nu = ..}"));
+  body.material = materials.read(node.at("material", "\"steel\" or another name, or {E = .., nu = ..}"));
   // Without it the first grid of a run to an accuracy comes from the shape.
   if (node.find("cell_size") || !scene_.accuracy.any()) body.cell_size = read_cell_size(node, shape);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);
@@ -317,13 +298,14 @@ void SceneReader::add_ends_in_plane_strain() {
 void SceneReader::read_bodies(const TomlCursor& root) {
   std::set<std::string> seen;
   const TomlCursor list = root.at("body", "one [[body]] section per body");
+  const SceneMaterials materials(root);
   for (const TomlCursor& node : list.elements("[[body]] sections")) {
     node.expect_keys(
         {"name", "shape", "material", "cell_size", "grid", "body_force", "faces", "refine", "plane_strain"});
     const TomlCursor name = node.at("name", "a name");
     check_unique(name, read_name(name), seen, "body");
     shapes_.push_back(read_shape(node));
-    scene_.bodies.push_back(read_body(node, shapes_.back()));
+    scene_.bodies.push_back(read_body(node, shapes_.back(), materials));
   }
   if (scene_.bodies.empty()) list.fail("there is no body", "one [[body]] section per body");
 }
@@ -386,10 +368,10 @@ void SceneReader::read_supports(const TomlCursor& root) {
                 "symmetry = true, or displacement = {x = .., y = .., z = ..}");
     if (displacement) {
       displacement->expect_keys({"x", "y", "z", "normal"});
-      if (const auto normal = displacement->find("normal")) support.normal_displacement = normal->expression();
+      if (const auto normal = displacement->find("normal")) support.normal_displacement = normal->expression("m");
       const char* const axes[3] = {"x", "y", "z"};
       for (int k = 0; k < 3; ++k)
-        if (const auto component = displacement->find(axes[k])) support.displacement[k] = component->expression();
+        if (const auto component = displacement->find(axes[k])) support.displacement[k] = component->expression("m");
       if (displacement->entries().empty())
         displacement->fail("prescribes nothing", "at least one of x, y, z, normal (m)");
     }
@@ -415,7 +397,7 @@ void SceneReader::read_loads(const TomlCursor& root) {
     load.face = resolve_face(node.at("face", "\"body.face\""));
     const auto pressure = node.find("pressure"), traction = node.find("traction");
     if (!pressure && !traction) node.fail("says no load", "pressure = .. and/or traction = [x, y, z] (Pa)");
-    if (pressure) load.pressure = pressure->expression();
+    if (pressure) load.pressure = pressure->expression("Pa");
     if (traction) load.traction = read_vector_field(*traction, "Pa");
     probe_expressions(scene_.bodies[load.face.body], load.face.face,
                       {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
@@ -518,9 +500,9 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 }
 
 const std::vector<std::string>& scene_keys() {
-  static const std::vector<std::string> keys{"title",    "parameters", "plane_strain", "accuracy", "body",
-                                             "support",  "load",       "contact",      "steps",    "solver",
-                                             "recovery", "output",     "reference"};
+  static const std::vector<std::string> keys{"title",  "parameters", "plane_strain", "accuracy", "material",
+                                             "body",   "support",    "load",         "contact",  "steps",
+                                             "solver", "recovery",   "output",       "reference"};
   return keys;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "core/scene/scene_materials.hpp"
 #include "core/scene/scene_shapes.hpp"
 #include "core/scene/toml_cursor.hpp"
 
@@ -27,7 +28,7 @@ class SceneReader {
   void read_bodies(const TomlCursor& root);
   void read_plane_strain(const TomlCursor& root);
   void add_ends_in_plane_strain();
-  BodySpec read_body(const TomlCursor& node, const Shape& shape) const;
+  BodySpec read_body(const TomlCursor& node, const Shape& shape, const SceneMaterials& materials) const;
   FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
   RefineSpec read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const;
   void read_supports(const TomlCursor& root);

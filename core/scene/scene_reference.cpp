@@ -31,7 +31,7 @@ std::vector<std::array<Expression, 6>> read_stress(const TomlCursor& node, const
     const std::vector<TomlCursor> components = list.elements(allowed);
     if (components.size() != 6) list.fail("has " + std::to_string(components.size()) + " components, not 6", allowed);
     std::array<Expression, 6> stress;
-    for (std::size_t k = 0; k < 6; ++k) stress[k] = components[k].expression();
+    for (std::size_t k = 0; k < 6; ++k) stress[k] = components[k].expression("Pa");
     result.push_back(stress);
   }
   return result;
@@ -47,7 +47,7 @@ std::vector<std::pair<std::string, Expression>> read_zones(const TomlCursor& nod
     if (name.empty() || !plain || name == "whole")
       entry.fail(name == "whole" ? "\"whole\" is the name of the whole face" : "is no name of a zone",
                  "another name of letters, digits, _ - . and blanks");
-    zones.emplace_back(name, entry.expression());
+    zones.emplace_back(name, entry.expression(""));
   }
   return zones;
 }
@@ -55,7 +55,7 @@ std::vector<std::pair<std::string, Expression>> read_zones(const TomlCursor& nod
 /// Everything that [reference] may use: the scene's parameters, the contact force, [reference.parameters].
 SceneText reference_text(const TomlCursor& node, std::optional<double> contact_force) {
   SceneText text = node.text();
-  if (contact_force) text.parameters[contact_force_name] = *contact_force;
+  if (contact_force) text.parameters[contact_force_name] = Quantity(*contact_force, unit_named("N").dimension, false);
   const auto table = node.find("parameters");
   if (!table) return text;
   for (const auto& [name, entry] : table->entries())
@@ -86,7 +86,7 @@ ReferenceSpec read_reference(const TomlCursor& section, const std::vector<std::s
   const TomlCursor node(section.node(), section.key(), text);
   ReferenceSpec reference;
   reference.place = node.place();
-  if (const auto value = node.find("pressure")) reference.pressure = value->expression();
+  if (const auto value = node.find("pressure")) reference.pressure = value->expression("Pa");
   if (const auto value = node.find("pressure_file")) {
     if (reference.pressure) value->fail("the pressure is given already by an expression", "pressure or pressure_file");
     reference.pressure_file = existing_file(*value);

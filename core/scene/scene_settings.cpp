@@ -82,7 +82,8 @@ double read_target(const TomlCursor& node) {
   const std::size_t sign = text.find_last_not_of(" \t");
   if (sign == std::string::npos || text[sign] != '%') return node.number(range);
   text.resize(sign);
-  const double value = evaluate_constant(text, node.place(), node.text().parameters) / 100;
+  const Quantity per_cent = evaluate_constant(text, node.place(), node.text().parameters);
+  const double value = value_in({}, per_cent, node.place(), node.value(), range.text) / 100;
   if (!range.contains(value)) node.fail("out of range", range.text);
   return value;
 }

@@ -134,19 +134,26 @@ bool TomlCursor::boolean() const {
   return *node_->value<bool>();
 }
 
+Quantity TomlCursor::quantity(const std::string& allowed) const {
+  if (is_string()) return evaluate_constant(*node_->value<std::string>(), place(), text_->parameters);
+  if (!node_->is_number()) fail("is " + type_name() + ", not a number", allowed);
+  return number_of(*node_);
+}
+
+Quantity TomlCursor::quantity() const {
+  const std::string allowed = Range::any().text;
+  const Quantity value = quantity(allowed);
+  if (!std::isfinite(value.value)) fail("not finite", allowed);
+  return value;
+}
+
 double TomlCursor::number(const Range& range) const {
-  double number = 0;
-  if (is_string())
-    number = evaluate_constant(*node_->value<std::string>(), place(), text_->parameters);
-  else if (node_->is_number())
-    number = number_of(*node_);
-  else
-    fail("is " + type_name() + ", not a number", range.text);
+  const double number = value_in(unit_named(range.unit), quantity(range.text), place(), value(), range.text);
   if (std::isfinite(number) && range.contains(number)) return number;
   std::string problem = std::isfinite(number) ? "out of range" : "not finite";
   if (is_string())
-    problem +=
-        fmt::format(", its value is {}", number) + used_constants(*node_->value<std::string>(), text_->parameters);
+    problem += fmt::format(", its value is {}", number) + (range.unit.empty() ? "" : " ") + range.unit +
+               used_constants(*node_->value<std::string>(), text_->parameters);
   fail(problem, range.text);
 }
 
@@ -173,8 +180,8 @@ Vec3 TomlCursor::direction() const {
   return v / length;
 }
 
-Expression TomlCursor::expression() const {
-  if (is_string()) return Expression(*node_->value<std::string>(), place(), text_->parameters);
+Expression TomlCursor::expression(const std::string& unit) const {
+  if (is_string()) return Expression(*node_->value<std::string>(), place(), text_->parameters, unit_named(unit));
   if (!node_->is_number()) fail("is " + type_name() + ", not a number", "a number or an expression of x, y, z");
   return Expression(number(Range::any()));
 }

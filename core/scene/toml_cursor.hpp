@@ -54,19 +54,22 @@ class TomlCursor {
   /// Which of these names the string is.
   int one_of(const std::vector<std::string>& names) const;
   bool boolean() const;
-  /// A number, or a string that is an expression of the parameters.
+  /// A number, or a string that is an expression of the parameters; in the unit of the range.
   double number(const Range& range) const;
+  /// The same of any dimension, in SI units.
+  Quantity quantity() const;
   int integer(int min, int max) const;
   Vec3 vector(const std::string& unit = "") const;
   /// A vector that is not zero, normalised.
   Vec3 direction() const;
-  /// A number, or a string that is an expression of x, y, z and the parameters.
-  Expression expression() const;
+  /// A number, or a string that is an expression of x, y, z and the parameters; `unit`: of the SI, "" for pure numbers.
+  Expression expression(const std::string& unit) const;
   /// {axis = [..], angle = degrees}; other keys are not looked at.
   Mat3 rotation() const;
 
  private:
   std::string type_name() const;
+  Quantity quantity(const std::string& allowed) const;
 
   const toml::node* node_;
   std::string key_;

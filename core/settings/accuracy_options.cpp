@@ -4,7 +4,7 @@ namespace cgcontact {
 
 std::vector<Setting> AccuracyOptions::settings() {
   return {{"max_unknowns", &max_unknowns, Range::from_to(1000, 2e9, "1000 to 2e9 unknowns")},
-          {"max_time", &max_time, Range::from_to(0.001, 1e9, "0.001 to 1e9 s")},
+          {"max_time", &max_time, Range::from_to(0.001, 1e9, "0.001 to 1e9 s", "s")},
           {"max_levels", &max_levels, Range::integers(1, 20)},
           {"max_solves", &max_solves, Range::integers(1, 100)},
           method_constant("first_cells_through", first_cells_through, Range::positive("cells")),

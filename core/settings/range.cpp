@@ -13,6 +13,7 @@ std::string with_unit(const std::string& text, const std::string& unit) {
 Range Range::any(const std::string& unit) {
   Range range;
   range.text = with_unit("a finite number", unit.empty() ? "" : "(" + unit + ")");
+  range.unit = unit;
   return range;
 }
 
@@ -21,6 +22,7 @@ Range Range::positive(const std::string& unit) {
   range.min = 0;
   range.min_allowed = false;
   range.text = with_unit("> 0", unit);
+  range.unit = unit;
   return range;
 }
 
@@ -28,14 +30,16 @@ Range Range::not_negative(const std::string& unit) {
   Range range;
   range.min = 0;
   range.text = with_unit(">= 0", unit);
+  range.unit = unit;
   return range;
 }
 
-Range Range::from_to(double min, double max, const std::string& text) {
+Range Range::from_to(double min, double max, const std::string& text, const std::string& unit) {
   Range range;
   range.min = min;
   range.max = max;
   range.text = text;
+  range.unit = unit;
   return range;
 }
 

@@ -12,6 +12,7 @@ struct Range {
   double max = std::numeric_limits<double>::infinity();
   bool min_allowed = true, max_allowed = true;
   std::string text = "a finite number";
+  std::string unit = {};  ///< of the number, where a scene can set it: as core/scene/units.hpp knows it
 
   bool contains(double value) const {
     return (min_allowed ? value >= min : value > min) && (max_allowed ? value <= max : value < max);
@@ -20,7 +21,7 @@ struct Range {
   static Range positive(const std::string& unit = "");
   static Range not_negative(const std::string& unit = "");
   static Range integers(int min, int max);
-  static Range from_to(double min, double max, const std::string& text);
+  static Range from_to(double min, double max, const std::string& text, const std::string& unit = "");
   /// > 0 and < 1.
   static Range fraction();
   /// Relative residuals that double precision can reach.

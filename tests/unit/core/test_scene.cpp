@@ -393,6 +393,20 @@ symmetry = true
 
 // ---- shapes
 
+TEST(Scene, materials_have_what_the_scene_says) {
+  const TemporaryScene scene(one_block);
+  const Material plain = read_scene(scene.file()).bodies[0].material;
+  EXPECT_FALSE(plain.density || plain.expansion || plain.yield_stress);
+  const Material full =
+      read_scene(scene.file(), {"body.block.material={E = 2e11, nu = 0.3, density = 7850, expansion = 12e-6, yield = "
+                                "235e6}"})
+          .bodies[0]
+          .material;
+  EXPECT_EQ(full.density, 7850);
+  EXPECT_EQ(full.expansion, 12e-6);
+  EXPECT_EQ(full.yield_stress, 235e6);
+}
+
 TEST(Scene, shapes_are_turned_then_moved) {
   const TemporaryScene text(R"(
 [[body]]

@@ -1,0 +1,23 @@
+/// Reads the materials of a scene: the `material` of a [[body]], in place or by its name, and [[material]] sections.
+#pragma once
+
+#include <vector>
+
+#include "core/scene/material_library.hpp"
+#include "core/scene/toml_cursor.hpp"
+
+namespace cgcontact {
+
+/// Those of the library and of the scene's [[material]] sections.
+class SceneMaterials {
+ public:
+  /// `root`: the whole document. Throws InputError.
+  explicit SceneMaterials(const TomlCursor& root);
+  /// A name, or {E, nu, density, expansion, yield}. Throws InputError.
+  Material read(const TomlCursor& node) const;
+
+ private:
+  std::vector<NamedMaterial> materials_;
+};
+
+}  // namespace cgcontact
