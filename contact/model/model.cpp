@@ -9,9 +9,31 @@
 #include "core/scene/face_dividers.hpp"
 
 namespace cgcontact {
+
+LinearTraction resultant_of(const BodyModel& body, int load) {
+  const auto found = body.resultants.find(load);
+  return found == body.resultants.end() ? LinearTraction() : found->second;
+}
+
+bool has_body_force(const BodySpec& body) {
+  const auto is_zero = [](const Expression& component) { return component.is_zero(); };
+  return body.inertia.any() || !std::all_of(body.body_force.begin(), body.body_force.end(), is_zero);
+}
+
 namespace {
 
-TractionCondition make_condition(const Scene& scene, const PointConditions& key, double load_factor) {
+std::string in_quotes(const std::string& name) { return "\"" + name + "\""; }
+
+/// The loads that hold at a point.
+std::vector<std::pair<const LoadSpec*, LinearTraction>> tractions_of(const Scene& scene, const BodyModel& body,
+                                                                     const PointConditions& key) {
+  std::vector<std::pair<const LoadSpec*, LinearTraction>> tractions;
+  for (const int l : key.loads) tractions.emplace_back(&scene.loads[l], resultant_of(body, l));
+  return tractions;
+}
+
+TractionCondition make_condition(const Scene& scene, const BodyModel& body, const PointConditions& key,
+                                 double load_factor) {
   TractionCondition condition;
   for (int s : key.supports) {
     const SupportSpec& support = scene.supports[s];
@@ -19,12 +41,9 @@ TractionCondition make_condition(const Scene& scene, const PointConditions& key,
     for (int i = 0; i < 3; ++i) condition.component_held[i] |= support.displacement[i].has_value();
   }
   if (!key.loads.empty())
-    condition.traction = [&scene, loads = key.loads, load_factor](const Vec3& x, const Vec3& n) {
+    condition.traction = [tractions = tractions_of(scene, body, key), load_factor](const Vec3& x, const Vec3& n) {
       Vec3 t = Vec3::Zero();
-      for (int l : loads) {
-        const LoadSpec& load = scene.loads[l];
-        t += Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * n;
-      }
+      for (const auto& [load, resultant] : tractions) t += load->given_traction(x, n) + resultant.at(x);
       return Vec3(load_factor * t);
     };
   return condition;
@@ -57,8 +76,23 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
   }
 }
 
-bool has_body_force(const BodySpec& body) {
-  return !(body.body_force[0].is_zero() && body.body_force[1].is_zero() && body.body_force[2].is_zero());
+/// What gives the loads of a body their forces and moments.
+void find_resultants(const Scene& scene, int body, BodyModel& model) {
+  for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l) {
+    const LoadSpec& load = scene.loads[l];
+    if (load.face.body != body || !load.has_resultants()) continue;
+    const BodyFace face(load.face.face, model);
+    FaceMoments moments;
+    for (int p = 0; p < static_cast<int>(model.cut_cells.boundary.size()); ++p)
+      if (face.contains(p)) moments.add(model.point(p), model.slices * model.area(p));
+    if (!(moments.area() > 0)) continue;  // told as a face without points
+    try {
+      model.resultants[l] = load.resulting_traction(moments);
+    } catch (const InputError& error) {
+      throw InputError(load.place, in_quotes(model.spec->name + "." + load.face.face.name), error.what(),
+                       "a force alone, or a face with some breadth");
+    }
+  }
 }
 
 using UseForce = std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>;
@@ -91,8 +125,6 @@ void measure_thickness(BodyModel& model) {
   model.thickness = twice / area;
   model.free_thickness = free_area > 0 ? twice / free_area : 1e9;
 }
-
-std::string in_quotes(const std::string& name) { return "\"" + name + "\""; }
 
 /// Faces of a body that supports, loads and contacts name.
 std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
@@ -215,6 +247,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     if (grid.is_quadtree()) model.slices = grid.thickness / grid.slice;
     if (model.spec->plane_strain && !model.spec->quadtree) check_extruded(*model.spec, model.cut_cells);
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
+    find_resultants(scene, static_cast<int>(b), model);
     set_loads(scene, 1, model);
     measure_thickness(model);
   }
@@ -229,10 +262,11 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
 void set_loads(const Scene& scene, double factor, BodyModel& model) {
   model.boundary.conditions.clear();
   for (const PointConditions& key : model.conditions)
-    model.boundary.conditions.push_back(make_condition(scene, key, factor));
+    model.boundary.conditions.push_back(make_condition(scene, model, key, factor));
   if (has_body_force(*model.spec))
     model.boundary.body_force_at = [spec = model.spec, factor](const Vec3& x) {
-      return Vec3(factor * Vec3(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x)));
+      const Vec3 given(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x));
+      return Vec3(factor * (given + spec->inertia.force(x)));
     };
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <map>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -29,9 +30,10 @@ struct BodyModel {
   const BodySpec* spec = nullptr;
   CutCells cut_cells;
   BoundaryData boundary;
-  std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
-  double thickness = 0;                     ///< twice the volume over the area, unit of the grid coordinates
-  double free_thickness = 0;                ///< the same over the area that no support holds
+  std::vector<PointConditions> conditions;   ///< what boundary.conditions are made of
+  std::map<int, LinearTraction> resultants;  ///< of the scene's loads that are given as force and moment
+  double thickness = 0;                      ///< twice the volume over the area, unit of the grid coordinates
+  double free_thickness = 0;                 ///< the same over the area that no support holds
   double slices = 1;  ///< on a quadtree: the body's thickness over that of the slice (Grid::slice) that stands for it
   /// Less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
@@ -45,6 +47,12 @@ struct BodyModel {
     return cut_cells.solid.surfaces()[cut_cells.boundary.surface[boundary_point]].names;
   }
 };
+
+/// What gives a load of the scene its force and moment; zero for loads without.
+LinearTraction resultant_of(const BodyModel& body, int load);
+
+/// Of a body by itself: body_force, weight, rotation.
+bool has_body_force(const BodySpec& body);
 
 /// A named face on one body's boundary points; the names are compared once.
 class BodyFace {

@@ -63,7 +63,9 @@ void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
   }
 }
 
-void check_load(const Scene& scene, const LoadSpec& load, const BodyModel& body) {
+void check_load(const Scene& scene, int number, const BodyModel& body) {
+  const LoadSpec& load = scene.loads[number];
+  const LinearTraction resultant = resultant_of(body, number);
   const BodyFace face(load.face.face, body);
   const int axis = axis_of(*body.spec);
   for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
@@ -74,8 +76,7 @@ void check_load(const Scene& scene, const LoadSpec& load, const BodyModel& body)
       throw InputError(load.place, name_of_face(scene, load.face),
                        fmt::format("lies on an end of a body in plane strain across {}, {}", name, at(x)),
                        "loads on the sides only");
-    const Vec3 traction =
-        Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * body.normal(p);
+    const Vec3 traction = load.given_traction(x, body.normal(p)) + resultant.at(x);
     if (std::abs(traction[axis]) > along_axis * traction.norm())
       throw InputError(load.place, name_of_face(scene, load.face),
                        fmt::format("acts along {}, across which the body is in plane strain, {}", name, at(x)),
@@ -89,7 +90,8 @@ void check_body_force(const BodyModel& body) {
   for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {
     const Vec3 x = global_position(body.cut_cells, cell, Vec3::Zero()), force = body.boundary.body_force_at(x);
     if (std::abs(force[axis]) > along_axis * force.norm())
-      refuse(*body.spec, "its body_force acts along the axis of plane strain, " + at(x), "no body force along it");
+      refuse(*body.spec, "a force on its volume acts along the axis of plane strain, " + at(x),
+             "no body force along it");
   }
 }
 
@@ -166,8 +168,8 @@ void check_extruded(const BodySpec& body, const CutCells& cells) {
 void check_plane_strain(const Scene& scene, const std::vector<BodyModel>& bodies,
                         const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
   check_supports(scene, bodies, supports);
-  for (const LoadSpec& load : scene.loads)
-    if (scene.bodies[load.face.body].plane_strain) check_load(scene, load, bodies[load.face.body]);
+  for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l)
+    if (const int b = scene.loads[l].face.body; scene.bodies[b].plane_strain) check_load(scene, l, bodies[b]);
   for (const BodyModel& body : bodies)
     if (body.spec->plane_strain) check_body_force(body);
   for (const ContactPair& pair : pairs)

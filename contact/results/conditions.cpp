@@ -31,9 +31,11 @@ std::string range_text(const Values& values, const DisplayUnit& unit) {
 
 double largest(const Values& values) { return std::max(std::abs(values.low), std::abs(values.high)); }
 
-LoadFigures load_figures(const SolvedState& state, const LoadSpec& load, double factor) {
+LoadFigures load_figures(const SolvedState& state, int number, double factor) {
+  const LoadSpec& load = state.scene.loads[number];
   const BodyModel& body = state.bodies[load.face.body];
   const BodyFace face(load.face.face, body);
+  const LinearTraction resultant = resultant_of(body, number);
   LoadFigures figures;
   figures.face = body.spec->name + "." + load.face.face.name;
   Values pressure;
@@ -42,7 +44,7 @@ LoadFigures load_figures(const SolvedState& state, const LoadSpec& load, double 
     if (!face.contains(p)) continue;
     const Vec3 x = body.point(p), n = body.normal(p);
     const double normal = factor * load.pressure(x);
-    const Vec3 t = factor * Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x));
+    const Vec3 t = factor * (Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) + resultant.at(x));
     pressure.add(normal);
     for (int k = 0; k < 3; ++k) traction[k].add(t[k]);
     figures.area += body.area(p);
@@ -64,8 +66,7 @@ LoadFigures load_figures(const SolvedState& state, const LoadSpec& load, double 
 void add_body_forces(const SolvedState& state, Results& results) {
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     const BodySpec& body = *state.bodies[b].spec;
-    const auto is_zero = [](const Expression& component) { return component.is_zero(); };
-    if (std::all_of(body.body_force.begin(), body.body_force.end(), is_zero)) continue;
+    if (!has_body_force(body)) continue;
     const CutCells& cells = state.bodies[b].cut_cells;
     LoadFigures figures{body.name, "body force", state.outer.load_of_body[b],
                         volume(cells) * std::pow(cells.grid.cell_size, 3), true};
@@ -117,7 +118,8 @@ double area_of(const SolvedState& state, const FaceRef& reference, bool is_end) 
 
 void fill_conditions(const SolvedState& state, Results& results) {
   const double factor = state.scene.steps.empty() ? 1 : state.scene.steps.back().loads;
-  for (const LoadSpec& load : state.scene.loads) results.loads.push_back(load_figures(state, load, factor));
+  for (std::size_t l = 0; l < state.scene.loads.size(); ++l)
+    results.loads.push_back(load_figures(state, static_cast<int>(l), factor));
   add_body_forces(state, results);
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
     results.supports[s].condition = condition_of(state, static_cast<int>(s));

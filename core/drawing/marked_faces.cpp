@@ -22,7 +22,22 @@ MarkedFaces::MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bod
     firsts_.push_back(select(contact.first));
     seconds_.push_back(select(contact.second));
   }
+  for (std::size_t l = 0; l < loads_.size(); ++l) resultants_.push_back(resultant_of(static_cast<int>(l)));
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) add_body(b);
+}
+
+LinearTraction MarkedFaces::resultant_of(int load) const {
+  const LoadSpec& spec = scene_.loads[load];
+  if (!spec.has_resultants()) return {};
+  const int body = spec.face.body;
+  const Grid& grid = bodies_[body].cut_cells->grid;
+  const BoundaryPoints& points = bodies_[body].cut_cells->boundary;
+  FaceMoments moments;
+  for (std::size_t p = 0; p < points.size(); ++p)
+    if (contains(loads_[load], body, points.surface[p], grid.to_global(points.position_of_piece(p)),
+                 grid.rotation * points.normal_of_piece(p)))
+      moments.add(grid.to_global(points.position[p]), points.weight[p] * grid.cell_size * grid.cell_size);
+  return moments.area() > 0 ? spec.resulting_traction(moments) : LinearTraction();
 }
 
 MarkedFaces::Selected MarkedFaces::select(const FaceRef& face) const {
@@ -82,10 +97,7 @@ void MarkedFaces::add_point(const Key& key, const Vec3& x, const Vec3& n, double
   FaceRegion& region = regions_[entry->second];
   region.area += area;
   region.centroid += area * x;
-  for (int l : key.loads) {
-    const LoadSpec& load = scene_.loads[l];
-    region.force += area * (Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) - load.pressure(x) * n);
-  }
+  for (int l : key.loads) region.force += area * (scene_.loads[l].given_traction(x, n) + resultants_[l].at(x));
   const auto add = [&](std::size_t component, double value) {
     region.low_displacement[component] = std::min(region.low_displacement[component], value);
     region.high_displacement[component] = std::max(region.high_displacement[component], value);

@@ -55,6 +55,7 @@ class MarkedFaces {
 
   void add_body(int body);
   Selected select(const FaceRef& face) const;
+  LinearTraction resultant_of(int load) const;
   bool contains(const Selected& selected, int body, int surface, const Vec3& x, const Vec3& n) const;
   Key key_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const;
   FaceRegion new_region(const Key& key) const;
@@ -63,6 +64,7 @@ class MarkedFaces {
   const Scene& scene_;
   const std::vector<CheckedBody>& bodies_;
   std::vector<Selected> supports_, loads_, firsts_, seconds_;
+  std::vector<LinearTraction> resultants_;            // of the loads
   std::map<std::array<int, 3>, int> automatic_pair_;  ///< of body, cell, surface
   std::map<Key, int> index_;
   std::vector<FaceRegion> regions_;

@@ -13,6 +13,7 @@
 #include "core/base/types.hpp"
 #include "core/geometry/solid.hpp"
 #include "core/scene/expression.hpp"
+#include "core/scene/linear_traction.hpp"
 #include "core/settings/accuracy_options.hpp"
 #include "core/settings/contact_options.hpp"
 #include "core/settings/geometry_options.hpp"
@@ -37,6 +38,19 @@ struct Material {
   std::optional<double> density = {};       ///< kg/m^3
   std::optional<double> expansion = {};     ///< 1/K, of lengths
   std::optional<double> yield_stress = {};  ///< Pa
+};
+
+/// Forces per volume on a body that is accelerated, or turns steadily.
+struct Inertia {
+  Vec3 weight = Vec3::Zero();                        ///< N/m^3: density times acceleration of gravity
+  double spin = 0;                                   ///< N/m^4: density times the square of the angular speed
+  Vec3 centre = Vec3::Zero(), axis = Vec3::UnitZ();  ///< m, unit: the axis of rotation
+  bool any() const { return !weight.isZero(0) || spin != 0; }
+  /// N/m^3
+  Vec3 force(const Vec3& x) const {
+    const Vec3 r = x - centre;
+    return weight + spin * (r - r.dot(axis) * axis);
+  }
 };
 
 /// A named part of a body's boundary: the points that match every selector given.
@@ -86,6 +100,7 @@ struct BodySpec {
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
   Mat3 grid_rotation = Mat3::Identity();
   std::array<Expression, 3> body_force;  ///< N/m^3
+  Inertia inertia;                       ///< what acts on its mass
   std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
   std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;     ///< the same for what the user should look at
@@ -116,7 +131,20 @@ struct LoadSpec {
   FaceRef face;
   std::array<Expression, 3> traction;  ///< Pa, global axes
   Expression pressure;                 ///< Pa, acts against the outward normal
+  Vec3 force = Vec3::Zero();           ///< N, of the whole face, added to these
+  Vec3 moment = Vec3::Zero();          ///< N m
+  std::optional<Vec3> at;              ///< m, where the force acts; none: at the centroid of the face
   SourcePlace place;
+
+  bool has_resultants() const { return !force.isZero(0) || !moment.isZero(0); }
+  /// What is given per area; n: outward normal.
+  Vec3 given_traction(const Vec3& x, const Vec3& n) const {
+    return Vec3(traction[0](x), traction[1](x), traction[2](x)) - pressure(x) * n;
+  }
+  /// What gives the face its force and moment besides.
+  LinearTraction resulting_traction(const FaceMoments& moments) const {
+    return moments.with_resultants(force, moment, at.value_or(moments.centroid()));
+  }
 };
 
 struct ContactSpec {

@@ -391,17 +391,48 @@ void SceneReader::read_supports(const TomlCursor& root) {
 
 void SceneReader::read_loads(const TomlCursor& root) {
   for (const TomlCursor& node : optional_elements(root, "load")) {
-    node.expect_keys({"face", "pressure", "traction"});
+    node.expect_keys({"face", "pressure", "traction", "force", "moment", "at"});
     LoadSpec load;
     load.place = node.place();
     load.face = resolve_face(node.at("face", "\"body.face\""));
     const auto pressure = node.find("pressure"), traction = node.find("traction");
-    if (!pressure && !traction) node.fail("says no load", "pressure = .. and/or traction = [x, y, z] (Pa)");
+    const auto force = node.find("force"), moment = node.find("moment"), at = node.find("at");
+    if (!pressure && !traction && !force && !moment)
+      node.fail("says no load", "pressure, traction = [x, y, z] (Pa), force = [x, y, z] (N), moment = [x, y, z] (N m)");
     if (pressure) load.pressure = pressure->expression("Pa");
     if (traction) load.traction = read_vector_field(*traction, "Pa");
+    if (force) load.force = force->vector("N");
+    if (moment) load.moment = moment->vector("N*m");
+    if (at && !force) at->fail("says where a force acts, and there is none", "with force = [x, y, z]");
+    if (at) load.at = at->vector("m");
     probe_expressions(scene_.bodies[load.face.body], load.face.face,
                       {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
     scene_.loads.push_back(load);
+  }
+}
+
+/// Gravity and steady rotation of the whole scene, on the mass of every body.
+void SceneReader::read_inertia(const TomlCursor& root) {
+  const auto gravity = root.find("gravity"), rotation = root.find("rotation");
+  if (!gravity && !rotation) return;
+  const Vec3 acceleration = gravity ? gravity->vector("m/s^2") : Vec3::Zero();
+  Vec3 centre = Vec3::Zero(), axis = Vec3::UnitZ();
+  double speed = 0;
+  if (rotation) {
+    rotation->expect_keys({"centre", "axis", "speed"});
+    if (const auto node = rotation->find("centre")) centre = node->vector("m");
+    axis = rotation->at("axis", "[x, y, z], the direction of the axis").direction();
+    Range range;
+    range.unit = "rad/s";
+    range.text = "rad/s, or a text with a unit: \"3000 rpm\"";
+    speed = rotation->at("speed", range.text).number(range);
+  }
+  for (BodySpec& body : scene_.bodies) {
+    if (!body.material.density)
+      throw InputError(body.place, "\"" + body.name + "\"",
+                       "its material has no density, which gravity and rotation act on",
+                       "material = {.., density = 7850} in kg/m^3");
+    body.inertia = {*body.material.density * acceleration, *body.material.density * speed * speed, centre, axis};
   }
 }
 
@@ -500,9 +531,9 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 }
 
 const std::vector<std::string>& scene_keys() {
-  static const std::vector<std::string> keys{"title",  "parameters", "plane_strain", "accuracy", "material",
-                                             "body",   "support",    "load",         "contact",  "steps",
-                                             "solver", "recovery",   "output",       "reference"};
+  static const std::vector<std::string> keys{
+      "title",   "parameters", "plane_strain", "accuracy", "material", "body",      "support", "load",
+      "contact", "steps",      "solver",       "recovery", "output",   "reference", "gravity", "rotation"};
   return keys;
 }
 
@@ -514,6 +545,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   if (const auto node = root.find("accuracy")) scene_.accuracy = read_accuracy(*node);
   read_bodies(root);
   if (!scene_.accuracy.stress_of_body.empty()) root.find("accuracy")->find("stress")->expect_keys(body_names());
+  read_inertia(root);
   read_plane_strain(root);
   read_supports(root);
   add_ends_in_plane_strain();

@@ -33,6 +33,7 @@ class SceneReader {
   RefineSpec read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const;
   void read_supports(const TomlCursor& root);
   void read_loads(const TomlCursor& root);
+  void read_inertia(const TomlCursor& root);
   void read_contacts(const TomlCursor& root);
   ContactSpec read_contact(const TomlCursor& node) const;
   void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;

@@ -23,18 +23,17 @@ const std::vector<Entry>& entries() {
        "are one body (a union of shapes)",
        {"tie", "tied", "glue", "glued", "weld", "bond"},
        {"cohesi", "adhesi", "bonded"}},
-      {"there is no load given as a force: divide it by the area of the face (cgcontact check lists the areas) and "
-       "give "
-       "pressure or traction = [x, y, z] in Pa",
+      {"a force is a load of a face: [[load]] with face, force = [x, y, z] in N and, if not at its centroid, at = [x, "
+       "y, "
+       "z]; there are no forces on points or nodes, and no preload",
        {"force", "forces", "pointload", "pointforce", "nodalforce", "fx", "fy", "fz", "cload", "preload", "boltload"},
        {"resultantforce", "totalforce"}},
-      {"there is no load given as a moment: give a traction that varies over the face, for example traction = [0, 0, "
-       "\"k*x\"] in Pa",
+      {"a moment is a load of a face: [[load]] with face and moment = [x, y, z] in N m",
        {"moment", "moments", "torque", "mx", "my", "mz", "couple"},
        {"moment", "torque"}},
       {"the density is one of the material: material.density, kg/m^3", {"rho"}, {"density"}},
-      {"there is no gravity of its own: give the weight per volume as body_force = [0, 0, \"-9.81*7800\"] of every "
-       "body, N/m^3",
+      {"gravity is one for the whole scene: gravity = [0, 0, -9.81] in m/s^2 at the top of the file, with a density in "
+       "every material",
        {"g", "dload"},
        {"gravity", "acceleration", "selfweight"}},
       {"there is no temperature: strains come from loads, motions and interference only",
