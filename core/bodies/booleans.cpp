@@ -158,7 +158,13 @@ class Faceting {
   Operand of_expression(const CsgBody& solid) {
     const std::vector<Surface> surfaces = along_axes(solid.surfaces());
     std::vector<int> face;
-    for (const Surface& surface : surfaces) face.push_back(new_face(surface.names.at(0)));
+    const auto named =
+        std::find_if(surfaces.begin(), surfaces.end(), [](const Surface& s) { return !s.names.empty(); });
+    if (named == surfaces.end()) throw InputError(std::string("one of the shapes is empty"));
+    const int first = new_face(named->names[0]);
+    // Surfaces without a name bound nothing: what is left of them is rounding.
+    for (auto s = surfaces.begin(); s != surfaces.end(); ++s)
+      face.push_back(s == named || s->names.empty() ? first : new_face(s->names[0]));
     std::vector<Operand> stack;
     for (const BooleanOp& op : solid.expression()) {
       switch (op.kind) {
@@ -189,6 +195,8 @@ class Faceting {
         return half_space(surface, face);
       case Surface::Kind::sphere:
         return ball(surface, face);
+      case Surface::Kind::cone:
+        return half_cone(surface, face);
       default:
         return endless_cylinder(surface, face);
     }
@@ -239,31 +247,48 @@ class Faceting {
   }
 
   Operand endless_cylinder(const Surface& cylinder, int face) {
-    const double radius = cylinder.radius;
-    const int around = static_cast<int>(
-        std::clamp(std::ceil(2 * M_PI * radius / facet_length(radius)), 32.0, double(most_facets_around)));
-    error_ = std::max(error_, radius * (1 - std::cos(M_PI / around)));
     const Vec3& axis = cylinder.direction;
     const Vec3 foot = cylinder.point + axis.dot(place_.centre - cylinder.point) * axis;
-    const auto [t1, t2] = across(axis);
     const double length = 2 * place_.radius;
-    Operand prism(2 * around + 2, 4 * around);
-    const Mesh::Vertex_index ends[2] = {prism.add(foot - length * axis), prism.add(foot + length * axis)};
+    return round_bar(foot - length * axis, foot + length * axis, axis, cylinder.radius, cylinder.radius, face);
+  }
+
+  /// The half of a cone that bodies have, as far as it is of interest.
+  Operand half_cone(const Surface& cone, int face) {
+    const double middle = height(cone, place_.centre), length = 2 * place_.radius;
+    if (middle + length <= 0) return Operand();
+    const double low = std::max(0.0, middle - length), high = middle + length, slope = cone.sine / cone.cosine;
+    return round_bar(cone.point + low * cone.direction, cone.point + high * cone.direction, cone.direction, low * slope,
+                     high * slope, face);
+  }
+
+  /// Facets around an axis between two radii, the first one possibly 0, with ends far away.
+  Operand round_bar(const Vec3& begin, const Vec3& end, const Vec3& axis, double first, double second, int face) {
+    const int around = static_cast<int>(
+        std::clamp(std::ceil(2 * M_PI * second / facet_length(second)), 32.0, double(most_facets_around)));
+    error_ = std::max(error_, second * (1 - std::cos(M_PI / around)));
+    const auto [t1, t2] = across(axis);
+    Operand bar(2 * around + 2, 4 * around);
+    const Mesh::Vertex_index ends[2] = {bar.add(begin), bar.add(end)};
     std::vector<Mesh::Vertex_index> rim[2];
     for (int i = 0; i < around; ++i) {
       const double angle = 2 * M_PI * i / around;
-      const Vec3 x = foot + radius * (std::cos(angle) * t1 + std::sin(angle) * t2);
-      rim[0].push_back(prism.add(x - length * axis));
-      rim[1].push_back(prism.add(x + length * axis));
+      const Vec3 radial = std::cos(angle) * t1 + std::sin(angle) * t2;
+      if (first > 0) rim[0].push_back(bar.add(begin + first * radial));
+      rim[1].push_back(bar.add(end + second * radial));
     }
     for (int i = 0; i < around; ++i) {
       const int j = (i + 1) % around;
-      prism.add(rim[0][i], rim[0][j], rim[1][j], face);
-      prism.add(rim[0][i], rim[1][j], rim[1][i], face);
-      prism.add(ends[0], rim[0][j], rim[0][i], far_away);
-      prism.add(ends[1], rim[1][i], rim[1][j], far_away);
+      if (first > 0) {
+        bar.add(rim[0][i], rim[0][j], rim[1][j], face);
+        bar.add(rim[0][i], rim[1][j], rim[1][i], face);
+        bar.add(ends[0], rim[0][j], rim[0][i], far_away);
+      } else {
+        bar.add(ends[0], rim[1][j], rim[1][i], face);
+      }
+      bar.add(ends[1], rim[1][i], rim[1][j], far_away);
     }
-    return prism;
+    return bar;
   }
 
   /// An icosahedron whose triangles are divided in four, again and again, the new corners put on the sphere.

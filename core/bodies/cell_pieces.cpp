@@ -12,14 +12,20 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double lost_piece = 1e-14;  // area of the pieces of one surface in a cell that is rounding
-constexpr double lost_group = 1e-15;  // the same for what dividers leave
+constexpr double lost_piece = 1e-14;    // area of the pieces of one surface in a cell that is rounding
+constexpr double half_diagonal = 0.87;  // of a cube of width 1
+constexpr double lost_group = 1e-15;    // the same for what dividers leave
+
+/// By how much a surface turns in a leaf.
+double turn_in(const Leaf& leaf, int surface) {
+  const Vec3 middle = leaf.corner + Vec3::Constant(0.5 * leaf.width);
+  return leaf.solid->surfaces()[surface].max_curvature(middle, half_diagonal * leaf.width) * leaf.width;
+}
 
 /// Gauss points per direction that make all moments of a leaf accurate to about 1e-12, or 1e-10 on coarse grids.
 int moment_nodes(const Leaf& leaf) {
   double turn = 0;
-  for (const int surface : leaf.local.surfaces)
-    turn = std::max(turn, leaf.solid->surfaces()[surface].max_curvature() * leaf.width);
+  for (const int surface : leaf.local.surfaces) turn = std::max(turn, turn_in(leaf, surface));
   return turn < 0.1 ? 10 : turn < 0.2 ? 12 : turn < 0.35 ? 14 : turn < 0.5 ? 16 : 20;
 }
 
@@ -58,13 +64,20 @@ void add_piece_moments(const Leaf& leaf, int i, const Vec3& cell, std::vector<Re
   }
 }
 
+/// The normals of a cone are no polynomials.
+void add_normals(const std::vector<SurfacePoint>& points, FunctionTable& functions) {
+  for (int k = 0; k < 3; ++k, ++functions.num_functions)
+    for (const SurfacePoint& point : points) functions.values.push_back(point.normal[k]);
+}
+
 /// Appends one group of points of a piece (those of one side of every divider), with as few points as the degree needs.
 void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* end, int order, int surface, int owner,
                bool with_pieces, BoundaryPoints& points) {
   const int n = static_cast<int>(end - begin);
   const bool curved = !piece.is_plane();
   const int degree = curved ? std::max(1, order + 1) : 2 * order - 1;
-  const int needed = curved ? (degree + 1) * (degree + 1) : (degree + 1) * (degree + 2) / 2;
+  const int normals = piece.is_cone() ? 3 : 0;
+  const int needed = normals + (curved ? (degree + 1) * (degree + 1) : (degree + 1) * (degree + 2) / 2);
   std::vector<SurfacePoint> all;
   std::vector<double> weights, local[3];
   for (int i = 0; i < n; ++i) {
@@ -81,7 +94,11 @@ void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* 
     mean_position += weights[i] / area * all[i].position;
     mean_normal += weights[i] / area * begin[i].value * all[i].normal;
   }
-  if (n > needed) compress_weights(surface_polynomials(local, degree, curved), weights);
+  if (n > needed) {
+    FunctionTable functions = surface_polynomials(local, degree, curved);
+    if (piece.is_cone()) add_normals(all, functions);
+    compress_weights(functions, weights);
+  }
   for (int i = 0; i < n; ++i) {
     if (!(weights[i] > 0)) continue;
     points.append(all[i].position, begin[i].value * all[i].normal, weights[i], owner, surface);
@@ -90,15 +107,12 @@ void add_group(const Piece& piece, const RegionPoint* begin, const RegionPoint* 
 }
 
 /// Gauss points per direction beyond the order before compression: area to about 1e-9 in every piece.
-int extra_nodes(const Surface& surface, double width) {
-  const double turn = surface.max_curvature() * width;
-  return turn < 0.15 ? 2 : turn < 0.3 ? 3 : turn < 0.45 ? 6 : turn < 0.7 ? 11 : 13;
-}
+int extra_nodes(double turn) { return turn < 0.15 ? 2 : turn < 0.3 ? 3 : turn < 0.45 ? 6 : turn < 0.7 ? 11 : 13; }
 
 void add_piece_points(const Leaf& leaf, int i, int order, int owner, bool with_pieces, BoundaryPoints& points) {
   static thread_local std::vector<RegionPoint> region_points;
   const Piece piece(leaf, i);
-  const int fine = order + extra_nodes(leaf.solid->surfaces()[leaf.local.surfaces[i]], leaf.width);
+  const int fine = order + extra_nodes(turn_in(leaf, leaf.local.surfaces[i]));
   region_points.clear();
   const RegionRule plane_rule{2 * order - 1, order, order + 4};
   const RegionRule curved_rule{2 * fine - 1, fine, fine};

@@ -37,6 +37,9 @@ bool coincide(const Surface& a, const Surface& b, double length, bool& opposite)
     case Surface::Kind::cylinder:
       return std::abs(a.radius - b.radius) <= tolerance && a.direction.cross(b.direction).norm() <= merge_tolerance &&
              radial(a, b.point).norm() <= tolerance;
+    case Surface::Kind::cone:
+      return std::abs(a.cosine * b.sine - a.sine * b.cosine) <= merge_tolerance && d.norm() <= tolerance &&
+             a.direction.cross(b.direction).norm() <= merge_tolerance;
     case Surface::Kind::plane:
       opposite = a.direction.dot(b.direction) < 0;
       // the points may lie far apart on the plane: compare where it is nearest to both
@@ -79,6 +82,20 @@ std::pair<Vec3, Vec3> hull_bounds(const CsgBody::Hull& hull) {
   return {min, max};
 }
 
+}  // namespace
+
+void check_cone(const Surface& cone) {
+  constexpr double steepest = 0.01;  // least cosine: flatter ones turn too much beside their other half
+  constexpr double slimmest = 1e-6;  // least sine: beyond, the tip is too far away for double precision
+  constexpr double degree = 3.14159265358979323846 / 180;
+  if (cone.cosine < steepest || cone.sine < slimmest)
+    throw InputError(fmt::format("a line at {:.6g} degrees to the axis, not at 0, {:.2g} to {:.4g} or 90",
+                                 std::atan2(cone.sine, cone.cosine) / degree, std::asin(slimmest) / degree,
+                                 std::acos(steepest) / degree));
+}
+
+namespace {
+
 /// The largest cells, of halves of halves, that no more surfaces cross than can.
 std::string remedy(const CsgBody& body, const Grid& grid, const Vec3& corner) {
   constexpr int most_parts = 16;
@@ -115,6 +132,18 @@ CsgBody::CsgBody(std::vector<Surface> surfaces, Hull hull) : hulls_{std::move(hu
     if (i > 0) expression_.push_back({BooleanOp::Kind::intersect, -1});
   }
   bounds_ = {{BooleanOp::Kind::surface, 0}};
+}
+
+CsgBody::CsgBody(std::vector<Surface> surfaces, std::vector<BooleanOp> expression, Hull hull)
+    : expression_(std::move(expression)), hulls_{std::move(hull)}, bounds_{{BooleanOp::Kind::surface, 0}} {
+  surfaces_ = std::move(surfaces);
+}
+
+CsgBody CsgBody::bounded_by(Hull hull) const {
+  CsgBody result = *this;
+  result.hulls_ = {std::move(hull)};
+  result.bounds_ = {{BooleanOp::Kind::surface, 0}};
+  return result;
 }
 
 CsgBody::CsgBody(const CsgBody& a, const CsgBody& b, BooleanOp::Kind kind) : CsgBody(a) {
@@ -195,11 +224,11 @@ std::shared_ptr<const BodyGeometry> CsgBody::stretched(int axis, double factor, 
   auto result = std::make_shared<CsgBody>(*this);
   for (Surface& s : result->surfaces_) {
     const double cosine = std::abs(s.direction[axis]);
-    const bool along = s.kind == Surface::Kind::plane ? cosine < right_angle : cosine > 1 - right_angle;
+    const bool along = s.kind == Surface::Kind::plane ? cosine < right_angle
+                                                      : s.kind == Surface::Kind::cylinder && cosine > 1 - right_angle;
     const bool end = s.kind == Surface::Kind::plane && cosine > 1 - right_angle;
     const double slack = right_angle * (max - min)[axis];
-    if (s.kind == Surface::Kind::sphere || !(along || end) ||
-        (end && s.point[axis] > min[axis] + slack && s.point[axis] < max[axis] - slack))
+    if (!(along || end) || (end && s.point[axis] > min[axis] + slack && s.point[axis] < max[axis] - slack))
       throw InputError(fmt::format("surface {} is neither an end of a prism nor along its axis",
                                    s.names.empty() ? "without a name" : '"' + s.names.front() + '"'));
     if (along) s.direction[axis] = s.kind == Surface::Kind::plane ? 0 : std::copysign(1.0, s.direction[axis]);
@@ -425,6 +454,38 @@ Solid Solid::cylinder(const Vec3& base, const Vec3& top, double radius, const st
   hull.points = {base, top};
   hull.disc_radius = radius;
   hull.axis = side.direction;
+  return primitive({side, bottom, lid}, hull);
+}
+
+Solid Solid::cone(const Vec3& base, const Vec3& top, double base_radius, double top_radius, const std::string& name) {
+  const double height = (top - base).norm(), difference = std::abs(top_radius - base_radius);
+  require(base.allFinite() && top.allFinite() && std::isfinite(height) && height > 0,
+          "a cone must have different centres of its ends");
+  require(std::min(base_radius, top_radius) >= 0 && difference > 0 && std::isfinite(difference),
+          "a cone must have two different radii");
+  const Vec3 up = (top - base) / height;
+  const bool narrows = top_radius < base_radius;
+  const double generator = std::hypot(height, difference);
+  Surface side;
+  side.kind = Surface::Kind::cone;
+  side.direction = narrows ? Vec3(-up) : up;
+  side.radius = std::max(base_radius, top_radius);
+  side.cosine = height / generator;
+  side.sine = difference / generator;
+  side.point = (narrows ? base : top) - height * side.radius / difference * side.direction;
+  check_cone(side);
+  side.names = {name + ".side"};
+  Surface bottom, lid;
+  bottom.point = base;
+  bottom.direction = -up;
+  lid.point = top;
+  lid.direction = up;
+  if (base_radius > 0) bottom.names = {name + ".bottom"};
+  if (top_radius > 0) lid.names = {name + ".top"};
+  CsgBody::Hull hull;
+  hull.points = {base, top};
+  hull.disc_radius = side.radius;
+  hull.axis = up;
   return primitive({side, bottom, lid}, hull);
 }
 

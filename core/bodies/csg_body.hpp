@@ -1,4 +1,4 @@
-/// Bodies as boolean expressions of elementary surfaces (plane, sphere, infinite cylinder).
+/// Bodies as boolean expressions of elementary surfaces (plane, sphere, infinite cylinder, cone).
 /// A box is the intersection of six half-spaces, a cylinder that of one quadric and two half-spaces; surfaces that
 /// coincide (same plane, sphere or cylinder up to rounding, either orientation) are merged into one, so that
 /// faces shared by several primitives are counted once.
@@ -33,8 +33,13 @@ class CsgBody final : public BodyGeometry {
   CsgBody() = default;
   /// What lies on the inner side of all surfaces, in a hull.
   CsgBody(std::vector<Surface> surfaces, Hull hull);
+  /// What an expression of the surfaces says, in a hull.
+  CsgBody(std::vector<Surface> surfaces, std::vector<BooleanOp> expression, Hull hull);
   /// a kind b.
   CsgBody(const CsgBody& a, const CsgBody& b, BooleanOp::Kind kind);
+
+  /// The same body, known to be in a hull.
+  CsgBody bounded_by(Hull hull) const;
 
   /// Value of the boolean expression for given sides (true = inner side) of all surfaces.
   bool evaluate(const std::vector<char>& inner_side) const;
@@ -76,6 +81,9 @@ class CsgBody final : public BodyGeometry {
   std::vector<Hull> hulls_;
   std::vector<BoundOp> bounds_;
 };
+
+/// Throws InputError if a cone is too flat or too slim to be integrated.
+void check_cone(const Surface& cone);
 
 /// nullptr for bodies of another kind.
 const CsgBody* as_csg(const Solid& solid);

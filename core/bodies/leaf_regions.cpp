@@ -12,12 +12,26 @@ namespace {
 
 constexpr double same_slope = 1e-9;  // of graphs: the first axis counts, whatever the rounding
 constexpr double same_place = 1e-9;  // cells; the middle of a leaf and of the solid
+constexpr double same_quadric = 1e-14;
+constexpr double same_axis = 1e-12;  // of two surfaces of revolution: rounding of what a scene computes
 constexpr double min_slope = 0.3;    // least |component of the unit normal| along the axis of a graph
 constexpr int max_depth = 12;        // of the cutting into octants
 constexpr int comfortable_surfaces = 8;
 constexpr int max_dividers = 40;
 constexpr std::uint64_t lower_bit = std::uint64_t{1} << 20, upper_bit = std::uint64_t{1} << 21;
 constexpr int first_divider_bit = 22;
+
+/// Of a cone: of unit slope on it as far from its tip as x.
+Quadric expand_cone(const Surface& cone, const Vec3& x) {
+  const Vec3 across = radial(cone, x), &n = cone.direction;
+  const double h = height(cone, x), rho = across.norm(), c = cone.cosine, s = cone.sine;
+  const double from_tip = (x - cone.point).norm(), slope = (from_tip > 0 ? from_tip : 1) * c * s;
+  Quadric result;
+  result.c = (rho * c - h * s) * (rho * c + h * s) / (2 * slope);
+  result.g = (c * c * across - s * s * h * n) / slope;
+  result.q = (c * c * Mat3::Identity() - n * n.transpose()) / (2 * slope);
+  return result;
+}
 
 /// Function with the sign of the surface's signed distance, of unit slope on the surface, as a polynomial of the
 /// difference to x. One copy only: cells that share a face must get bitwise equal coefficients.
@@ -29,6 +43,7 @@ constexpr int first_divider_bit = 22;
     result.g = surface.direction;
     return result;
   }
+  if (surface.kind == Surface::Kind::cone) return expand_cone(surface, x);
   Vec3 r = d;
   result.q = Mat3::Identity();
   if (surface.kind == Surface::Kind::cylinder) {
@@ -60,6 +75,44 @@ Quadric permuted(const Quadric& f, const Mat3& axes) {
   return {f.c, axes.transpose() * f.g, axes.transpose() * f.q * axes};
 }
 
+/// The function up to a multiple of that of the graph, which is zero there: a plane, if one is possible.
+Quadric on_graph(const Quadric& f, const Quadric& graph) {
+  const double factor = f.q.cwiseProduct(graph.q).sum() / graph.q.squaredNorm();
+  if (!((f.q - factor * graph.q).norm() < same_quadric * f.q.norm())) return f;
+  return {f.c - factor * graph.c, f.g - factor * graph.g, Mat3::Zero()};
+}
+
+/// Surfaces of revolution about one axis meet in circles, which are plane: replaces the function f on the graph of the
+/// other one by the plane of the circle in the leaf. Returns its sign where there is no circle there, else 0 (f stays
+/// as it is if there are two, or if the axes differ).
+int rim_plane(const Vec3& axis, const Quadric& graph, double width, Quadric& f) {
+  if (f.q.isZero(0)) return 0;
+  const Vec3 across = axis.unitOrthogonal();
+  const double factor = across.dot(f.q * across) / across.dot(graph.q * across);
+  const Quadric rest{f.c - factor * graph.c, f.g - factor * graph.g, f.q - factor * graph.q};
+  const double a = axis.dot(rest.q * axis), b = axis.dot(rest.g);
+  const double size = f.q.norm() + std::abs(factor) * graph.q.norm();
+  const double slope = f.g.norm() + std::abs(factor) * graph.g.norm();
+  if (!((rest.q - a * axis * axis.transpose()).norm() < same_axis * size) ||
+      !((rest.g - b * axis).norm() < same_axis * slope))
+    return 0;
+  const double low = width * axis.cwiseMin(0.0).sum(), high = width * axis.cwiseMax(0.0).sum();
+  const double margin = same_place * width;
+  double roots[2], root = 0;
+  int inside = 0;
+  const int count = quadratic_roots(a, b, rest.c, roots);
+  for (int r = 0; r < count; ++r) {
+    if (roots[r] < low - margin || roots[r] > high + margin) continue;
+    root = roots[r];
+    ++inside;
+  }
+  if (inside == 2) return 0;
+  if (inside == 0) return rest(0.5 * (low + high) * axis) < 0 ? -1 : 1;
+  const double sign = 2 * a * root + b > 0 ? 1 : -1;
+  f = {-sign * root, sign * axis, Mat3::Zero()};
+  return 0;
+}
+
 /// Axis along which the surface is a graph in the box, or -1 if it turns too much.
 int graph_axis(const Surface& surface, const Vec3& corner, double width) {
   const Quadric f = expand(surface, corner + Vec3::Constant(0.5 * width));
@@ -74,6 +127,19 @@ int graph_axis(const Surface& surface, const Vec3& corner, double width) {
   return surface.kind == Surface::Kind::plane || best_slope >= min_slope ? best : -1;
 }
 
+/// Surfaces that are no graphs even in the smallest leaves (beside the tip of a cone) end at its middle there.
+void leave_out_tips(Leaf& leaf) {
+  const auto& all = leaf.solid->surfaces();
+  const Vec3 half = Vec3::Constant(0.5 * leaf.width), middle = leaf.corner + half;
+  std::vector<signed char> sides;
+  for (const Surface& surface : all) {
+    const bool tip = graph_axis(surface, leaf.corner, leaf.width) < 0;
+    sides.push_back(
+        static_cast<signed char>(tip ? surface.signed_distance(middle) < 0 : side_of_box(surface, middle, half)));
+  }
+  leaf.local = make_local_solid(*leaf.solid, sides);
+}
+
 void visit_leaves(Leaf& leaf, int depth, const std::function<void(const Leaf&)>& visit) {
   const auto& surfaces = leaf.local.surfaces;
   if (surfaces.empty()) {
@@ -85,8 +151,11 @@ void visit_leaves(Leaf& leaf, int depth, const std::function<void(const Leaf&)>&
   leaf.axis.assign(surfaces.size(), 0);
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     leaf.axis[i] = graph_axis(leaf.solid->surfaces()[surfaces[i]], leaf.corner, leaf.width);
-    if (leaf.axis[i] < 0 && last) leaf.axis[i] = 0;
     divide = divide || leaf.axis[i] < 0;
+  }
+  if (last && std::any_of(leaf.axis.begin(), leaf.axis.end(), [](int axis) { return axis < 0; })) {
+    leave_out_tips(leaf);
+    return visit_leaves(leaf, depth, visit);
   }
   if (!divide || last) {
     if (leaf.dividers.size() > max_dividers)
@@ -197,13 +266,12 @@ void Piece::add_trims() {
     if (is_plane()) {
       f.conic = section(other, base_, along_s_, along_t_);
     } else {
-      f.quadric = permuted(expand(other, frame_.origin), frame_.axes);
-      if (other.kind != Surface::Kind::plane) {  // a multiple of the graph's quadric may leave a plane
-        const Quadric& own = region_.graph.quadric;
-        const double factor = f.quadric.q.trace() / own.q.trace();
-        if ((f.quadric.q - factor * own.q).norm() < 1e-14 * f.quadric.q.norm())
-          f.quadric = {f.quadric.c - factor * own.c, f.quadric.g - factor * own.g, Mat3::Zero()};
-      }
+      f.quadric = on_graph(permuted(expand(other, frame_.origin), frame_.axes), region_.graph.quadric);
+      const Surface& round = surface_.kind == Surface::Kind::sphere ? other : surface_;
+      const int sign =
+          rim_plane(frame_.axes.transpose() * round.direction, region_.graph.quadric, leaf_.width, f.quadric);
+      if (sign < 0) region_.fixed_bits |= f.bit;
+      if (sign != 0) continue;
     }
     region_.add(f);
   }

@@ -49,6 +49,7 @@ class Piece {
  public:
   Piece(const Leaf& leaf, int i);
   bool is_plane() const { return surface_.kind == Surface::Kind::plane; }
+  bool is_cone() const { return surface_.kind == Surface::Kind::cone; }
   int axis() const { return axis_; }
   const Vec3& plane_normal() const { return surface_.direction; }
   const Region& region() const { return region_; }

@@ -56,6 +56,10 @@ int side_of_box(const Surface& surface, const Vec3& centre, const Vec3& half_siz
     const double nearest = (d - half_size).cwiseMax(0.0).norm(), farthest = (d + half_size).norm();
     return side_of_interval(nearest - surface.radius, farthest - surface.radius);
   }
+  if (surface.kind == Surface::Kind::cone) {
+    const double distance = surface.signed_distance(centre), diagonal = half_size.norm();
+    return side_of_interval(distance - diagonal, distance + diagonal);
+  }
   const double d = radial_distance(surface, centre), reach = half_size.norm();
   return side_of_interval(d - reach - surface.radius, d + reach - surface.radius);
 }

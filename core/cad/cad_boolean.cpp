@@ -7,6 +7,7 @@
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCone.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRep_Builder.hxx>
@@ -107,6 +108,11 @@ CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double
     const Vec3 base = surface.point + ((centre - surface.point).dot(surface.direction) - radius) * surface.direction;
     solid =
         BRepPrimAPI_MakeCylinder(gp_Ax2(point(base), direction(surface.direction)), surface.radius, 2 * radius).Shape();
+  } else if (surface.kind == Surface::Kind::cone) {
+    const double length = std::max(radius, (centre - surface.point).dot(surface.direction) + radius);
+    solid = BRepPrimAPI_MakeCone(gp_Ax2(point(surface.point), direction(surface.direction)), 0,
+                                 length * surface.sine / surface.cosine, length)
+                .Shape();
   } else {
     const Vec3 x = surface.direction.unitOrthogonal(), y = surface.direction.cross(x);
     const Vec3 middle = centre - (centre - surface.point).dot(surface.direction) * surface.direction;

@@ -16,6 +16,7 @@ struct CadKernel {
   CadModel (*combine)(CadModel::Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
                       const Similarity& place_b);
   CadModel (*inner_side)(const Surface& surface, const Vec3& centre, double radius);
+  CadModel (*revolved)(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
   std::vector<CadSolid> (*read)(const std::string& file, const CadReading& reading);
 };
 

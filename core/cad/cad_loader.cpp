@@ -37,9 +37,9 @@ const CadKernel& load() {
 }
 #else
 const CadKernel& load() {
-  throw InputError(
-      std::string("this program was built without OpenCASCADE and reads no CAD files (allowed: a build with "
-                  "-DCGCONTACT_CAD=ON and libocct-data-exchange-dev, or a triangle surface: mesh = {...})"));
+  throw InputError(std::string(
+      "this program was built without OpenCASCADE: it reads no CAD files and knows no torus (allowed: a build with "
+      "-DCGCONTACT_CAD=ON and libocct-data-exchange-dev, or a triangle surface: mesh = {...})"));
 }
 #endif
 
@@ -61,6 +61,9 @@ CadModel CadModel::combine(Operation operation, const CadModel& a, const Similar
 }
 CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double radius) {
   return kernel().inner_side(surface, centre, radius);
+}
+CadModel CadModel::revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame) {
+  return kernel().revolved(profile, frame);
 }
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading) {
   return kernel().read(file, reading);

@@ -12,6 +12,9 @@
 
 namespace cgcontact {
 
+struct ProfileEdge;
+struct ProfileFrame;
+
 struct CadFace {
   std::string name;                          ///< in the file, "" if it has none
   std::optional<std::array<int, 3>> colour;  ///< red, green, blue, 0 to 255
@@ -54,8 +57,11 @@ class CadModel {
   enum class Operation { unite, intersect, subtract };
   static CadModel combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
                           const Similarity& place_b);
-  /// The inner side of a plane, sphere or cylinder, as far as a ball (mm) reaches.
+  /// The inner side of a plane, sphere or cylinder, of a cone the half that is in use, as far as a ball (mm) reaches.
   static CadModel inner_side(const Surface& surface, const Vec3& centre, double radius);
+  /// A profile (mm) turned about the second axis of its frame (mm), arcs anywhere; an arc that ends where it begins is
+  /// a circle, `through` lies opposite. Faces have the names of their edges. Throws InputError.
+  static CadModel revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
 
  private:
   std::shared_ptr<const Shape> shape_;

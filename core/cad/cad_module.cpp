@@ -14,6 +14,9 @@ extern "C" const cgcontact::CadKernel* cgcontact_cad_kernel() {
       [](const Surface& surface, const Vec3& centre, double radius) {
         return CadModel::inner_side(surface, centre, radius);
       },
+      [](const std::vector<ProfileEdge>& profile, const ProfileFrame& frame) {
+        return CadModel::revolved(profile, frame);
+      },
       [](const std::string& file, const CadReading& reading) { return read_cad(file, reading); }};
   return &kernel;
 }

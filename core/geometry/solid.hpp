@@ -20,11 +20,14 @@ class Solid {
   explicit Solid(std::shared_ptr<const BodyGeometry> geometry) : geometry_(std::move(geometry)) {}
 
   /// Primitives in their own position; `name` prefixes the face names
-  /// (box: x- x+ y- y+ z- z+; sphere: surface; cylinder: side bottom top; half-space: plane).
+  /// (box: x- x+ y- y+ z- z+; sphere: surface; cylinder and cone: side bottom top; half-space: plane).
   static Solid box(const Vec3& min, const Vec3& max, const std::string& name);
   static Solid sphere(const Vec3& centre, double radius, const std::string& name);
   /// Finite cylinder from `base` to `top` (centres of its ends).
   static Solid cylinder(const Vec3& base, const Vec3& top, double radius, const std::string& name);
+  /// Frustum between two circles about the line from `base` to `top`; one radius may be 0 (no face there then). The
+  /// radii must differ.
+  static Solid cone(const Vec3& base, const Vec3& top, double base_radius, double top_radius, const std::string& name);
   /// {x : normal . (x - point) <= 0}.
   static Solid half_space(const Vec3& point, const Vec3& normal, const std::string& name);
   /// Boolean operations on these. Other bodies: combine_triangles (core/bodies/booleans.hpp).

@@ -61,10 +61,26 @@ void add_box_dividers(const Solid& solid, std::vector<char> selected, const Grid
   }
 }
 
+/// The normals of a cone leave a cone of normals along straight lines through its tip: two for each of its sides.
+void divide_cone(const Solid& solid, int surface, const Vec3& axis, double cosine, std::vector<Plane>& dividers) {
+  const Surface& s = solid.surfaces()[surface];
+  const double along = axis.dot(s.direction);
+  const Vec3 across = axis - along * s.direction;
+  std::vector<char> divided(solid.surfaces().size(), 0);
+  divided[surface] = 1;
+  for (const double side : {1.0, -1.0}) {
+    const double part = (side * cosine + s.sine * along) / s.cosine;  // of the unit normal across, along `across`
+    if (std::abs(part) > across.norm() * (1 - parallel)) continue;
+    const Vec3 normal = (across - part * s.sine / s.cosine * s.direction).normalized();
+    add_once({normal, normal.dot(s.point)}, divided, dividers);
+  }
+}
+
 }  // namespace
 
 void add_cone_dividers(const Solid& solid, int surface, const Vec3& axis, double cosine, std::vector<Plane>& dividers) {
   const Surface& s = solid.surfaces()[surface];
+  if (s.kind == Surface::Kind::cone) return divide_cone(solid, surface, axis, cosine, dividers);
   if (s.radius == 0) return;
   Vec3 across = axis;
   if (s.kind == Surface::Kind::cylinder) across -= axis.dot(s.direction) * s.direction;

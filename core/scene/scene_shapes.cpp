@@ -12,6 +12,7 @@
 #include "core/bodies/cad_body.hpp"
 #include "core/scene/scene_cad.hpp"
 #include "core/scene/scene_mesh.hpp"
+#include "core/scene/scene_profiles.hpp"
 
 namespace cgcontact {
 
@@ -21,8 +22,9 @@ const std::vector<std::string> box_faces = {"x-", "x+", "y-", "y+", "z-", "z+"};
 const std::vector<std::string> sphere_faces = {"surface"};
 const std::vector<std::string> cylinder_faces = {"side", "bottom", "top"};
 const std::vector<std::string> half_space_faces = {"plane"};
-const std::vector<std::string> kinds = {"box", "sphere", "cylinder",     "half_space", "mesh",
-                                        "cad", "union",  "intersection", "difference"};
+const std::vector<std::string> kinds = {"box",     "sphere",       "cylinder",   "cone", "torus",
+                                        "extrude", "revolve",      "half_space", "mesh", "cad",
+                                        "union",   "intersection", "difference"};
 const std::vector<std::string> placement_keys = {"name", "translate", "rotate"};
 
 std::string as_text(const Vec3& v) { return fmt::format("[{}, {}, {}]", v[0], v[1], v[2]); }
@@ -138,6 +140,14 @@ Solid ShapeReader::read_primitive(const TomlCursor& node, const std::string& kin
     primitives.push_back({name, cylinder_faces});
     return read_cylinder(data, name);
   }
+  if (kind == "cone" || kind == "torus" || kind == "extrude" || kind == "revolve") {
+    const ProfileShape shape = kind == "cone"      ? read_cone(data, name)
+                               : kind == "torus"   ? read_torus(data, name, body_)
+                               : kind == "extrude" ? read_extrude(data, name)
+                                                   : read_revolve(data, name, body_);
+    primitives.push_back({name, shape.faces});
+    return shape.solid;
+  }
   if (kind == "mesh") return read_mesh_shape(data, name);
   if (kind == "cad") return read_cad_shape(data, name);
   primitives.push_back({name, half_space_faces});
@@ -188,13 +198,13 @@ Solid ShapeReader::combine(const TomlCursor& list, const std::string& kind, cons
       if (const auto exact = combine_cad(op, a, b, cell_size_for_cad(body_, std::min(longest(a), longest(b)))))
         return *exact;
       throw InputError(
-          std::string("a CAD solid and a mesh cannot be combined (allowed: CAD solids with each other and with box, "
-                      "sphere, cylinder and half_space)"));
+          std::string("a CAD solid and a mesh cannot be combined (allowed: CAD solids with each other and with shapes "
+                      "of no file)"));
     }
     const TriangleBoolean result = combine_triangles(op, a, b, read_cell_size(body_));
     std::string note = fmt::format("{} with a mesh: {} triangles", kind, result.solid.geometry().num_facets());
     if (result.facet_error > 0)
-      note += fmt::format("; spheres and cylinders in facets, at most {:.2g} m inside them", result.facet_error);
+      note += fmt::format("; curved faces in facets, at most {:.2g} m inside them", result.facet_error);
     notes.push_back(note);
     return result.solid;
   } catch (const InputError& error) {

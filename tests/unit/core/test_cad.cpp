@@ -187,6 +187,11 @@ TEST_F(Cad, BooleansWithPrimitives) {
   const auto ring = combine_cad(BooleanOp::Kind::subtract, ball, drill, mm);
   ASSERT_TRUE(ring);
   EXPECT_NEAR(exact(*ring) / (4 * pi / 3 * 64), 1, 1e-8);  // OpenCASCADE's edge is 1e-7 mm from both surfaces
+  // A cone about the centre of the ball leaves 2/3 pi R^3 cos of its angle; its tip is inside.
+  const Solid cone = Solid::cone(Vec3(0, 0, 9 * mm), Vec3::Zero(), 9 * mm, 0, "cone");
+  const auto hollow = combine_cad(BooleanOp::Kind::subtract, ball, cone, mm);
+  ASSERT_TRUE(hollow);
+  EXPECT_NEAR(exact(*hollow) / (250 * pi / 3 * (1 + std::sqrt(0.5))), 1, 1e-8);
   const Solid box = Solid::box(Vec3::Constant(-2 * mm), Vec3::Constant(20 * mm), "box");
   const auto sum = combine_cad(BooleanOp::Kind::unite, ball, box, mm);
   ASSERT_TRUE(sum);
@@ -270,6 +275,80 @@ Scene scene_of(const std::string& folder, const std::string& cad, const std::str
       "[[body]]\nname = \"part\"\nmaterial = {E = 1e9, nu = 0.3}\ncell_size = 2e-3\n[body.shape]\ncad = {" + cad +
           "}\n[[support]]\nface = \"part." + face + "\"\nsymmetry = true\n",
       folder + "/scene.toml", {});
+}
+
+/// The solid of a scene with this shape, in cells of 8 mm, and the area of one of its faces, m^2.
+std::pair<Solid, double> solid_of(const std::string& shape, const std::string& face) {
+  const Scene scene =
+      parse_scene("[[body]]\nname = \"part\"\nmaterial = \"steel\"\ncell_size = \"8 mm\"\nshape = " + shape +
+                      "\n[[support]]\nface = \"part." + face + "\"\nsymmetry = true\n",
+                  "shape.toml", {});
+  double area = 0;
+  for (const CadFace& f : as_cad(scene.bodies[0].solid)->model().faces())
+    if (scene.supports[0].face.face.selects(f.names)) area += f.area * mm * mm;
+  return {scene.bodies[0].solid, area};
+}
+
+// Proves that tori, and arcs beside the axis of a turned profile, are exact at 10 cells along the longest side, also
+// cut and combined with other shapes. References: Pappus' theorems.
+TEST_F(Cad, ToriOfAScene) {
+  const double ring = 30 * mm, tube = 10 * mm, groove = 5 * mm, h = 8 * mm;
+  const double volume = 2 * pi * pi * ring * tube * tube, area = 4 * pi * pi * ring * tube;
+  const double cut_out = 2 * pi * (ring - 4 * groove / (3 * pi)) * pi * groove * groove / 2;
+  const double wall = 2 * pi * (ring - 2 * groove / pi) * pi * groove;
+  const std::string torus =
+      "{torus = {center = [0, 0, 0], axis = [1, 2, 3], ring_radius = \"30 mm\", tube_radius = \"10 mm\"}}";
+  const struct {
+    std::string shape, face;
+    double volume, area, face_area;
+  } cases[] = {
+      {torus, "torus", volume, area, area},
+      {"{intersection = [" + torus + ", {half_space = {point = [0, 0, 0], normal = [3, 0, -1]}}]}", "torus.surface",
+       volume / 2, area / 2 + 2 * pi * tube * tube, area / 2},
+      {"{difference = [{cylinder = {base = [0, 0, 0], top = [0, 0, \"20 mm\"], radius = \"30 mm\"}}, {torus = {center "
+       "= [0, 0, "
+       "\"10 mm\"], ring_radius = \"30 mm\", tube_radius = \"5 mm\"}}]}",
+       "torus.surface", pi * ring * ring * 20 * mm - cut_out, 2 * pi * ring * ring + 2 * pi * ring * 10 * mm + wall,
+       wall},
+      {"{name = \"disc\", revolve = {axis = [0, 1, 0], profile = [[\"10 mm\", 0], [\"30 mm\", 0], [\"30 mm\", \"5 "
+       "mm\"], {to = "
+       "[\"30 mm\", \"15 mm\"], through = [\"25 mm\", \"10 mm\"], name = \"groove\"}, [\"30 mm\", \"20 mm\"], [\"10 "
+       "mm\", \"20 "
+       "mm\"]]}}",
+       "disc.groove", pi * (ring * ring - tube * tube) * 20 * mm - cut_out,
+       2 * pi * (ring * ring - tube * tube) + 2 * pi * (ring * 10 * mm + tube * 20 * mm) + wall, wall},
+  };
+  for (const auto& c : cases) {
+    SCOPED_TRACE(c.shape);
+    const auto [solid, face_area] = solid_of(c.shape, c.face);
+    // OpenCASCADE's edges of booleans are 1e-7 mm from both surfaces, its own areas are those of its rules
+    EXPECT_NEAR(face_area / c.face_area, 1, 1e-6);
+    for (const double angle : {0.0, 0.7}) {
+      const Totals sum = totals(cut(solid.transformed(Mat3::Identity(), Vec3::Zero(), 1 / h),
+                                    rotation({1, 2, 3}, angle), Vec3(0.7, 0.2, 0.4)));
+      EXPECT_NEAR(sum.volume * h * h * h / c.volume, 1, 1e-8);
+      EXPECT_NEAR(sum.area * h * h / c.area, 1, 1e-8);
+    }
+  }
+  // A line along x beside the middle of the ring meets it in four points.
+  const double y = 3 * mm, z = 2 * mm, across = std::sqrt(tube * tube - z * z);
+  const double inner = std::sqrt(std::pow(ring - across, 2) - y * y),
+               outer = std::sqrt(std::pow(ring + across, 2) - y * y);
+  const Solid flat =
+      solid_of("{torus = {center = [0, 0, 0], ring_radius = \"30 mm\", tube_radius = \"10 mm\"}}", "torus").first;
+  std::vector<Crossing> found;
+  flat.crossings({0, y, z}, Vec3::UnitX(), 1, found);
+  std::sort(found.begin(), found.end(), [](const Crossing& a, const Crossing& b) { return a.t < b.t; });
+  ASSERT_EQ(found.size(), 4u);
+  for (int k = 0; k < 4; ++k) {
+    const double t[] = {-outer, -inner, inner, outer};
+    EXPECT_NEAR(found[k].t, t[k], 1e-12);
+    const Vec3 x(t[k], y, z), foot = ring * Vec3(t[k], y, 0).normalized();
+    EXPECT_LT((found[k].normal - (x - foot) / tube).norm(), 1e-9);
+  }
+  expect_words(
+      message_of([&] { solid_of("{torus = {center = [0, 0, 0], ring_radius = 1, tube_radius = \"2 m\"}}", "torus"); }),
+      {"shape.toml:5: body[0].shape.torus.tube_radius = \"2 m\": is not less than ring_radius", "< 1 m"});
 }
 
 // Proves that faces are found by number, name, colour, kind and size, normal and place, and that what selects nothing

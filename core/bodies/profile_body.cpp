@@ -1,0 +1,415 @@
+#include "core/bodies/profile_body.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "core/base/errors.hpp"
+#include "core/bodies/csg_body.hpp"
+
+namespace cgcontact {
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+constexpr double same = 1e-12;          // lengths relative to the profile: rounding of what the scene computes
+constexpr double widest_part = pi / 3;  // of an arc: its triangle of tangents is flat
+constexpr int most_divisions = 6;       // of arcs that come near to something, in halves
+constexpr int tangents_around = 128;    // of the polygon that bounds an arc: 3e-4 of its radius
+
+double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
+
+struct Circle {
+  Vec2 centre;
+  double radius;
+};
+
+/// A line, or a part of an arc, from `a` to `b`.
+struct Part {
+  Vec2 a, b;
+  int edge = 0;                  ///< of the profile
+  std::optional<Circle> circle;  ///< of an arc
+  double turn = 0;               ///< of an arc: angle from a to b, counterclockwise positive
+
+  Vec2 at(double fraction) const {
+    if (!circle) return a + fraction * (b - a);
+    return circle->centre + Eigen::Rotation2Dd(fraction * turn) * (a - circle->centre);
+  }
+  /// Where the tangents at both ends meet.
+  Vec2 tip() const { return circle->centre + (at(0.5) - circle->centre) / std::cos(0.5 * turn); }
+  Part part(double begin, double end) const {
+    Part result = *this;
+    result.a = begin == 0 ? a : at(begin);
+    result.b = end == 1 ? b : at(end);
+    result.turn = (end - begin) * turn;
+    return result;
+  }
+  /// A convex polygon that contains it.
+  std::vector<Vec2> hull() const { return circle ? std::vector<Vec2>{a, b, tip()} : std::vector<Vec2>{a, b}; }
+};
+
+Part part_of(const ProfileEdge& edge, int number, double size) {
+  Part part{edge.from, edge.to, number, std::nullopt, 0};
+  if ((edge.to - edge.from).norm() <= same * size) throw InputError(fmt::format("edge {} has no length", number + 1));
+  if (!edge.is_arc) return part;
+  const Vec2 u = edge.through - edge.from, v = edge.to - edge.from;
+  const double twice_area = cross(u, v);
+  if (std::abs(twice_area) <= same * size * size)
+    throw InputError(fmt::format("edge {}: the three points of the arc lie on a line", number + 1));
+  const double u2 = u.squaredNorm(), v2 = v.squaredNorm();
+  const Vec2 to_centre = Vec2(v[1] * u2 - u[1] * v2, u[0] * v2 - v[0] * u2) / (2 * twice_area);
+  part.circle = Circle{edge.from + to_centre, to_centre.norm()};
+  const Vec2 end = edge.to - part.circle->centre;
+  const double angle = std::atan2(cross(-to_centre, end), -to_centre.dot(end));
+  part.turn = twice_area > 0 ? (angle > 0 ? angle : angle + 2 * pi) : (angle < 0 ? angle : angle - 2 * pi);
+  return part;
+}
+
+/// Do two convex polygons meet or touch?
+bool meet(const std::vector<Vec2>& p, const std::vector<Vec2>& q) {
+  for (const auto* polygon : {&p, &q})
+    for (std::size_t i = 0; i < polygon->size(); ++i) {
+      const Vec2 side = (*polygon)[(i + 1) % polygon->size()] - (*polygon)[i];
+      for (const Vec2& normal : {Vec2(side[1], -side[0]), side}) {
+        const auto range = [&](const std::vector<Vec2>& points) {
+          double low = 1e300, high = -1e300;
+          for (const Vec2& x : points) {
+            low = std::min(low, x.dot(normal));
+            high = std::max(high, x.dot(normal));
+          }
+          return std::make_pair(low, high);
+        };
+        const auto [low_p, high_p] = range(p);
+        const auto [low_q, high_q] = range(q);
+        if (low_q > high_p || low_p > high_q) return false;
+      }
+    }
+  return true;
+}
+
+/// A closed profile, counterclockwise, in parts whose triangles of tangents do not meet.
+class Outline {
+ public:
+  explicit Outline(const std::vector<ProfileEdge>& profile) {
+    for (const ProfileEdge& edge : profile) {
+      if (!edge.from.allFinite() || !edge.to.allFinite() || !edge.through.allFinite())
+        throw InputError(std::string("a profile must have finite points"));
+      for (const Vec2& x : {edge.from, edge.to}) size_ = std::max(size_, (x - profile[0].from).norm());
+    }
+    for (std::size_t k = 0; k < profile.size(); ++k) {
+      if ((profile[k].to - profile[(k + 1) % profile.size()].from).norm() > same * size_)
+        throw InputError(std::string("a profile must be closed"));
+      const Part whole = part_of(profile[k], static_cast<int>(k), size_);
+      const int pieces = whole.circle ? static_cast<int>(std::ceil(std::abs(whole.turn) / widest_part)) : 1;
+      for (int i = 0; i < pieces; ++i) parts_.push_back(whole.part(double(i) / pieces, double(i + 1) / pieces));
+    }
+    for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].b = parts_[(k + 1) % parts_.size()].a;
+    separate();
+    orient();
+  }
+
+  const std::vector<Part>& parts() const { return parts_; }
+  double size() const { return size_; }
+  /// Points whose convex hull contains it, little larger than its own.
+  std::vector<Vec2> bounds() const {
+    std::vector<Vec2> points;
+    for (const Part& part : parts_) {
+      points.push_back(part.a);
+      if (!part.circle) continue;
+      const int pieces = static_cast<int>(std::ceil(tangents_around * std::abs(part.turn) / (2 * pi)));
+      for (int i = 0; i < pieces; ++i) points.push_back(part.part(double(i) / pieces, double(i + 1) / pieces).tip());
+    }
+    return points;
+  }
+
+ private:
+  /// Divides arcs until nothing meets but at common ends.
+  void separate() {
+    for (int division = 0; division <= most_divisions; ++division) {
+      std::vector<char> divide(parts_.size(), 0);
+      const std::size_t n = parts_.size();
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) {
+          const bool neighbours = j == i + 1 || (i == 0 && j == n - 1);
+          if (neighbours || !meet(parts_[i].hull(), parts_[j].hull())) continue;
+          if ((!parts_[i].circle && !parts_[j].circle) || division == most_divisions)
+            throw InputError(fmt::format("edges {} and {} cross, touch or come too near to each other",
+                                         parts_[i].edge + 1, parts_[j].edge + 1));
+          divide[i] = parts_[i].circle.has_value();
+          divide[j] = parts_[j].circle.has_value();
+        }
+      std::vector<Part> finer;
+      for (std::size_t i = 0; i < n; ++i) {
+        if (divide[i]) finer.push_back(parts_[i].part(0, 0.5));
+        finer.push_back(divide[i] ? parts_[i].part(0.5, 1) : parts_[i]);
+      }
+      if (finer.size() == n && n >= 3) return;
+      if (finer.size() == n) throw InputError(std::string("a profile must have an area"));
+      parts_ = std::move(finer);
+    }
+  }
+
+  void orient() {
+    double area = 0;  // of the polygon of chords: it has the sign of the whole
+    for (const Part& part : parts_) area += cross(part.a - parts_[0].a, part.b - parts_[0].a) / 2;
+    if (std::abs(area) <= same * size_ * size_) throw InputError(std::string("a profile must have an area"));
+    if (area > 0) return;
+    std::reverse(parts_.begin(), parts_.end());
+    for (Part& part : parts_) {
+      std::swap(part.a, part.b);
+      part.turn = -part.turn;
+    }
+  }
+
+  std::vector<Part> parts_;
+  double size_ = 0;
+};
+
+/// The elementary surfaces that lines and circles of the plane become, and what is inside.
+class Lift {
+ public:
+  virtual ~Lift() = default;
+  /// What is on the left of the line from a to b; none: everything.
+  virtual std::optional<CsgBody> left_of(const Vec2& a, const Vec2& b, const std::vector<std::string>& names) const = 0;
+  virtual CsgBody disc(const Circle& circle, const std::vector<std::string>& names) const = 0;
+};
+
+class Extrusion final : public Lift {
+ public:
+  Extrusion(const ProfileFrame& frame, CsgBody::Hull hull) : frame_(frame), hull_(std::move(hull)) {}
+
+  std::optional<CsgBody> left_of(const Vec2& a, const Vec2& b, const std::vector<std::string>& names) const override {
+    const Vec2 d = (b - a).normalized();
+    Surface plane;
+    plane.point = at(a);
+    plane.direction = (d[1] * frame_.first - d[0] * frame_.second).normalized();
+    plane.names = names;
+    return CsgBody({plane}, hull_);
+  }
+  CsgBody disc(const Circle& circle, const std::vector<std::string>& names) const override {
+    Surface cylinder;
+    cylinder.kind = Surface::Kind::cylinder;
+    cylinder.point = at(circle.centre);
+    cylinder.direction = frame_.first.cross(frame_.second).normalized();
+    cylinder.radius = circle.radius;
+    cylinder.names = names;
+    return CsgBody({cylinder}, hull_);
+  }
+
+ private:
+  Vec3 at(const Vec2& x) const { return frame_.origin + x[0] * frame_.first + x[1] * frame_.second; }
+
+  const ProfileFrame& frame_;
+  const CsgBody::Hull hull_;
+};
+
+class Revolution final : public Lift {
+ public:
+  Revolution(const ProfileFrame& frame, CsgBody::Hull hull, double size)
+      : frame_(frame), hull_(std::move(hull)), size_(size) {}
+
+  std::optional<CsgBody> left_of(const Vec2& a, const Vec2& b, const std::vector<std::string>& names) const override {
+    if (std::max(a[0], b[0]) <= same * size_) return std::nullopt;
+    const Vec2 d = (b - a).normalized(), n(d[1], -d[0]);  // the line is n.x = offset
+    const double offset = n.dot(a);
+    Surface side;
+    side.names = names;
+    side.direction = frame_.second;
+    if (std::abs(n[0]) <= same) {
+      side.point = frame_.origin + a[1] * frame_.second;
+      side.direction *= n[1] > 0 ? 1 : -1;
+      return CsgBody({side}, hull_);
+    }
+    const bool outside = n[0] < 0;
+    using Op = BooleanOp::Kind;
+    if (std::abs(n[1]) <= same) {
+      side.kind = Surface::Kind::cylinder;
+      side.point = frame_.origin;
+      side.radius = a[0];
+      return CsgBody({side}, {{outside ? Op::complement_surface : Op::surface, 0}}, hull_);
+    }
+    side.kind = Surface::Kind::cone;
+    side.point = frame_.origin + offset / n[1] * frame_.second;
+    side.direction *= (n[1] > 0) == outside ? 1 : -1;
+    side.radius = std::max(a[0], b[0]);
+    side.cosine = std::abs(n[0]);
+    side.sine = std::abs(n[1]);
+    check_cone(side);
+    Surface tip;
+    tip.point = side.point;
+    tip.direction = -side.direction;
+    if (!outside) return CsgBody({side, tip}, hull_);
+    return CsgBody({side, tip}, {{Op::complement_surface, 0}, {Op::complement_surface, 1}, {Op::unite, -1}}, hull_);
+  }
+
+  CsgBody disc(const Circle& circle, const std::vector<std::string>& names) const override {
+    if (std::abs(circle.centre[0]) > 1e-9 * size_)
+      throw InputError(fmt::format("the centre of an arc is ({:.6g}, {:.6g}) m: not on the axis, a torus",
+                                   circle.centre[0], circle.centre[1]));
+    Surface sphere;
+    sphere.kind = Surface::Kind::sphere;
+    sphere.point = frame_.origin + circle.centre[1] * frame_.second;
+    sphere.radius = circle.radius;
+    sphere.names = names;
+    return CsgBody({sphere}, hull_);
+  }
+
+ private:
+  const ProfileFrame& frame_;
+  const CsgBody::Hull hull_;
+  const double size_;
+};
+
+/// Turns an outline into a boolean expression: its convex hull without the pockets, which are polygons again; at arcs
+/// the segments of their circles are added or taken away.
+class Assembly {
+ public:
+  Assembly(const Outline& outline, const std::vector<ProfileEdge>& profile, const Lift& lift)
+      : outline_(outline), profile_(profile), lift_(lift) {}
+
+  CsgBody body() const {
+    std::vector<Corner> corners;
+    for (const Part& part : outline_.parts()) corners.push_back({part.a, &part});
+    CsgBody result = *polygon(corners);
+    for (const double sign : {1.0, -1.0})  // first what arcs add
+      for (const Part& part : outline_.parts()) {
+        if (!part.circle || part.turn * sign < 0) continue;
+        const CsgBody disc = lift_.disc(*part.circle, {profile_[part.edge].face});
+        const auto chord = lift_.left_of(part.a, part.b, {});
+        if (!chord) continue;
+        const CsgBody segment = combined(disc, *chord, sign > 0 ? Op::subtract : Op::intersect);
+        result = combined(result, segment, sign > 0 ? Op::unite : Op::subtract);
+      }
+    return result;
+  }
+
+ private:
+  using Op = BooleanOp::Kind;
+  /// A corner, and the part that goes on from there (none: a line that closes a pocket).
+  struct Corner {
+    Vec2 x;
+    const Part* part;
+  };
+
+  static CsgBody combined(const CsgBody& a, const CsgBody& b, Op kind) { return {a, b, kind}; }
+
+  /// Numbers of the corners on the convex hull, ascending.
+  std::vector<int> hull(const std::vector<Corner>& corners) const {
+    const double tolerance = same * outline_.size() * outline_.size();
+    std::vector<int> order(corners.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<int>(k);
+    const auto less = [&](int i, int j) {
+      const Vec2 &a = corners[i].x, &b = corners[j].x;
+      return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1];
+    };
+    std::sort(order.begin(), order.end(), less);
+    std::vector<char> on_hull(corners.size(), 0);
+    for (int pass = 0; pass < 2; ++pass) {
+      std::vector<int> chain;
+      for (const int k : order) {
+        while (chain.size() > 1 && cross(corners[chain.back()].x - corners[chain[chain.size() - 2]].x,
+                                         corners[k].x - corners[chain.back()].x) < -tolerance)
+          chain.pop_back();
+        chain.push_back(k);
+      }
+      for (const int k : chain) on_hull[k] = 1;
+      std::reverse(order.begin(), order.end());
+    }
+    std::vector<int> numbers;
+    for (std::size_t k = 0; k < on_hull.size(); ++k)
+      if (on_hull[k]) numbers.push_back(static_cast<int>(k));
+    return numbers;
+  }
+
+  /// A simple polygon, counterclockwise; none: everything.
+  std::optional<CsgBody> polygon(const std::vector<Corner>& corners) const {
+    std::optional<CsgBody> result;
+    const auto intersect = [&](const std::optional<CsgBody>& half) {
+      if (half) result = result ? combined(*result, *half, Op::intersect) : *half;
+    };
+    const std::vector<int> on_hull = hull(corners);
+    const int n = static_cast<int>(corners.size());
+    std::vector<std::vector<Corner>> pockets;
+    for (std::size_t k = 0; k < on_hull.size(); ++k) {
+      const int i = on_hull[k], j = on_hull[(k + 1) % on_hull.size()];
+      const bool is_edge = (i + 1) % n == j;
+      const Part* const part = is_edge ? corners[i].part : nullptr;
+      const bool has_face = part && !part->circle;
+      intersect(left_of(part, corners[i].x, corners[j].x,
+                        has_face ? std::vector<std::string>{profile_[part->edge].face} : std::vector<std::string>{}));
+      if (!is_edge) pockets.push_back(pocket(corners, i, j));
+    }
+    for (const std::vector<Corner>& corners_of_pocket : pockets)
+      if (const auto taken = polygon(corners_of_pocket)) result = combined(*result, *taken, Op::subtract);
+    return result;
+  }
+
+  /// What is refused is said with the number of the edge.
+  std::optional<CsgBody> left_of(const Part* part, const Vec2& a, const Vec2& b,
+                                 const std::vector<std::string>& names) const {
+    try {
+      return lift_.left_of(a, b, names);
+    } catch (const InputError& error) {
+      throw InputError((part ? fmt::format("edge {}: ", part->edge + 1) : "across a pocket: ") + error.what());
+    }
+  }
+
+  /// Between the line from corner i to j of the hull and the sides there, which are passed from j back to i.
+  static std::vector<Corner> pocket(const std::vector<Corner>& corners, int i, int j) {
+    const int n = static_cast<int>(corners.size());
+    std::vector<Corner> result{{corners[i].x, nullptr}};
+    for (int k = j; k != i; k = (k + n - 1) % n) result.push_back({corners[k].x, corners[(k + n - 1) % n].part});
+    return result;
+  }
+
+  const Outline& outline_;
+  const std::vector<ProfileEdge>& profile_;
+  const Lift& lift_;
+};
+
+}  // namespace
+
+Solid extruded(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame, double height,
+               const std::string& bottom, const std::string& top) {
+  if (!(height > 0 && std::isfinite(height))) throw InputError(std::string("an extruded profile must have a height"));
+  const Outline outline(profile);
+  const Vec3 up = frame.first.cross(frame.second).normalized();
+  CsgBody::Hull hull;
+  for (const Vec2& x : outline.bounds())
+    for (const double z : {0.0, height})
+      hull.points.push_back(frame.origin + x[0] * frame.first + x[1] * frame.second + z * up);
+  const Extrusion lift(frame, hull);
+  Surface low, high;
+  low.point = frame.origin;
+  low.direction = -up;
+  low.names = {bottom};
+  high.point = frame.origin + height * up;
+  high.direction = up;
+  high.names = {top};
+  const CsgBody slab({low, high}, hull), prism = Assembly(outline, profile, lift).body();
+  return Solid(std::make_shared<CsgBody>(CsgBody(prism, slab, BooleanOp::Kind::intersect).bounded_by(hull)));
+}
+
+Solid revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame) {
+  const Outline outline(profile);
+  double low = 1e300, high = -1e300, radius = 0;
+  for (const Vec2& x : outline.bounds()) {
+    low = std::min(low, x[1]);
+    high = std::max(high, x[1]);
+    radius = std::max(radius, x[0]);
+  }
+  for (const Part& part : outline.parts())
+    if (part.a[0] < -same * outline.size())
+      throw InputError(fmt::format("edge {} crosses the axis: first coordinates must be >= 0", part.edge + 1));
+  CsgBody::Hull hull;
+  hull.points = {frame.origin + low * frame.second, frame.origin + high * frame.second};
+  hull.disc_radius = radius;
+  hull.axis = frame.second;
+  const Revolution lift(frame, hull, outline.size());
+  return Solid(std::make_shared<CsgBody>(Assembly(outline, profile, lift).body().bounded_by(hull)));
+}
+
+}  // namespace cgcontact
