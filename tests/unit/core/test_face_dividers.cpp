@@ -96,6 +96,25 @@ TEST(FaceDividers, SectorOfACylinder) {
   }
 }
 
+// Proves the same for a cone, whose normals are turned by its half angle, outside and in a bore, also with a tip.
+TEST(FaceDividers, SectorOfACone) {
+  std::mt19937 random(6);
+  const Vec3 axis = Vec3(1, 0.4, 0.5).normalized();
+  const double across = axis.head<2>().norm();
+  const double height = 2, slant = std::hypot(height, 0.5), c = height / slant, s = 0.5 / slant;
+  const Solid outside = Solid::cone(Vec3::Zero(), {0, 0, height}, 1, 0.5, "c");
+  const Solid bore = Solid::subtract(Solid::cylinder(Vec3::Zero(), {0, 0, height}, 1.4, "o"), outside);
+  for (const double angle : {35.0, 75.0, 120.0}) {
+    FaceSpec face = cone(axis, angle);
+    face.surfaces = {"c.side"};
+    for (const double side : {1.0, -1.0}) {
+      const double half = std::acos((std::cos(angle * pi / 180) - side * s * axis[2]) / (c * across));
+      const double area = half * 1.5 * slant;  // of the whole: pi (R + r) times the slant height
+      EXPECT_NEAR(sums_of(placed(side > 0 ? outside : bore, face, 0.2, random), face).area / area, 1, 1e-8) << angle;
+    }
+  }
+}
+
 // Proves that a strip on a block has its exact area at any cell size, that the rim of a flat box counts as inside, and
 // the same for a surface of triangles (the strip crosses triangles and a grid plane may lie anywhere).
 TEST(FaceDividers, StripOnABlock) {
