@@ -76,8 +76,8 @@ std::string describe_load(const Scene& scene, const std::vector<BodyModel>& bodi
   }
   const Vec3 centroid = moments.centroid(), moment = about_origin - centroid.cross(force);
   const auto text = [](const Vec3& v, double scale) {  // what is rounding beside the scale is 0
-    const auto number = [&](double value) { return std::abs(value) > 1e-9 * scale ? value : 0.0; };
-    return fmt::format("({:.6g}, {:.6g}, {:.6g})", number(v[0]), number(v[1]), number(v[2]));
+    const auto rounded = [&](double value) { return std::abs(value) > 1e-9 * scale ? value : 0.0; };
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", rounded(v[0]), rounded(v[1]), rounded(v[2]));
   };
   const double size = std::sqrt(moments.area());
   return fmt::format("load on \"{}.{}\": {} N at ({:.4g}, {:.4g}, {:.4g}) m, moment {} N m there; {:.6g} m2\n",
