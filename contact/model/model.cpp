@@ -182,6 +182,12 @@ auto naming_body(const BodySpec& body, const Make& make) {
   }
 }
 
+bool is_empty(const BodyFace& face, const BodyModel& body) {
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
+    if (face.contains(p)) return false;
+  return true;
+}
+
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
   throw InputError(face.place, in_quotes(scene.bodies[face.body].name + "." + face.face.name),
                    "the face selects no point of the body's boundary");
@@ -256,6 +262,9 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
       refuse_empty_face(scene, scene.supports[s].face);
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
+  for (const ProbeSpec& probe : scene.probes)
+    if (probe.kind == ProbeSpec::Kind::face && is_empty(BodyFace(probe.face.face, bodies[probe.body]), bodies[probe.body]))
+      refuse_empty_face(scene, probe.face);
   return bodies;
 }
 
