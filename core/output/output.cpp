@@ -29,6 +29,7 @@
 #include "core/output/output_plots.hpp"
 #include "core/output/output_pressure_map.hpp"
 #include "core/output/output_probes.hpp"
+#include "core/output/output_sections.hpp"
 #include "core/output/output_vtk.hpp"
 #include "core/program/interruption.hpp"
 
@@ -219,6 +220,7 @@ std::vector<CheckedBody> checked_bodies(const Results& results) {
 PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
   PageParts parts;
   parts.directory = temporary.path().string();
+  for (const SectionSpec& section : scene.sections) parts.sections.push_back({section.name, section_picture(section)});
   GnuplotRuns runs(parts.directory);
   if (scene.output.plots) write_plots(results, scene, runs);
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
@@ -232,6 +234,7 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
       const SceneView scene_view = look_at_scene(results, drawn);
       write_picture(results, drawn, scene_view, runs);
       write_grid_picture(results, drawn, scene_view, runs);
+      write_sections(scene, drawn, runs);
       if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), runs);
       parts.pressure_maps = write_pressure_maps(results, surface, runs);
     };

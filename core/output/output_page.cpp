@@ -478,6 +478,13 @@ std::string probes_section(const Results& results, const PageParts& parts) {
          note("Every value is in probes.csv. Points outside of the bodies have none.");
 }
 
+std::string sections_section(const PageParts& parts) {
+  std::string text;
+  for (const auto& [name, file] : parts.sections)
+    text += picture(parts.directory, file, "Section " + name, "Section " + html_text(name) + ", undeformed.");
+  return text;
+}
+
 std::string maps_section(const Results& results, const PageParts& parts) {
   std::string text;
   for (const PressureMap& map : parts.pressure_maps)
@@ -720,6 +727,7 @@ std::string page(const Results& results, const PageParts& parts) {
   text += section("steps", "Steps", steps_section(results, parts));
   text += section("pressure", "Pressure on the contact face", maps_section(results, parts));
   text += section("profile", "Pressure along the path", profile_section(results, parts));
+  text += section("sections", "Sections", sections_section(parts));
   text += section("probes", "Probes", probes_section(results, parts));
   text += section("reference", "Against the reference", reference_section(results));
   text += section("conditions", "Supports, loads and interferences", conditions_section(results, parts));

@@ -175,10 +175,13 @@ std::string maxima_text(const Results& results) {
   const int pressed = body_with_smallest(bodies, &Extremes::compression);
   const double moved = bodies[body_with_largest(bodies, &Extremes::displacement)].body.displacement.value;
   const Extreme& most = bodies[stressed].body.von_mises;
+  const auto principal = [&](double value) {  // what is rounding beside the largest stress is zero
+    return stress_text(std::abs(value) < 1e-8 * most.value ? 0 : value);
+  };
   std::string text = fmt::format("von Mises {} in {} at {}; principal {} to {}; displacement {}", stress_text(most.value),
                                  shortened_name(results.bodies[stressed].name, 20), place_text(most.at),
-                                 stress_text(bodies[pressed].body.compression.value),
-                                 stress_text(bodies[pulled].body.tension.value), in_unit(moved, length_unit(moved), 4));
+                                 principal(bodies[pressed].body.compression.value),
+                                 principal(bodies[pulled].body.tension.value), in_unit(moved, length_unit(moved), 4));
   if (const auto factor = safety_factor(results)) text += "; yield / von Mises " + short_number(*factor, 3);
   return text;
 }
@@ -300,13 +303,13 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   add("  iterations: ", iterations_text(results));
   if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
   if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
-  if (const std::string zone = zone_text(results); !zone.empty() && allowance.text_lines > 1)
+  if (const std::string zone = zone_text(results); !zone.empty())
     add("  zone:       ", zone);
-  if (!results.extremes.empty() && allowance.text_lines > 1) add("  largest:    ", maxima_text(results));
+  if (!results.extremes.empty()) add("  largest:    ", maxima_text(results));
   if (!results.probes.empty()) add("  probes:     ", probes_text(results));
   add("  est. error: ", error_text(results));
   if (!results.pressure_errors.empty()) add("  true error of the pressure: ", reference_text(results));
-  if (!results.patches_by_kind.empty()) add("  recovery:   ", recovery_text(results));
+  if (!results.patches_by_kind.empty() && allowance.text_lines > 2) add("  recovery:   ", recovery_text(results));
   if (!results.times_s.empty()) add("  time:       ", times_text(results));
   append(lines, closing_lines(results, directory));
   return lines;
