@@ -138,6 +138,8 @@ std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
     add(contact.first);
     add(contact.second);
   }
+  for (const ProbeSpec& probe : scene.probes)
+    if (probe.kind == ProbeSpec::Kind::face) add(probe.face);
   return faces;
 }
 
@@ -263,7 +265,8 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
   for (const ProbeSpec& probe : scene.probes)
-    if (probe.kind == ProbeSpec::Kind::face && is_empty(BodyFace(probe.face.face, bodies[probe.body]), bodies[probe.body]))
+    if (probe.kind == ProbeSpec::Kind::face &&
+        is_empty(BodyFace(probe.face.face, bodies[probe.body]), bodies[probe.body]))
       refuse_empty_face(scene, probe.face);
   return bodies;
 }

@@ -32,7 +32,7 @@ double contact_modulus(const Material& first, const Material& second) {
 HertzFigures hertz_point(double force, double least, double most, double modulus) {
   const double radius = 1 / std::sqrt(least * most);
   const double size = std::cbrt(3 * force * radius / (4 * modulus));  // of a round zone
-  double ratio = 1, factor = 1;                                      // b/a, Johnson's F1
+  double ratio = 1, factor = 1;                                       // b/a, Johnson's F1
   if (most > round_ratio * least) {
     double low = 1e-8, high = 1;  // the curvatures' ratio falls with b/a; by bisection of the logarithm
     for (int step = 0; step < 100; ++step) {

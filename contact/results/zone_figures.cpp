@@ -64,8 +64,8 @@ class Zone {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(tangents.transpose() * curvature * tangents);
     const double least = solver.eigenvalues()[0], most = solver.eigenvalues()[1];
     if (!(most * least_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
-    const double modulus = contact_modulus(state_.scene.bodies[pair_.primary].material,
-                                           state_.scene.bodies[pair_.secondary].material);
+    const double modulus =
+        contact_modulus(state_.scene.bodies[pair_.primary].material, state_.scene.bodies[pair_.secondary].material);
     HertzFigures hertz;
     const double whole = std::ldexp(force, static_cast<int>(planes_.size()));
     if (least > no_curvature * most) {
@@ -152,8 +152,7 @@ class Zone {
     std::set<int> found;
     for (const ContactRow* row : rows_)
       if (row->body == body)
-        found.insert(
-            cells.solid.surface_at(cells.grid.to_grid(row->x), cells.grid.rotation.transpose() * row->normal));
+        found.insert(cells.solid.surface_at(cells.grid.to_grid(row->x), cells.grid.rotation.transpose() * row->normal));
     if (found.size() != 1 || *found.begin() < 0) return std::nullopt;
     const Surface& surface = cells.solid.surfaces()[*found.begin()];
     using Kind = Surface::Kind;

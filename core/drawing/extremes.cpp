@@ -94,9 +94,8 @@ class BodySearch {
   void add_boundary(const FaceSpec& face, const std::vector<char>& selected, Collector& most) const {
     const BoundaryPoints& boundary = cells_.boundary;
     for (std::size_t i = 0; i < boundary.size(); ++i) {
-      if (!selected[boundary.surface[i]] ||
-          !face.contains(cells_.grid.to_global(boundary.position_of_piece(i)),
-                         cells_.grid.rotation * boundary.normal_of_piece(i)))
+      if (!selected[boundary.surface[i]] || !face.contains(cells_.grid.to_global(boundary.position_of_piece(i)),
+                                                           cells_.grid.rotation * boundary.normal_of_piece(i)))
         continue;
       const Vec3 x = cells_.grid.to_global(boundary.position[i]);
       const Vec3 xi = clamped_cell_coordinates(cells_, boundary.cell[i], boundary.position[i]);
@@ -121,8 +120,7 @@ int body_with(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind, 
 
 }  // namespace
 
-std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene,
-                                      const std::vector<DrawnBody>& drawn) {
+std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn) {
   std::vector<BodyExtremes> bodies;
   for (std::size_t b = 0; b < drawn.size(); ++b) {
     const BodySearch search(results, drawn[b], static_cast<int>(b));

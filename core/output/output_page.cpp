@@ -355,7 +355,8 @@ std::string zone_of(const ZoneFigures& zone) {
 
 std::string hertz_of(const ZoneFigures& zone) {
   if (!zone.hertz) return cell("-") + cell("-");
-  return cell(zone.hertz->a ? length(*zone.hertz->a) + " × " + length(zone.hertz->b) : "half width " + length(zone.hertz->b)) +
+  return cell(zone.hertz->a ? length(*zone.hertz->a) + " × " + length(zone.hertz->b)
+                            : "half width " + length(zone.hertz->b)) +
          cell(stress(zone.hertz->p0));
 }
 
@@ -363,22 +364,26 @@ std::string hertz_of(const ZoneFigures& zone) {
 std::string zones_of_pairs(const Results& results) {
   std::vector<std::string> zones, moments;
   bool any_hertz = false;
-  const auto in_newton_metres = [](double moment) { return figure(moment, short_number(moment, 5) + "&#160;N&#160;m"); };
+  const auto in_newton_metres = [](double moment) {
+    return figure(moment, short_number(moment, 5) + "&#160;N&#160;m");
+  };
   for (const PairFigures& pair : results.pairs) {
     const ZoneFigures& zone = pair.zone;
     any_hertz |= zone.hertz.has_value();
-    zones.push_back(name_cell(html_text(pair.name)) + cell(force(zone.normal_force)) + cell(stress(zone.mean_pressure)) +
-                    zone_of(zone) + hertz_of(zone));
+    zones.push_back(name_cell(html_text(pair.name)) + cell(force(zone.normal_force)) +
+                    cell(stress(zone.mean_pressure)) + zone_of(zone) + hertz_of(zone));
     if (!zone.moment) continue;
-    std::string row = name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) + cell(place(zone.moment->point));
+    std::string row =
+        name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) + cell(place(zone.moment->point));
     for (const double component : zone.moment->on_first) row += cell(in_newton_metres(component));
     moments.push_back(row + cell(zone.moment->axis ? in_newton_metres(*zone.moment->about_axis_first) : "-"));
   }
-  std::string text = table({"Pair", "Normal force", "Mean pressure", "Zone", "Half axes", "Hertz: half axes", "Hertz: p0"}, zones);
-  if (!moments.empty())
-    text += table({"Pair", "Moment on", "about", "x", "y", "z", "about the axis"}, moments);
+  std::string text =
+      table({"Pair", "Normal force", "Mean pressure", "Zone", "Half axes", "Hertz: half axes", "Hertz: p0"}, zones);
+  if (!moments.empty()) text += table({"Pair", "Moment on", "about", "x", "y", "z", "about the axis"}, moments);
   if (any_hertz)
-    text += note("Hertz: half-spaces with the curvatures of the faces, for the computed force; information, not a bound.");
+    text +=
+        note("Hertz: half-spaces with the curvatures of the faces, for the computed force; information, not a bound.");
   return text;
 }
 
@@ -469,7 +474,8 @@ std::string probes_section(const Results& results, const PageParts& parts) {
       const auto range = range_of(probe, f);
       rows.push_back(name_cell(html_text(probe.name)) + cell(name_of(probe.fields[f])) +
                      (range ? value(f, range->smallest) + value(f, range->largest) : cell("-") + cell("-")) +
-                     cell(count(static_cast<long long>(probe.points))) + cell(count(static_cast<long long>(probe.outside))));
+                     cell(count(static_cast<long long>(probe.points))) +
+                     cell(count(static_cast<long long>(probe.outside))));
     }
     pictures += picture(parts.directory, probe_picture(probe), "Values along the probe " + probe.name, "");
   }
@@ -586,8 +592,9 @@ std::string maxima_section(const Results& results) {
                                  "Smallest principal", "Displacement", "Contact pressure"};
   if (any_yield) heads.emplace_back("Yield / von Mises");
   return table(heads, rows) +
-         note("Recovered stress, tension positive. Where the shape has a sharp inner edge or a load ends, the largest "
-              "stress grows with every refinement.");
+         note(
+             "Recovered stress, tension positive. Where the shape has a sharp inner edge or a load ends, the largest "
+             "stress grows with every refinement.");
 }
 
 constexpr const char* grid_caption =
@@ -617,12 +624,11 @@ std::string bodies_section(const Results& results) {
     const BodyFields& body = results.bodies[b];
     const CutCells& cells = *body.cut_cells;
     const double e = body.material.youngs_modulus;
-    rows.push_back(
-        name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
-        cell(cell_sizes(cells)) + cell(count(static_cast<long long>(cells.cells.size()))) +
-        cell(count(static_cast<long long>(cells.moments.size()))) +
-        cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
-        cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
+    rows.push_back(name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
+                   cell(cell_sizes(cells)) + cell(count(static_cast<long long>(cells.cells.size()))) +
+                   cell(count(static_cast<long long>(cells.moments.size()))) +
+                   cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
+                   cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
   }
   if (rows.empty()) return "";
   return table({"Body", "E", "ν", "Cell", "Cells", "of them cut", "Est. error", "Share", ""}, rows) +

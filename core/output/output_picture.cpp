@@ -225,8 +225,8 @@ std::string picture_script(const Results& results, const View& view, const std::
   if (most) {
     script += fmt::format("set label {} at screen 0.5,{} center font ',14'\n", largest.text, (notes - 12.0) / height);
     if (const double value = largest_stress(results, *most).value; value > view.high * (1 + 1e-6))
-      overlay.label("to " + scaled(value, "Pa"),
-                    {bar_left + 12, bar_bottom + bar_height + 16}, "center front font ',13'");
+      overlay.label("to " + scaled(value, "Pa"), {bar_left + 12, bar_bottom + bar_height + 16},
+                    "center front font ',13'");
   }
   if (largest_at) {
     const Pixel at{left + (view.camera.right.dot(*largest_at) - view.camera.low[0]) * view.camera.pixels_per_metre,

@@ -14,7 +14,8 @@ namespace cgcontact {
 namespace {
 
 constexpr int digits = 10;  ///< as contact.csv
-const char* const line_colours[] = {"#2070b8", "#d2501e", "#3a9a50", "#8a5fb0", "#b08a20", "#20a0a8", "#c04a80", "#606060"};
+const char* const line_colours[] = {"#2070b8", "#d2501e", "#3a9a50", "#8a5fb0",
+                                    "#b08a20", "#20a0a8", "#c04a80", "#606060"};
 
 /// One panel of a plot: the lengths or the stresses.
 struct PlotPanel {
@@ -85,9 +86,10 @@ void write_plot(const Results& results, const ProbeFigures& probe, GnuplotRuns& 
     script += fmt::format("set ylabel '{} [{}]'\nplot ", panel.name, panel.unit.name);
     for (std::size_t b = 0; b < bodies.size(); ++b)
       for (const std::size_t f : panel.fields) {
-        const std::string entry = name_of(probe.fields[f]) + (bodies.size() > 1 ? ", " + results.bodies[bodies[b]].name : "");
-        script += fmt::format("'{}' index {} using 1:(${}*{}) with lines lc rgb '{}' lw 2 dt {} title {}, \\\n", data, b,
-                              f + 2, panel.unit.factor, line_colours[f % std::size(line_colours)],
+        const std::string entry =
+            name_of(probe.fields[f]) + (bodies.size() > 1 ? ", " + results.bodies[bodies[b]].name : "");
+        script += fmt::format("'{}' index {} using 1:(${}*{}) with lines lc rgb '{}' lw 2 dt {} title {}, \\\n", data,
+                              b, f + 2, panel.unit.factor, line_colours[f % std::size(line_colours)],
                               b == 0 ? "1" : fmt::format("({},4)", 2 + 4 * b),
                               gnuplot_text(shortened_name(entry, longest_entry)));
       }
@@ -128,8 +130,9 @@ void write_probes_csv(const Results& results, const std::string& file_name) {
         fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
       for (const ScalarField field : columns) {
         const auto place = std::find(probe.fields.begin(), probe.fields.end(), field);
-        const double value =
-            place == probe.fields.end() ? std::nan("") : sample.values[static_cast<std::size_t>(place - probe.fields.begin())];
+        const double value = place == probe.fields.end()
+                                 ? std::nan("")
+                                 : sample.values[static_cast<std::size_t>(place - probe.fields.begin())];
         text += std::isfinite(value) ? fmt::format(",{:.{}g}", value, digits) : ",";
       }
       text += "\n";

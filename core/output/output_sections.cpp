@@ -15,7 +15,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr int side = 860;                          ///< of the picture of the section, pixels
+constexpr int side = 860;                           ///< of the picture of the section, pixels
 constexpr int left = 30, bottom = 20, right = 190;  ///< around it
 constexpr double bar_width = 24;
 
@@ -80,8 +80,8 @@ std::string colour_bar(const SectionSpec& spec, const Section& section, int widt
   std::string text = gnuplot_palette();
   text += fmt::format("set cbrange [{}:{}]\nset cblabel '{} [{}]'\n", section.low * unit.factor, high * unit.factor,
                       name_of(spec.field), unit.name);
-  text += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n",
-                      (left + side + 30.0) / width, (bottom + 0.1 * side) / height, bar_width / width, 0.8 * side / height);
+  text += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", (left + side + 30.0) / width,
+                      (bottom + 0.1 * side) / height, bar_width / width, 0.8 * side / height);
   return text + "set cbtics\nset format cb '%g'\n";
 }
 

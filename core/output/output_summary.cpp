@@ -143,10 +143,10 @@ std::string zone_text(const Results& results) {
                                  name_of(zone.extent->shape), length(zone.extent->half_axes[0]),
                                  length(zone.extent->half_axes[1]), stress_text(zone.mean_pressure));
   if (zone.hertz)
-    text += fmt::format("; Hertz: {}, p0 {}",
-                        zone.hertz->a ? length(*zone.hertz->a) + " x " + length(zone.hertz->b)
-                                      : "half width " + length(zone.hertz->b),
-                        stress_text(zone.hertz->p0));
+    text += fmt::format(
+        "; Hertz: {}, p0 {}",
+        zone.hertz->a ? length(*zone.hertz->a) + " x " + length(zone.hertz->b) : "half width " + length(zone.hertz->b),
+        stress_text(zone.hertz->p0));
   return text;
 }
 
@@ -178,9 +178,9 @@ std::string maxima_text(const Results& results) {
   const auto principal = [&](double value) {  // what is rounding beside the largest stress is zero
     return stress_text(std::abs(value) < 1e-8 * most.value ? 0 : value);
   };
-  std::string text = fmt::format("von Mises {} in {} at {}; principal {} to {}; displacement {}", stress_text(most.value),
-                                 shortened_name(results.bodies[stressed].name, 20), place_text(most.at),
-                                 principal(bodies[pressed].body.compression.value),
+  std::string text = fmt::format("von Mises {} in {} at {}; principal {} to {}; displacement {}",
+                                 stress_text(most.value), shortened_name(results.bodies[stressed].name, 20),
+                                 place_text(most.at), principal(bodies[pressed].body.compression.value),
                                  principal(bodies[pulled].body.tension.value), in_unit(moved, length_unit(moved), 4));
   if (const auto factor = safety_factor(results)) text += "; yield / von Mises " + short_number(*factor, 3);
   return text;
@@ -303,8 +303,7 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   add("  iterations: ", iterations_text(results));
   if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
   if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
-  if (const std::string zone = zone_text(results); !zone.empty())
-    add("  zone:       ", zone);
+  if (const std::string zone = zone_text(results); !zone.empty()) add("  zone:       ", zone);
   if (!results.extremes.empty()) add("  largest:    ", maxima_text(results));
   if (!results.probes.empty()) add("  probes:     ", probes_text(results));
   add("  est. error: ", error_text(results));

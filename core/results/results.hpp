@@ -37,10 +37,10 @@ struct Extreme {
 
 /// Largest values at the points of a drawn mesh; stresses are those of the recovered field, Pa.
 struct Extremes {
-  Extreme displacement;          ///< m
+  Extreme displacement;  ///< m
   Extreme von_mises, tresca;
-  Extreme tension, compression;  ///< the largest and the smallest principal stress, tension positive
-  std::optional<Extreme> pressure;       ///< of the contact; none: no contact face
+  Extreme tension, compression;         ///< the largest and the smallest principal stress, tension positive
+  std::optional<Extreme> pressure;      ///< of the contact; none: no contact face
   std::optional<double> safety_factor;  ///< yield stress over the largest von Mises stress
 };
 
@@ -53,8 +53,8 @@ struct BodyExtremes {
 /// Values at one point of a probe, in one body.
 struct ProbeSample {
   int point = 0, body = 0;
-  double way = 0;             ///< ProbeSpec::way
-  Vec3 x = Vec3::Zero();      ///< m
+  double way = 0;              ///< ProbeSpec::way
+  Vec3 x = Vec3::Zero();       ///< m
   std::vector<double> values;  ///< of the fields of the probe; NaN: no contact face here (pressure)
   double weight = 0;           ///< m^2, of the points of a face
 };
@@ -240,9 +240,9 @@ struct Results {
   std::vector<StepFigures> steps;  ///< in order, the last one too; empty without [steps]
   std::vector<SupportFigures> supports;
   std::vector<LoadFigures> loads;
-  std::vector<BodyExtremes> extremes;  ///< by body; filled when they are written
-  std::vector<ProbeFigures> probes;    ///< as in the scene
-  std::vector<BodyBalance> balance;    ///< by body
+  std::vector<BodyExtremes> extremes;                        ///< by body; filled when they are written
+  std::vector<ProbeFigures> probes;                          ///< as in the scene
+  std::vector<BodyBalance> balance;                          ///< by body
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;

@@ -11,10 +11,10 @@ namespace cgcontact {
 
 /// Moments of the contact forces about a point of the scene.
 struct MomentAbout {
-  Vec3 point = Vec3::Zero();                                     ///< m
-  std::optional<Vec3> axis;                                      ///< of length 1
-  Vec3 on_first = Vec3::Zero(), on_second = Vec3::Zero();        ///< N m
-  std::optional<double> about_axis_first, about_axis_second;     ///< N m, the components along the axis
+  Vec3 point = Vec3::Zero();                                  ///< m
+  std::optional<Vec3> axis;                                   ///< of length 1
+  Vec3 on_first = Vec3::Zero(), on_second = Vec3::Zero();     ///< N m
+  std::optional<double> about_axis_first, about_axis_second;  ///< N m, the components along the axis
 };
 
 /// The zone laid out on its mean tangent plane, images behind symmetry planes included.

@@ -7,10 +7,10 @@
 namespace cgcontact {
 
 const std::vector<std::string>& scalar_field_names() {
-  static const std::vector<std::string> names{
-      "displacement", "displacement_x", "displacement_y", "displacement_z", "stress_xx", "stress_yy",
-      "stress_zz",    "stress_xy",      "stress_yz",      "stress_zx",      "von_mises", "tresca",
-      "principal_1",  "principal_2",    "principal_3",    "pressure"};
+  static const std::vector<std::string> names{"displacement", "displacement_x", "displacement_y", "displacement_z",
+                                              "stress_xx",    "stress_yy",      "stress_zz",      "stress_xy",
+                                              "stress_yz",    "stress_zx",      "von_mises",      "tresca",
+                                              "principal_1",  "principal_2",    "principal_3",    "pressure"};
   return names;
 }
 

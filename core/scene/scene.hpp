@@ -173,20 +173,20 @@ struct ProbeSpec {
   enum class Kind { point, line, circle, face };
   std::string name;
   Kind kind = Kind::point;
-  std::vector<Vec3> points;           ///< m; none: those on the boundary of the face
-  std::vector<double> way;            ///< of each point: m from the beginning of the line, degrees on the circle
-  FaceRef face;                       ///< of a face
-  int body = -1;                      ///< index; -1: all bodies that hold a point
-  std::vector<ScalarField> fields;    ///< without repetition
-  std::vector<int> outside;           ///< points that no body holds
+  std::vector<Vec3> points;         ///< m; none: those on the boundary of the face
+  std::vector<double> way;          ///< of each point: m from the beginning of the line, degrees on the circle
+  FaceRef face;                     ///< of a face
+  int body = -1;                    ///< index; -1: all bodies that hold a point
+  std::vector<ScalarField> fields;  ///< without repetition
+  std::vector<int> outside;         ///< points that no body holds
   SourcePlace place;
 };
 
 /// A plane along which the bodies are cut for a picture.
 struct SectionSpec {
   std::string name;
-  Vec3 point = Vec3::Zero();       ///< m
-  Vec3 normal = Vec3::UnitX();     ///< of length 1, towards the viewer
+  Vec3 point = Vec3::Zero();    ///< m
+  Vec3 normal = Vec3::UnitX();  ///< of length 1, towards the viewer
   ScalarField field = ScalarField::von_mises;
   SourcePlace place;
 };

@@ -58,7 +58,8 @@ std::vector<ScalarField> read_fields(const TomlCursor& node) {
   std::vector<ScalarField> fields;
   for (const TomlCursor& entry : node.elements("[\"von_mises\", \"principal_1\", ...]")) {
     const auto field = static_cast<ScalarField>(entry.one_of(scalar_field_names()));
-    if (std::find(fields.begin(), fields.end(), field) != fields.end()) entry.fail("is given twice", "every field once");
+    if (std::find(fields.begin(), fields.end(), field) != fields.end())
+      entry.fail("is given twice", "every field once");
     fields.push_back(field);
   }
   if (fields.empty()) node.fail("names no field", "at least one field");
@@ -78,8 +79,9 @@ void SceneReader::find_outside(const TomlCursor& node, ProbeSpec& probe) const {
     if (!held[i]) probe.outside.push_back(static_cast<int>(i));
   if (probe.outside.size() < held.size()) return;
   const std::string where = probe.body < 0 ? "every body" : "body \"" + scene_.bodies[probe.body].name + "\"";
-  node.fail(probe.kind == ProbeSpec::Kind::point ? "is outside of " + where
-                                                 : fmt::format("has all its {} points outside of {}", held.size(), where),
+  node.fail(probe.kind == ProbeSpec::Kind::point
+                ? "is outside of " + where
+                : fmt::format("has all its {} points outside of {}", held.size(), where),
             "a place in a body, m, before the deformation");
 }
 
@@ -90,8 +92,8 @@ ProbeSpec SceneReader::read_probe(const TomlCursor& node) const {
   probe.name = read_name(node.at("name", "a name"));
   if (const auto body = node.find("body")) probe.body = body->one_of(body_names());
   const auto fields = node.find("fields");
-  probe.fields = fields ? read_fields(*fields)
-                        : std::vector<ScalarField>{ScalarField::displacement, ScalarField::von_mises};
+  probe.fields =
+      fields ? read_fields(*fields) : std::vector<ScalarField>{ScalarField::displacement, ScalarField::von_mises};
   const char* const kinds[] = {"point", "line", "circle", "face"};
   std::vector<TomlCursor> given;
   for (int k = 0; k < 4; ++k)
