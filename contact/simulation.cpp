@@ -17,10 +17,12 @@
 #include "contact/results/postprocess.hpp"
 #include "contact/results/pressure_estimate.hpp"
 #include "contact/results/pressure_paths.hpp"
+#include "contact/results/probes.hpp"
 #include "contact/results/reference.hpp"
 #include "contact/results/slices.hpp"
 #include "contact/results/small_strain.hpp"
 #include "contact/results/verdict.hpp"
+#include "contact/results/zone_figures.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/resources.hpp"
 
@@ -89,7 +91,10 @@ void Simulation::run(const ProgressCallbacks& progress) {
 }
 
 void Simulation::sample_paths(const ProgressCallbacks& progress) {
-  PhaseClock(results.times_s, progress)("error estimate", [&] { fill_paths(state, results); });
+  PhaseClock(results.times_s, progress)("error estimate", [&] {
+    fill_paths(state, results);
+    fill_probes(state, results);
+  });
 }
 
 void Simulation::place(const ProgressCallbacks& progress) {
@@ -107,6 +112,7 @@ void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* ear
   phase("error estimate", [&] {
     fill_results();
     if (with_paths) fill_paths(state, results);
+    if (with_paths) fill_probes(state, results);
   });
   results.peak_memory_bytes = peak_memory_bytes();
 }
@@ -291,6 +297,7 @@ void Simulation::fill_results() {
          {small_strain_warnings(state, results), lost_force_warnings(state, results), coarse_facet_warnings(state)})
       for (const std::string& warning : warnings) add_warning(warning);
   scale_to_thickness(state, results);
+  fill_zone_figures(state, results);
 }
 
 }  // namespace cgcontact

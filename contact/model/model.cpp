@@ -138,6 +138,8 @@ std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
     add(contact.first);
     add(contact.second);
   }
+  for (const ProbeSpec& probe : scene.probes)
+    if (probe.kind == ProbeSpec::Kind::face) add(probe.face);
   return faces;
 }
 
@@ -180,6 +182,12 @@ auto naming_body(const BodySpec& body, const Make& make) {
   } catch (const InputError& error) {
     throw InputError(body.place, in_quotes(body.name), error.what());
   }
+}
+
+bool is_empty(const BodyFace& face, const BodyModel& body) {
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
+    if (face.contains(p)) return false;
+  return true;
 }
 
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
@@ -256,6 +264,10 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
       refuse_empty_face(scene, scene.supports[s].face);
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
+  for (const ProbeSpec& probe : scene.probes)
+    if (probe.kind == ProbeSpec::Kind::face &&
+        is_empty(BodyFace(probe.face.face, bodies[probe.body]), bodies[probe.body]))
+      refuse_empty_face(scene, probe.face);
   return bodies;
 }
 

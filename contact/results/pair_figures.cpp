@@ -100,11 +100,6 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
   if (total > 0) figures.centre = centre / total;
 }
 
-bool is_pressed(const ContactRow& r, double largest) {
-  return r.pressure_sprc > end_of_zone * largest ||
-         (r.active && r.pressure_sprc > std::max(little_by_itself * r.pressure_transmitted, rounding * largest));
-}
-
 /// Largest pressure, and the area of the contact zone: mean of both bodies. Closed points make up whole pieces of
 /// cells; the recovered pressure ends where the edge was found (sphere on block, ten cells over the contact radius:
 /// radius from closed points 2 to 3 % too small, from this within 0.2 %).
@@ -124,6 +119,11 @@ void add_zone(const SolvedState& state, int k, const Results& results, PairFigur
 }
 
 }  // namespace
+
+bool is_pressed(const ContactRow& r, double largest) {
+  return r.pressure_sprc > end_of_zone * largest ||
+         (r.active && r.pressure_sprc > std::max(little_by_itself * r.pressure_transmitted, rounding * largest));
+}
 
 void mark_touching_rows(const SolvedState& state, const std::vector<int>& boundary_point,
                         std::vector<ContactRow>& rows) {

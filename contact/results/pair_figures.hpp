@@ -13,6 +13,9 @@ namespace cgcontact {
 void mark_touching_rows(const SolvedState& state, const std::vector<int>& boundary_point,
                         std::vector<ContactRow>& rows);
 
+/// Is there pressure at a touching row? `largest`: of its pair.
+bool is_pressed(const ContactRow& row, double largest);
+
 /// Appends the figures of all pairs. A pair without closed points, or whose forces are rounding beside those of the
 /// scene, has no force, area, pressure and centre: all are exactly zero.
 void fill_pair_figures(const SolvedState& state, Results& results);

@@ -26,29 +26,6 @@ constexpr double no_pressure = 0.01;
 /// Of the largest second moment of the zone: a coordinate axis with so much is taken.
 constexpr double long_enough = 0.8;
 
-/// Nearest point of a body's contact faces to x: projection to the surface of the nearest contact row.
-/// pair: of that row, or -1: any.
-std::optional<ContactRow> project_to_face(const SolvedState& state, const Results& results, int body, int pair,
-                                          const Vec3& x) {
-  const BodyModel& model = state.bodies[body];
-  const Grid& grid = model.cut_cells.grid;
-  const ContactRow* nearest = nullptr;
-  for (const ContactRow& r : results.contact_rows)
-    if (r.body == body && (pair < 0 || r.pair == pair) &&
-        (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm()))
-      nearest = &r;
-  if (!nearest || (nearest->x - x).norm() > model.cut_cells.h(nearest->cell)) return std::nullopt;
-  const Vec3 g = grid.to_grid(x), row_normal = grid.rotation.transpose() * nearest->normal;
-  const Solid& solid = model.cut_cells.solid;
-  const Surface surface = solid.surfaces()[solid.surface_at(grid.to_grid(nearest->x), row_normal)].near(g);
-  const Vec3 position = g - surface.signed_distance(g) * surface.gradient(g);
-  Vec3 n = surface.gradient(position);
-  if (n.dot(row_normal) < 0) n = -n;
-  const int cell = model.cut_cells.locate(position - 1e-9 * n);
-  if (cell < 0) return std::nullopt;
-  return contact_row(state, body, nearest->pair, cell, position, grid.rotation * n);
-}
-
 /// The largest pressure of a pair: where, on which body, with which normal.
 const ContactRow* largest_row(const Results& results, int pair) {
   const PairFigures& figures = results.pairs[pair];
@@ -192,6 +169,27 @@ class Sampler {
 };
 
 }  // namespace
+
+std::optional<ContactRow> project_to_face(const SolvedState& state, const Results& results, int body, int pair,
+                                          const Vec3& x) {
+  const BodyModel& model = state.bodies[body];
+  const Grid& grid = model.cut_cells.grid;
+  const ContactRow* nearest = nullptr;
+  for (const ContactRow& r : results.contact_rows)
+    if (r.body == body && (pair < 0 || r.pair == pair) &&
+        (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm()))
+      nearest = &r;
+  if (!nearest || (nearest->x - x).norm() > model.cut_cells.h(nearest->cell)) return std::nullopt;
+  const Vec3 g = grid.to_grid(x), row_normal = grid.rotation.transpose() * nearest->normal;
+  const Solid& solid = model.cut_cells.solid;
+  const Surface surface = solid.surfaces()[solid.surface_at(grid.to_grid(nearest->x), row_normal)].near(g);
+  const Vec3 position = g - surface.signed_distance(g) * surface.gradient(g);
+  Vec3 n = surface.gradient(position);
+  if (n.dot(row_normal) < 0) n = -n;
+  const int cell = model.cut_cells.locate(position - 1e-9 * n);
+  if (cell < 0) return std::nullopt;
+  return contact_row(state, body, nearest->pair, cell, position, grid.rotation * n);
+}
 
 void fill_paths(const SolvedState& state, Results& results) {
   if (results.contact_rows.empty()) return;

@@ -1,10 +1,17 @@
-/// Lines on the contact faces along which the pressure is drawn.
+/// Places on the contact faces, and the lines on them along which the pressure is drawn.
 #pragma once
+
+#include <optional>
 
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
+
+/// The point of a body's contact faces nearest to x: on the surface of the nearest contact row, which is a cell away at
+/// most. pair: of that row, or -1: any.
+std::optional<ContactRow> project_to_face(const SolvedState& state, const Results& results, int body, int pair,
+                                          const Vec3& x);
 
 /// Sets Results::path. With a path in the scene: 401 places of that line, projected to the faces of every body. Without
 /// one, for every pair a line that follows the face through the largest pressure, along the coordinate axis (or else

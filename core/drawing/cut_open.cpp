@@ -68,15 +68,15 @@ class Opening {
 
   DrawnBody run() {
     for (const BoundaryTriangle& triangle : whole_.mesh.boundary) add_boundary(triangle);
-    const ClippedMesh& mesh = whole_.mesh;
-    for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
-      add_sections(mesh.tetrahedra[i], mesh.cell_of_tetrahedron[i]);
-    for (std::size_t i = 0; i < mesh.hexahedra.size(); ++i) {
-      const auto& h = mesh.hexahedra[i];
-      if (!meets(h, 0) && !meets(h, 1)) continue;
-      for (const auto& t : tetrahedra_of_hexahedron)
-        add_sections({h[t[0]], h[t[1]], h[t[2]], h[t[3]]}, mesh.cell_of_hexahedron[i]);
-    }
+    each_tetrahedron([&](const std::array<int, 4>& tetrahedron, int cell) { add_sections(tetrahedron, cell); });
+    return std::move(open_);
+  }
+
+  /// Where the first plane cuts the body, all of it.
+  DrawnBody plane() {
+    each_tetrahedron([&](const std::array<int, 4>& tetrahedron, int cell) {
+      if (meets(tetrahedron, 0)) add(section_of(tetrahedron, 0), cell, -1);
+    });
     return std::move(open_);
   }
 
@@ -85,6 +85,27 @@ class Opening {
     return {whole_.mesh.points[p], whole_.position[p],
             whole_.displacement.empty() ? Vec3(Vec3::Zero()) : whole_.displacement[p],
             whole_.stress.empty() ? Sym3(Sym3::Zero()) : whole_.stress[p], height_[p]};
+  }
+
+  template <class Use>
+  void each_tetrahedron(const Use& use) const {
+    const ClippedMesh& mesh = whole_.mesh;
+    for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i) use(mesh.tetrahedra[i], mesh.cell_of_tetrahedron[i]);
+    for (std::size_t i = 0; i < mesh.hexahedra.size(); ++i) {
+      const auto& h = mesh.hexahedra[i];
+      if (!meets(h, 0) && !meets(h, 1)) continue;
+      for (const auto& t : tetrahedra_of_hexahedron)
+        use({h[t[0]], h[t[1]], h[t[2]], h[t[3]]}, mesh.cell_of_hexahedron[i]);
+    }
+  }
+
+  /// Of a tetrahedron with the plane of height k, turned towards its direction.
+  Polygon section_of(const std::array<int, 4>& t, int k) const {
+    Polygon polygon = section({vertex(t[0]), vertex(t[1]), vertex(t[2]), vertex(t[3])}, k);
+    if (polygon.size() < 3) return {};
+    const Vec3 &a = polygon[0].position, &b = polygon[1].position, &c = polygon[2].position;
+    if ((b - a).cross(c - a).dot(directions_[k]) < 0) std::reverse(polygon.begin(), polygon.end());
+    return polygon;
   }
 
   /// Does a piece reach below the plane of height k, and up to it?
@@ -110,11 +131,7 @@ class Opening {
   void add_sections(const std::array<int, 4>& tetrahedron, int cell) {
     for (int k = 0; k < 2; ++k) {
       if (!meets(tetrahedron, k)) continue;
-      Polygon polygon =
-          section({vertex(tetrahedron[0]), vertex(tetrahedron[1]), vertex(tetrahedron[2]), vertex(tetrahedron[3])}, k);
-      if (polygon.size() < 3) continue;
-      const Vec3 &a = polygon[0].position, &b = polygon[1].position, &c = polygon[2].position;
-      if ((b - a).cross(c - a).dot(directions_[k]) < 0) std::reverse(polygon.begin(), polygon.end());
+      const Polygon polygon = section_of(tetrahedron, k);
       add(part(polygon, 1 - k, 1), cell, -1);
     }
   }
@@ -157,6 +174,10 @@ class Opening {
 
 DrawnBody boundary_of(const DrawnBody& whole) {
   return Opening(whole, Vec3::Zero(), {Vec3::UnitX(), Vec3::UnitY()}).boundary();
+}
+
+DrawnBody section_of(const DrawnBody& whole, const Vec3& point, const Vec3& normal) {
+  return Opening(whole, point, {normal, normal}).plane();
 }
 
 DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions) {

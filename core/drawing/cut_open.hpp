@@ -1,4 +1,4 @@
-/// A drawn body without the quarter of space that hides its inside.
+/// A drawn body without the quarter of space that hides its inside, and cut along a plane.
 #pragma once
 
 #include <array>
@@ -11,6 +11,9 @@ namespace cgcontact {
 /// sections, cut through the pieces of its mesh; displacement and stress linear along their edges. No volume. Triangles
 /// of the sections have `surface` -1.
 DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions);
+
+/// What a plane cuts of the pieces of its mesh, turned towards `normal`; as the sections of cut_open.
+DrawnBody section_of(const DrawnBody& whole, const Vec3& point, const Vec3& normal);
 
 /// The boundary alone, with the points that it has.
 DrawnBody boundary_of(const DrawnBody& whole);

@@ -160,11 +160,6 @@ void average_to_points(ContactSurface& surface) {
 
 }  // namespace
 
-double von_mises(const Sym3& s) {
-  const double a = s[0] - s[1], b = s[1] - s[2], c = s[2] - s[0];
-  return std::sqrt((a * a + b * b + c * c) / 2 + 3 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
-}
-
 double volume_of_cell(const CutCells& cut_cells, int cell) {
   const Grid& grid = cut_cells.grid;
   const double h = cut_cells.h(cell);

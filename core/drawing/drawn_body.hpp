@@ -9,8 +9,6 @@
 
 namespace cgcontact {
 
-double von_mises(const Sym3& stress);
-
 /// One body with the fields at the points of its mesh; empty vectors where the run has no such field.
 struct DrawnBody {
   ClippedMesh mesh;

@@ -20,6 +20,7 @@
 #include "core/base/resources.hpp"
 #include "core/base/text.hpp"
 #include "core/drawing/drawn_body.hpp"
+#include "core/drawing/extremes.hpp"
 #include "core/output/output_check.hpp"
 #include "core/output/output_csv.hpp"
 #include "core/output/output_grid.hpp"
@@ -27,6 +28,8 @@
 #include "core/output/output_picture.hpp"
 #include "core/output/output_plots.hpp"
 #include "core/output/output_pressure_map.hpp"
+#include "core/output/output_probes.hpp"
+#include "core/output/output_sections.hpp"
 #include "core/output/output_vtk.hpp"
 #include "core/program/interruption.hpp"
 
@@ -200,25 +203,6 @@ std::vector<DrawnBody> draw_bodies(const Results& results) {
   return drawn;
 }
 
-std::vector<BodyExtremes> extremes_of(const std::vector<DrawnBody>& bodies) {
-  std::vector<BodyExtremes> extremes;
-  for (const DrawnBody& body : bodies) {
-    BodyExtremes most;
-    for (std::size_t p = 0; p < body.position.size(); ++p) {
-      if (!body.displacement.empty() && body.displacement[p].norm() > most.displacement) {
-        most.displacement = body.displacement[p].norm();
-        most.displacement_at = body.position[p];
-      }
-      if (!body.stress.empty() && von_mises(body.stress[p]) > most.von_mises) {
-        most.von_mises = von_mises(body.stress[p]);
-        most.von_mises_at = body.position[p];
-      }
-    }
-    extremes.push_back(most);
-  }
-  return extremes;
-}
-
 /// Not of results that were put together without a model (tests).
 bool knows_contact_of_points(const Results& results) {
   return std::all_of(results.bodies.begin(), results.bodies.end(), [](const BodyFields& body) {
@@ -236,18 +220,21 @@ std::vector<CheckedBody> checked_bodies(const Results& results) {
 PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
   PageParts parts;
   parts.directory = temporary.path().string();
+  for (const SectionSpec& section : scene.sections) parts.sections.push_back({section.name, section_picture(section)});
   GnuplotRuns runs(parts.directory);
   if (scene.output.plots) write_plots(results, scene, runs);
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
+  if (scene.output.csv && !results.probes.empty()) write_probes_csv(results, temporary.file("probes.csv"));
   if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
+  const std::vector<DrawnBody> drawn = draw_bodies(results);
+  results.extremes = extremes_of(results, scene, drawn);
   if (scene.output.vtk || scene.output.plots) {
-    const std::vector<DrawnBody> drawn = draw_bodies(results);
     const ContactSurface surface = make_contact_surface(results, drawn);
-    results.extremes = extremes_of(drawn);
     const auto draw = [&] {
       const SceneView scene_view = look_at_scene(results, drawn);
       write_picture(results, drawn, scene_view, runs);
       write_grid_picture(results, drawn, scene_view, runs);
+      write_sections(scene, drawn, runs);
       if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), runs);
       parts.pressure_maps = write_pressure_maps(results, surface, runs);
     };

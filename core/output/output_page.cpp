@@ -9,9 +9,11 @@
 #include <numeric>
 
 #include "core/base/text.hpp"
+#include "core/drawing/extremes.hpp"
 #include "core/output/asked_accuracy.hpp"
 #include "core/output/output_page_style.hpp"
 #include "core/output/output_plots.hpp"
+#include "core/output/output_probes.hpp"
 
 namespace cgcontact {
 
@@ -230,15 +232,6 @@ std::string tile(const std::string& label, const std::string& value, const std::
   return "<div class=\"tile\"><span>" + label + "</span><b>" + value + "</b><span>" + remark + "</span></div>\n";
 }
 
-/// The body with the largest value.
-template <class Value>
-std::size_t largest(const std::vector<BodyExtremes>& bodies, const Value& value) {
-  return static_cast<std::size_t>(
-      std::max_element(bodies.begin(), bodies.end(),
-                       [&](const BodyExtremes& a, const BodyExtremes& b) { return value(a) < value(b); }) -
-      bodies.begin());
-}
-
 /// Of the pair with the largest force, and of the bodies.
 std::string tiles(const Results& results) {
   std::string text = "<div class=\"tiles\">\n";
@@ -255,13 +248,13 @@ std::string tiles(const Results& results) {
                  of + fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points)));
   }
   if (!results.extremes.empty() && results.extremes.size() == results.bodies.size()) {
-    const std::size_t s = largest(results.extremes, [](const BodyExtremes& body) { return body.von_mises; });
-    const std::size_t u = largest(results.extremes, [](const BodyExtremes& body) { return body.displacement; });
-    const BodyExtremes &stressed = results.extremes[s], &moved = results.extremes[u];
-    text += tile("Largest von Mises stress", stress(stressed.von_mises),
-                 "recovered, in " + html_text(results.bodies[s].name) + " at " + place(stressed.von_mises_at));
-    text += tile("Largest displacement", figure(moved.displacement, length_unit(moved.displacement)),
-                 "in " + html_text(results.bodies[u].name) + " at " + place(moved.displacement_at));
+    const int s = body_with_largest(results.extremes, &Extremes::von_mises);
+    const int u = body_with_largest(results.extremes, &Extremes::displacement);
+    const Extreme &stressed = results.extremes[s].body.von_mises, &moved = results.extremes[u].body.displacement;
+    text += tile("Largest von Mises stress", stress(stressed.value),
+                 "recovered, in " + html_text(results.bodies[s].name) + " at " + place(stressed.at));
+    text += tile("Largest displacement", figure(moved.value, length_unit(moved.value)),
+                 "in " + html_text(results.bodies[u].name) + " at " + place(moved.at));
   }
   text += tile("Error of the stress", percent(results.estimated_error_relative), "estimate, mean over the bodies");
   return text + "</div>\n";
@@ -352,6 +345,48 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
                  "pressure since the solve before tells how far to trust them.");
 }
 
+std::string length(double metres) { return figure(metres, length_unit(std::abs(metres))); }
+
+std::string zone_of(const ZoneFigures& zone) {
+  if (!zone.extent) return cell("-") + cell("-");
+  const auto& [longer, shorter] = zone.extent->half_axes;
+  return cell(name_of(zone.extent->shape)) + cell(length(longer) + " × " + length(shorter));
+}
+
+std::string hertz_of(const ZoneFigures& zone) {
+  if (!zone.hertz) return cell("-") + cell("-");
+  return cell(zone.hertz->a ? length(*zone.hertz->a) + " × " + length(zone.hertz->b)
+                            : "half width " + length(zone.hertz->b)) +
+         cell(stress(zone.hertz->p0));
+}
+
+/// Zones with Hertz's answer beside them, and moments about the points of the scene.
+std::string zones_of_pairs(const Results& results) {
+  std::vector<std::string> zones, moments;
+  bool any_hertz = false;
+  const auto in_newton_metres = [](double moment) {
+    return figure(moment, short_number(moment, 5) + "&#160;N&#160;m");
+  };
+  for (const PairFigures& pair : results.pairs) {
+    const ZoneFigures& zone = pair.zone;
+    any_hertz |= zone.hertz.has_value();
+    zones.push_back(name_cell(html_text(pair.name)) + cell(force(zone.normal_force)) +
+                    cell(stress(zone.mean_pressure)) + zone_of(zone) + hertz_of(zone));
+    if (!zone.moment) continue;
+    std::string row =
+        name_cell(html_text(pair.name)) + cell(html_text(pair.body_first)) + cell(place(zone.moment->point));
+    for (const double component : zone.moment->on_first) row += cell(in_newton_metres(component));
+    moments.push_back(row + cell(zone.moment->axis ? in_newton_metres(*zone.moment->about_axis_first) : "-"));
+  }
+  std::string text =
+      table({"Pair", "Normal force", "Mean pressure", "Zone", "Half axes", "Hertz: half axes", "Hertz: p0"}, zones);
+  if (!moments.empty()) text += table({"Pair", "Moment on", "about", "x", "y", "z", "about the axis"}, moments);
+  if (any_hertz)
+    text +=
+        note("Hertz: half-spaces with the curvatures of the faces, for the computed force; information, not a bound.");
+  return text;
+}
+
 std::string pairs_section(const Results& results) {
   if (results.pairs.empty()) return paragraph("The scene has no contact pair.");
   std::vector<std::string> rows;
@@ -371,7 +406,7 @@ std::string pairs_section(const Results& results) {
   return table(
              {"Pair", "Force", "est. error", "Max. pressure", "est. error", "est. error (L2)", "Area", "Closed points"},
              rows) +
-         table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces);
+         table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces) + zones_of_pairs(results);
 }
 
 /// Supports, loads and interferences with their resultants; every face of the picture by its number.
@@ -425,6 +460,35 @@ std::string steps_section(const Results& results, const PageParts& parts) {
                 "Area"},
                rows) +
          picture(parts.directory, "steps.svg", "Force, area and largest pressure over the steps", "");
+}
+
+std::string probes_section(const Results& results, const PageParts& parts) {
+  std::vector<std::string> rows;
+  std::string pictures;
+  for (const ProbeFigures& probe : results.probes) {
+    const auto value = [&](std::size_t f, const Extreme& extreme) {
+      const bool is_metres = is_length(probe.fields[f]);
+      return cell((is_metres ? length(extreme.value) : stress(extreme.value)) + "<br/>" + place(extreme.at));
+    };
+    for (std::size_t f = 0; f < probe.fields.size(); ++f) {
+      const auto range = range_of(probe, f);
+      rows.push_back(name_cell(html_text(probe.name)) + cell(name_of(probe.fields[f])) +
+                     (range ? value(f, range->smallest) + value(f, range->largest) : cell("-") + cell("-")) +
+                     cell(count(static_cast<long long>(probe.points))) +
+                     cell(count(static_cast<long long>(probe.outside))));
+    }
+    pictures += picture(parts.directory, probe_picture(probe), "Values along the probe " + probe.name, "");
+  }
+  if (rows.empty()) return "";
+  return table({"Probe", "Field", "Smallest", "Largest", "Points", "of them outside"}, rows) + pictures +
+         note("Every value is in probes.csv. Points outside of the bodies have none.");
+}
+
+std::string sections_section(const PageParts& parts) {
+  std::string text;
+  for (const auto& [name, file] : parts.sections)
+    text += picture(parts.directory, file, "Section " + name, "Section " + html_text(name) + ", undeformed.");
+  return text;
 }
 
 std::string maps_section(const Results& results, const PageParts& parts) {
@@ -500,6 +564,39 @@ std::string convergence_section(const Results& results) {
          table({"Iteration", "Residual", "", "Closed points", "Linear iterations"}, rows);
 }
 
+/// A row for each body and each of its declared faces.
+std::string maxima_section(const Results& results) {
+  std::vector<std::string> rows;
+  bool any_yield = false;
+  for (const BodyExtremes& body : results.extremes) any_yield |= body.body.safety_factor.has_value();
+  const auto with_place = [](const std::string& value, const Extreme& extreme) {
+    return cell(value + "<br/>" + place(extreme.at));
+  };
+  const auto add = [&](const std::string& name, const Extremes& most) {
+    const Extreme& u = most.displacement;
+    std::string row = name_cell(html_text(name));
+    for (const Extreme* s : {&most.von_mises, &most.tresca, &most.tension, &most.compression})
+      row += with_place(stress(s->value), *s);
+    row += with_place(figure(u.value, length_unit(u.value)), u);
+    row += most.pressure ? with_place(stress(most.pressure->value), *most.pressure) : cell("");
+    if (any_yield)
+      row += cell(most.safety_factor ? figure(*most.safety_factor, short_number(*most.safety_factor, 3)) : "");
+    rows.push_back(row);
+  };
+  for (std::size_t b = 0; b < results.extremes.size(); ++b) {
+    add(results.bodies[b].name, results.extremes[b].body);
+    for (const auto& [face, most] : results.extremes[b].faces) add(results.bodies[b].name + "." + face, most);
+  }
+  if (rows.empty()) return "";
+  std::vector<std::string> heads{"Body or face",       "von Mises",    "Tresca",          "Largest principal",
+                                 "Smallest principal", "Displacement", "Contact pressure"};
+  if (any_yield) heads.emplace_back("Yield / von Mises");
+  return table(heads, rows) +
+         note(
+             "Recovered stress, tension positive. Where the shape has a sharp inner edge or a load ends, the largest "
+             "stress grows with every refinement.");
+}
+
 constexpr const char* grid_caption =
     "Every square is the side of a cell. The stress error is the root mean square of the difference between recovered "
     "and finite element stress in a cell; its colours are logarithmic.";
@@ -527,22 +624,14 @@ std::string bodies_section(const Results& results) {
     const BodyFields& body = results.bodies[b];
     const CutCells& cells = *body.cut_cells;
     const double e = body.material.youngs_modulus;
-    const bool drawn = b < results.extremes.size();
-    rows.push_back(
-        name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
-        cell(cell_sizes(cells)) + cell(count(static_cast<long long>(cells.cells.size()))) +
-        cell(count(static_cast<long long>(cells.moments.size()))) +
-        (drawn ? cell(stress(results.extremes[b].von_mises) + "<br/>" + place(results.extremes[b].von_mises_at)) +
-                     cell(figure(results.extremes[b].displacement, length_unit(results.extremes[b].displacement)) +
-                          "<br/>" + place(results.extremes[b].displacement_at))
-               : cell("") + cell("")) +
-        cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
-        cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
+    rows.push_back(name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
+                   cell(cell_sizes(cells)) + cell(count(static_cast<long long>(cells.cells.size()))) +
+                   cell(count(static_cast<long long>(cells.moments.size()))) +
+                   cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
+                   cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
   }
   if (rows.empty()) return "";
-  return table({"Body", "E", "ν", "Cell", "Cells", "of them cut", "Max. von Mises", "Max. displacement", "Est. error",
-                "Share", ""},
-               rows) +
+  return table({"Body", "E", "ν", "Cell", "Cells", "of them cut", "Est. error", "Share", ""}, rows) +
          note(
              "Estimated error: energy norm of the difference between recovered and finite element stress; the share "
              "says which body to refine first.");
@@ -639,10 +728,13 @@ std::string page(const Results& results, const PageParts& parts) {
   text += section("reliability", "How accurate is this?", reliability(results));
   text += section("accuracy", "The way to the accuracy", accuracy_section(results, parts));
   text += section("picture", "Deformed bodies", picture(parts.directory, "scene.png", "Deformed bodies", ""));
+  text += section("maxima", "Largest values", maxima_section(results));
   text += section("contact", "Contact", pairs_section(results));
   text += section("steps", "Steps", steps_section(results, parts));
   text += section("pressure", "Pressure on the contact face", maps_section(results, parts));
   text += section("profile", "Pressure along the path", profile_section(results, parts));
+  text += section("sections", "Sections", sections_section(parts));
+  text += section("probes", "Probes", probes_section(results, parts));
   text += section("reference", "Against the reference", reference_section(results));
   text += section("conditions", "Supports, loads and interferences", conditions_section(results, parts));
   text += section("balance", "Forces", balance_section(results));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/output/output_check.hpp"
@@ -14,9 +15,10 @@ namespace cgcontact {
 struct PageParts {
   std::string directory;  ///< of the pictures; those that are missing are left out
   std::vector<PressureMap> pressure_maps;
-  std::vector<ConditionFace> faces;   ///< of conditions.png
-  std::vector<std::string> warnings;  ///< those of the output
-  std::vector<std::string> files;     ///< of the result directory
+  std::vector<ConditionFace> faces;                           ///< of conditions.png
+  std::vector<std::pair<std::string, std::string>> sections;  ///< name, picture
+  std::vector<std::string> warnings;                          ///< those of the output
+  std::vector<std::string> files;                             ///< of the result directory
 };
 
 /// A whole page in HTML 5 that is well-formed XML too, without scripts and without references to anything outside.

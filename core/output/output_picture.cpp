@@ -161,26 +161,31 @@ void draw_axes_and_scale(const View& view, int picture_width, const Pixel& corne
                 "center front font ',13'");
 }
 
+/// Of a body, von Mises.
+const Extreme& largest_stress(const Results& results, std::size_t body) {
+  return results.extremes[body].body.von_mises;
+}
+
 /// The body with the largest von Mises stress; nothing if there is none.
 std::optional<std::size_t> most_stressed(const Results& results) {
   std::optional<std::size_t> most;
   for (std::size_t b = 0; b < results.extremes.size(); ++b)
-    if (results.extremes[b].von_mises > (most ? results.extremes[*most].von_mises : 0.0)) most = b;
+    if (largest_stress(results, b).value > (most ? largest_stress(results, *most).value : 0.0)) most = b;
   return most;
 }
 
 /// "largest (ring): 42.7 MPa in shell at (0.1, 0, 0.5) m", and whether the colours end below it.
 std::string largest_text(const Results& results, std::size_t body, const View& view, bool has_ring) {
-  const BodyExtremes& most = results.extremes[body];
-  const DisplayUnit length = length_unit(most.von_mises_at.cwiseAbs().maxCoeff());
-  const double rounding = 1e-9 * most.von_mises_at.cwiseAbs().maxCoeff();
+  const Extreme& most = largest_stress(results, body);
+  const DisplayUnit length = length_unit(most.at.cwiseAbs().maxCoeff());
+  const double rounding = 1e-9 * most.at.cwiseAbs().maxCoeff();
   const auto component = [&](int k) {
-    const double x = most.von_mises_at[k];
+    const double x = most.at[k];
     return short_number(std::abs(x) <= rounding ? 0 : x * length.factor, 4);
   };
   return fmt::format("largest ({}): {} in {} at ({}, {}, {}) {}{}", has_ring ? "ring" : "cut away",
-                     scaled(most.von_mises, "Pa"), results.bodies[body].name, component(0), component(1), component(2),
-                     length.name, most.von_mises > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
+                     scaled(most.value, "Pa"), results.bodies[body].name, component(0), component(1), component(2),
+                     length.name, most.value > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
 }
 
 std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size,
@@ -219,9 +224,9 @@ std::string picture_script(const Results& results, const View& view, const std::
   Overlay overlay(width, height);
   if (most) {
     script += fmt::format("set label {} at screen 0.5,{} center font ',14'\n", largest.text, (notes - 12.0) / height);
-    if (results.extremes[*most].von_mises > view.high * (1 + 1e-6))
-      overlay.label("to " + scaled(results.extremes[*most].von_mises, "Pa"),
-                    {bar_left + 12, bar_bottom + bar_height + 16}, "center front font ',13'");
+    if (const double value = largest_stress(results, *most).value; value > view.high * (1 + 1e-6))
+      overlay.label("to " + scaled(value, "Pa"), {bar_left + 12, bar_bottom + bar_height + 16},
+                    "center front font ',13'");
   }
   if (largest_at) {
     const Pixel at{left + (view.camera.right.dot(*largest_at) - view.camera.low[0]) * view.camera.pixels_per_metre,
@@ -252,7 +257,7 @@ std::optional<Vec3> place_of_largest(const Results& results, const std::vector<D
                                      const std::vector<DrawnBody>& drawn, bool opened, const View& view) {
   const auto most = most_stressed(results);
   if (!most) return std::nullopt;
-  const Vec3& place = results.extremes[*most].von_mises_at;
+  const Vec3& place = largest_stress(results, *most).at;
   const auto found_in = [&](const DrawnBody& body) -> std::optional<Vec3> {
     for (std::size_t p = 0; p < body.position.size(); ++p)
       if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);

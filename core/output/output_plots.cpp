@@ -12,6 +12,7 @@
 #include "core/output/output_accuracy.hpp"
 #include "core/output/output_gnuplot.hpp"
 #include "core/output/output_pressure_map.hpp"
+#include "core/output/output_probes.hpp"
 #include "core/output/output_stress_error.hpp"
 
 namespace cgcontact {
@@ -198,6 +199,7 @@ void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs) 
   write_pressure_plots(results, scene, runs);
   write_stress_error_plot(results, runs);
   write_accuracy_plot(results, runs);
+  write_probe_plots(results, runs);
   if (!results.steps.empty() && !results.pairs.empty()) write_steps_plot(results, runs);
 }
 

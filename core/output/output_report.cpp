@@ -7,6 +7,8 @@
 
 #include "core/base/errors.hpp"
 #include "core/base/text.hpp"
+#include "core/drawing/extremes.hpp"
+#include "core/output/output_probes.hpp"
 
 namespace cgcontact {
 
@@ -31,6 +33,30 @@ Json json_of(const Verdict& verdict) {
   return {{"state", name_of(verdict.state)}, {"text", verdict.text}, {"pairs", pairs}};
 }
 
+Json json_of(const MomentAbout& moment, const PairFigures& pair) {
+  Json json{{"point", json_of(moment.point)},
+            {"moment", {{pair.body_first, json_of(moment.on_first)}, {pair.body_second, json_of(moment.on_second)}}}};
+  if (moment.axis) {
+    json["axis"] = json_of(*moment.axis);
+    json["about_axis"] = {{pair.body_first, *moment.about_axis_first}, {pair.body_second, *moment.about_axis_second}};
+  }
+  return json;
+}
+
+void add_zone(const PairFigures& pair, Json& json) {
+  const ZoneFigures& zone = pair.zone;
+  json["normal_force"] = zone.normal_force;
+  json["mean_pressure"] = zone.mean_pressure;
+  if (zone.moment) json["moment_about"] = json_of(*zone.moment, pair);
+  json["zone"] = nullptr;
+  if (zone.extent)
+    json["zone"] = {{"shape", name_of(zone.extent->shape)},
+                    {"half_axes", zone.extent->half_axes},
+                    {"directions", {json_of(zone.extent->directions[0]), json_of(zone.extent->directions[1])}}};
+  json["hertz"] = nullptr;
+  if (zone.hertz) json["hertz"] = {{"a", json_of(zone.hertz->a)}, {"b", zone.hertz->b}, {"p0", zone.hertz->p0}};
+}
+
 Json json_of(const PairFigures& pair) {
   Json json;
   json["name"] = pair.name;
@@ -49,6 +75,7 @@ Json json_of(const PairFigures& pair) {
   json["force_error_estimate"] = json_of(pair.force_error_estimate);
   json["max_pressure_error_estimate"] = json_of(pair.max_pressure_error_estimate);
   json["force_given_by_loads"] = pair.force_given_by_loads;
+  add_zone(pair, json);
   return json;
 }
 
@@ -98,6 +125,26 @@ Json json_of(const AccuracyFigures& accuracy) {
           {"solves", solves}};
 }
 
+Json json_of(const ProbeFigures& probe) {
+  static const char* const kinds[] = {"point", "line", "circle", "face"};
+  Json fields = object();
+  for (std::size_t f = 0; f < probe.fields.size(); ++f) {
+    Json& field = fields[name_of(probe.fields[f])];
+    const auto range = range_of(probe, f);
+    if (!range) continue;
+    field = {{"min", range->smallest.value},
+             {"min_at", json_of(range->smallest.at)},
+             {"max", range->largest.value},
+             {"max_at", json_of(range->largest.at)}};
+  }
+  return {{"name", probe.name},
+          {"kind", kinds[static_cast<int>(probe.kind)]},
+          {"points", probe.points},
+          {"outside", probe.outside},
+          {"values", probe.samples.size()},
+          {"fields", fields}};
+}
+
 void add_errors(const Results& results, Json& json) {
   json["estimated_error"] = {{"absolute", results.estimated_error}, {"relative", results.estimated_error_relative}};
   if (results.has_effectivity) {
@@ -130,6 +177,8 @@ void add_solution(const Results& results, Json& json) {
   json["diagnosis"] = results.diagnosis;
   json["contact"] = Json::array();
   for (const PairFigures& pair : results.pairs) json["contact"].push_back(json_of(pair));
+  if (!results.probes.empty()) json["probes"] = Json::array();
+  for (const ProbeFigures& probe : results.probes) json["probes"].push_back(json_of(probe));
   if (!results.steps.empty()) json["steps"] = Json::array();
   for (const StepFigures& step : results.steps) json["steps"].push_back(json_of(step));
   json["supports"] = Json::array();
@@ -160,7 +209,40 @@ Json json_of(const SingularPlace& place) {
           {"cell", place.cell}};
 }
 
-/// The largest values and their places, by body; null where nothing was drawn.
+/// A value and its place under two keys.
+void add(const std::string& key, const Extreme& extreme, Json& json) {
+  json[key] = extreme.value;
+  json[key + "_at"] = json_of(extreme.at);
+}
+
+void add_extremes(const Extremes& most, Json& json) {
+  add("max_von_mises", most.von_mises, json);
+  add("max_displacement", most.displacement, json);
+  add("max_tresca", most.tresca, json);
+  add("max_principal", most.tension, json);
+  add("min_principal", most.compression, json);
+  if (most.pressure) add("max_pressure", *most.pressure, json);
+  if (most.safety_factor) json["safety_factor"] = *most.safety_factor;
+}
+
+/// The largest values of all bodies, with the body.
+Json json_of_maxima(const Results& results) {
+  Json maxima = object();
+  const auto add_kind = [&](const char* name, Extreme Extremes::*kind, bool smallest) {
+    const int b = smallest ? body_with_smallest(results.extremes, kind) : body_with_largest(results.extremes, kind);
+    if (b < 0) return;
+    const Extreme& most = results.extremes[b].body.*kind;
+    maxima[name] = {{"value", most.value}, {"body", results.bodies[b].name}, {"at", json_of(most.at)}};
+  };
+  add_kind("von_mises", &Extremes::von_mises, false);
+  add_kind("tresca", &Extremes::tresca, false);
+  add_kind("principal", &Extremes::tension, false);
+  add_kind("min_principal", &Extremes::compression, true);
+  add_kind("displacement", &Extremes::displacement, false);
+  return maxima;
+}
+
+/// With the largest values and their places.
 Json json_of_bodies(const Results& results) {
   Json bodies = Json::array();
   for (std::size_t b = 0; b < results.bodies.size(); ++b) {
@@ -175,14 +257,13 @@ Json json_of_bodies(const Results& results) {
     for (const double e : body.error_of_cell) squared += e * e;
     json["estimated_error"] = std::sqrt(squared);
     if (b < results.extremes.size()) {
-      const BodyExtremes& most = results.extremes[b];
-      json["max_von_mises"] = most.von_mises;
-      json["max_von_mises_at"] = json_of(most.von_mises_at);
-      json["max_displacement"] = most.displacement;
-      json["max_displacement_at"] = json_of(most.displacement_at);
-    } else {
-      for (const char* key : {"max_von_mises", "max_von_mises_at", "max_displacement", "max_displacement_at"})
-        json[key] = nullptr;
+      add_extremes(results.extremes[b].body, json);
+      json["faces"] = Json::array();
+      for (const auto& [name, most] : results.extremes[b].faces) {
+        Json face{{"name", name}};
+        add_extremes(most, face);
+        json["faces"].push_back(face);
+      }
     }
     bodies.push_back(json);
   }
@@ -209,6 +290,7 @@ std::string report_text(const Results& results, const std::vector<std::string>& 
   json["threads"] = results.threads;
   json["unknowns"] = results.unknowns;
   json["cells"] = {{"active", results.cells.active}, {"cut", results.cells.cut}, {"interior", results.cells.interior}};
+  json["maxima"] = json_of_maxima(results);
   json["bodies"] = json_of_bodies(results);
   add_solution(results, json);
   add_errors(results, json);

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
 #include "core/base/text.hpp"
+#include "core/drawing/extremes.hpp"
 #include "core/output/asked_accuracy.hpp"
 
 namespace cgcontact {
@@ -116,6 +118,72 @@ Lines step_lines(const Results& results, std::size_t rows) {
   }
   if (shown < count) lines.push_back(fmt::format("  and {} more steps, see steps.csv", count - shown));
   return lines;
+}
+
+/// "(10, 0, -5) mm"; components that are rounding beside the others are zero.
+std::string place_text(const Vec3& x) {
+  const double size = x.cwiseAbs().maxCoeff();
+  const DisplayUnit unit = length_unit(size);
+  const auto component = [&](int k) { return short_number(std::abs(x[k]) <= 1e-9 * size ? 0 : x[k] * unit.factor, 3); };
+  return fmt::format("({}, {}, {}) {}", component(0), component(1), component(2), unit.name);
+}
+
+std::string stress_text(double value) { return in_unit(value, stress_unit(std::abs(value)), 4); }
+
+/// The zone of the pair with the largest force, and what Hertz says; "" without a zone.
+std::string zone_text(const Results& results) {
+  const PairFigures* most = nullptr;
+  for (const PairFigures& pair : results.pairs)
+    if (pair.zone.extent && (!most || pair.zone.normal_force > most->zone.normal_force)) most = &pair;
+  if (!most) return "";
+  const ZoneFigures& zone = most->zone;
+  const auto length = [](double metres) { return in_unit(metres, length_unit(metres), 4); };
+  std::string text = fmt::format("{}{}, half axes {} x {}, mean pressure {}",
+                                 results.pairs.size() > 1 ? shortened_name(most->name, 20) + ": " : "",
+                                 name_of(zone.extent->shape), length(zone.extent->half_axes[0]),
+                                 length(zone.extent->half_axes[1]), stress_text(zone.mean_pressure));
+  if (zone.hertz)
+    text += fmt::format(
+        "; Hertz: {}, p0 {}",
+        zone.hertz->a ? length(*zone.hertz->a) + " x " + length(zone.hertz->b) : "half width " + length(zone.hertz->b),
+        stress_text(zone.hertz->p0));
+  return text;
+}
+
+std::string probes_text(const Results& results) {
+  std::size_t points = 0, outside = 0;
+  for (const ProbeFigures& probe : results.probes) {
+    points += probe.points;
+    outside += probe.outside;
+  }
+  return fmt::format("{} with {} points in probes.csv{}", results.probes.size(), points,
+                     outside > 0 ? fmt::format(", {} of them outside of the bodies", outside) : "");
+}
+
+/// The least yield stress over von Mises stress of all bodies that have a yield stress.
+std::optional<double> safety_factor(const Results& results) {
+  std::optional<double> least;
+  for (const BodyExtremes& body : results.extremes)
+    if (const auto& factor = body.body.safety_factor; factor && (!least || *factor < *least)) least = factor;
+  return least;
+}
+
+std::string maxima_text(const Results& results) {
+  const auto& bodies = results.extremes;
+  const int stressed = body_with_largest(bodies, &Extremes::von_mises);
+  const int pulled = body_with_largest(bodies, &Extremes::tension);
+  const int pressed = body_with_smallest(bodies, &Extremes::compression);
+  const double moved = bodies[body_with_largest(bodies, &Extremes::displacement)].body.displacement.value;
+  const Extreme& most = bodies[stressed].body.von_mises;
+  const auto principal = [&](double value) {  // what is rounding beside the largest stress is zero
+    return stress_text(std::abs(value) < 1e-8 * most.value ? 0 : value);
+  };
+  std::string text = fmt::format("von Mises {} in {} at {}; principal {} to {}; displacement {}",
+                                 stress_text(most.value), shortened_name(results.bodies[stressed].name, 20),
+                                 place_text(most.at), principal(bodies[pressed].body.compression.value),
+                                 principal(bodies[pulled].body.tension.value), in_unit(moved, length_unit(moved), 4));
+  if (const auto factor = safety_factor(results)) text += "; yield / von Mises " + short_number(*factor, 3);
+  return text;
 }
 
 /// "3 interior, 2 contact".
@@ -235,9 +303,12 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   add("  iterations: ", iterations_text(results));
   if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
   if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
+  if (const std::string zone = zone_text(results); !zone.empty()) add("  zone:       ", zone);
+  if (!results.extremes.empty()) add("  largest:    ", maxima_text(results));
+  if (!results.probes.empty()) add("  probes:     ", probes_text(results));
   add("  est. error: ", error_text(results));
   if (!results.pressure_errors.empty()) add("  true error of the pressure: ", reference_text(results));
-  if (!results.patches_by_kind.empty()) add("  recovery:   ", recovery_text(results));
+  if (!results.patches_by_kind.empty() && allowance.text_lines > 2) add("  recovery:   ", recovery_text(results));
   if (!results.times_s.empty()) add("  time:       ", times_text(results));
   append(lines, closing_lines(results, directory));
   return lines;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/cells/cut_cells.hpp"
+#include "core/results/zone_figures.hpp"
 #include "core/scene/scene.hpp"
 
 namespace cgcontact {
@@ -29,12 +30,41 @@ struct BodyFields {
   std::vector<int> contact_of_point;
 };
 
-/// Largest values of one body at the points of its drawn mesh, and where they are (undeformed).
+struct Extreme {
+  double value = 0;
+  Vec3 at = Vec3::Zero();  ///< m, undeformed
+};
+
+/// Largest values at the points of a drawn mesh; stresses are those of the recovered field, Pa.
+struct Extremes {
+  Extreme displacement;  ///< m
+  Extreme von_mises, tresca;
+  Extreme tension, compression;         ///< the largest and the smallest principal stress, tension positive
+  std::optional<Extreme> pressure;      ///< of the contact; none: no contact face
+  std::optional<double> safety_factor;  ///< yield stress over the largest von Mises stress
+};
+
+/// Of one body and its declared faces.
 struct BodyExtremes {
-  double displacement = 0;  ///< m
-  Vec3 displacement_at = Vec3::Zero();
-  double von_mises = 0;  ///< Pa, recovered stress
-  Vec3 von_mises_at = Vec3::Zero();
+  Extremes body;
+  std::vector<std::pair<std::string, Extremes>> faces;  ///< by name
+};
+
+/// Values at one point of a probe, in one body.
+struct ProbeSample {
+  int point = 0, body = 0;
+  double way = 0;              ///< ProbeSpec::way
+  Vec3 x = Vec3::Zero();       ///< m
+  std::vector<double> values;  ///< of the fields of the probe; NaN: no contact face here (pressure)
+  double weight = 0;           ///< m^2, of the points of a face
+};
+
+struct ProbeFigures {
+  std::string name;
+  ProbeSpec::Kind kind = ProbeSpec::Kind::point;
+  std::vector<ScalarField> fields;
+  std::size_t points = 0, outside = 0;  ///< points asked for, and those of them that no body holds
+  std::vector<ProbeSample> samples;     ///< by point, then by body
 };
 
 /// One boundary point of a contact face.
@@ -93,6 +123,7 @@ struct PairFigures {
   std::optional<double> force_error_estimate;
   std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there
   bool force_given_by_loads = false;                  ///< by equilibrium alone
+  ZoneFigures zone;                                   ///< of the last step
 };
 
 /// What a run says of itself before anything else: can its contact be used, and if not, what would help?
@@ -209,8 +240,9 @@ struct Results {
   std::vector<StepFigures> steps;  ///< in order, the last one too; empty without [steps]
   std::vector<SupportFigures> supports;
   std::vector<LoadFigures> loads;
-  std::vector<BodyExtremes> extremes;  ///< by body; empty if neither pictures nor fields are written
-  std::vector<BodyBalance> balance;    ///< by body
+  std::vector<BodyExtremes> extremes;                        ///< by body; filled when they are written
+  std::vector<ProbeFigures> probes;                          ///< as in the scene
+  std::vector<BodyBalance> balance;                          ///< by body
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;

@@ -9,7 +9,19 @@ namespace {
 constexpr double box_tolerance =
     1e-9;  // of the size of the coordinates: points on the rim of a flat box count as inside
 constexpr double cone_tolerance = 1e-12;
+/// Of the body's longest side: a point on the boundary may be as far outside by rounding.
+constexpr double boundary_tolerance = 1e-9;
 }  // namespace
+
+bool BodySpec::holds(const Vec3& x) const {
+  if (solid.contains(x)) return true;
+  Vec3 min, max;
+  solid.bounding_box(min, max);
+  const double reach = boundary_tolerance * (max - min).maxCoeff();
+  for (int k = 0; k < 27; ++k)  // the cube around it
+    if (solid.contains(x + reach * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1))) return true;
+  return false;
+}
 
 bool FaceSpec::selects(const std::vector<std::string>& names) const {
   const auto is_listed = [this](const std::string& listed) {

@@ -14,6 +14,7 @@
 #include "core/geometry/solid.hpp"
 #include "core/scene/expression.hpp"
 #include "core/scene/linear_traction.hpp"
+#include "core/scene/scalar_field.hpp"
 #include "core/settings/accuracy_options.hpp"
 #include "core/settings/contact_options.hpp"
 #include "core/settings/geometry_options.hpp"
@@ -106,6 +107,9 @@ struct BodySpec {
   std::vector<std::string> warnings;     ///< the same for what the user should look at
   std::vector<std::shared_ptr<const RepairedSurface>> repairs;  ///< on request, of its mesh files
   SourcePlace place;
+
+  /// Is x (m) inside or on the boundary, within rounding?
+  bool holds(const Vec3& x) const;
 };
 
 /// "body.face" resolved.
@@ -147,6 +151,12 @@ struct LoadSpec {
   }
 };
 
+/// What the moment of a pair's forces is taken about.
+struct MomentSpec {
+  Vec3 point = Vec3::Zero();  ///< m
+  std::optional<Vec3> axis;   ///< of length 1
+};
+
 struct ContactSpec {
   std::string name;
   FaceRef first, second;    ///< with automatic pairs: FaceSpec that selects all points
@@ -154,6 +164,30 @@ struct ContactSpec {
   double interference = 0;  ///< m, overlap added to the geometric one (positive presses the bodies together)
   /// m, points farther apart than this do not belong to the pair; 0: twice the larger cell
   double search_distance = 0;
+  std::optional<MomentSpec> moment_about;
+  SourcePlace place;
+};
+
+/// Where displacement and recovered stress are wanted.
+struct ProbeSpec {
+  enum class Kind { point, line, circle, face };
+  std::string name;
+  Kind kind = Kind::point;
+  std::vector<Vec3> points;         ///< m; none: those on the boundary of the face
+  std::vector<double> way;          ///< of each point: m from the beginning of the line, degrees on the circle
+  FaceRef face;                     ///< of a face
+  int body = -1;                    ///< index; -1: all bodies that hold a point
+  std::vector<ScalarField> fields;  ///< without repetition
+  std::vector<int> outside;         ///< points that no body holds
+  SourcePlace place;
+};
+
+/// A plane along which the bodies are cut for a picture.
+struct SectionSpec {
+  std::string name;
+  Vec3 point = Vec3::Zero();    ///< m
+  Vec3 normal = Vec3::UnitX();  ///< of length 1, towards the viewer
+  ScalarField field = ScalarField::von_mises;
   SourcePlace place;
 };
 
@@ -185,6 +219,8 @@ struct Scene {
   std::vector<SupportSpec> supports;
   std::vector<LoadSpec> loads;
   std::vector<ContactSpec> contacts;
+  std::vector<ProbeSpec> probes;
+  std::vector<SectionSpec> sections;
   std::vector<StepSpec> steps;  ///< the last one is the scene itself; empty: that alone
   GeometryOptions geometry;
   ContactOptions contact;

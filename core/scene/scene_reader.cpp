@@ -20,12 +20,6 @@ constexpr std::size_t most_parameters = 1000;
 constexpr double same_axis = 1e-12;  // rounding of a rotation
 constexpr double end_cone = 45;      // degrees; the normals of a body in plane strain lie along the axis or across it
 
-/// The elements of an optional array of tables.
-std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::string& key) {
-  const auto list = root.find(key);
-  return list ? list->elements("[[" + key + "]] sections") : std::vector<TomlCursor>{};
-}
-
 /// One parameter after those that its expression uses; `in_progress` detects circles.
 Quantity read_parameter(const TomlCursor& table, const std::string& name, Constants& known,
                         std::set<std::string>& in_progress) {
@@ -105,6 +99,11 @@ void check_unique(const TomlCursor& node, const std::string& name, std::set<std:
 }
 
 }  // namespace
+
+std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::string& key) {
+  const auto list = root.find(key);
+  return list ? list->elements("[[" + key + "]] sections") : std::vector<TomlCursor>{};
+}
 
 Constants read_parameters(const TomlCursor& table) {
   if (!table.is_table()) table.expect_keys({"name = number"});
@@ -436,6 +435,18 @@ void SceneReader::read_inertia(const TomlCursor& root) {
   }
 }
 
+namespace {
+
+MomentSpec read_moment(const TomlCursor& node) {
+  node.expect_keys({"point", "axis"});
+  MomentSpec moment;
+  moment.point = node.at("point", "[x, y, z], m").vector("m");
+  if (const auto axis = node.find("axis")) moment.axis = axis->direction();
+  return moment;
+}
+
+}  // namespace
+
 ContactSpec SceneReader::read_contact(const TomlCursor& node) const {
   ContactSpec contact;
   contact.place = node.place();
@@ -499,7 +510,7 @@ void SceneReader::read_contacts(const TomlCursor& root) {
   std::set<std::string> seen;
   std::vector<TomlCursor> ordered = optional_elements(root, "contact");
   for (const TomlCursor& node : ordered)
-    node.expect_keys({"name", "faces", "automatic", "interference", "search_distance"});
+    node.expect_keys({"name", "faces", "automatic", "interference", "search_distance", "moment_about"});
   const auto is_automatic = [](const TomlCursor& node) {
     const auto automatic = node.find("automatic");
     return automatic && automatic->boolean();
@@ -526,6 +537,7 @@ void SceneReader::read_contacts(const TomlCursor& root) {
       }
       if (const auto value = node.find("search_distance"))
         contact.search_distance = value->number(Range::not_negative("m"));
+      if (const auto value = node.find("moment_about")) contact.moment_about = read_moment(*value);
     }
   }
 }
@@ -533,7 +545,8 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 const std::vector<std::string>& scene_keys() {
   static const std::vector<std::string> keys{
       "title",   "parameters", "plane_strain", "accuracy", "material", "body",      "support", "load",
-      "contact", "steps",      "solver",       "recovery", "output",   "reference", "gravity", "rotation"};
+      "contact", "steps",      "solver",       "recovery", "output",   "reference", "gravity", "rotation",
+      "probe",   "section"};
   return keys;
 }
 
@@ -551,6 +564,8 @@ Scene SceneReader::read(const TomlCursor& root) {
   add_ends_in_plane_strain();
   read_loads(root);
   read_contacts(root);
+  read_probes(root);
+  read_sections(root);
   if (const auto node = root.find("steps")) scene_.steps = read_steps(*node);
   if (const auto node = root.find("solver")) scene_.solver = read_solver(*node);
   if (const auto node = root.find("recovery")) scene_.recovery = read_recovery(*node);

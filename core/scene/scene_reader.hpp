@@ -39,6 +39,11 @@ class SceneReader {
   void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
   void add_automatic_contacts(const TomlCursor& node);
   double longest_side(int body) const;
+  void read_probes(const TomlCursor& root);
+  ProbeSpec read_probe(const TomlCursor& node) const;
+  void find_outside(const TomlCursor& node, ProbeSpec& probe) const;
+  void read_sections(const TomlCursor& root);
+  SectionSpec read_section(const TomlCursor& node) const;
   FaceRef resolve_face(const TomlCursor& node) const;
   int body_index(const std::string& name) const;
   std::vector<std::string> body_names() const;
@@ -47,6 +52,9 @@ class SceneReader {
   Scene scene_;
   std::vector<Shape> shapes_;  ///< one per body
 };
+
+/// The elements of an optional array of tables at the top.
+std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::string& key);
 
 // Sections without references to bodies' faces (scene_settings.cpp).
 std::vector<StepSpec> read_steps(const TomlCursor& node);

@@ -13,7 +13,7 @@ import harness
 from harness import cgcontact, report, scene, settings
 
 PNG = b"\x89PNG\r\n\x1a\n"
-ALWAYS = ["verdict", "reliability", "contact", "conditions", "balance", "bodies", "convergence", "recovery", "cost", "reproduce"]
+ALWAYS = ["verdict", "reliability", "maxima", "contact", "conditions", "balance", "bodies", "convergence", "recovery", "cost", "reproduce"]
 
 
 def page(directory):
@@ -60,9 +60,13 @@ class Pages(unittest.TestCase):
                 self.assertEqual(kind, "data:image/svg+xml")
                 xml.etree.ElementTree.fromstring(data)
         tables = section(root, "contact").findall(".//tbody")
-        rows, places = (table.findall("tr") for table in tables) if tables else ([], [])
-        self.assertEqual((len(rows), len(places)), 2 * (len(written["contact"]),))
-        for row, at, pair in zip(rows, places, written["contact"]):
+        rows, places, zones = (table.findall("tr") for table in tables[:3]) if tables else ([], [], [])
+        self.assertEqual((len(rows), len(places), len(zones)), 3 * (len(written["contact"]),))
+        for row, at, zone, pair in zip(rows, places, zones, written["contact"]):
+            half_axes = pair["zone"]["half_axes"] if pair["zone"] else []
+            hertz = [pair["hertz"][key] for key in ("a", "b", "p0")] if pair["hertz"] else []
+            self.close(values(zone), [pair["normal_force"], pair["mean_pressure"], *half_axes,
+                                      *[value for value in hertz if value is not None]])
             force = pair["force"][pair["bodies"][0]]
             self.close(values(at), [*force, *pair["centre"], *pair["max_pressure_at"]])
             expected = [math.hypot(*force), pair["force_error_estimate"], pair["max_pressure"],
@@ -85,10 +89,14 @@ class Pages(unittest.TestCase):
         self.assertEqual(sum(values(row)[2] for row in rows), written["cells"]["active"])
         for row, body in zip(rows, written["bodies"]):
             self.assertEqual(row.find("th").text, body["name"])
-            if body["max_von_mises"] is not None:
-                self.close(values(row)[4:12], [body["max_von_mises"], *body["max_von_mises_at"], body["max_displacement"],
-                                               *body["max_displacement_at"]])
             self.close(values(row)[-2:-1], [body["estimated_error"]])
+        largest = [most for body in written["bodies"] for most in (body, *body["faces"])]
+        rows = section(root, "maxima").findall(".//tbody/tr")
+        self.assertEqual(len(rows), len(largest))
+        for row, most in zip(rows, largest):
+            self.assertEqual(row.find("th").text.split(".")[-1], most["name"])
+            kinds = ["max_von_mises", "max_tresca", "max_principal", "min_principal", "max_displacement", "max_pressure"]
+            self.close(values(row), [value for kind in kinds if kind in most for value in (most[kind], *most[kind + "_at"])])
         conditions = section(root, "conditions").find(".//tbody").findall("tr")
         self.assertEqual(len(conditions), len(written["supports"]) + len(written["loads"]))
         for row, acting in zip(conditions, [*written["supports"], *written["loads"]]):
@@ -115,8 +123,8 @@ class Pages(unittest.TestCase):
     def test_with_reference(self):
         """Two solids in 3D: all sections, pictures, errors per zone; forces of each body are in balance."""
         _, written, text, root = self.run_scene(scene("two_solids_3d"), n=8)
-        self.check(written, text, root, ["verdict", "reliability", "picture", "contact", "pressure", "profile", "reference",
-                                         *ALWAYS[3:]])
+        self.check(written, text, root, ["verdict", "reliability", "picture", "maxima", "contact", "pressure", "profile", "reference",
+                                         *ALWAYS[4:]])
         self.assertIn("Converged", words(section(root, "verdict")))
         self.assertEqual(len(section(root, "pressure").findall(".//img")), 1)
         self.assertEqual(len(section(root, "profile").findall(".//img")), 2)
@@ -132,8 +140,8 @@ class Pages(unittest.TestCase):
     def test_effectivity(self):
         """Rings with an exact stress: the effectivity index; the narrow face is a curve, which is a picture too."""
         _, written, text, root = self.run_scene(scene("rings"), n=8)
-        self.check(written, text, root, ["verdict", "reliability", "picture", "contact", "pressure", "profile", "reference",
-                                         *ALWAYS[3:]])
+        self.check(written, text, root, ["verdict", "reliability", "picture", "maxima", "contact", "pressure", "profile", "reference",
+                                         *ALWAYS[4:]])
         self.assertIn(written["effectivity"], values(section(root, "reliability")))
 
     def test_one_body(self):
@@ -145,8 +153,8 @@ class Pages(unittest.TestCase):
     def test_several_pairs(self):
         """Three bodies, two pairs: a row and a map for each."""
         _, written, text, root = self.run_scene(harness.SOURCE / "tests/scenes/three_blocks.toml")
-        self.check(written, text, root, ["verdict", "reliability", "picture", "contact", "pressure", "profile", "reference",
-                                         *ALWAYS[3:]])
+        self.check(written, text, root, ["verdict", "reliability", "picture", "maxima", "contact", "pressure", "profile", "reference",
+                                         *ALWAYS[4:]])
         self.assertEqual(len(section(root, "pressure").findall(".//img")), 2)
         self.assertLessEqual({"pressure_map.png", "pressure_map_2.png"}, set(written["files"]))
         self.assertEqual([body["body"] for body in written["balance"]], ["a", "b", "c"])
@@ -157,8 +165,8 @@ class Pages(unittest.TestCase):
                  if not line.startswith(("cell_size", "refine"))]
         pathlib.Path("adaptive.toml").write_text("\n".join([*lines, "[accuracy]", f'pressure = "{target} %"', ""]))
         outcome, written, text, root = self.run_scene("adaptive.toml", **{f"accuracy__{k}": v for k, v in limits.items()})
-        self.check(written, text, root, ["verdict", "reliability", "accuracy", "picture", "contact", "pressure", "profile",
-                                         "reference", "conditions", "balance", "grid", *ALWAYS[5:]])
+        self.check(written, text, root, ["verdict", "reliability", "accuracy", "picture", "maxima", "contact", "pressure", "profile",
+                                         "reference", "conditions", "balance", "grid", *ALWAYS[6:]])
         story = written["accuracy"]
         self.assertEqual(story["targets"], {"pressure": target / 100, "force": None, "stress": None, "stress_of_body": {}})
         last = story["solves"][-1]
@@ -211,7 +219,7 @@ class Pages(unittest.TestCase):
     def test_without_pictures(self):
         """Neither pictures nor fields: the page has the figures and no image."""
         _, written, text, root = self.run_scene(scene("two_solids"), n=4, output__plots="false", output__vtk="false")
-        self.check(written, text, root, ["verdict", "reliability", "contact", "reference", *ALWAYS[3:]])
+        self.check(written, text, root, ["verdict", "reliability", "maxima", "contact", "reference", *ALWAYS[4:]])
         self.assertEqual(list(root.iter("img")), [])
         self.assertEqual(sorted(written["files"]), ["contact.csv", "report.html", "report.json"])
 
@@ -222,7 +230,7 @@ class Pages(unittest.TestCase):
         self.assertEqual(outcome.code, 0, outcome.err)
         text, root = page("out")
         self.assertEqual(list(root.iter("img")), [])
-        self.check(report("out"), text, root, ["verdict", "reliability", "contact", "reference", *ALWAYS[3:]])
+        self.check(report("out"), text, root, ["verdict", "reliability", "maxima", "contact", "reference", *ALWAYS[4:]])
 
     def test_off(self):
         """output.report = false: no page, and an older one goes."""

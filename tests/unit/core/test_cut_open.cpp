@@ -46,6 +46,32 @@ TEST(cut_open, boundary_is_closed_and_exact) {
   }
 }
 
+// What a plane cuts of a box has the area of the polygon, faces the normal, lies in the plane and carries the fields;
+// planes that are those of the grid and planes beside the body too.
+TEST(cut_open, sections_are_exact) {
+  const DrawnBody whole = drawn_box(Mat3::Identity(), Vec3::Zero(), {1, 1, 1}, {5, 5.3, 5});  // cells of 0.5
+  const auto area_of = [&](const Vec3& point, const Vec3& normal) {
+    const DrawnBody section = section_of(whole, point, normal);
+    double area = 0;
+    for (const BoundaryTriangle& t : section.mesh.boundary) {
+      const Vec3 &a = section.position[t.points[0]], &b = section.position[t.points[1]],
+                 &c = section.position[t.points[2]];
+      const double part = (b - a).cross(c - a).dot(normal) / 2;
+      EXPECT_GE(part, 0);
+      area += part;
+    }
+    for (std::size_t p = 0; p < section.position.size(); ++p) {
+      EXPECT_NEAR((section.position[p] - point).dot(normal), 0, 1e-14);
+      EXPECT_LT((section.displacement[p] - displacement_at(section.position[p])).norm(), 1e-12);
+    }
+    return area;
+  };
+  EXPECT_NEAR(area_of({1.3, 0, 0}, Vec3::UnitX()), 2.15 * 2, 1e-13);
+  EXPECT_NEAR(area_of({1.5, 0, 0}, -Vec3::UnitX()), 2.15 * 2, 1e-13);
+  EXPECT_NEAR(area_of({1.5, 0, 1.5}, Vec3(1, 0, 1).normalized()), 2.15 * std::sqrt(8.0), 1e-13);
+  EXPECT_EQ(area_of({7, 0, 0}, Vec3::UnitX()), 0);
+}
+
 // Sections carry the levels of their cells: the pictures draw the lines of those.
 TEST(cut_open, sections_have_the_levels_of_their_cells) {
   Grid grid;

@@ -1,0 +1,226 @@
+#include "contact/results/zone_figures.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "contact/results/hertz.hpp"
+#include "contact/results/pair_figures.hpp"
+#include "recovery/zone_edge/symmetry_planes.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+/// Mean of the unit normals over the zone: shorter, and there is no plane to lay the zone out on (a spherical cap of 52
+/// degrees has that).
+constexpr double nearly_flat = 0.9;
+/// Area over the root of both second moments (per area) of an ellipse and of a rectangle, and how near one has to be.
+constexpr double of_ellipse = 4 * pi, of_rectangle = 12, near_shape = 0.25;
+/// Cosine between planes of symmetry that are across each other; of curvatures, the larger one: no curvature.
+constexpr double across = 1e-6, no_curvature = 1e-6;
+/// Half the width of the zone over the smallest radius of curvature up to which Hertz's half-spaces stand for bodies.
+constexpr double largest_width = 0.5;
+
+/// The zone of one pair, and how it goes on behind planes of symmetry.
+class Zone {
+ public:
+  Zone(const SolvedState& state, const Results& results, int pair)
+      : state_(state), pair_(state.pairs[pair]), figures_(results.pairs[pair]) {
+    for (const ContactRow& row : results.contact_rows)
+      if (row.pair == pair && row.touching && is_pressed(row, figures_.max_pressure)) rows_.push_back(&row);
+    find_planes();
+    lay_out();
+  }
+
+  std::optional<ZoneExtent> extent() const {
+    if (!flat_) return std::nullopt;
+    ZoneExtent extent;
+    const double images = std::ldexp(1.0, static_cast<int>(planes_.size()));
+    const double shape = images * figures_.area / std::sqrt(moment_[0] * moment_[1]);
+    if (std::abs(shape - of_ellipse) < near_shape) extent.shape = ZoneExtent::Shape::round;
+    if (std::abs(shape - of_rectangle) < near_shape) extent.shape = ZoneExtent::Shape::rectangular;
+    const double factor = extent.shape == ZoneExtent::Shape::rectangular ? 3 : 4;
+    for (int k = 0; k < 2; ++k) extent.half_axes[k] = std::sqrt(factor * moment_[k]);
+    extent.directions = direction_;
+    return extent;
+  }
+
+  std::optional<HertzFigures> hertz(double force) const {
+    if (!flat_) return std::nullopt;
+    Mat3 curvature = Mat3::Zero();
+    double least_radius = std::numeric_limits<double>::infinity();
+    for (const int body : {pair_.primary, pair_.secondary}) {
+      const auto surface = surface_of(body);
+      if (!surface) return std::nullopt;
+      curvature += curvature_of(*surface, body);
+      if (surface->radius > 0)
+        least_radius = std::min(least_radius, surface->radius * state_.bodies[body].cut_cells.grid.cell_size);
+    }
+    Eigen::Matrix<double, 3, 2> tangents;
+    tangents << direction_[0], direction_[1];
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(tangents.transpose() * curvature * tangents);
+    const double least = solver.eigenvalues()[0], most = solver.eigenvalues()[1];
+    if (!(most * least_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
+    const double modulus =
+        contact_modulus(state_.scene.bodies[pair_.primary].material, state_.scene.bodies[pair_.secondary].material);
+    HertzFigures hertz;
+    const double whole = std::ldexp(force, static_cast<int>(planes_.size()));
+    if (least > no_curvature * most) {
+      hertz = hertz_point(whole, least, most, modulus);
+    } else {
+      const Vec3 along = tangents * solver.eigenvectors().col(0);
+      const double length = std::sqrt(12 * along.dot(moments_ * along));  // of a rectangle
+      hertz = hertz_line(whole / length, most, modulus);
+    }
+    if (std::max(hertz.b, hertz.a.value_or(0)) > largest_width * least_radius) return std::nullopt;
+    return hertz;
+  }
+
+ private:
+  /// Those that both bodies have and the zone reaches, across each other; the two sides of a slice are none.
+  void find_planes() {
+    std::vector<SymmetryPlane> all[2];
+    for (int side = 0; side < 2; ++side) {
+      const BodyModel& body = state_.bodies[side == 0 ? pair_.primary : pair_.secondary];
+      all[side] = symmetry_planes(body.cut_cells, body.boundary);
+    }
+    const double cell = state_.bodies[pair_.primary].cut_cells.grid.cell_size;
+    std::vector<SymmetryPlane> reached;
+    for (const SymmetryPlane& plane : common_planes(all[0], all[1], cell))
+      if (std::any_of(rows_.begin(), rows_.end(),
+                      [&](const ContactRow* row) { return std::abs(plane.distance(row->x)) < row->larger_cell; }))
+        reached.push_back(plane);
+    for (const SymmetryPlane& plane : reached) {
+      int parallel = 0;
+      for (const SymmetryPlane& other : reached) {
+        const double cosine = std::abs(plane.normal.dot(other.normal));
+        parallel += cosine > 1 - across;
+        askew_ |= cosine > across && cosine <= 1 - across;
+      }
+      if (parallel == 1) planes_.push_back(plane);
+    }
+  }
+
+  /// Mean normal, centre and second moments per area, images included: mirrored parts take out what is not symmetric.
+  void lay_out() {
+    double area = 0;
+    Vec3 normal = Vec3::Zero();
+    for (const ContactRow* row : rows_) {
+      area += row->weight;
+      normal += (row->body == pair_.primary ? 1 : -1) * row->weight * row->normal;
+      centre_ += row->weight * row->x;
+    }
+    if (!(area > 0) || askew_) return;
+    normal /= area;
+    centre_ /= area;
+    for (const SymmetryPlane& plane : planes_) {
+      normal -= plane.normal.dot(normal) * plane.normal;
+      centre_ -= plane.distance(centre_) * plane.normal;
+    }
+    if (normal.norm() < nearly_flat) return;
+    normal_ = normal.normalized();
+    for (const ContactRow* row : rows_)
+      moments_ += row->weight / area * (row->x - centre_) * (row->x - centre_).transpose();
+    for (const SymmetryPlane& plane : planes_) {
+      const Mat3 mirror = Mat3::Identity() - 2 * plane.normal * plane.normal.transpose();
+      moments_ = (moments_ + mirror * moments_ * mirror).eval() / 2;
+    }
+    if (const Grid& grid = state_.bodies[pair_.primary].cut_cells.grid; grid.is_quadtree()) {
+      const Vec3 e = Vec3::Unit(grid.plane_strain);  // its rows lie in the plane in the middle
+      moments_ += grid.thickness * grid.thickness / 12 * e * e.transpose();
+    }
+    const Vec3 first = normal_.unitOrthogonal();
+    Eigen::Matrix<double, 3, 2> tangents;
+    tangents << first, normal_.cross(first);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(tangents.transpose() * moments_ * tangents);
+    for (int k = 0; k < 2; ++k) {
+      moment_[k] = solver.eigenvalues()[1 - k];
+      direction_[k] = tangents * solver.eigenvectors().col(1 - k);
+      int largest = 0;
+      direction_[k].cwiseAbs().maxCoeff(&largest);
+      if (direction_[k][largest] < 0) direction_[k] = -direction_[k];
+    }
+    flat_ = moment_[1] > 0;
+  }
+
+  /// The quadric on which all of the zone lies on that body (grid coordinates), or none.
+  std::optional<Surface> surface_of(int body) const {
+    const CutCells& cells = state_.bodies[body].cut_cells;
+    std::set<int> found;
+    for (const ContactRow* row : rows_)
+      if (row->body == body)
+        found.insert(cells.solid.surface_at(cells.grid.to_grid(row->x), cells.grid.rotation.transpose() * row->normal));
+    if (found.size() != 1 || *found.begin() < 0) return std::nullopt;
+    const Surface& surface = cells.solid.surfaces()[*found.begin()];
+    using Kind = Surface::Kind;
+    if (surface.kind != Kind::plane && surface.kind != Kind::sphere && surface.kind != Kind::cylinder)
+      return std::nullopt;
+    return surface;
+  }
+
+  /// 1/m, convex positive; on the tangent plane.
+  Mat3 curvature_of(const Surface& surface, int body) const {
+    if (surface.kind == Surface::Kind::plane) return Mat3::Zero();
+    const Grid& grid = state_.bodies[body].cut_cells.grid;
+    const Vec3 outward = (body == pair_.primary ? 1 : -1) * normal_;
+    const Vec3 gradient = grid.rotation * surface.gradient(grid.to_grid(centre_));
+    Mat3 bent = Mat3::Identity() - normal_ * normal_.transpose();
+    if (surface.kind == Surface::Kind::cylinder) {
+      const Vec3 axis = grid.rotation * surface.direction;
+      bent -= axis * axis.transpose();
+    }
+    return (gradient.dot(outward) > 0 ? 1 : -1) / (surface.radius * grid.cell_size) * bent;
+  }
+
+  const SolvedState& state_;
+  const ContactPair& pair_;
+  const PairFigures& figures_;
+  std::vector<const ContactRow*> rows_;
+  std::vector<SymmetryPlane> planes_;
+  bool askew_ = false;  ///< planes that are neither parallel nor across: their images are not counted
+  bool flat_ = false;
+  Vec3 centre_ = Vec3::Zero();
+  Vec3 normal_ = Vec3::Zero();  ///< outward of the primary body
+  Mat3 moments_ = Mat3::Zero();
+  double moment_[2] = {0, 0};  ///< m^2, descending
+  std::array<Vec3, 2> direction_{Vec3::Zero(), Vec3::Zero()};
+};
+
+MomentAbout moment_about(const MomentSpec& spec, const PairFigures& pair) {
+  MomentAbout moment;
+  moment.point = spec.point;
+  moment.axis = spec.axis;
+  moment.on_first = pair.moment_on_first - spec.point.cross(pair.force_on_first);
+  moment.on_second = pair.moment_on_second - spec.point.cross(pair.force_on_second);
+  if (spec.axis) {
+    moment.about_axis_first = spec.axis->dot(moment.on_first);
+    moment.about_axis_second = spec.axis->dot(moment.on_second);
+  }
+  return moment;
+}
+
+}  // namespace
+
+void fill_zone_figures(const SolvedState& state, Results& results) {
+  const double unit = state.scales.stress * state.scales.length * state.scales.length;
+  std::size_t group = 0;
+  for (std::size_t k = 0; k < state.pairs.size(); ++k) {
+    const ContactPair& pair = state.pairs[k];
+    PairFigures& figures = results.pairs[k];
+    double force = 0;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g)
+      force += state.bodies[pair.primary].slices * unit * state.outer.group_force[group++];
+    if (pair.spec->moment_about) figures.zone.moment = moment_about(*pair.spec->moment_about, figures);
+    if (!(figures.area > 0)) continue;
+    figures.zone.normal_force = force;
+    figures.zone.mean_pressure = force / figures.area;
+    const Zone zone(state, results, static_cast<int>(k));
+    figures.zone.extent = zone.extent();
+    figures.zone.hertz = zone.hertz(force);
+  }
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,142 @@
+#include "core/drawing/extremes.hpp"
+
+#include <cmath>
+#include <set>
+
+namespace cgcontact {
+
+namespace {
+
+/// Extremes of values that come one by one.
+class Collector {
+ public:
+  void displacement(const Vec3& x, const Vec3& u) { raise(u.norm(), x, most_.displacement); }
+  void stress(const Vec3& x, const Sym3& s) {
+    const Vec3 principal = principal_stresses(s);
+    raise(von_mises(s), x, most_.von_mises);
+    raise(principal[0] - principal[2], x, most_.tresca);
+    if (!any_stress_ || principal[0] > most_.tension.value) most_.tension = {principal[0], x};
+    if (!any_stress_ || principal[2] < most_.compression.value) most_.compression = {principal[2], x};
+    any_stress_ = true;
+  }
+  void pressure(const Vec3& x, double p) {
+    if (!most_.pressure) most_.pressure = Extreme{0, x};
+    raise(p, x, *most_.pressure);
+  }
+
+  Extremes finish(const Material& material) {
+    if (material.yield_stress && most_.von_mises.value > 0)
+      most_.safety_factor = *material.yield_stress / most_.von_mises.value;
+    return most_;
+  }
+
+ private:
+  static void raise(double value, const Vec3& x, Extreme& most) {
+    if (value > most.value) most = {value, x};
+  }
+
+  Extremes most_;
+  bool any_stress_ = false;
+};
+
+/// One body with its fields, drawn.
+class BodySearch {
+ public:
+  BodySearch(const Results& results, const DrawnBody& drawn, int body)
+      : results_(results), fields_(results.bodies[body]), drawn_(drawn), cells_(*fields_.cut_cells), body_(body) {}
+
+  Extremes whole() const {
+    Collector most;
+    for (std::size_t p = 0; p < drawn_.position.size(); ++p) add_point(p, most);
+    for (const ContactRow& row : results_.contact_rows)
+      if (row.body == body_) most.pressure(row.x, row.touching ? row.pressure_sprc : 0);
+    return most.finish(fields_.material);
+  }
+
+  Extremes on(const FaceSpec& face) const {
+    std::vector<char> selected;
+    for (const Surface& surface : cells_.solid.surfaces()) selected.push_back(face.selects(surface.names));
+    Collector most;
+    const std::set<int> points = drawn_points(face, selected);
+    for (const int p : points) add_point(p, most);
+    if (points.empty()) add_boundary(face, selected, most);
+    for (const ContactRow& row : results_.contact_rows) {
+      if (row.body != body_) continue;
+      const int surface =
+          cells_.solid.surface_at(cells_.grid.to_grid(row.x), cells_.grid.rotation.transpose() * row.normal);
+      if (surface >= 0 && selected[surface] && face.contains(row.x, row.normal))
+        most.pressure(row.x, row.touching ? row.pressure_sprc : 0);
+    }
+    return most.finish(fields_.material);
+  }
+
+ private:
+  void add_point(std::size_t p, Collector& most) const {
+    const Vec3& x = drawn_.position[p];
+    if (!drawn_.displacement.empty()) most.displacement(x, drawn_.displacement[p]);
+    if (!drawn_.stress.empty()) most.stress(x, drawn_.stress[p]);
+  }
+
+  /// Corners of triangles on a surface of the face, where its box and its normals hold.
+  std::set<int> drawn_points(const FaceSpec& face, const std::vector<char>& selected) const {
+    std::set<int> points;
+    for (const BoundaryTriangle& triangle : drawn_.mesh.boundary) {
+      if (triangle.surface < 0 || !selected[triangle.surface]) continue;
+      const Vec3 &a = drawn_.position[triangle.points[0]], &b = drawn_.position[triangle.points[1]],
+                 &c = drawn_.position[triangle.points[2]];
+      const Vec3 n = (b - a).cross(c - a).normalized();
+      for (const int p : triangle.points)
+        if (face.contains(drawn_.position[p], n)) points.insert(p);
+    }
+    return points;
+  }
+
+  void add_boundary(const FaceSpec& face, const std::vector<char>& selected, Collector& most) const {
+    const BoundaryPoints& boundary = cells_.boundary;
+    for (std::size_t i = 0; i < boundary.size(); ++i) {
+      if (!selected[boundary.surface[i]] || !face.contains(cells_.grid.to_global(boundary.position_of_piece(i)),
+                                                           cells_.grid.rotation * boundary.normal_of_piece(i)))
+        continue;
+      const Vec3 x = cells_.grid.to_global(boundary.position[i]);
+      const Vec3 xi = clamped_cell_coordinates(cells_, boundary.cell[i], boundary.position[i]);
+      if (fields_.displacement) most.displacement(x, fields_.displacement(boundary.cell[i], xi));
+      if (fields_.stress_recovered) most.stress(x, fields_.stress_recovered(boundary.cell[i], xi));
+    }
+  }
+
+  const Results& results_;
+  const BodyFields& fields_;
+  const DrawnBody& drawn_;
+  const CutCells& cells_;
+  const int body_;
+};
+
+int body_with(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind, double sign) {
+  int best = -1;
+  for (int b = 0; b < static_cast<int>(bodies.size()); ++b)
+    if (best < 0 || sign * (bodies[b].body.*kind).value > sign * (bodies[best].body.*kind).value) best = b;
+  return best;
+}
+
+}  // namespace
+
+std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn) {
+  std::vector<BodyExtremes> bodies;
+  for (std::size_t b = 0; b < drawn.size(); ++b) {
+    const BodySearch search(results, drawn[b], static_cast<int>(b));
+    BodyExtremes extremes{search.whole(), {}};
+    if (b < scene.bodies.size())  // not of results that were put together without a scene (tests)
+      for (const FaceSpec& face : scene.bodies[b].faces) extremes.faces.emplace_back(face.name, search.on(face));
+    bodies.push_back(std::move(extremes));
+  }
+  return bodies;
+}
+
+int body_with_largest(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind) {
+  return body_with(bodies, kind, 1);
+}
+int body_with_smallest(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind) {
+  return body_with(bodies, kind, -1);
+}
+
+}  // namespace cgcontact

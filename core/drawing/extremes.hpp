@@ -1,0 +1,18 @@
+/// The largest values in the bodies and on their declared faces, and where they are.
+#pragma once
+
+#include <vector>
+
+#include "core/drawing/drawn_body.hpp"
+
+namespace cgcontact {
+
+/// By body: at the points of its drawn mesh, of a face at those of them that lie on it (at its quadrature points if it
+/// is smaller than that); of the contact pressure in the contact rows.
+std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn);
+
+/// The body with the largest (or the smallest) value of one kind, or -1.
+int body_with_largest(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind);
+int body_with_smallest(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind);
+
+}  // namespace cgcontact
