@@ -57,7 +57,8 @@ std::string describe_body(const BodyModel& body) {
   return text;
 }
 
-/// "load "body.face": (1, 0, -500) N at (0, 0, 0.1) m, moment (0, 0, 0) N m there, 0.01 m2": its resultants about the centroid.
+/// "load "body.face": (1, 0, -500) N at (0, 0, 0.1) m, moment (0, 0, 0) N m there, 0.01 m2": its resultants about the
+/// centroid.
 std::string describe_load(const Scene& scene, const std::vector<BodyModel>& bodies, int number) {
   const LoadSpec& load = scene.loads[number];
   const BodyModel& body = bodies[load.face.body];

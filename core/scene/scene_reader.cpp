@@ -544,9 +544,8 @@ void SceneReader::read_contacts(const TomlCursor& root) {
 
 const std::vector<std::string>& scene_keys() {
   static const std::vector<std::string> keys{
-      "title",   "parameters", "plane_strain", "accuracy", "material", "body",      "support", "load",
-      "contact", "steps",      "solver",       "recovery", "output",   "reference", "gravity", "rotation",
-      "probe",   "section"};
+      "title", "parameters", "plane_strain", "accuracy", "material",  "body",    "support",  "load",  "contact",
+      "steps", "solver",     "recovery",     "output",   "reference", "gravity", "rotation", "probe", "section"};
   return keys;
 }
 
