@@ -6,6 +6,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -346,7 +347,12 @@ PYBIND11_MODULE(_cgcontact, module) {
   py::class_<PythonScene>(module, "Scene")
       .def_property_readonly("title", [](const PythonScene& s) { return s.scene()->title; })
       .def_property_readonly("file", [](const PythonScene& s) { return s.scene()->file; })
-      .def_property_readonly("parameters", [](const PythonScene& s) { return s.scene()->parameters; })
+      .def_property_readonly("parameters",
+                             [](const PythonScene& s) {
+                               std::map<std::string, double> values;
+                               for (const auto& [name, value] : s.scene()->parameters) values[name] = value;
+                               return values;
+                             })
       .def_property_readonly("bodies",
                              [](const PythonScene& s) {
                                std::vector<std::string> names;

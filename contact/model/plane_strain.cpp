@@ -90,8 +90,7 @@ void check_body_force(const BodyModel& body) {
   for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {
     const Vec3 x = global_position(body.cut_cells, cell, Vec3::Zero()), force = body.boundary.body_force_at(x);
     if (std::abs(force[axis]) > along_axis * force.norm())
-      refuse(*body.spec, "a force on its volume acts along the axis of plane strain, " + at(x),
-             "no body force along it");
+      refuse(*body.spec, "its body_force acts along the axis of plane strain, " + at(x), "no body force along it");
   }
 }
 

@@ -4,23 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/parametric_surface.hpp"
+#include "core/geometry/profile.hpp"
 #include "core/geometry/solid.hpp"
 
 namespace cgcontact {
-
-/// One side of a profile, which ends where the next one begins.
-struct ProfileEdge {
-  Vec2 from, to;
-  std::string face;  ///< "primitive.face"
-  bool is_arc = false;
-  Vec2 through = Vec2::Zero();  ///< of an arc: a point between its ends
-};
-
-/// Plane of a profile: its first axis (of a revolved one: from the axis of revolution on) and its second one.
-struct ProfileFrame {
-  Vec3 origin, first, second;  ///< unit vectors at right angles
-};
 
 /// From the plane of the frame on, by `height` along first x second; faces of the edges, and two ends. Throws
 /// InputError for profiles that are not closed, cross themselves or have no area.

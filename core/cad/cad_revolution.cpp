@@ -15,8 +15,8 @@
 #include <gp_Circ.hxx>
 
 #include "core/base/errors.hpp"
-#include "core/bodies/profile_body.hpp"
 #include "core/cad/cad_shape.hpp"
+#include "core/geometry/profile.hpp"
 
 namespace cgcontact {
 

@@ -303,7 +303,8 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   add("  iterations: ", iterations_text(results));
   if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
   if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
-  if (const std::string zone = zone_text(results); !zone.empty()) add("  zone:       ", zone);
+  if (const std::string zone = zone_text(results); !zone.empty() && allowance.text_lines > 3)
+    add("  zone:       ", zone);
   if (!results.extremes.empty()) add("  largest:    ", maxima_text(results));
   if (!results.probes.empty()) add("  probes:     ", probes_text(results));
   add("  est. error: ", error_text(results));

@@ -90,7 +90,7 @@ class Tutorial(unittest.TestCase):
 def source_files(*endings):
     """Files of the tree, without what is built or comes out of runs."""
     folders = [harness.SOURCE / name for name in ("core", "kernels", "recovery", "contact", "perf", "tests", "scenes", "scripts",
-                                                  "cmake", "docs")]
+                                                  "cmake", "docs", "python", "examples")]
     return [file for folder in folders for file in sorted(folder.rglob("*")) if file.is_file() and file.name.endswith(endings)]
 
 
