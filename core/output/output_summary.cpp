@@ -309,7 +309,8 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   if (!results.probes.empty()) add("  probes:     ", probes_text(results));
   add("  est. error: ", error_text(results));
   if (!results.pressure_errors.empty()) add("  true error of the pressure: ", reference_text(results));
-  if (!results.patches_by_kind.empty() && allowance.text_lines > 2) add("  recovery:   ", recovery_text(results));
+  if (!results.patches_by_kind.empty() && allowance.text_lines > 2)
+    append(lines, paragraph("  recovery:   ", recovery_text(results), 4));
   if (!results.times_s.empty()) add("  time:       ", times_text(results));
   append(lines, closing_lines(results, directory));
   return lines;
