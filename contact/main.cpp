@@ -68,11 +68,6 @@ std::string command_text(char** argv) {
   return text;
 }
 
-/// The scene on the grids that its first solve has.
-Scene on_first_grids(const Scene& scene) {
-  return scene.accuracy.any() ? *scene_on_grids(scene, first_sizes(scene)) : scene;
-}
-
 int check(const Scene& given, const CommandLine& options) {
   Progress progress(Progress::Mode::terminal_only);
   const CleanUp clear_line([&] { progress.abandon(); });

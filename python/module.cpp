@@ -18,7 +18,7 @@
 #include "contact/simulation.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
-#include "core/drawing/drawn_body.hpp"
+#include "core/drawing/extremes.hpp"
 #include "core/output/output.hpp"
 #include "core/output/output_report.hpp"
 #include "core/output/output_summary.hpp"
@@ -30,9 +30,6 @@ namespace py = pybind11;
 
 namespace cgcontact {
 namespace {
-
-/// Of the size of a cell: a point so near to the surface is of the body.
-constexpr double on_surface = 1e-9;
 
 class PythonResult;
 
@@ -134,7 +131,7 @@ class PythonScene {
 
   std::string check() const {
     const py::gil_scoped_release released;
-    const Scene on_grids = scene_->accuracy.any() ? *scene_on_grids(*scene_, first_sizes(*scene_)) : *scene_;
+    const Scene on_grids = on_first_grids(*scene_);
     Preparation preparation = lay_out(on_grids, false);
     complete(on_grids, preparation);
     return describe(on_grids, preparation);
@@ -178,7 +175,10 @@ class PythonResult {
   /// With the grids of the last solve.
   const Scene& solved_scene() const { return adaptive_ ? adaptive_->scene() : *given_; }
 
-  std::string report() { return report_text(results(), {}, {}); }
+  std::string report() {
+    if (results().extremes.empty()) results().extremes = extremes_of(results(), solved_scene(), draw_bodies(results()));
+    return report_text(results(), {}, {});
+  }
   std::string summary_text() { return summary(results(), "memory"); }
 
   std::vector<std::string> write(const std::string& directory) {
@@ -286,9 +286,8 @@ class PythonResult {
         if (only >= 0 && b != only) continue;
         const BodyFields& fields = results().bodies[b];
         const CutCells& cut_cells = *fields.cut_cells;
+        if (!solved_scene().bodies[b].holds(x)) continue;
         const Vec3 position = cut_cells.grid.to_grid(x);
-        if (!cut_cells.solid.contains(position) && cut_cells.solid.distance_to_surfaces(position) > on_surface)
-          continue;
         const int cell = cut_cells.locate(position);
         if (cell < 0) continue;
         const Vec3 xi = cell_coordinates(cut_cells, cell, position);

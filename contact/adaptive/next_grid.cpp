@@ -81,6 +81,10 @@ std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes
   return scene;
 }
 
+Scene on_first_grids(const Scene& scene) {
+  return scene.accuracy.any() ? *scene_on_grids(scene, first_sizes(scene)) : scene;
+}
+
 ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results) {
   const AccuracyOptions& options = scene.accuracy;
   ErrorFigures errors;

@@ -23,6 +23,9 @@ GridSizes first_sizes(const Scene& scene);
 std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1,
                                       double most_cells = std::numeric_limits<double>::infinity());
 
+/// The scene on the grids that its first solve has.
+Scene on_first_grids(const Scene& scene);
+
 /// Relative estimated errors after a solve; none: not known, as the zone is not resolved.
 struct ErrorFigures {
   std::optional<double> pressure, force;  ///< the largest of the pairs that matter

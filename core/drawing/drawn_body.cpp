@@ -188,6 +188,13 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
 
 DrawnBody draw_body(const BodyFields& fields) { return draw_body(fields, clip_cells(*fields.cut_cells)); }
 
+std::vector<DrawnBody> draw_bodies(const Results& results) {
+  std::vector<DrawnBody> drawn(results.bodies.size());
+  parallel_for("cgcontact::output::draw_bodies", drawn.size(), 1,
+               [&](std::size_t b) { drawn[b] = draw_body(results.bodies[b]); });
+  return drawn;
+}
+
 ContactSurface make_contact_surface(const Results& results, const std::vector<DrawnBody>& bodies) {
   ContactSurface surface;
   for (std::size_t b = 0; b < bodies.size(); ++b) {

@@ -21,6 +21,7 @@ struct DrawnBody {
 double volume_of_cell(const CutCells& cut_cells, int cell);
 
 DrawnBody draw_body(const BodyFields& fields);
+std::vector<DrawnBody> draw_bodies(const Results& results);
 /// Another mesh of the same body, for example of a part of it.
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh);
 

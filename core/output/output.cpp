@@ -196,13 +196,6 @@ void replace(const fs::path& written, const fs::path& target, const std::vector<
   keep_foreign_files(written, old, target);
 }
 
-std::vector<DrawnBody> draw_bodies(const Results& results) {
-  std::vector<DrawnBody> drawn(results.bodies.size());
-  parallel_for("cgcontact::output::draw_bodies", drawn.size(), 1,
-               [&](std::size_t b) { drawn[b] = draw_body(results.bodies[b]); });
-  return drawn;
-}
-
 /// Not of results that were put together without a model (tests).
 bool knows_contact_of_points(const Results& results) {
   return std::all_of(results.bodies.begin(), results.bodies.end(), [](const BodyFields& body) {

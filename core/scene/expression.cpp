@@ -197,7 +197,8 @@ TextWithoutUnits without_units(const std::string& text, const SourcePlace& place
       } else {
         check_not_parameters(text, names, place, constants);
         const std::string name = prefix + std::to_string(count++);
-        result.constants[name] = Quantity(unit.to_si(std::stod(text.substr(k, length))), unit.dimension, true);
+        result.constants[name] =
+            Quantity(unit.to_si(std::strtod(text.substr(k, length).c_str(), nullptr)), unit.dimension, true);
         result.has_units = result.has_dimensions = true;
         result.text += name;
         k = next + unit_length;

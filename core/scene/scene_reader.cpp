@@ -92,12 +92,6 @@ std::array<Expression, 3> read_vector_field(const TomlCursor& node, const std::s
   return {components[0].expression(unit), components[1].expression(unit), components[2].expression(unit)};
 }
 
-/// Throws if the name was there before.
-void check_unique(const TomlCursor& node, const std::string& name, std::set<std::string>& seen,
-                  const std::string& what) {
-  if (!seen.insert(name).second) node.fail("is the name of an earlier " + what, "unique names");
-}
-
 }  // namespace
 
 std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::string& key) {

@@ -15,10 +15,6 @@ namespace {
 constexpr double pi = 3.14159265358979323846;
 constexpr int most_points = 100000;
 
-void check_new_name(const TomlCursor& node, const std::string& name, std::set<std::string>& seen, const char* what) {
-  if (!seen.insert(name).second) node.fail(fmt::format("is the name of an earlier {}", what), "unique names");
-}
-
 int read_count(const TomlCursor& node, int least) {
   return node.at("points", fmt::format("{} to {}", least, most_points)).integer(least, most_points);
 }
@@ -126,7 +122,7 @@ void SceneReader::read_probes(const TomlCursor& root) {
   std::set<std::string> seen;
   for (const TomlCursor& node : optional_elements(root, "probe")) {
     scene_.probes.push_back(read_probe(node));
-    check_new_name(node.at("name"), scene_.probes.back().name, seen, "probe");
+    check_unique(node.at("name"), scene_.probes.back().name, seen, "probe");
   }
 }
 
@@ -157,7 +153,7 @@ void SceneReader::read_sections(const TomlCursor& root) {
   std::set<std::string> seen;
   for (const TomlCursor& node : optional_elements(root, "section")) {
     scene_.sections.push_back(read_section(node));
-    check_new_name(node.at("name"), scene_.sections.back().name, seen, "section");
+    check_unique(node.at("name"), scene_.sections.back().name, seen, "section");
   }
 }
 

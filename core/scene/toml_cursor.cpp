@@ -192,6 +192,11 @@ Mat3 TomlCursor::rotation() const {
   return Eigen::AngleAxisd(angle * degree, axis).toRotationMatrix();
 }
 
+void check_unique(const TomlCursor& node, const std::string& name, std::set<std::string>& seen,
+                  const std::string& what) {
+  if (!seen.insert(name).second) node.fail("is the name of an earlier " + what, "unique names");
+}
+
 std::string read_name(const TomlCursor& node) {
   const std::string allowed = "letters, digits, \"_\" and \"-\", not starting with a digit";
   const std::string name = node.string(allowed);

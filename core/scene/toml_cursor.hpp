@@ -4,6 +4,7 @@
 #include <toml++/toml.h>
 
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,5 +79,9 @@ class TomlCursor {
 
 /// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit.
 std::string read_name(const TomlCursor& node);
+
+/// Throws if the name was there before; adds it.
+void check_unique(const TomlCursor& node, const std::string& name, std::set<std::string>& seen,
+                  const std::string& what);
 
 }  // namespace cgcontact

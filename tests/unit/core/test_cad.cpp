@@ -8,6 +8,7 @@
 #include "core/bodies/cad_body.hpp"
 #include "core/scene/read_scene.hpp"
 #include "tests/support/cad_parts.hpp"
+#include "tests/support/input_errors.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
 namespace cgcontact {
@@ -234,23 +235,10 @@ TEST_F(Cad, OtherFormats) {
   }
 }
 
-std::string message_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-void expect_words(const std::string& message, const std::vector<std::string>& words) {
-  for (const std::string& word : words) EXPECT_NE(message.find(word), std::string::npos) << message;
-}
-
 // Proves that what cannot be read is refused with what is wrong: face and gap where a surface is open.
 TEST_F(Cad, BadFiles) {
   const auto refused = [&](const std::string& name, bool repair, const std::vector<std::string>& words) {
-    expect_words(message_of([&] { read_cad(file(name), {repair}); }), words);
+    expect_contains(message_of([&] { read_cad(file(name), {repair}); }), words);
   };
   refused("missing.step", false, {"missing.step: cannot be opened"});
   refused("text.step", false, {"is not a STEP file"});
@@ -265,7 +253,7 @@ TEST_F(Cad, BadFiles) {
 TEST_F(Cad, Repair) {
   const std::vector<CadSolid> solids = read_cad(file("loose_box.step"), {true});
   ASSERT_EQ(solids.size(), 1u);
-  expect_words(solids[0].repair, {"gaps of up to", "area", "before", "after"});
+  expect_contains(solids[0].repair, {"gaps of up to", "area", "before", "after"});
   EXPECT_NEAR(solids[0].model.volume(), 1000, 0.11);  // the gap's volume is 0.1 mm^3
 }
 
@@ -346,7 +334,7 @@ TEST_F(Cad, ToriOfAScene) {
     const Vec3 x(t[k], y, z), foot = ring * Vec3(t[k], y, 0).normalized();
     EXPECT_LT((found[k].normal - (x - foot) / tube).norm(), 1e-9);
   }
-  expect_words(
+  expect_contains(
       message_of([&] { solid_of("{torus = {center = [0, 0, 0], ring_radius = 1, tube_radius = \"2 m\"}}", "torus"); }),
       {"shape.toml:5: body[0].shape.torus.tube_radius = \"2 m\": is not less than ring_radius", "< 1 m"});
 }
@@ -377,7 +365,7 @@ TEST_F(Cad, FacesOfAScene) {
       area("file = \"cross_drilled.step\", faces = [{name = \"hole\", kind = \"cylinder\", radius = 2e-3}]", "hole"),
       area("file = \"cross_drilled.step\", faces = [{name = \"hole\", radius = \"4e-3/2\"}]", "hole"), 1e-12);
   const auto refused = [&](const std::string& cad, const std::vector<std::string>& words) {
-    expect_words(message_of([&] { scene_of(folder_.string(), cad); }), words);
+    expect_contains(message_of([&] { scene_of(folder_.string(), cad); }), words);
   };
   refused("file = \"assembly.step\"",
           {"scene.toml:6", "cad.file", "3 solids", "\"bolt_1\", \"bolt_2\", \"base plate\""});

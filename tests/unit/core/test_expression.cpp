@@ -5,29 +5,15 @@
 #include <vector>
 
 #include "core/scene/expression.hpp"
+#include "tests/support/input_errors.hpp"
 
 namespace cgcontact {
 namespace {
 
 const SourcePlace place{"scene.toml", 7, "load[0].pressure"};
 
-/// what() of the InputError that the call throws, or "" if there is none.
-template <class Call>
-std::string message_of(const Call& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 std::string message_of_text(const std::string& text, const Constants& constants = {}) {
   return message_of([&] { Expression(text, place, constants)(Vec3(0.3, 0.2, 0.1)); });
-}
-
-void expect_contains(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << "\n  in: " << text;
 }
 
 TEST(Expression, default_is_zero) {

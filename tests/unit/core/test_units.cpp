@@ -5,25 +5,12 @@
 
 #include "core/scene/expression.hpp"
 #include "core/scene/read_scene.hpp"
+#include "tests/support/input_errors.hpp"
 
 namespace cgcontact {
 namespace {
 
 const SourcePlace place{"scene.toml", 7, "key"};
-
-template <class Call>
-std::string message_of(const Call& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
-void expect_contains(const std::string& text, const std::vector<std::string>& parts) {
-  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << "\n  in: " << text;
-}
 
 /// A block whose values the tests replace; the file itself is never read.
 Scene block(const std::vector<std::string>& overrides) {
@@ -55,6 +42,13 @@ pressure = "F/d^2"
 
 std::string message_of_block(const std::string& change) {
   return message_of([&] { block({change}); });
+}
+
+// Numbers beyond those of double precision, with a unit: a message, as without one.
+TEST(Units, numbers_that_are_too_large_or_too_small) {
+  for (const char* text : {"1e999 mm", "1e308 km"})
+    expect_contains(message_of([&] { evaluate_constant(text, place); }), {text, "not finite"});
+  EXPECT_EQ(evaluate_constant("1e-999 mm", place).value, 0);
 }
 
 TEST(Units, numbers_with_units_are_those_of_the_si_to_the_last_bit) {

@@ -1,0 +1,28 @@
+/// What an InputError says, for tests.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "core/base/errors.hpp"
+
+namespace cgcontact {
+
+/// what() of the InputError that the call throws, or "" if there is none.
+template <class Call>
+std::string message_of(const Call& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+inline void expect_contains(const std::string& text, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) EXPECT_NE(text.find(part), std::string::npos) << part << "\n  in: " << text;
+}
+
+}  // namespace cgcontact
