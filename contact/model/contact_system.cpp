@@ -13,7 +13,8 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
     const double stiffness =
         support_stiffness(scene, bodies[p.body], p.cell) * p.weight / (scales.stress * scales.length);
-    terms[p.body].push_back({p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin(p.cell)});
+    terms[p.body].push_back(
+        {p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin(p.cell), p.follows});
   }
   for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
 }

@@ -10,65 +10,76 @@ namespace {
 /// Of squares: motions that resist or miss by less than that count as none, rounding is far below.
 constexpr double tolerance = 1e-10;
 
-/// Least squares for the motion of all bodies, a sum over points: row . motion = value.
-struct LeastSquares {
-  Eigen::MatrixXd matrix;
-  Eigen::VectorXd right;
-  double square = 0;  // of the values
-  explicit LeastSquares(Eigen::Index size)
-      : matrix(Eigen::MatrixXd::Zero(size, size)), right(Eigen::VectorXd::Zero(size)) {}
-  void add(const Eigen::VectorXd& row, double weight, double value) {
-    matrix += weight * row * row.transpose();
-    right += weight * value * row;
-    square += weight * value * value;
+}  // namespace
+
+/// Least squares for the motion of all bodies, a sum over points: row . motion = value. The matrix is the same for all
+/// pairs.
+struct Statics::Impl {
+  const std::vector<ContactPair>& pairs;
+  RigidPieces pieces;
+  std::vector<double> closed_area;  // of each pair
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> matrix;
+
+  Impl(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+       const std::vector<ContactPair>& all_pairs)
+      : pairs(all_pairs), pieces(whole_bodies(bodies)), closed_area(all_pairs.size(), 0) {
+    const Eigen::Index size = 6 * static_cast<Eigen::Index>(bodies.size());
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(size, size);
+    // Every support and every pair counts alike, however small its area is.
+    std::vector<double> support_area(scene.supports.size(), 0);
+    for (const SupportPoint& p : supports)
+      if (p.support >= 0) support_area[p.support] += p.weight;
+    for (const SupportPoint& p : supports) {
+      if (p.support < 0) continue;
+      const RigidMotion row =
+          pieces.list[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+      sum.block<6, 6>(6 * p.body, 6 * p.body) += p.weight / support_area[p.support] * row * row.transpose();
+    }
+    for (std::size_t k = 0; k < pairs.size(); ++k) {
+      const int first = 6 * pairs[k].primary, second = 6 * pairs[k].secondary;
+      for (const ContactPoint& q : pairs[k].points) closed_area[k] += q.active ? q.weight : 0;
+      for (const ContactPoint& q : pairs[k].points) {
+        if (!q.active) continue;
+        const auto [on_first, on_second] = rows(k, q);
+        const double weight = q.weight / closed_area[k];
+        sum.block<6, 6>(first, first) += weight * on_first * on_first.transpose();
+        sum.block<6, 6>(second, second) += weight * on_second * on_second.transpose();
+        sum.block<6, 6>(first, second) += weight * on_first * on_second.transpose();
+        sum.block<6, 6>(second, first) += weight * on_second * on_first.transpose();
+      }
+    }
+    matrix.compute(sum);
   }
-  /// Part of the values' square that no motion meets.
-  double missed() const {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
-    double met = 0;
-    for (Eigen::Index k = 0; k < matrix.rows(); ++k)
-      if (eigen.eigenvalues()[k] > tolerance * eigen.eigenvalues().maxCoeff())
-        met += std::pow(eigen.eigenvectors().col(k).dot(right), 2) / eigen.eigenvalues()[k];
-    return square > 0 ? 1 - met / square : 1;
+
+  /// Of the relative motion along the normal, of the primary body less the secondary one.
+  std::pair<RigidMotion, RigidMotion> rows(std::size_t k, const ContactPoint& q) const {
+    return {pieces.list[pairs[k].primary].row(q.x, q.normal), -pieces.list[pairs[k].secondary].row(q.x, q.normal)};
   }
 };
 
-Eigen::VectorXd row_of(const RigidPieces& pieces, const SupportPoint& p, const Vec3& x) {
-  Eigen::VectorXd row = Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(pieces.list.size()));
-  row.segment<6>(6 * p.body) = pieces.list[p.body].row(x, p.direction);
-  return row;
-}
+Statics::Statics(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                 const std::vector<ContactPair>& pairs)
+    : impl_(std::make_unique<Impl>(scene, bodies, supports, pairs)) {}
+Statics::~Statics() = default;
 
-/// Of the relative motion along the normal, of the primary body less the secondary one.
-Eigen::VectorXd row_of(const RigidPieces& pieces, const ContactPair& pair, const ContactPoint& q) {
-  Eigen::VectorXd row = Eigen::VectorXd::Zero(6 * static_cast<Eigen::Index>(pieces.list.size()));
-  row.segment<6>(6 * pair.primary) = pieces.list[pair.primary].row(q.x, q.normal);
-  row.segment<6>(6 * pair.secondary) -= pieces.list[pair.secondary].row(q.x, q.normal);
-  return row;
-}
-
-}  // namespace
-
-bool force_follows_from_loads(const Scene& scene, const std::vector<BodyModel>& bodies,
-                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
-                              int pair, const Vec3& direction) {
-  const RigidPieces pieces = whole_bodies(bodies);
-  LeastSquares system(6 * static_cast<Eigen::Index>(pieces.list.size()));
-  // Every support and every pair counts alike, however small its area is.
-  std::vector<double> support_area(scene.supports.size(), 0);
-  for (const SupportPoint& p : supports)
-    if (p.support >= 0) support_area[p.support] += p.weight;
-  for (const SupportPoint& p : supports)
-    if (p.support >= 0)
-      system.add(row_of(pieces, p, global_position(bodies[p.body].cut_cells, p.cell, p.xi)),
-                 p.weight / support_area[p.support], 0);
-  for (int k = 0; k < static_cast<int>(pairs.size()); ++k) {
-    double area = 0;
-    for (const ContactPoint& q : pairs[k].points) area += q.active ? q.weight : 0;
-    for (const ContactPoint& q : pairs[k].points)
-      if (q.active) system.add(row_of(pieces, pairs[k], q), q.weight / area, k == pair ? q.normal.dot(direction) : 0);
+bool Statics::loads_give(int pair, const Vec3& direction) const {
+  const ContactPair& p = impl_->pairs[pair];
+  const auto& values = impl_->matrix.eigenvalues();
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(values.size());
+  double square = 0;  // of the work wanted, and what motions meet of it
+  for (const ContactPoint& q : p.points) {
+    if (!q.active) continue;
+    const auto [on_first, on_second] = impl_->rows(pair, q);
+    const double weight = q.weight / impl_->closed_area[pair], value = q.normal.dot(direction);
+    right.segment<6>(6 * p.primary) += weight * value * on_first;
+    right.segment<6>(6 * p.secondary) += weight * value * on_second;
+    square += weight * value * value;
   }
-  return system.missed() < tolerance;
+  double met = 0;
+  for (Eigen::Index k = 0; k < values.size(); ++k)
+    if (values[k] > tolerance * values.maxCoeff())
+      met += std::pow(impl_->matrix.eigenvectors().col(k).dot(right), 2) / values[k];
+  return square > 0 && 1 - met / square < tolerance;
 }
 
 }  // namespace cgcontact

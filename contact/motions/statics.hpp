@@ -1,16 +1,29 @@
 /// Which contact forces follow from equilibrium alone.
 #pragma once
 
+#include <memory>
+
 #include "contact/model/contact_pairs.hpp"
 
 namespace cgcontact {
 
-/// Do the loads give the force of a pair, whatever the bodies' stiffness? True if a virtual rigid motion of the bodies
-/// exists under which the force along `direction` (unit, global axes) does all the work of the pair, and no support
-/// and no other closed contact does any (principle of virtual work). What holds motions that no load drives carries no
-/// force and does not count. False without a closed point.
-bool force_follows_from_loads(const Scene& scene, const std::vector<BodyModel>& bodies,
-                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
-                              int pair, const Vec3& direction);
+/// Of a solved scene, with the present state of its contact points.
+class Statics {
+ public:
+  /// References stay valid outside.
+  Statics(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+          const std::vector<ContactPair>& pairs);
+  ~Statics();
+
+  /// Do the loads give the force of a pair, whatever the bodies' stiffness? True if a virtual rigid motion of the
+  /// bodies exists under which the force along `direction` (unit, global axes) does all the work of the pair, and no
+  /// support and no other closed contact does any (principle of virtual work). What holds motions that no load drives
+  /// carries no force and does not count. False without a closed point.
+  bool loads_give(int pair, const Vec3& direction) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace cgcontact

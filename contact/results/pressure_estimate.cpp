@@ -105,6 +105,7 @@ EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
 void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
   const ResultOptions& options = state.scene.results;
+  const Statics statics(state.scene, state.bodies, state.supports, state.pairs);
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     std::vector<EdgeAtRow> edges(rows.size());
     parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
@@ -135,9 +136,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     figures.pressure_error_estimate = norm > 0 ? std::sqrt(error / norm) : 0;
     if (figures.active_points == 0) continue;
     const Vec3 force = figures.force_on_first;
-    figures.force_given_by_loads =
-        force.norm() > 0 && force_follows_from_loads(state.scene, state.bodies, state.supports, state.pairs,
-                                                     static_cast<int>(p), force.normalized());
+    figures.force_given_by_loads = force.norm() > 0 && statics.loads_give(static_cast<int>(p), force.normalized());
     if (figures.force_given_by_loads || force.isZero(0))
       figures.force_error_estimate = 0;
     else if (resolved)

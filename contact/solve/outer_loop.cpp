@@ -116,7 +116,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     result.active_points.push_back(step.active_points);
     result.iterations = iteration;
     progress(step);
-    if (step.changed_points > 0 && !driven_motions(problem_).empty())
+    if (held && step.changed_points > 0 && !driven_motions(problem_).empty())
       return stop(iteration, describe_loss_of_contact(problem_.pairs), result);
     if (step.changed_points == 0 && step.residual < settings().tolerance && length == 1 &&
         spring_force <= settings().largest_spring_part * now_.total_force()) {

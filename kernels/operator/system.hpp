@@ -16,6 +16,7 @@ struct SupportTerm {
   Vec3 direction;     ///< unit, grid axes
   double stiffness;   ///< kappa E/h times the point's weight, Scales::stress * Scales::length
   bool thin = false;  ///< the body is about one cell thick: the smoother holds the support's unknowns together
+  bool soft = false;  ///< holds what contact alone holds: firm on coarse grids (RigidCoarseSpace)
 };
 
 /// One contact group: mean normal gap over a boundary piece of the coarser body's cell, as a sparse row on the DoFs.

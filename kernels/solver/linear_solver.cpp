@@ -8,6 +8,7 @@
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/multigrid.hpp"
 #include "kernels/solver/conjugate_gradients.hpp"
+#include "kernels/solver/rigid_coarse_space.hpp"
 
 namespace cgcontact {
 
@@ -36,11 +37,33 @@ class Consistent : public TpetraOperator {
   const DofMap& dofs_;
 };
 
+/// A preconditioner with the rigid motions of bodies that no support holds solved for beside it.
+class WithRigidMotions : public TpetraOperator {
+ public:
+  WithRigidMotions(RCP<const TpetraOperator> inner, const RigidCoarseSpace& motions)
+      : inner_(std::move(inner)), motions_(motions) {}
+
+  RCP<const TpetraMap> getDomainMap() const override { return inner_->getDomainMap(); }
+  RCP<const TpetraMap> getRangeMap() const override { return inner_->getRangeMap(); }
+  void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override {
+    inner_->apply(X, Y, mode, alpha, beta);
+    const auto n = static_cast<std::size_t>(X.getLocalLength());
+    const RealView r(const_cast<double*>(X.getLocalViewDevice(Tpetra::Access::ReadOnly).data()), n);
+    const RealView z(Y.getLocalViewDevice(Tpetra::Access::ReadWrite).data(), n);
+    motions_.correct(r, z);
+  }
+
+ private:
+  RCP<const TpetraOperator> inner_;
+  const RigidCoarseSpace& motions_;
+};
+
 }  // namespace
 
 struct LinearSolver::Impl {
   const ElasticSystem& system;
   Preconditioner kind;
+  RigidCoarseSpace rigid_motions;
   MultigridSettings settings;
   RCP<const TpetraMap> map;
   RCP<ElasticityOperator> op;
@@ -48,10 +71,15 @@ struct LinearSolver::Impl {
   RCP<Multigrid> multigrid;
   PreconditionerReport report;
   std::vector<double> muelu_groups;  ///< stiffness of the contact groups that MueLu was set up with
+
+  void set_preconditioner(const RCP<TpetraOperator>& inner) {
+    preconditioner =
+        rigid_motions.empty() ? inner : RCP<TpetraOperator>(rcp(new WithRigidMotions(inner, rigid_motions)));
+  }
 };
 
 LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner)
-    : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}}) {
+    : impl_(new Impl{system, preconditioner, RigidCoarseSpace(system), {}, {}, {}, {}, {}, {}, {}}) {
   impl_->map = system.dofs.owned_map(Tpetra::getDefaultComm());
   impl_->op = rcp(new ElasticityOperator(system, impl_->map));
 }
@@ -62,17 +90,18 @@ const PreconditionerReport& LinearSolver::report() const { return impl_->report;
 void LinearSolver::update() {
   Impl& s = *impl_;
   s.op->update_groups(s.system);
+  s.rigid_motions.update();
   if (s.kind == Preconditioner::muelu) {
     const std::vector<double> stiffness = group_stiffness(s.system);
     if (!s.preconditioner.is_null() && !changed_much(s.muelu_groups, stiffness)) return;
-    s.preconditioner = rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs));
+    s.set_preconditioner(rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs)));
     s.muelu_groups = stiffness;
     ++s.report.setups;
     return;
   }
   if (s.multigrid.is_null()) {
     s.multigrid = rcp(new Multigrid(s.system, s.map, s.settings));
-    s.preconditioner = s.multigrid;
+    s.set_preconditioner(s.multigrid);
   } else {
     s.multigrid->update_groups();
   }
@@ -93,6 +122,18 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
     exec.fence();
   };
   residual();
+  const auto add_correction = [&] {
+    const auto dx = Kokkos::subview(correction->getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
+    Kokkos::parallel_for(
+        "cgcontact::linear_solver::update", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
+        KOKKOS_LAMBDA(const int i) { x(i) += dx(i); });
+    residual();
+  };
+  if (!impl_->rigid_motions
+           .empty()) {  // CG starts in balance with the rigid motions; a cycle also gives it their dents
+    impl_->preconditioner->apply(*rhs, *correction, Teuchos::NO_TRANS, 1, 0);
+    add_correction();
+  }
   double norm = rhs->getVector(0)->norm2();
   // Correction form: the tolerance stays absolute however good the start is. The recursive residual may drift from the
   // true one near rounding: a second sweep corrects that.
@@ -101,11 +142,7 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
     const double relative = std::max(0.9 * tolerance / norm, 1e-15);
     result.iterations += conjugate_gradients(impl_->op, impl_->preconditioner, rhs, correction, relative,
                                              max_iterations - result.iterations);
-    const auto dx = Kokkos::subview(correction->getLocalViewDevice(Tpetra::Access::ReadOnly), Kokkos::ALL, 0);
-    Kokkos::parallel_for(
-        "cgcontact::linear_solver::update", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
-        KOKKOS_LAMBDA(const int i) { x(i) += dx(i); });
-    residual();
+    add_correction();
     const double previous = norm;
     norm = rhs->getVector(0)->norm2();
     if (!(norm < 0.5 * previous)) break;

@@ -182,6 +182,46 @@ void write_lug(const std::string& folder) {
   XCAFApp_Application::GetApplication()->Close(document);
 }
 
+/// The rings of a ball bearing, width 13, for twelve balls of radius 3.5 on a circle of 21.25; the grooves' radius
+/// is 1.04 times the balls'. Named faces: "bore", "outside", "groove".
+void write_bearing(const std::string& folder) {
+  const double pitch = 21.25, ball = 3.5, groove = 1.25 * ball, width = 13;
+  Handle(TDocStd_Document) document;
+  XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document);
+  const Handle(XCAFDoc_ShapeTool) shapes = XCAFDoc_DocumentTool::ShapeTool(document->Main());
+  const TDF_Label assembly = shapes->NewShape();
+  TDataStd_Name::Set(assembly, "bearing");
+  const auto add = [&](const char* name, double inside, double outside, double torus, const char* named,
+                       double radius) {
+    const TopoDS_Shape grooved =
+        BRepAlgoAPI_Cut(ring(inside, outside, width),
+                        BRepPrimAPI_MakeTorus(gp_Ax2(gp_Pnt(0, 0, width / 2), gp_Dir(0, 0, 1)), torus, groove).Shape())
+            .Shape();
+    TopExp_Explorer solids(grooved, TopAbs_SOLID);
+    const TopoDS_Shape part = solids.Current();
+    const TDF_Label label = shapes->AddShape(part, false);
+    TDataStd_Name::Set(label, name);
+    for (TopExp_Explorer f(part, TopAbs_FACE); f.More(); f.Next()) {
+      const BRepAdaptor_Surface surface(TopoDS::Face(f.Current()));
+      if (surface.GetType() == GeomAbs_Torus) TDataStd_Name::Set(shapes->AddSubShape(label, f.Current()), "groove");
+      if (surface.GetType() == GeomAbs_Cylinder && surface.Cylinder().Radius() == radius)
+        TDataStd_Name::Set(shapes->AddSubShape(label, f.Current()), named);
+    }
+    gp_Trsf to_middle;
+    to_middle.SetTranslation(gp_Vec(0, 0, -width / 2));
+    shapes->AddComponent(assembly, label, TopLoc_Location(to_middle));
+  };
+  add("inner", 15, 19.2, pitch - ball + groove, "bore", 15);
+  add("outer", 23.3, 27.5, pitch + ball - groove, "outside", 27.5);
+  shapes->UpdateAssemblies();
+  STEPCAFControl_Writer writer;
+  Interface_Static::SetIVal("write.stepcaf.subshapes.name", 1);
+  writer.SetNameMode(true);
+  writer.Transfer(document);
+  writer.Write((folder + "/bearing.step").c_str());
+  XCAFApp_Application::GetApplication()->Close(document);
+}
+
 /// Two bolts, one turned and moved, and a plate with named and coloured faces; lengths in inches.
 void write_assembly(const std::string& folder) {
   Handle(TDocStd_Document) document;
@@ -250,6 +290,7 @@ std::vector<CadPart> write_cad_parts(const std::string& folder) {
   add("outer_ring", quarter(ring(700, 1000, 1000), 1100, 100), 0, 0);
   add("ball_octant", quarter(BRepPrimAPI_MakeSphere(700).Shape(), 1000, 1000), 0, 0);
   add("shell_octant", quarter(shell(700, 1000), 1100, 1100), 0, 0);
+  write_bearing(folder);
   write_broken(folder);
   write_assembly(folder);  // last: it leaves the unit of its file to those after it
   return parts;

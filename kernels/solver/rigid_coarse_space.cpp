@@ -1,0 +1,178 @@
+#include "kernels/solver/rigid_coarse_space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Of E times the size of the body: motions that supports resist by less are free. What holds a body has kappa E A / h.
+constexpr double hardly_held = 1e-3;
+/// Of the largest product of a row with a motion: rounding.
+constexpr double no_product = 1e-12;
+/// Nodes per chunk of the parallel loops.
+constexpr std::size_t grain = 4096;
+
+using Motion = Eigen::Matrix<double, 6, 1>;
+
+Vec3 displacement(const RealView& u, int first_dof) { return Vec3(u(first_dof), u(first_dof + 1), u(first_dof + 2)); }
+
+}  // namespace
+
+RigidCoarseSpace::RigidCoarseSpace(const ElasticSystem& system) : system_(system) {
+  for (int m = 0; m < static_cast<int>(system.meshes.size()); ++m) {
+    Body body = free_motions(m);
+    body_of_mesh_.push_back(body.motions.cols() == 0 ? -1 : static_cast<int>(bodies_.size()));
+    if (body.motions.cols() == 0) continue;
+    body.first = num_motions_;
+    num_motions_ += static_cast<int>(body.motions.cols());
+    bodies_.push_back(std::move(body));
+  }
+  if (empty()) return;
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    for (const SupportTerm& term : system.supports[p]) {
+      std::vector<std::pair<int, double>> entries;
+      displacement_row(parts[p]->cell_nodes[term.cell], term.xi, term.direction,
+                       [&](int dof, double value) { entries.emplace_back(dof, value); });
+      Row row = make_row(std::move(entries), term.stiffness);
+      if (!row.on_motions.empty()) supports_.push_back(std::move(row));
+    }
+  for (const GroupRow& row : system.group_rows) groups_.push_back(make_row(row.entries, 0));
+}
+
+RigidCoarseSpace::Body RigidCoarseSpace::free_motions(int m) const {
+  const BodyMesh& mesh = system_.meshes[m];
+  Body body;
+  body.mesh = m;
+  for (int n = 0; n < mesh.num_nodes; ++n) body.centre += mesh.node_position(n);
+  body.centre /= mesh.num_nodes;
+  double spread = 0;
+  for (int n = 0; n < mesh.num_nodes; ++n) spread += (mesh.node_position(n) - body.centre).squaredNorm();
+  body.size = std::sqrt(spread / mesh.num_nodes);
+  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
+  const std::vector<const BodyMesh*> parts = system_.parts();
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (parts[p]->first_node < mesh.first_node || parts[p]->first_node >= mesh.first_node + mesh.num_nodes) continue;
+    for (const SupportTerm& term : system_.supports[p]) {
+      Motion row = Motion::Zero();
+      displacement_row(parts[p]->cell_nodes[term.cell], term.xi, term.direction, [&](int dof, double value) {
+        const Vec3 arm = (mesh.node_position(node_of_dof(dof) - mesh.first_node) - body.centre) / body.size;
+        const Vec3 v = value * Vec3::Unit(component_of_dof(dof));
+        row.head<3>() += v;
+        row.tail<3>() += arm.cross(v);
+      });
+      held += term.stiffness * row * row.transpose();
+    }
+  }
+  const double size = body.size * mesh.cut_cells->grid.cell_size / mesh.length;
+  // In plane strain nothing moves along the axis, and what would turn about another one does not either.
+  const auto moves = [&](int k) {
+    const int axis = mesh.cut_cells->grid.plane_strain;
+    return axis < 0 || (k < 3 ? k != axis : k - 3 == axis);
+  };
+  std::vector<int> kept;
+  for (int k = 0; k < 6; ++k)
+    if (moves(k)) kept.push_back(k);
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  Eigen::MatrixXd resistance(count, count);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j) resistance(i, j) = held(kept[i], kept[j]);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(resistance);
+  Eigen::Index free = 0;
+  while (free < count && solver.eigenvalues()[free] < hardly_held * mesh.modulus * size) ++free;
+  body.motions.setZero(6, free);
+  for (Eigen::Index i = 0; i < count; ++i) body.motions.row(kept[i]) = solver.eigenvectors().row(i).head(free);
+  return body;
+}
+
+RigidCoarseSpace::Row RigidCoarseSpace::make_row(std::vector<std::pair<int, double>> entries, double stiffness) const {
+  Row row;
+  row.stiffness = stiffness;
+  std::vector<Motion> of_body(bodies_.size(), Motion::Zero());
+  double largest = 0;
+  std::size_t m = 0;
+  for (const auto& [dof, value] : entries) {
+    const int node = node_of_dof(dof);
+    while (m > 0 && node < system_.meshes[m].first_node) --m;
+    while (node >= system_.meshes[m].first_node + system_.meshes[m].num_nodes) ++m;
+    largest = std::max(largest, std::abs(value));
+    if (body_of_mesh_[m] < 0) continue;
+    const Body& body = bodies_[body_of_mesh_[m]];
+    const Vec3 arm = (system_.meshes[m].node_position(node - system_.meshes[m].first_node) - body.centre) / body.size;
+    const Vec3 v = value * Vec3::Unit(component_of_dof(dof));
+    of_body[body_of_mesh_[m]].head<3>() += v;
+    of_body[body_of_mesh_[m]].tail<3>() += arm.cross(v);
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    for (Eigen::Index k = 0; k < bodies_[b].motions.cols(); ++k) {
+      const double product = bodies_[b].motions.col(k).dot(of_body[b]);
+      if (std::abs(product) > no_product * largest) row.on_motions.emplace_back(bodies_[b].first + k, product);
+    }
+  row.entries = std::move(entries);
+  return row;
+}
+
+void RigidCoarseSpace::update() {
+  if (empty()) return;
+  const std::vector<double> stiffness = group_stiffness(system_);
+  for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g].stiffness = stiffness[g];
+  Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(num_motions_, num_motions_);
+  for (const auto* rows : {&supports_, &groups_})
+    for (const Row& row : *rows) {
+      if (row.stiffness == 0) continue;
+      for (const auto& [i, a] : row.on_motions)
+        for (const auto& [j, b] : row.on_motions) energy(i, j) += row.stiffness * a * b;
+    }
+  energy_.compute(energy);
+}
+
+Eigen::VectorXd RigidCoarseSpace::sums(const RealView& r) const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(num_motions_);
+  for (const Body& body : bodies_) {
+    const BodyMesh& mesh = system_.meshes[body.mesh];
+    std::vector<Motion> parts(num_chunks(mesh.nodes.size(), grain), Motion::Zero());
+    parallel_chunks("cgcontact::rigid_coarse_space::sums", mesh.nodes.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (std::size_t n = begin; n < end; ++n) {
+                        const Vec3 v = displacement(r, dof_of(mesh.first_node + static_cast<int>(n)));
+                        parts[chunk].head<3>() += v;
+                        parts[chunk].tail<3>() +=
+                            ((mesh.node_position(static_cast<int>(n)) - body.centre) / body.size).cross(v);
+                      }
+                    });
+    Motion all = Motion::Zero();
+    for (const Motion& part : parts) all += part;
+    result.segment(body.first, body.motions.cols()) = body.motions.transpose() * all;
+  }
+  return result;
+}
+
+void RigidCoarseSpace::add(const Eigen::VectorXd& amounts, const RealView& x) const {
+  for (const Body& body : bodies_) {
+    const BodyMesh& mesh = system_.meshes[body.mesh];
+    const Motion motion = body.motions * amounts.segment(body.first, body.motions.cols());
+    const Vec3 translation = motion.head<3>(), rotation = motion.tail<3>() / body.size;
+    parallel_for("cgcontact::rigid_coarse_space::add", mesh.nodes.size(), grain, [&](std::size_t n) {
+      const Vec3 moved = translation + rotation.cross(mesh.node_position(static_cast<int>(n)) - body.centre);
+      for (int i = 0; i < 3; ++i) x(dof_offset(mesh.first_node + n, i)) += moved[i];
+    });
+  }
+}
+
+void RigidCoarseSpace::correct(const RealView& r, const RealView& z) const {
+  if (empty()) return;
+  Eigen::VectorXd left = sums(r);
+  for (const auto* rows : {&supports_, &groups_})
+    for (const Row& row : *rows) {
+      if (row.stiffness == 0 || row.on_motions.empty()) continue;
+      double sum = 0;
+      for (const auto& [dof, value] : row.entries) sum += value * z(dof);
+      for (const auto& [i, a] : row.on_motions) left[i] -= row.stiffness * a * sum;
+    }
+  add(energy_.solve(left), z);
+}
+
+}  // namespace cgcontact
