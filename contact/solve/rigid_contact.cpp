@@ -13,11 +13,15 @@ namespace {
 constexpr double softer = 0.01;
 /// Of the largest diagonal entry: motions that nothing resists stay where they are.
 constexpr double regularisation = 1e-9;
+/// Of their stiffness: open springs in the first steps, so that a body which nothing presses yet is not sent off to
+/// where the first one stops it, and how that falls with every whole step.
+constexpr double open_at_first = 0.1, open_falls = 0.1;
 /// Of the loads and contact forces: forces that are in balance, and what is asked for where rounding allows.
 constexpr double balanced = 1e-6, well_balanced = 1e-11;
 /// Of the loads: what the exact normals of one side may leave over.
 constexpr double little_load = 0.02;
-constexpr int most_steps = 100, most_bisections = 80;
+/// Steps; beyond `many_steps` what is balanced is good enough.
+constexpr int most_steps = 100, many_steps = 30, most_bisections = 80;
 
 /// A spring that presses at points: force = sum w [stress - stiffness gap]_+, gap = distance + row . motion. second =
 /// -1: a support, whose springs also pull.
@@ -63,7 +67,7 @@ struct RigidBodies {
   Eigen::VectorXd unbalanced() const;
 
  private:
-  Eigen::VectorXd newton_step(const Eigen::VectorXd& force) const;
+  Eigen::VectorXd newton_step(const Eigen::VectorXd& force, double open) const;
   double step_length(const Eigen::VectorXd& step) const;
   double scale() const;
 };
@@ -86,7 +90,8 @@ double RigidBodies::scale() const {
   return sum;
 }
 
-Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force) const {
+/// open: part of their stiffness that open springs have.
+Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force, double open) const {
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<Eigen::Matrix<double, 6, 6>> diagonal(load.size() / 6, Eigen::Matrix<double, 6, 6>::Zero());
   const auto add = [&](int i, int j, const Eigen::Matrix<double, 6, 6>& block) {
@@ -98,7 +103,8 @@ Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force) const {
     double all = 0;
     for (int q = s.first_point; q < s.last_point; ++q) all += points[q].weight;
     largest = std::max(largest, s.stiffness * all);
-    const double k = s.stiffness * press(s, gap(s)).second;
+    const double pressing = press(s, gap(s)).second;
+    const double k = s.stiffness * (pressing + open * (all - pressing));
     if (k == 0) continue;
     diagonal[s.first] += k * s.row_first * s.row_first.transpose();
     if (s.second < 0) continue;
@@ -138,12 +144,15 @@ double RigidBodies::step_length(const Eigen::VectorXd& step) const {
 }
 
 bool RigidBodies::solve() {
+  double open = open_at_first;
   for (int k = 0; k < most_steps; ++k) {
     const Eigen::VectorXd now = unbalanced();
-    if (now.norm() <= well_balanced * scale()) return true;
-    const Eigen::VectorXd step = newton_step(now);
+    if (now.norm() <= (k < many_steps ? well_balanced : balanced) * scale()) return true;
+    const Eigen::VectorXd step = newton_step(now, open);
     if (!step.allFinite()) return false;
-    motion += step_length(step) * step;
+    const double length = step_length(step);
+    motion += length * step;
+    if (length == 1) open = std::max(open_falls * open, regularisation);
   }
   return unbalanced().norm() <= balanced * scale();
 }
