@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "contact/solve/preload.hpp"
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -18,7 +19,7 @@ struct ProgressCallbacks {
 /// The steps of a run, and what they leave behind.
 class Simulation {
  public:
-  explicit Simulation(const Scene& scene) : state(scene) {}
+  explicit Simulation(const Scene& scene) : state(scene), preload_(scene) {}
   Simulation(const Simulation&) = delete;
 
   SolvedState state;
@@ -46,7 +47,10 @@ class Simulation {
   bool see_farther();
   void record_step(const StepSpec& step, bool is_last);
   void add_warning(const std::string& warning);
+  bool tighten();
   void choose_reference();
+
+  Preload preload_;
 };
 
 }  // namespace cgcontact

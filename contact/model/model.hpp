@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "contact/model/held_directions.hpp"
 #include "core/scene/scene.hpp"
 #include "kernels/operator/system.hpp"
 #include "recovery/patch/boundary_data.hpp"
@@ -30,10 +31,13 @@ struct BodyModel {
   const BodySpec* spec = nullptr;
   CutCells cut_cells;
   BoundaryData boundary;
-  std::vector<PointConditions> conditions;   ///< what boundary.conditions are made of
-  std::map<int, LinearTraction> resultants;  ///< of the scene's loads that are given as force and moment
-  double thickness = 0;                      ///< twice the volume over the area, unit of the grid coordinates
-  double free_thickness = 0;                 ///< the same over the area that no support holds
+  std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
+  std::map<int, FaceTraction> resultants;   ///< of the scene's loads that are given as force and moment
+  std::map<int, SupportedFace> supported;   ///< of the scene's supports about axes and by springs
+  Mat3 expansion = Mat3::Zero();  ///< strain of the body by itself in the present step, as far as it is free to: global
+  Sym3 held_back = Sym3::Zero();  ///< Pa, stress by the rest of that strain (plane strain holds it back), global axes
+  double thickness = 0;           ///< twice the volume over the area, unit of the grid coordinates
+  double free_thickness = 0;      ///< the same over the area that no support holds
   double slices = 1;  ///< on a quadtree: the body's thickness over that of the slice (Grid::slice) that stands for it
   /// Less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
@@ -49,10 +53,11 @@ struct BodyModel {
 };
 
 /// What gives a load of the scene its force and moment; zero for loads without.
-LinearTraction resultant_of(const BodyModel& body, int load);
+FaceTraction resultant_of(const BodyModel& body, int load);
 
-/// Of a body by itself: body_force, weight, rotation.
-bool has_body_force(const BodySpec& body);
+/// Held directions of a support at x (m) with the outward normal n, global axes.
+std::vector<HeldDirection> held_at(const Scene& scene, const BodyModel& body, int support, const Vec3& x,
+                                   const Vec3& n);
 
 /// A named face on one body's boundary points; the names are compared once.
 class BodyFace {
@@ -84,6 +89,10 @@ double stabilising_modulus(const Material& material);
 /// three times stiffer there (docs/decisions.md).
 double support_stiffness(const Scene& scene, const BodyModel& body, int cell);
 
+struct SupportPoint;
+/// That, or the stiffness of the point's spring.
+double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point);
+
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
   int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
@@ -96,12 +105,14 @@ struct SupportPoint {
   double value = 0;              ///< its part in the present step, m
   bool by_plane_strain = false;  ///< holds of itself: for the search for free motions, no term of the linear system
   bool follows = false;          ///< value becomes the displacement in every outer iteration: no force in the end
+  Held component = Held::normal;
+  double spring = 0;  ///< Pa/m; 0: held
 };
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.
 Grid make_grid(const BodySpec& body);
 
-/// Tractions and body forces of the scene, all times a factor, as boundary data of a body.
+/// Tractions, body forces and temperature of the scene, all times a factor, as boundary data of a body.
 void set_loads(const Scene& scene, double factor, BodyModel& model);
 
 /// Cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
@@ -113,6 +124,10 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
 /// N, global axes.
 void each_force(const BodyModel& body,
                 const std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>& use);
+
+/// Force (N) and moment (N m) about a point (m) of a force per volume (N/m^3), integrated as those of each_force.
+std::pair<Vec3, Vec3> resultants_of_volume(const BodyModel& body, const std::function<Vec3(const Vec3& x)>& force,
+                                           const Vec3& about);
 
 /// Consistent nodal forces of tractions, pressures and body forces, units Scales::stress * Scales::length^2.
 std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,

@@ -73,10 +73,10 @@ void fill_body_fields(const SolvedState& state, Results& results) {
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
     ExactStress exact;
     if (!reference.stress_of_body.empty())
-      exact = [&reference, b](const Vec3& x) {
+      exact = [&reference, b, &held_back = state.bodies[b].held_back](const Vec3& x) {
         Sym3 s;
         for (int k = 0; k < 6; ++k) s[k] = reference.stress_of_body[b][k](x);
-        return s;
+        return Sym3(s - held_back);
       };
     EnergySums sums = estimate_error(state.system.meshes[b], state.scales, state.sprc[b], state.outer.u, exact);
     error += sums.error;

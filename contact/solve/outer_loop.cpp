@@ -62,6 +62,8 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
 /// From the last solution or, without one, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   now_.load = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
+  for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
+    now_.rigid_parts.set_expansion(b, problem_.bodies[b].expansion);
   // Do the closed points hold all bodies? Those of another grid do; without its displacements there is no way to search
   // along.
   bool held = false;

@@ -160,15 +160,16 @@ std::string conditions(const Scene& scene, const FaceRegion& region) {
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   for (int c : region.contacts) add("contact " + scene.contacts[c].name);
   if (region.symmetry) add("symmetry");
-  static const char* const names[] = {"x", "y", "z", "normal"};
-  for (std::size_t k = 0; k < 4; ++k) {
+  if (region.elastic) add("springs");
+  for (std::size_t k = 0; k < num_held; ++k) {
+    const char* const name = name_of(static_cast<Held>(k));
     const double low = region.low_displacement[k], high = region.high_displacement[k];
     if (low > high) continue;
     const DisplayUnit unit = length_unit(std::max(std::abs(low), std::abs(high)));
     if (low == 0 && high == 0)
-      add(fmt::format("held: {} = 0", names[k]));
+      add(fmt::format("held: {} = 0", name));
     else
-      add(fmt::format("moved: {} = {}{}", names[k], low == high ? "" : short_number(low * unit.factor) + " .. ",
+      add(fmt::format("moved: {} = {}{}", name, low == high ? "" : short_number(low * unit.factor) + " .. ",
                       in_unit(high, unit)));
   }
   if (!region.loads.empty()) {

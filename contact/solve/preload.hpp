@@ -1,0 +1,35 @@
+/// Pairs that are tightened to a given force: the interference that gives it, by a secant iteration over solves
+/// (Broyden's method where several pairs are tightened at once).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/model/contact_pairs.hpp"
+
+namespace cgcontact {
+
+class Preload {
+ public:
+  explicit Preload(const Scene& scene);
+
+  bool any() const { return !tightened_.empty(); }
+  /// Before the first solve: a guess by the size of the bodies, or what the same pairs had on other grids (`earlier`;
+  /// may be empty).
+  void begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs,
+             const std::vector<ContactPair>& earlier);
+  /// What a pair's interference has to be more than the scene says, m.
+  double tightening(const ContactPair& pair) const;
+  /// forces: sum of the pressure of every pair in the last solve, N. False: all preloads are there. Else tightening()
+  /// has changed, and the scene is to be solved again; throws InputError once that has not helped often enough.
+  bool tighten(const std::vector<ContactPair>& pairs, const std::vector<double>& forces);
+
+ private:
+  const Scene& scene_;
+  std::vector<const ContactSpec*> tightened_;
+  Eigen::VectorXd tightening_, step_, last_force_;  ///< m, N; of each of them
+  Eigen::MatrixXd stiffness_;                       ///< N/m, of all together
+  int solves_ = 0;
+};
+
+}  // namespace cgcontact
