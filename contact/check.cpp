@@ -49,10 +49,8 @@ std::string describe_body(const BodyModel& body) {
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   for (const FaceSpec& spec : body.spec->faces) {
-    const BodyFace face(spec, body);
     double declared = 0;
-    for (int p = 0; p < static_cast<int>(cc.boundary.size()); ++p)
-      if (face.contains(p)) declared += body.slices * body.area(p);
+    for (const int p : BodyFace(spec, body).points()) declared += body.slices * body.area(p);
     text += fmt::format("  face {}: {:.10g} m2 (declared)\n", spec.name, declared);
   }
   return text;

@@ -66,7 +66,7 @@ TractionCondition make_condition(const Scene& scene, const BodyModel& body, cons
   if (!key.loads.empty())
     condition.traction = [tractions = tractions_of(scene, body, key), load_factor](const Vec3& x, const Vec3& n) {
       Vec3 t = Vec3::Zero();
-      for (const auto& [load, resultant] : tractions) t += load->given_traction(x, n) + resultant.at(x, n);
+      for (const auto& [load, resultant] : tractions) t += load->traction_at(x, n, resultant);
       return Vec3(load_factor * t);
     };
   return condition;
@@ -99,15 +99,20 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
   }
 }
 
+/// Of the whole thickness.
+FaceMoments moments_of(const FaceSpec& face, const BodyModel& model) {
+  FaceMoments moments;
+  for (const int p : BodyFace(face, model).points())
+    moments.add(model.point(p), model.normal(p), model.slices * model.area(p));
+  return moments;
+}
+
 /// What gives the loads of a body their forces and moments.
 void find_resultants(const Scene& scene, int body, BodyModel& model) {
   for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l) {
     const LoadSpec& load = scene.loads[l];
     if (load.face.body != body || !load.has_resultants()) continue;
-    const BodyFace face(load.face.face, model);
-    FaceMoments moments;
-    for (int p = 0; p < static_cast<int>(model.cut_cells.boundary.size()); ++p)
-      if (face.contains(p)) moments.add(model.point(p), model.normal(p), model.slices * model.area(p));
+    const FaceMoments moments = moments_of(load.face.face, model);
     if (!(moments.area() > 0)) continue;  // told as a face without points
     try {
       model.resultants[l] = load.resulting_traction(moments);
@@ -124,10 +129,7 @@ void measure_supported_faces(const Scene& scene, int body, BodyModel& model) {
   for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s) {
     const SupportSpec& support = scene.supports[s];
     if (support.face.body != body || !(support.is_cylindrical() || support.is_elastic())) continue;
-    const BodyFace face(support.face.face, model);
-    FaceMoments moments;
-    for (int p = 0; p < static_cast<int>(model.cut_cells.boundary.size()); ++p)
-      if (face.contains(p)) moments.add(model.point(p), model.normal(p), model.slices * model.area(p));
+    const FaceMoments moments = moments_of(support.face.face, model);
     if (!(moments.area() > 0)) continue;  // told as a face without points
     const auto axis = support.axis || !support.is_cylindrical() ? support.axis : moments.axis();
     if (support.is_cylindrical() && !axis)
@@ -243,12 +245,6 @@ auto naming_body(const BodySpec& body, const Make& make) {
   }
 }
 
-bool is_empty(const BodyFace& face, const BodyModel& body) {
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
-    if (face.contains(p)) return false;
-  return true;
-}
-
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
   throw InputError(face.place, in_quotes(scene.bodies[face.body].name + "." + face.face.name),
                    "the face selects no point of the body's boundary");
@@ -311,7 +307,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     model.cut_cells = naming_body(*model.spec, [&, &s = solid, &g = grid, &d = dividers, &t = tree] {
       return make_cut_cells(s, g, d, scene.geometry, t);
     });
-    if (grid.is_quadtree()) model.slices = grid.thickness / grid.slice;
+    model.slices = grid.slices();
     if (model.spec->plane_strain && !model.spec->quadtree) check_extruded(*model.spec, model.cut_cells);
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     find_resultants(scene, static_cast<int>(b), model);
@@ -325,8 +321,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
   for (const ProbeSpec& probe : scene.probes)
-    if (probe.kind == ProbeSpec::Kind::face &&
-        is_empty(BodyFace(probe.face.face, bodies[probe.body]), bodies[probe.body]))
+    if (probe.kind == ProbeSpec::Kind::face && BodyFace(probe.face.face, bodies[probe.body]).points().empty())
       refuse_empty_face(scene, probe.face);
   return bodies;
 }
@@ -355,12 +350,9 @@ double stabilising_modulus(const Material& material) {
 }
 
 double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point) {
-  return point.spring > 0 ? point.spring : support_stiffness(scene, body, point.cell);
-}
-
-double support_stiffness(const Scene& scene, const BodyModel& body, int cell) {
-  const double kappa = (body.is_thin(cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
-  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(cell);
+  if (point.spring > 0) return point.spring;
+  const double kappa = (body.is_thin(point.cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
+  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(point.cell);
 }
 
 namespace {
@@ -375,8 +367,7 @@ void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyF
   if (body.spec->quadtree)  // it has no ends
     for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
       area[cell] = body.cut_cells.volume_fraction(cell) * std::pow(body.cut_cells.h(cell), 2);
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
-    if (face.contains(p)) area[body.cut_cells.boundary.cell[p]] += body.area(p);
+  for (const int p : face.points()) area[body.cut_cells.boundary.cell[p]] += body.area(p);
   for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
     for (const Vec3& xi : {Vec3(0.5 * up), Vec3(0.5 * (across - up)), Vec3(-0.5 * (across + up))}) {
       SupportPoint point{support, b, cell, xi, direction, direction, area[cell] / 3};
@@ -399,8 +390,7 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       if ((*support.face.face.normal_cone).first.sum() > 0) hold_in_plane_strain(s, b, body, face, points);
       continue;
     }
-    for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
-      if (!face.contains(p)) continue;
+    for (const int p : face.points()) {
       const Vec3 x = body.point(p), n = body.normal(p);
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),

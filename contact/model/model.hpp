@@ -38,7 +38,7 @@ struct BodyModel {
   Sym3 held_back = Sym3::Zero();  ///< Pa, stress by the rest of that strain (plane strain holds it back), global axes
   double thickness = 0;           ///< twice the volume over the area, unit of the grid coordinates
   double free_thickness = 0;      ///< the same over the area that no support holds
-  double slices = 1;  ///< on a quadtree: the body's thickness over that of the slice (Grid::slice) that stands for it
+  double slices = 1;              ///< Grid::slices
   /// Less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
@@ -65,6 +65,13 @@ class BodyFace {
   BodyFace(const FaceSpec& face, const BodyModel& body) : face_(face), body_(body) {
     for (const Surface& s : body.cut_cells.solid.surfaces()) selected_.push_back(face.selects(s.names));
   }
+  /// All of it.
+  std::vector<int> points() const {
+    std::vector<int> all;
+    for (int p = 0; p < static_cast<int>(body_.cut_cells.boundary.size()); ++p)
+      if (contains(p)) all.push_back(p);
+    return all;
+  }
   bool contains(int boundary_point) const {
     if (!selected_[body_.cut_cells.boundary.surface[boundary_point]]) return false;
     if (!face_.box && !face_.normal_cone) return true;
@@ -84,15 +91,6 @@ class BodyFace {
 /// modulus lambda + 2 mu, which scales the normal traction that the outer iteration lags (docs/decisions.md).
 double stabilising_modulus(const Material& material);
 
-/// kappa E/h of the supports in a cell of a body, Pa/m, with the stabilising modulus. The scene's kappa is the
-/// contact's. On a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa:
-/// three times stiffer there (docs/decisions.md).
-double support_stiffness(const Scene& scene, const BodyModel& body, int cell);
-
-struct SupportPoint;
-/// That, or the stiffness of the point's spring.
-double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point);
-
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
   int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
@@ -108,6 +106,11 @@ struct SupportPoint {
   Held component = Held::normal;
   double spring = 0;  ///< Pa/m; 0: held
 };
+
+/// Pa/m: that of the point's spring, or kappa E/h with the stabilising modulus. The scene's kappa is the contact's. On
+/// a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa: three times
+/// stiffer there (docs/decisions.md).
+double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point);
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.
 Grid make_grid(const BodySpec& body);

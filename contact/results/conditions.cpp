@@ -44,20 +44,18 @@ std::string resultants_text(const LoadSpec& load, double factor) {
 LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodies, int number, double factor) {
   const LoadSpec& load = scene.loads[number];
   const BodyModel& body = bodies[load.face.body];
-  const BodyFace face(load.face.face, body);
   const FaceTraction resultant = resultant_of(body, number);
   LoadFigures figures;
   figures.face = body.spec->name + "." + load.face.face.name;
   Values pressure;
   Values traction[3];
   Vec3 first = Vec3::Zero(), moment = Vec3::Zero();  // about the origin
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
-    if (!face.contains(p)) continue;
+  for (const int p : BodyFace(load.face.face, body).points()) {
     const Vec3 x = body.point(p), n = body.normal(p);
     pressure.add(factor * load.pressure(x));
     for (int k = 0; k < 3; ++k) traction[k].add(factor * load.traction[k](x));
     const double area = body.slices * body.area(p);
-    const Vec3 force = area * factor * (load.given_traction(x, n) + resultant.at(x, n));
+    const Vec3 force = area * factor * load.traction_at(x, n, resultant);
     figures.area += area;
     first += area * x;
     figures.force += force;
@@ -136,13 +134,11 @@ std::string condition_of(const SolvedState& state, int support) {
 
 double area_of(const SolvedState& state, const FaceRef& reference, bool is_end) {
   const BodyModel& body = state.bodies[reference.body];
-  const BodyFace face(reference.face, body);
   double area = 0;
   if (body.spec->quadtree && is_end)
     for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell)
       area += body.cut_cells.volume_fraction(cell) * std::pow(body.cut_cells.h(cell), 2);
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
-    if (face.contains(p)) area += body.area(p);
+  for (const int p : BodyFace(reference.face, body).points()) area += body.area(p);
   return area;
 }
 

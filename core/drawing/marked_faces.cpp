@@ -13,10 +13,8 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Of boundary points, per weight, m^2: of the whole thickness of a quadtree.
-double area_factor(const Grid& grid) {
-  return grid.cell_size * grid.cell_size * (grid.is_quadtree() ? grid.thickness / grid.slice : 1);
-}
+/// Of boundary points, per weight, m^2.
+double area_factor(const Grid& grid) { return grid.slices() * grid.cell_size * grid.cell_size; }
 
 }  // namespace
 
@@ -106,7 +104,7 @@ void MarkedFaces::add_point(const Key& key, const Vec3& x, const Vec3& n, double
   FaceRegion& region = regions_[entry->second];
   region.area += area;
   region.centroid += area * x;
-  for (int l : key.loads) region.force += area * (scene_.loads[l].given_traction(x, n) + resultants_[l].at(x, n));
+  for (int l : key.loads) region.force += area * scene_.loads[l].traction_at(x, n, resultants_[l]);
   const auto add = [&](Held component, const std::optional<Expression>& prescribed) {
     if (!prescribed) return;
     const auto k = static_cast<std::size_t>(component);

@@ -1,7 +1,6 @@
 #include "core/scene/face_traction.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <algorithm>
 
 #include "core/base/errors.hpp"
 
@@ -20,6 +19,8 @@ constexpr double across = 1e-6, flat = 1e-4;
 constexpr double round = 0.05;
 /// Of a bearing's force: what is left across it is that of the quadrature, or of a face that ends (symmetry).
 constexpr double whole = 0.02;
+/// Of the force, that of the pressure once Newton's iteration ends.
+constexpr double exact = 1e-14;
 
 }  // namespace
 
@@ -93,8 +94,10 @@ FaceTraction FaceMoments::with_bearing(const Vec3& force) const {
   constexpr int most_steps = 20;
   for (int step = 0; step < most_steps; ++step) {
     const auto [now, derivative] = pressed(traction.bearing);
+    const Vec3 missing = rest(force - now);
+    if (missing.norm() <= exact * force.norm()) break;
     const Mat3 regular = derivative + area_ * axis->direction * axis->direction.transpose();
-    traction.bearing += rest(regular.ldlt().solve(rest(force - now)));
+    traction.bearing += rest(regular.ldlt().solve(missing));
   }
   return traction;
 }

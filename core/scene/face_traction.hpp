@@ -2,7 +2,9 @@
 /// centroid; or the pressure of a bearing.
 #pragma once
 
+#include <algorithm>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/types.hpp"

@@ -156,11 +156,10 @@ struct LoadSpec {
   SourcePlace place;
 
   bool has_resultants() const { return !force.isZero(0) || !moment.isZero(0); }
-  /// What is given per area; n: outward normal.
-  Vec3 given_traction(const Vec3& x, const Vec3& n) const {
-    return Vec3(traction[0](x), traction[1](x), traction[2](x)) - pressure(x) * n;
+  /// What is given per area and what gives the face its force and moment besides (`resulting`), Pa; n: outward normal.
+  Vec3 traction_at(const Vec3& x, const Vec3& n, const FaceTraction& resulting) const {
+    return Vec3(traction[0](x), traction[1](x), traction[2](x)) - pressure(x) * n + resulting.at(x, n);
   }
-  /// What gives the face its force and moment besides.
   FaceTraction resulting_traction(const FaceMoments& moments) const {
     return bearing ? moments.with_bearing(force)
                    : moments.with_resultants(force, moment, at.value_or(moments.centroid()));

@@ -664,6 +664,8 @@ Scene SceneReader::read(const TomlCursor& root) {
   add_ends_in_plane_strain();
   read_loads(root);
   read_contacts(root);
+  read_probes(root);
+  read_sections(root);
   if (const auto node = root.find("steps")) {
     scene_.steps = read_steps(*node);
     check_preload_of_steps(*node);

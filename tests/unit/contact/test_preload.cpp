@@ -44,22 +44,12 @@ faces = ["lower.z+", "upper.z-"]
          more;
 }
 
-struct Solved {
-  Scene scene;
-  Simulation simulation;
-  explicit Solved(const std::string& text)
-      : scene(parse_scene(text, "bars.toml", {"solver.tolerance=1e-12", "solver.linear_tolerance=1e-14"})),
-        simulation(scene) {
-    simulation.run({});
-  }
-};
-
 /// The bars are linear: exact to the tolerance of the preload, 1e-6. What the scene gives as a clearance is closed too.
 TEST(Preload, FindsTheInterference) {
   const double F = 5e3, interference = F / 0.2 * (0.6 / 200e9 + 0.7 / 70e9);
   for (const char* given : {"", "interference = 1e-7\n", "interference = -1e-7\n"}) {
-    const Solved solved(bars("preload = \"5 kN\"\n" + std::string(given)));
-    const Results& r = solved.simulation.results;
+    const auto solved = test::run_text(bars("preload = \"5 kN\"\n" + std::string(given)));
+    const Results& r = solved->simulation->results;
     ASSERT_TRUE(r.converged) << r.diagnosis;
     EXPECT_NEAR(r.pairs[0].force_on_second[2] / F, 1, 2e-6) << given;
     EXPECT_NEAR(r.pairs[0].interference / interference, 1, 2e-6) << given;
@@ -73,8 +63,8 @@ TEST(Preload, IsKeptInLaterSteps) {
   const std::string material = "material = {E = 70e9, nu = 0.2}\n";
   text.replace(text.find(material), material.size(),
                "material = {E = 70e9, nu = 0.2, expansion = 24e-6}\ntemperature = 0.01\n");
-  const Solved solved(text);
-  const Results& r = solved.simulation.results;
+  const auto solved = test::run_text(text);
+  const Results& r = solved->simulation->results;
   ASSERT_TRUE(r.converged) << r.diagnosis;
   const double heated = 24e-6 * 0.01 * 0.7 * 0.2 / (0.7 / 70e9 + 0.6 / 200e9);
   EXPECT_NEAR(r.steps[0].pairs[0].force_on_second[2] / 5e3, 1, 2e-6);
@@ -87,7 +77,7 @@ TEST(Preload, ThatNothingGivesIsAnError) {
   const std::string held = "[[support]]\nface = \"upper.z+\"\nsymmetry = true\n";
   text.erase(text.find(held), held.size());
   try {
-    const Solved solved(text);
+    const auto solved = test::run_text(text);
     FAIL() << "it was accepted";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("its preload of 5000 N is not reached"), std::string::npos)
