@@ -14,26 +14,32 @@ constexpr int most_solves = 25;
 /// Steps of a pair without a force grow until its faces meet.
 constexpr double growth = 4;
 
-/// Of two columns as long as the smaller body below the area of the pair, N/m: a first guess.
-double guessed_stiffness(const std::vector<BodyModel>& bodies, const ContactPair& pair) {
-  double area = 0, compliance = 0, length = 1e300;
-  for (const ContactGroup& group : pair.groups) area += group.area;
+/// Longest side of the smaller body, m.
+double longest_side(const std::vector<BodyModel>& bodies, const ContactPair& pair) {
+  double smaller = 1e300;
   for (const int b : {pair.primary, pair.secondary}) {
     Vec3 min, max;
     bodies[b].spec->solid.bounding_box(min, max);
-    length = std::min(length, (max - min).maxCoeff());
-    compliance += 1 / bodies[b].spec->material.youngs_modulus;
+    smaller = std::min(smaller, (max - min).maxCoeff());
   }
+  return smaller;
+}
+
+/// Of two columns of a length below the area of the pair, N/m: a first guess.
+double guessed_stiffness(const std::vector<BodyModel>& bodies, const ContactPair& pair, double length) {
+  double area = 0, compliance = 0;
+  for (const ContactGroup& group : pair.groups) area += group.area;
+  for (const int b : {pair.primary, pair.secondary}) compliance += 1 / bodies[b].spec->material.youngs_modulus;
   return bodies[pair.primary].slices * area / (compliance * length);
 }
 
 }  // namespace
 
-Preload::Preload(const Scene& scene) : scene_(scene) {
+Preload::Preload(const Scene& scene) {
   for (const ContactSpec& contact : scene.contacts)
     if (contact.preload) tightened_.push_back(&contact);
   const auto size = static_cast<Eigen::Index>(tightened_.size());
-  tightening_ = step_ = last_force_ = Eigen::VectorXd::Zero(size);
+  tightening_ = step_ = last_force_ = longest_ = Eigen::VectorXd::Zero(size);
   stiffness_ = Eigen::MatrixXd::Zero(size, size);
 }
 
@@ -47,11 +53,23 @@ void Preload::begin(const std::vector<BodyModel>& bodies, const std::vector<Cont
   for (Eigen::Index i = 0; i < tightening_.size(); ++i) {
     const ContactSpec& spec = *tightened_[i];
     for (const ContactPair& pair : pairs)
-      if (pair.spec == &spec) stiffness_(i, i) = guessed_stiffness(bodies, pair);
+      if (pair.spec == &spec) {
+        longest_[i] = longest_side(bodies, pair);
+        stiffness_(i, i) = guessed_stiffness(bodies, pair, longest_[i]);
+      }
     tightening_[i] = *spec.preload / stiffness_(i, i);
     for (const ContactPair& pair : earlier)
       if (pair.spec->name == spec.name) tightening_[i] = pair.interference - spec.interference;
   }
+}
+
+void Preload::refuse(Eigen::Index pair, double force) const {
+  const ContactSpec& spec = *tightened_[pair];
+  throw InputError(
+      spec.place, '"' + spec.name + '"',
+      fmt::format("its preload of {:.6g} N is not reached: after {} solves an interference of {:.4g} m gives {:.6g} N",
+                  *spec.preload, solves_, spec.interference + tightening_[pair], force),
+      "a pair whose force its interference gives, not the loads alone, within small strain");
 }
 
 bool Preload::tighten(const std::vector<ContactPair>& pairs, const std::vector<double>& forces) {
@@ -66,14 +84,8 @@ bool Preload::tighten(const std::vector<ContactPair>& pairs, const std::vector<d
   for (Eigen::Index i = 0; i < size; ++i)
     if (std::abs(missing[i]) / *tightened_[i]->preload > std::abs(missing[worst]) / *tightened_[worst]->preload)
       worst = i;
-  const ContactSpec& spec = *tightened_[worst];
-  if (std::abs(missing[worst]) <= tolerance * *spec.preload) return false;
-  if (++solves_ > most_solves)
-    throw InputError(spec.place, '"' + spec.name + '"',
-                     fmt::format("its preload of {:.6g} N is not reached: after {} solves an interference of {:.4g} m "
-                                 "gives {:.6g} N",
-                                 *spec.preload, most_solves, spec.interference + tightening_[worst], force[worst]),
-                     "a pair whose force its interference gives, not the loads alone, within small strain");
+  if (std::abs(missing[worst]) <= tolerance * *tightened_[worst]->preload) return false;
+  if (++solves_ == most_solves) refuse(worst, force[worst]);
   if (solves_ == 1)  // in proportion, where the faces just touch without it
     for (Eigen::Index i = 0; i < size; ++i)
       if (force[i] > 0 && tightening_[i] > 0) stiffness_(i, i) = force[i] / tightening_[i];
@@ -83,6 +95,8 @@ bool Preload::tighten(const std::vector<ContactPair>& pairs, const std::vector<d
   step_ = stiffness_.partialPivLu().solve(missing);
   for (Eigen::Index i = 0; i < size; ++i)
     if (!(force[i] > 0)) step_[i] = std::max(missing[i] / stiffness_(i, i), growth * last_step[i]);
+  for (Eigen::Index i = 0; i < size; ++i)
+    if (!(std::abs(tightened_[i]->interference + tightening_[i] + step_[i]) < longest_[i])) refuse(i, force[i]);
   last_force_ = force;
   tightening_ += step_;
   return true;

@@ -21,13 +21,15 @@ class Preload {
   /// What a pair's interference has to be more than the scene says, m.
   double tightening(const ContactPair& pair) const;
   /// forces: sum of the pressure of every pair in the last solve, N. False: all preloads are there. Else tightening()
-  /// has changed, and the scene is to be solved again; throws InputError once that has not helped often enough.
+  /// has changed, and the scene is to be solved again; throws InputError where no interference gives the force.
   bool tighten(const std::vector<ContactPair>& pairs, const std::vector<double>& forces);
 
  private:
-  const Scene& scene_;
+  [[noreturn]] void refuse(Eigen::Index pair, double force) const;
+
   std::vector<const ContactSpec*> tightened_;
-  Eigen::VectorXd tightening_, step_, last_force_;  ///< m, N; of each of them
+  Eigen::VectorXd tightening_, step_, last_force_;  ///< m, m, N; of each of them
+  Eigen::VectorXd longest_;                         ///< m, side of the smaller body: no interference is larger
   Eigen::MatrixXd stiffness_;                       ///< N/m, of all together
   int solves_ = 0;
 };

@@ -431,7 +431,7 @@ void read_held(const TomlCursor& node, SupportSpec& support) {
   if (given.size() != 1)
     node.fail(
         given.empty() ? "says nothing" : "has both " + given[0] + " and " + given[1],
-        "symmetry = true, displacement = {x = .., y = .., z = ..}, cylindrical = {radial = ..}, rotation = {axis, "
+        "symmetry = true, or displacement = {x = .., y = .., z = ..}, cylindrical = {radial = ..}, rotation = {axis, "
         "angle}, stiffness = .. or spring = ..");
   const TomlCursor value = node.at(given[0]);
   if (given[0] == "symmetry") support.symmetry = true;
