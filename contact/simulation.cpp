@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <utility>
 
 #include "contact/model/contact_system.hpp"
 #include "contact/preparation.hpp"
@@ -126,7 +127,8 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
         OuterProblem{state.scene, state.bodies, state.patches, state.pairs, state.supports, state.system, state.scales},
         earlier);
   };
-  if (preload_.any()) preload_.begin(state.bodies, state.pairs, earlier ? earlier->pairs : std::vector<ContactPair>());
+  preload_.begin(state.bodies, state.pairs);
+  bool tightened = false;
   auto solver = make_solver();
   std::string first_failure;
   int extensions = 0;
@@ -139,7 +141,11 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       solver = make_solver();
       continue;
     }
-    if (k == 0 && state.outer.converged && preload_.any() && tighten()) continue;
+    if (k == 0 && state.outer.converged && tighten()) {
+      tightened = true;
+      continue;
+    }
+    if (std::exchange(tightened, false) && !state.outer.converged) continue;  // once more, from nothing
     if (!state.scene.steps.empty()) record_step(steps[k], k + 1 == steps.size());
     if (!state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
       add_warning(
@@ -173,6 +179,7 @@ void Simulation::set_step(const StepSpec& step) {
 
 /// False: all pairs have the forces that they are to be tightened to.
 bool Simulation::tighten() {
+  if (!preload_.any()) return false;
   const double unit = state.scales.stress * state.scales.length * state.scales.length;
   std::vector<double> forces;
   auto group_force = state.outer.group_force.begin();

@@ -34,6 +34,8 @@ class Simulation {
   void place(const ProgressCallbacks& progress);
   void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
   void sample_paths(const ProgressCallbacks& progress);
+  /// Preloads begin with what the same scene has on other grids.
+  void start_preloads_from(const Simulation& earlier) { preload_.start_from(earlier.preload_); }
 
   /// Its steps, for programs that measure them one by one; between the second and the third comes the solution.
   void place_on_grids();

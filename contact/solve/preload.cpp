@@ -11,7 +11,8 @@ namespace {
 constexpr double tolerance = 1e-6;
 /// The force is piecewise linear in the interference: a few solves, unless it does not follow it at all.
 constexpr int most_solves = 25;
-/// Steps of a pair without a force grow until its faces meet.
+/// Steps of a pair without a force grow until its faces meet; of one with a force they are at most so many times what
+/// it is tightened by (zones that grow with the force are stiffer then).
 constexpr double growth = 4;
 
 /// Longest side of the smaller body, m.
@@ -48,19 +49,21 @@ double Preload::tightening(const ContactPair& pair) const {
   return found == tightened_.end() ? 0 : tightening_[found - tightened_.begin()];
 }
 
-void Preload::begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs,
-                    const std::vector<ContactPair>& earlier) {
-  for (Eigen::Index i = 0; i < tightening_.size(); ++i) {
-    const ContactSpec& spec = *tightened_[i];
-    for (const ContactPair& pair : pairs)
-      if (pair.spec == &spec) {
-        longest_[i] = longest_side(bodies, pair);
-        stiffness_(i, i) = guessed_stiffness(bodies, pair, longest_[i]);
-      }
-    tightening_[i] = *spec.preload / stiffness_(i, i);
-    for (const ContactPair& pair : earlier)
-      if (pair.spec->name == spec.name) tightening_[i] = pair.interference - spec.interference;
-  }
+void Preload::start_from(const Preload& earlier) {
+  tightening_ = earlier.tightening_;
+  stiffness_ = earlier.stiffness_;
+  guessed_ = false;
+}
+
+void Preload::begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs) {
+  for (Eigen::Index i = 0; i < tightening_.size(); ++i)
+    for (const ContactPair& pair : pairs) {
+      if (pair.spec != tightened_[i]) continue;
+      longest_[i] = longest_side(bodies, pair);
+      if (!guessed_) continue;
+      stiffness_(i, i) = guessed_stiffness(bodies, pair, longest_[i]);
+      tightening_[i] = *pair.spec->preload / stiffness_(i, i);
+    }
 }
 
 void Preload::refuse(Eigen::Index pair, double force) const {
@@ -86,15 +89,17 @@ bool Preload::tighten(const std::vector<ContactPair>& pairs, const std::vector<d
       worst = i;
   if (std::abs(missing[worst]) <= tolerance * *tightened_[worst]->preload) return false;
   if (++solves_ == most_solves) refuse(worst, force[worst]);
-  if (solves_ == 1)  // in proportion, where the faces just touch without it
+  if (guessed_ && solves_ == 1)  // in proportion, where the faces just touch without it
     for (Eigen::Index i = 0; i < size; ++i)
       if (force[i] > 0 && tightening_[i] > 0) stiffness_(i, i) = force[i] / tightening_[i];
   if (step_.squaredNorm() > 0 && (force.array() > 0).all() && (last_force_.array() > 0).all())
     stiffness_ += (force - last_force_ - stiffness_ * step_) * step_.transpose() / step_.squaredNorm();
   const Eigen::VectorXd last_step = step_;
   step_ = stiffness_.partialPivLu().solve(missing);
-  for (Eigen::Index i = 0; i < size; ++i)
+  for (Eigen::Index i = 0; i < size; ++i) {
     if (!(force[i] > 0)) step_[i] = std::max(missing[i] / stiffness_(i, i), growth * last_step[i]);
+    if (force[i] > 0 && tightening_[i] > 0) step_[i] = std::min(step_[i], growth * tightening_[i]);
+  }
   for (Eigen::Index i = 0; i < size; ++i)
     if (!(std::abs(tightened_[i]->interference + tightening_[i] + step_[i]) < longest_[i])) refuse(i, force[i]);
   last_force_ = force;

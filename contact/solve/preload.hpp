@@ -14,10 +14,10 @@ class Preload {
   explicit Preload(const Scene& scene);
 
   bool any() const { return !tightened_.empty(); }
-  /// Before the first solve: a guess by the size of the bodies, or what the same pairs had on other grids (`earlier`;
-  /// may be empty).
-  void begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs,
-             const std::vector<ContactPair>& earlier);
+  /// What was found for the same scene on other grids.
+  void start_from(const Preload& earlier);
+  /// Before the first solve; without a start, a guess by the size of the bodies.
+  void begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs);
   /// What a pair's interference has to be more than the scene says, m.
   double tightening(const ContactPair& pair) const;
   /// forces: sum of the pressure of every pair in the last solve, N. False: all preloads are there. Else tightening()
@@ -31,6 +31,7 @@ class Preload {
   Eigen::VectorXd tightening_, step_, last_force_;  ///< m, m, N; of each of them
   Eigen::VectorXd longest_;                         ///< m, side of the smaller body: no interference is larger
   Eigen::MatrixXd stiffness_;                       ///< N/m, of all together
+  bool guessed_ = true;
   int solves_ = 0;
 };
 
