@@ -132,12 +132,13 @@ void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const
                   tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
 }
 
-/// Mean prescribed displacement in global axes, zero where there is none.
+/// Mean prescribed displacement in global axes, zero where there is none, or both ways (a rotation).
 Vec3 prescribed(const FaceRegion& region) {
   Vec3 u = Vec3::Zero();
-  for (std::size_t k = 0; k < 3; ++k)
-    if (region.low_displacement[k] <= region.high_displacement[k])
-      u[static_cast<Eigen::Index>(k)] = (region.low_displacement[k] + region.high_displacement[k]) / 2;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double low = region.low_displacement[k], high = region.high_displacement[k];
+    if (low <= high && (low >= 0 || high <= 0)) u[static_cast<Eigen::Index>(k)] = (low + high) / 2;
+  }
   return u;
 }
 

@@ -57,6 +57,72 @@ TEST(Preload, FindsTheInterference) {
   }
 }
 
+/// Solves that a simulation needs: bars that just touch are linear; what was found on other grids needs no second one.
+TEST(Preload, StartsFromWhatOtherGridsHad) {
+  const Scene scene = parse_scene(bars("preload = 5e3\n"), "scene.toml", test::tight);
+  const auto solves = [&](Simulation& simulation) {
+    int count = 0;
+    ProgressCallbacks progress;
+    progress.step = [&](const OuterStep& step) { count += step.iteration == 1; };
+    simulation.place(progress);
+    simulation.solve(progress);
+    return count;
+  };
+  Simulation first(scene), second(scene);
+  EXPECT_EQ(solves(first), 2);
+  second.start_preloads_from(first);
+  EXPECT_EQ(solves(second), 1);
+}
+
+/// A quarter of a ball between plates: its zone, smaller than the cells, grows with the force (F ~ d^1.5).
+TEST(Preload, TightensAZoneThatGrows) {
+  const std::string plates = R"(
+[[body]]
+name = "ball"
+material = {E = 210e9, nu = 0.3}
+cell_size = 2e-3
+grid = {offset = [0.3, 0.6, 0.2]}
+[body.shape]
+intersection = [
+  {name = "quarter", box = {min = [0, 0, -1], max = [1, 1, 1]}},
+  {name = "ball", sphere = {center = [0, 0, 0.01], radius = 0.01}},
+]
+[[body]]
+name = "plate"
+shape = {box = {min = [0, 0, -0.01], max = [0.01, 0.01, 0]}}
+material = {E = 210e9, nu = 0.3}
+cell_size = 2.4e-3
+[[body]]
+name = "lid"
+shape = {box = {min = [0, 0, 0.02], max = [0.01, 0.01, 0.03]}}
+material = {E = 210e9, nu = 0.3}
+cell_size = 2.4e-3
+[[support]]
+face = "plate.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "lid.z+"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "ball.quarter.x-"
+symmetry = true
+[[support]]
+face = "ball.quarter.y-"
+symmetry = true
+[[contact]]
+faces = ["ball.ball", "plate.z+"]
+preload = "25 N"
+[[contact]]
+faces = ["ball.ball", "lid.z-"]
+)";
+  const auto solved = test::run_text(plates, {});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  // To the outer tolerance, 1e-6.
+  for (const PairFigures& pair : r.pairs)
+    EXPECT_NEAR(pair.force_on_second[2] / 25, &pair == &r.pairs[0] ? -1 : 1, 1e-5);
+}
+
 /// Tightened first, then heated: the interference stays, and the expansion of the upper bar comes to it.
 TEST(Preload, IsKeptInLaterSteps) {
   std::string text = bars("preload = 5e3\n", "[steps]\nloads = [0, 1]\n");
