@@ -56,22 +56,15 @@ std::string describe_body(const BodyModel& body) {
   return text;
 }
 
-/// Components that are rounding beside `scale` are 0.
-std::string components(const Vec3& v, double scale) {
-  const auto shown = [&](double c) { return std::abs(c) <= 1e-9 * scale ? 0.0 : c; };
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", shown(v[0]), shown(v[1]), shown(v[2]));
-}
+std::string components(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]); }
 
 std::string describe_load(const LoadFigures& load) {
   const std::string what =
       fmt::format("{} \"{}\": {}", load.of_body ? "on body" : "load on", load.face, load.condition);
   if (load.of_body && load.force.isZero(0) && load.moment.isZero(0)) return what + "\n";
-  const double lever = load.of_body ? std::cbrt(load.area) : std::sqrt(load.area);
-  const char* const size = load.of_body ? "m3" : "m2";
-  return fmt::format("{}; {:.6g} {}; resultant {} N, moment {} N m about {} m\n", what, load.area, size,
-                     components(load.force, load.force.norm()),
-                     components(load.moment, std::max(load.moment.norm(), lever * load.force.norm())),
-                     components(load.about, std::max(load.about.norm(), lever)));
+  return fmt::format("{}; {:.6g} {}; resultant {} N, moment {} N m about {} m\n", what, load.area,
+                     load.of_body ? "m3" : "m2", components(load.force), components(load.moment),
+                     components(load.about));
 }
 
 }  // namespace

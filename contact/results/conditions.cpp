@@ -41,6 +41,19 @@ std::string resultants_text(const LoadSpec& load, double factor) {
   return text;
 }
 
+/// Components of force, moment and place that are rounding become 0.
+void leave_out_rounding(LoadFigures& load) {
+  constexpr double rounding = 1e-9;
+  const double size = load.of_body ? std::cbrt(load.area) : std::sqrt(load.area), force = load.force.norm();
+  const auto leave_out = [&](Vec3& v, double scale) {
+    const double least = rounding * std::max(v.norm(), scale);
+    for (double& component : v) component = std::abs(component) <= least ? 0 : component;
+  };
+  leave_out(load.force, force);
+  leave_out(load.moment, size * force);
+  leave_out(load.about, size);
+}
+
 LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodies, int number, double factor) {
   const LoadSpec& load = scene.loads[number];
   const BodyModel& body = bodies[load.face.body];
@@ -73,6 +86,7 @@ LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodie
   static const char* const names[] = {"traction x", "traction y", "traction z"};
   for (int k = 0; k < 3; ++k) add(names[k], traction[k]);
   if (figures.condition.empty()) figures.condition = "zero";
+  leave_out_rounding(figures);
   return figures;
 }
 
@@ -94,6 +108,7 @@ void add_volume_loads(const BodyModel& body, double factor, std::vector<LoadFigu
     std::tie(figures.force, figures.moment) = resultants_of_volume(
         body, [&](const Vec3& x) { return Vec3(factor * force(x)); }, figures.about);
     all.push_back(figures);
+    leave_out_rounding(all.back());
   };
   if (has_force)
     add("body force",

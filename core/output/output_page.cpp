@@ -410,11 +410,11 @@ std::string pairs_section(const Results& results) {
 }
 
 /// Of loads that have a moment about the point where their force is said to act, or about their centroid.
-std::string moments_of_loads(const Results& results, double scale) {
+std::string moments_of_loads(const Results& results) {
   std::vector<std::string> rows;
   for (const LoadFigures& load : results.loads) {
-    const double lever = load.of_body ? std::cbrt(load.area) : std::sqrt(load.area), size = load.moment.norm();
-    if (size <= no_force * lever * scale) continue;
+    const double size = load.moment.norm();
+    if (size == 0) continue;
     std::string cells;
     for (const double c : load.moment)
       cells += cell(figure(c, std::abs(c) <= no_force * size ? "0" : scaled(c, "N m", 5)));
@@ -437,7 +437,7 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
                    cell(load.of_body ? "" : figure(load.area, area_unit(load.area))) + components(load.force, scale));
   std::string text;
   if (!rows.empty()) text += table({"Face", "Condition", "Area", "Resultant x", "y", "z"}, rows);
-  text += moments_of_loads(results, scale);
+  text += moments_of_loads(results);
   std::vector<std::string> fits;
   for (const PairFigures& pair : results.pairs)
     if (pair.interference != 0)
