@@ -141,10 +141,12 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   EarlierSolution earlier;
   if (resolved_) earlier.state = &simulation_->state;
   for (const ZoneState& zone : zones_) earlier.cell.push_back(zone.cell);
+  if (simulation_) next_->start_preloads_from(*simulation_);
   next_->solve(callbacks, earlier.state, false);
   if (!next_->results.converged && earlier.state) {  // once more, from nothing
     next_ = std::make_unique<Simulation>(*next_scene_);
     next_->place(callbacks);
+    next_->start_preloads_from(*simulation_);
     next_->solve(callbacks, nullptr, false);
   }
   SolvedState& state = next_->state;

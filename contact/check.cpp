@@ -7,6 +7,7 @@
 #include <map>
 
 #include "contact/model/memory.hpp"
+#include "contact/results/conditions.hpp"
 
 namespace cgcontact {
 namespace {
@@ -48,42 +49,22 @@ std::string describe_body(const BodyModel& body) {
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   for (const FaceSpec& spec : body.spec->faces) {
-    const BodyFace face(spec, body);
     double declared = 0;
-    for (int p = 0; p < static_cast<int>(cc.boundary.size()); ++p)
-      if (face.contains(p)) declared += body.slices * body.area(p);
+    for (const int p : BodyFace(spec, body).points()) declared += body.slices * body.area(p);
     text += fmt::format("  face {}: {:.10g} m2 (declared)\n", spec.name, declared);
   }
   return text;
 }
 
-/// "load "body.face": (1, 0, -500) N at (0, 0, 0.1) m, moment (0, 0, 0) N m there, 0.01 m2": its resultants about the
-/// centroid.
-std::string describe_load(const Scene& scene, const std::vector<BodyModel>& bodies, int number) {
-  const LoadSpec& load = scene.loads[number];
-  const BodyModel& body = bodies[load.face.body];
-  const BodyFace face(load.face.face, body);
-  const LinearTraction resultant = resultant_of(body, number);
-  FaceMoments moments;
-  Vec3 force = Vec3::Zero(), about_origin = Vec3::Zero();
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
-    if (!face.contains(p)) continue;
-    const Vec3 x = body.point(p);
-    const double area = body.slices * body.area(p);
-    const Vec3 f = area * (load.given_traction(x, body.normal(p)) + resultant.at(x));
-    moments.add(x, area);
-    force += f;
-    about_origin += x.cross(f);
-  }
-  const Vec3 centroid = moments.centroid(), moment = about_origin - centroid.cross(force);
-  const auto text = [](const Vec3& v, double scale) {  // what is rounding beside the scale is 0
-    const auto rounded = [&](double value) { return std::abs(value) > 1e-9 * scale ? value : 0.0; };
-    return fmt::format("({:.6g}, {:.6g}, {:.6g})", rounded(v[0]), rounded(v[1]), rounded(v[2]));
-  };
-  const double size = std::sqrt(moments.area());
-  return fmt::format("load on \"{}.{}\": {} N at ({:.4g}, {:.4g}, {:.4g}) m, moment {} N m there; {:.6g} m2\n",
-                     body.spec->name, load.face.face.name, text(force, force.norm()), centroid[0], centroid[1],
-                     centroid[2], text(moment, std::max(moment.norm(), force.norm() * size)), moments.area());
+std::string components(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v[0], v[1], v[2]); }
+
+std::string describe_load(const LoadFigures& load) {
+  const std::string what =
+      fmt::format("{} \"{}\": {}", load.of_body ? "on body" : "load on", load.face, load.condition);
+  if (load.of_body && load.force.isZero(0) && load.moment.isZero(0)) return what + "\n";
+  return fmt::format("{}; {:.6g} {}; resultant {} N, moment {} N m about {} m\n", what, load.area,
+                     load.of_body ? "m3" : "m2", components(load.force), components(load.moment),
+                     components(load.about));
 }
 
 }  // namespace
@@ -112,7 +93,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
                                       [](const SupportSpec& support) { return !support.by_plane_strain; });
   text += fmt::format("{} support{}, {} load{}\n", supports, supports == 1 ? "" : "s", scene.loads.size(),
                       scene.loads.size() == 1 ? "" : "s");
-  for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l) text += describe_load(scene, preparation.bodies, l);
+  for (const LoadFigures& load : load_figures(scene, preparation.bodies)) text += describe_load(load);
   for (const ContactPair& pair : preparation.pairs) {
     double area = 0, smallest = 1e300, largest = -1e300;
     for (const ContactPoint& q : pair.points) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <utility>
 
 #include "contact/model/contact_system.hpp"
 #include "contact/preparation.hpp"
@@ -79,7 +80,7 @@ bool is_at_rest(const OuterResult& outer) {
   for (std::size_t i = 0; i < u.size(); ++i)
     if (u(i) != 0) return false;
   for (const RigidPart& part : outer.rigid_parts)
-    if (part.translation.norm() + part.rotation.norm() > 0) return false;
+    if (part.translation.norm() + part.rotation.norm() + part.expansion.norm() > 0) return false;
   return std::all_of(outer.group_force.begin(), outer.group_force.end(), [](double force) { return force == 0; });
 }
 
@@ -126,6 +127,8 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
         OuterProblem{state.scene, state.bodies, state.patches, state.pairs, state.supports, state.system, state.scales},
         earlier);
   };
+  preload_.begin(state.bodies, state.pairs);
+  bool tightened = false;
   auto solver = make_solver();
   std::string first_failure;
   int extensions = 0;
@@ -138,6 +141,11 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       solver = make_solver();
       continue;
     }
+    if (k == 0 && state.outer.converged && tighten()) {
+      tightened = true;
+      continue;
+    }
+    if (std::exchange(tightened, false) && !state.outer.converged) continue;  // once more, from nothing
     if (!state.scene.steps.empty()) record_step(steps[k], k + 1 == steps.size());
     if (!state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
       add_warning(
@@ -165,7 +173,22 @@ void Simulation::set_step(const StepSpec& step) {
   for (BodyModel& body : state.bodies) set_loads(state.scene, step.loads, body);
   for (SupportPoint& p : state.supports)
     if (!p.follows) p.value = step.displacements * p.prescribed;
-  for (ContactPair& pair : state.pairs) set_interference(pair, step.interference * pair.spec->interference);
+  for (ContactPair& pair : state.pairs)
+    set_interference(pair, step.interference * (pair.spec->interference + preload_.tightening(pair)));
+}
+
+/// False: all pairs have the forces that they are to be tightened to.
+bool Simulation::tighten() {
+  if (!preload_.any()) return false;
+  const double unit = state.scales.stress * state.scales.length * state.scales.length;
+  std::vector<double> forces;
+  auto group_force = state.outer.group_force.begin();
+  for (const ContactPair& pair : state.pairs) {
+    double sum = 0;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g) sum += *group_force++;
+    forces.push_back(unit * state.bodies[pair.primary].slices * sum);
+  }
+  return preload_.tighten(state.pairs, forces);
 }
 
 /// New pairs, if faces have met that no pair saw.

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "contact/solve/preload.hpp"
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -18,7 +19,7 @@ struct ProgressCallbacks {
 /// The steps of a run, and what they leave behind.
 class Simulation {
  public:
-  explicit Simulation(const Scene& scene) : state(scene) {}
+  explicit Simulation(const Scene& scene) : state(scene), preload_(scene) {}
   Simulation(const Simulation&) = delete;
 
   SolvedState state;
@@ -33,6 +34,8 @@ class Simulation {
   void place(const ProgressCallbacks& progress);
   void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
   void sample_paths(const ProgressCallbacks& progress);
+  /// Preloads begin with what the same scene has on other grids.
+  void start_preloads_from(const Simulation& earlier) { preload_.start_from(earlier.preload_); }
 
   /// Its steps, for programs that measure them one by one; between the second and the third comes the solution.
   void place_on_grids();
@@ -46,7 +49,10 @@ class Simulation {
   bool see_farther();
   void record_step(const StepSpec& step, bool is_last);
   void add_warning(const std::string& warning);
+  bool tighten();
   void choose_reference();
+
+  Preload preload_;
 };
 
 }  // namespace cgcontact

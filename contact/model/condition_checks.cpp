@@ -15,36 +15,28 @@ constexpr double equal = 1e-9;
 /// Part of a contact face on which a support may lie by the rim of a declared face.
 constexpr double rim = 0.01;
 
-struct Held {
-  const SupportSpec* support;
-  Vec3 direction;
-  double value;
+struct HeldBy {
+  int support;
+  HeldDirection held;
 };
-
-std::vector<Held> held_at(const SupportSpec& support, const Vec3& x, const Vec3& n) {
-  std::vector<Held> held;
-  if (support.holds_normal())
-    held.push_back({&support, n, support.normal_displacement ? (*support.normal_displacement)(x) : 0.0});
-  for (int k = 0; k < 3; ++k)
-    if (support.displacement[k]) held.push_back({&support, Vec3::Unit(k), (*support.displacement[k])(x)});
-  return held;
-}
 
 std::string face_name(const Scene& scene, const FaceRef& face) {
   return '"' + scene.bodies[face.body].name + "." + face.face.name + '"';
 }
 
 /// Is the direction of `b` held already, by the same value? Throws if it is held by another one.
-bool is_held(const Scene& scene, const std::vector<Held>& held, const Held& b, const Vec3& x) {
-  for (const Held& a : held) {
+bool is_held(const Scene& scene, const std::vector<HeldBy>& held, const HeldBy& by, const Vec3& x) {
+  const HeldDirection& b = by.held;
+  for (const auto& [support, a] : held) {
     const double cosine = a.direction.dot(b.direction), value = cosine < 0 ? -b.value : b.value;
     if (std::abs(cosine) < parallel) continue;
     if (std::abs(a.value - value) <= equal * (std::abs(a.value) + std::abs(value))) return true;
     throw InputError(
-        b.support->place, "",
+        scene.supports[by.support].place, "",
         fmt::format("prescribes {:g} m where the support of {} prescribes {:g} m in the same direction, at "
                     "({:.4g}, {:.4g}, {:.4g}) m",
-                    b.value, face_name(scene, a.support->face), cosine < 0 ? -a.value : a.value, x[0], x[1], x[2]),
+                    b.value, face_name(scene, scene.supports[support].face), cosine < 0 ? -a.value : a.value, x[0],
+                    x[1], x[2]),
         "one displacement for every point and direction");
   }
   return false;
@@ -52,24 +44,24 @@ bool is_held(const Scene& scene, const std::vector<Held>& held, const Held& b, c
 
 /// Supports of one body whose faces share points.
 void check_supports(const Scene& scene, int b, const BodyModel& body) {
-  std::vector<std::pair<const SupportSpec*, BodyFace>> supports;
-  for (const SupportSpec& support : scene.supports)
-    if (support.face.body == b) supports.emplace_back(&support, BodyFace(support.face.face, body));
+  std::vector<std::pair<int, BodyFace>> supports;
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
+    if (scene.supports[s].face.body == b) supports.emplace_back(s, BodyFace(scene.supports[s].face.face, body));
   for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
-    std::vector<Held> held;  // different directions
+    std::vector<HeldBy> held;  // different directions; springs agree with everything
     for (const auto& [support, face] : supports) {
       if (!face.contains(p)) continue;
       const std::size_t before = held.size();
-      for (const Held& h : held_at(*support, body.point(p), body.normal(p)))
-        if (std::vector<Held> earlier(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(before));
-            !is_held(scene, earlier, h, body.point(p)))
-          held.push_back(h);
+      for (const HeldDirection& h : held_at(scene, body, support, body.point(p), body.normal(p)))
+        if (std::vector<HeldBy> earlier(held.begin(), held.begin() + static_cast<std::ptrdiff_t>(before));
+            h.stiffness == 0 && !is_held(scene, earlier, {support, h}, body.point(p)))
+          held.push_back({support, h});
     }
   }
 }
 
-void check_support_on_contact(const Scene& scene, const SupportSpec& support, const BodyModel& body,
-                              const std::vector<ContactPair>& pairs) {
+void check_support_on_contact(const Scene& scene, int s, const BodyModel& body, const std::vector<ContactPair>& pairs) {
+  const SupportSpec& support = scene.supports[s];
   const BodyFace face(support.face.face, body);
   std::vector<double> held(pairs.size(), 0.0), all(pairs.size(), 0.0);
   for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
@@ -77,7 +69,7 @@ void check_support_on_contact(const Scene& scene, const SupportSpec& support, co
     if (pair < 0 || pairs[pair].spec->automatic) continue;
     all[pair] += body.area(p);
     if (!face.contains(p)) continue;
-    for (const Held& h : held_at(support, body.point(p), body.normal(p)))
+    for (const HeldDirection& h : held_at(scene, body, s, body.point(p), body.normal(p)))
       if (std::abs(h.direction.dot(body.normal(p))) > parallel) held[pair] += body.area(p);
   }
   for (std::size_t k = 0; k < pairs.size(); ++k)
@@ -119,8 +111,8 @@ void check_shared_faces(const std::vector<BodyModel>& bodies, const ContactSpec&
 
 void check_conditions(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs) {
   for (std::size_t b = 0; b < bodies.size(); ++b) check_supports(scene, static_cast<int>(b), bodies[b]);
-  for (const SupportSpec& support : scene.supports)
-    check_support_on_contact(scene, support, bodies[support.face.body], pairs);
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
+    check_support_on_contact(scene, s, bodies[scene.supports[s].face.body], pairs);
   for (std::size_t l = 0; l < scene.contacts.size(); ++l)
     for (std::size_t k = 0; k < l; ++k)
       if (!scene.contacts[k].automatic && !scene.contacts[l].automatic)

@@ -11,8 +11,7 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
   for (const SupportPoint& p : supports) {
     if (p.by_plane_strain) continue;
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
-    const double stiffness =
-        support_stiffness(scene, bodies[p.body], p.cell) * p.weight / (scales.stress * scales.length);
+    const double stiffness = support_stiffness(scene, bodies[p.body], p) * p.weight / (scales.stress * scales.length);
     terms[p.body].push_back(
         {p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin(p.cell), p.follows});
   }

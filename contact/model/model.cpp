@@ -10,24 +10,40 @@
 
 namespace cgcontact {
 
-LinearTraction resultant_of(const BodyModel& body, int load) {
+FaceTraction resultant_of(const BodyModel& body, int load) {
   const auto found = body.resultants.find(load);
-  return found == body.resultants.end() ? LinearTraction() : found->second;
+  return found == body.resultants.end() ? FaceTraction() : found->second;
 }
+
+std::vector<HeldDirection> held_at(const Scene& scene, const BodyModel& body, int support, const Vec3& x,
+                                   const Vec3& n) {
+  const auto face = body.supported.find(support);
+  return held_at(scene.supports[support], face == body.supported.end() ? SupportedFace() : face->second, x, n);
+}
+
+namespace {
 
 bool has_body_force(const BodySpec& body) {
   const auto is_zero = [](const Expression& component) { return component.is_zero(); };
   return body.inertia.any() || !std::all_of(body.body_force.begin(), body.body_force.end(), is_zero);
 }
 
-namespace {
-
 std::string in_quotes(const std::string& name) { return "\"" + name + "\""; }
 
+/// The supports at a point, if one of them is about an axis or by springs.
+std::vector<std::pair<const SupportSpec*, SupportedFace>> other_supports_of(const Scene& scene, const BodyModel& body,
+                                                                            const PointConditions& key) {
+  std::vector<std::pair<const SupportSpec*, SupportedFace>> supports;
+  for (const int s : key.supports)
+    if (const auto face = body.supported.find(s); face != body.supported.end())
+      supports.emplace_back(&scene.supports[s], face->second);
+  return supports;
+}
+
 /// The loads that hold at a point.
-std::vector<std::pair<const LoadSpec*, LinearTraction>> tractions_of(const Scene& scene, const BodyModel& body,
-                                                                     const PointConditions& key) {
-  std::vector<std::pair<const LoadSpec*, LinearTraction>> tractions;
+std::vector<std::pair<const LoadSpec*, FaceTraction>> tractions_of(const Scene& scene, const BodyModel& body,
+                                                                   const PointConditions& key) {
+  std::vector<std::pair<const LoadSpec*, FaceTraction>> tractions;
   for (const int l : key.loads) tractions.emplace_back(&scene.loads[l], resultant_of(body, l));
   return tractions;
 }
@@ -40,10 +56,17 @@ TractionCondition make_condition(const Scene& scene, const BodyModel& body, cons
     condition.normal_held |= support.holds_normal();
     for (int i = 0; i < 3; ++i) condition.component_held[i] |= support.displacement[i].has_value();
   }
+  if (auto others = other_supports_of(scene, body, key); !others.empty())
+    condition.held = [others = std::move(others)](const Vec3& x, const Vec3& n) {
+      std::vector<Vec3> directions;
+      for (const auto& [support, face] : others)
+        for (const HeldDirection& held : held_at(*support, face, x, n)) directions.push_back(held.direction);
+      return directions;
+    };
   if (!key.loads.empty())
     condition.traction = [tractions = tractions_of(scene, body, key), load_factor](const Vec3& x, const Vec3& n) {
       Vec3 t = Vec3::Zero();
-      for (const auto& [load, resultant] : tractions) t += load->given_traction(x, n) + resultant.at(x);
+      for (const auto& [load, resultant] : tractions) t += load->traction_at(x, n, resultant);
       return Vec3(load_factor * t);
     };
   return condition;
@@ -76,28 +99,51 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
   }
 }
 
+/// Of the whole thickness.
+FaceMoments moments_of(const FaceSpec& face, const BodyModel& model) {
+  FaceMoments moments;
+  for (const int p : BodyFace(face, model).points())
+    moments.add(model.point(p), model.normal(p), model.slices * model.area(p));
+  return moments;
+}
+
 /// What gives the loads of a body their forces and moments.
 void find_resultants(const Scene& scene, int body, BodyModel& model) {
   for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l) {
     const LoadSpec& load = scene.loads[l];
     if (load.face.body != body || !load.has_resultants()) continue;
-    const BodyFace face(load.face.face, model);
-    FaceMoments moments;
-    for (int p = 0; p < static_cast<int>(model.cut_cells.boundary.size()); ++p)
-      if (face.contains(p)) moments.add(model.point(p), model.slices * model.area(p));
+    const FaceMoments moments = moments_of(load.face.face, model);
     if (!(moments.area() > 0)) continue;  // told as a face without points
     try {
       model.resultants[l] = load.resulting_traction(moments);
     } catch (const InputError& error) {
       throw InputError(load.place, in_quotes(model.spec->name + "." + load.face.face.name), error.what(),
-                       "a force alone, or a face with some breadth");
+                       load.bearing ? "bearing = true for a cylinder, with a force across its axis"
+                                    : "a force alone, or a face with some breadth");
     }
   }
 }
 
-using UseForce = std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>;
+/// Areas and axes of faces that the supports of a body need.
+void measure_supported_faces(const Scene& scene, int body, BodyModel& model) {
+  for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s) {
+    const SupportSpec& support = scene.supports[s];
+    if (support.face.body != body || !(support.is_cylindrical() || support.is_elastic())) continue;
+    const FaceMoments moments = moments_of(support.face.face, model);
+    if (!(moments.area() > 0)) continue;  // told as a face without points
+    const auto axis = support.axis || !support.is_cylindrical() ? support.axis : moments.axis();
+    if (support.is_cylindrical() && !axis)
+      throw InputError(support.place, in_quotes(model.spec->name + "." + support.face.face.name),
+                       "the face is no cylinder: about which axis are its components?",
+                       "cylindrical = {.., point = [x, y, z], axis = [x, y, z]}, or the side of a cylinder");
+    model.supported[s] = {moments.area(), axis.value_or(Axis())};
+  }
+}
 
-void each_body_force(const BodyModel& body, const UseForce& use) {
+using UseForce = std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>;
+using ForceAt = std::function<Vec3(const Vec3& x)>;
+
+void each_body_force(const BodyModel& body, const ForceAt& force_at, const UseForce& use) {
   const CutCells& cc = body.cut_cells;
   double weights[125];
   for (std::size_t e = 0; e < cc.cells.size(); ++e) {
@@ -108,9 +154,24 @@ void each_body_force(const BodyModel& body, const UseForce& use) {
     for (int q = 0; q < 125; ++q) {
       const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
       const Vec3 x = global_position(cc, static_cast<int>(e), xi);
-      use(static_cast<int>(e), xi, x, factor * weights[q] * body.boundary.body_force_at(x));
+      use(static_cast<int>(e), xi, x, factor * weights[q] * force_at(x));
     }
   }
+}
+
+/// In plane strain a body expands across the axis by (1 + nu) times its free strain, and is held back along it.
+void set_temperature(double factor, BodyModel& model) {
+  const BodySpec& body = *model.spec;
+  model.expansion = Mat3::Zero();
+  model.held_back = Sym3::Zero();
+  if (body.temperature == 0) return;
+  const double strain = factor * body.temperature * body.material.expansion.value_or(0);
+  model.expansion = strain * Mat3::Identity();
+  if (!body.plane_strain) return;
+  const int axis = static_cast<int>(*body.plane_strain);
+  model.expansion *= 1 + body.material.poisson_ratio;
+  model.expansion(axis, axis) = 0;
+  model.held_back[axis] = -body.material.youngs_modulus * strain;
 }
 
 void measure_thickness(BodyModel& model) {
@@ -184,12 +245,6 @@ auto naming_body(const BodySpec& body, const Make& make) {
   }
 }
 
-bool is_empty(const BodyFace& face, const BodyModel& body) {
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
-    if (face.contains(p)) return false;
-  return true;
-}
-
 [[noreturn]] void refuse_empty_face(const Scene& scene, const FaceRef& face) {
   throw InputError(face.place, in_quotes(scene.bodies[face.body].name + "." + face.face.name),
                    "the face selects no point of the body's boundary");
@@ -252,10 +307,11 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     model.cut_cells = naming_body(*model.spec, [&, &s = solid, &g = grid, &d = dividers, &t = tree] {
       return make_cut_cells(s, g, d, scene.geometry, t);
     });
-    if (grid.is_quadtree()) model.slices = grid.thickness / grid.slice;
+    model.slices = grid.slices();
     if (model.spec->plane_strain && !model.spec->quadtree) check_extruded(*model.spec, model.cut_cells);
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     find_resultants(scene, static_cast<int>(b), model);
+    measure_supported_faces(scene, static_cast<int>(b), model);
     set_loads(scene, 1, model);
     measure_thickness(model);
   }
@@ -265,13 +321,13 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
   for (const ProbeSpec& probe : scene.probes)
-    if (probe.kind == ProbeSpec::Kind::face &&
-        is_empty(BodyFace(probe.face.face, bodies[probe.body]), bodies[probe.body]))
+    if (probe.kind == ProbeSpec::Kind::face && BodyFace(probe.face.face, bodies[probe.body]).points().empty())
       refuse_empty_face(scene, probe.face);
   return bodies;
 }
 
 void set_loads(const Scene& scene, double factor, BodyModel& model) {
+  set_temperature(factor, model);
   model.boundary.conditions.clear();
   for (const PointConditions& key : model.conditions)
     model.boundary.conditions.push_back(make_condition(scene, model, key, factor));
@@ -293,9 +349,10 @@ double stabilising_modulus(const Material& material) {
   return material.youngs_modulus * std::max(1.0, p_wave(material.poisson_ratio) / p_wave(0.3));
 }
 
-double support_stiffness(const Scene& scene, const BodyModel& body, int cell) {
-  const double kappa = (body.is_thin(cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
-  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(cell);
+double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point) {
+  if (point.spring > 0) return point.spring;
+  const double kappa = (body.is_thin(point.cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
+  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(point.cell);
 }
 
 namespace {
@@ -310,8 +367,7 @@ void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyF
   if (body.spec->quadtree)  // it has no ends
     for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
       area[cell] = body.cut_cells.volume_fraction(cell) * std::pow(body.cut_cells.h(cell), 2);
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
-    if (face.contains(p)) area[body.cut_cells.boundary.cell[p]] += body.area(p);
+  for (const int p : face.points()) area[body.cut_cells.boundary.cell[p]] += body.area(p);
   for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
     for (const Vec3& xi : {Vec3(0.5 * up), Vec3(0.5 * (across - up)), Vec3(-0.5 * (across + up))}) {
       SupportPoint point{support, b, cell, xi, direction, direction, area[cell] / 3};
@@ -334,22 +390,18 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       if ((*support.face.face.normal_cone).first.sum() > 0) hold_in_plane_strain(s, b, body, face, points);
       continue;
     }
-    for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
-      if (!face.contains(p)) continue;
+    for (const int p : face.points()) {
       const Vec3 x = body.point(p), n = body.normal(p);
       SupportPoint point{
           s, b, boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]),
           n, n, body.area(p)};
-      const auto add = [&](double value) {
-        point.prescribed = point.value = value;
+      for (const HeldDirection& held : held_at(scene, body, s, x, n)) {
+        point.component = held.component;
+        point.direction = held.direction;
+        point.prescribed = point.value = held.value;
+        point.spring = held.stiffness;
         points.push_back(point);
-      };
-      if (support.holds_normal()) add(support.normal_displacement ? (*support.normal_displacement)(x) : 0.0);
-      for (int i = 0; i < 3; ++i)
-        if (support.displacement[i]) {
-          point.direction = Vec3::Unit(i);
-          add((*support.displacement[i])(x));
-        }
+      }
     }
   }
   return points;
@@ -364,7 +416,16 @@ void each_force(const BodyModel& body, const UseForce& use) {
     use(boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]), x,
         body.area(p) * condition.traction(x, body.normal(p)));
   }
-  if (body.boundary.body_force_at) each_body_force(body, use);
+  if (body.boundary.body_force_at) each_body_force(body, body.boundary.body_force_at, use);
+}
+
+std::pair<Vec3, Vec3> resultants_of_volume(const BodyModel& body, const ForceAt& force, const Vec3& about) {
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+  each_body_force(body, force, [&](int, const Vec3&, const Vec3& x, const Vec3& f) {
+    sum += f;
+    moment += (x - about).cross(f);
+  });
+  return {body.slices * sum, body.slices * moment};
 }
 
 std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,

@@ -9,6 +9,7 @@
 #include <tuple>
 #include <vector>
 
+#include "contact/model/held_directions.hpp"
 #include "core/scene/scene.hpp"
 #include "kernels/operator/system.hpp"
 #include "recovery/patch/boundary_data.hpp"
@@ -30,11 +31,14 @@ struct BodyModel {
   const BodySpec* spec = nullptr;
   CutCells cut_cells;
   BoundaryData boundary;
-  std::vector<PointConditions> conditions;   ///< what boundary.conditions are made of
-  std::map<int, LinearTraction> resultants;  ///< of the scene's loads that are given as force and moment
-  double thickness = 0;                      ///< twice the volume over the area, unit of the grid coordinates
-  double free_thickness = 0;                 ///< the same over the area that no support holds
-  double slices = 1;  ///< on a quadtree: the body's thickness over that of the slice (Grid::slice) that stands for it
+  std::vector<PointConditions> conditions;  ///< what boundary.conditions are made of
+  std::map<int, FaceTraction> resultants;   ///< of the scene's loads that are given as force and moment
+  std::map<int, SupportedFace> supported;   ///< of the scene's supports about axes and by springs
+  Mat3 expansion = Mat3::Zero();  ///< strain of the body by itself in the present step, as far as it is free to: global
+  Sym3 held_back = Sym3::Zero();  ///< Pa, stress by the rest of that strain (plane strain holds it back), global axes
+  double thickness = 0;           ///< twice the volume over the area, unit of the grid coordinates
+  double free_thickness = 0;      ///< the same over the area that no support holds
+  double slices = 1;              ///< Grid::slices
   /// Less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
@@ -49,16 +53,24 @@ struct BodyModel {
 };
 
 /// What gives a load of the scene its force and moment; zero for loads without.
-LinearTraction resultant_of(const BodyModel& body, int load);
+FaceTraction resultant_of(const BodyModel& body, int load);
 
-/// Of a body by itself: body_force, weight, rotation.
-bool has_body_force(const BodySpec& body);
+/// Held directions of a support at x (m) with the outward normal n, global axes.
+std::vector<HeldDirection> held_at(const Scene& scene, const BodyModel& body, int support, const Vec3& x,
+                                   const Vec3& n);
 
 /// A named face on one body's boundary points; the names are compared once.
 class BodyFace {
  public:
   BodyFace(const FaceSpec& face, const BodyModel& body) : face_(face), body_(body) {
     for (const Surface& s : body.cut_cells.solid.surfaces()) selected_.push_back(face.selects(s.names));
+  }
+  /// All of it.
+  std::vector<int> points() const {
+    std::vector<int> all;
+    for (int p = 0; p < static_cast<int>(body_.cut_cells.boundary.size()); ++p)
+      if (contains(p)) all.push_back(p);
+    return all;
   }
   bool contains(int boundary_point) const {
     if (!selected_[body_.cut_cells.boundary.surface[boundary_point]]) return false;
@@ -79,11 +91,6 @@ class BodyFace {
 /// modulus lambda + 2 mu, which scales the normal traction that the outer iteration lags (docs/decisions.md).
 double stabilising_modulus(const Material& material);
 
-/// kappa E/h of the supports in a cell of a body, Pa/m, with the stabilising modulus. The scene's kappa is the
-/// contact's. On a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa:
-/// three times stiffer there (docs/decisions.md).
-double support_stiffness(const Scene& scene, const BodyModel& body, int cell);
-
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
   int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
@@ -96,12 +103,19 @@ struct SupportPoint {
   double value = 0;              ///< its part in the present step, m
   bool by_plane_strain = false;  ///< holds of itself: for the search for free motions, no term of the linear system
   bool follows = false;          ///< value becomes the displacement in every outer iteration: no force in the end
+  Held component = Held::normal;
+  double spring = 0;  ///< Pa/m; 0: held
 };
+
+/// Pa/m: that of the point's spring, or kappa E/h with the stabilising modulus. The scene's kappa is the contact's. On
+/// a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa: three times
+/// stiffer there (docs/decisions.md).
+double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point);
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.
 Grid make_grid(const BodySpec& body);
 
-/// Tractions and body forces of the scene, all times a factor, as boundary data of a body.
+/// Tractions, body forces and temperature of the scene, all times a factor, as boundary data of a body.
 void set_loads(const Scene& scene, double factor, BodyModel& model);
 
 /// Cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
@@ -113,6 +127,10 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
 /// N, global axes.
 void each_force(const BodyModel& body,
                 const std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>& use);
+
+/// Force (N) and moment (N m) about a point (m) of a force per volume (N/m^3), integrated as those of each_force.
+std::pair<Vec3, Vec3> resultants_of_volume(const BodyModel& body, const std::function<Vec3(const Vec3& x)>& force,
+                                           const Vec3& about);
 
 /// Consistent nodal forces of tractions, pressures and body forces, units Scales::stress * Scales::length^2.
 std::vector<double> make_load_vector(const std::vector<BodyModel>& bodies, const ElasticSystem& system,

@@ -65,18 +65,16 @@ void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
 
 void check_load(const Scene& scene, int number, const BodyModel& body) {
   const LoadSpec& load = scene.loads[number];
-  const LinearTraction resultant = resultant_of(body, number);
-  const BodyFace face(load.face.face, body);
+  const FaceTraction resultant = resultant_of(body, number);
   const int axis = axis_of(*body.spec);
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
-    if (!face.contains(p)) continue;
+  for (const int p : BodyFace(load.face.face, body).points()) {
     const Vec3 x = body.point(p);
     const std::string& name = name_of(*body.spec->plane_strain);
     if (on_end(body, p))
       throw InputError(load.place, name_of_face(scene, load.face),
                        fmt::format("lies on an end of a body in plane strain across {}, {}", name, at(x)),
                        "loads on the sides only");
-    const Vec3 traction = load.given_traction(x, body.normal(p)) + resultant.at(x);
+    const Vec3 traction = load.traction_at(x, body.normal(p), resultant);
     if (std::abs(traction[axis]) > along_axis * traction.norm())
       throw InputError(load.place, name_of_face(scene, load.face),
                        fmt::format("acts along {}, across which the body is in plane strain, {}", name, at(x)),
@@ -87,10 +85,15 @@ void check_load(const Scene& scene, int number, const BodyModel& body) {
 void check_body_force(const BodyModel& body) {
   if (!body.boundary.body_force_at) return;
   const int axis = axis_of(*body.spec);
+  // Quadtrees have the plane in the middle only, where such a rotation has no force along the axis.
+  if (const Inertia& inertia = body.spec->inertia; inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
+    refuse(*body.spec, "it rotates about another axis than that of plane strain",
+           "rotation about an axis along " + name_of(*body.spec->plane_strain));
   for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {
     const Vec3 x = global_position(body.cut_cells, cell, Vec3::Zero()), force = body.boundary.body_force_at(x);
     if (std::abs(force[axis]) > along_axis * force.norm())
-      refuse(*body.spec, "its body_force acts along the axis of plane strain, " + at(x), "no body force along it");
+      refuse(*body.spec, "the force on its volume acts along the axis of plane strain, " + at(x),
+             "no body force along it");
   }
 }
 

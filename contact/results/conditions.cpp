@@ -31,25 +31,52 @@ std::string range_text(const Values& values, const DisplayUnit& unit) {
 
 double largest(const Values& values) { return std::max(std::abs(values.low), std::abs(values.high)); }
 
-LoadFigures load_figures(const SolvedState& state, int number, double factor) {
-  const LoadSpec& load = state.scene.loads[number];
-  const BodyModel& body = state.bodies[load.face.body];
-  const BodyFace face(load.face.face, body);
-  const LinearTraction resultant = resultant_of(body, number);
+/// "force 500 N, moment 20 N m" of what is given for the whole face.
+std::string resultants_text(const LoadSpec& load, double factor) {
+  std::string text;
+  if (!load.force.isZero(0))
+    text = fmt::format("{} {}", load.bearing ? "bearing force" : "force", scaled(factor * load.force.norm(), "N"));
+  if (!load.moment.isZero(0))
+    text += fmt::format("{}moment {}", text.empty() ? "" : ", ", scaled(factor * load.moment.norm(), "N m"));
+  return text;
+}
+
+/// Components of force, moment and place that are rounding become 0.
+void leave_out_rounding(LoadFigures& load) {
+  constexpr double rounding = 1e-9;
+  const double size = load.of_body ? std::cbrt(load.area) : std::sqrt(load.area), force = load.force.norm();
+  const auto leave_out = [&](Vec3& v, double scale) {
+    const double least = rounding * std::max(v.norm(), scale);
+    for (double& component : v) component = std::abs(component) <= least ? 0 : component;
+  };
+  leave_out(load.force, force);
+  leave_out(load.moment, size * force);
+  leave_out(load.about, size);
+}
+
+LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodies, int number, double factor) {
+  const LoadSpec& load = scene.loads[number];
+  const BodyModel& body = bodies[load.face.body];
+  const FaceTraction resultant = resultant_of(body, number);
   LoadFigures figures;
   figures.face = body.spec->name + "." + load.face.face.name;
   Values pressure;
   Values traction[3];
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
-    if (!face.contains(p)) continue;
+  Vec3 first = Vec3::Zero(), moment = Vec3::Zero();  // about the origin
+  for (const int p : BodyFace(load.face.face, body).points()) {
     const Vec3 x = body.point(p), n = body.normal(p);
-    const double normal = factor * load.pressure(x);
-    const Vec3 t = factor * (Vec3(load.traction[0](x), load.traction[1](x), load.traction[2](x)) + resultant.at(x));
-    pressure.add(normal);
-    for (int k = 0; k < 3; ++k) traction[k].add(t[k]);
-    figures.area += body.area(p);
-    figures.force += body.area(p) * (t - normal * n);
+    pressure.add(factor * load.pressure(x));
+    for (int k = 0; k < 3; ++k) traction[k].add(factor * load.traction[k](x));
+    const double area = body.slices * body.area(p);
+    const Vec3 force = area * factor * load.traction_at(x, n, resultant);
+    figures.area += area;
+    first += area * x;
+    figures.force += force;
+    moment += x.cross(force);
   }
+  figures.about = load.at.value_or(first / figures.area);
+  figures.moment = moment - figures.about.cross(figures.force);
+  figures.condition = resultants_text(load, factor);
   const auto add = [&](const std::string& name, const Values& values) {
     if (!values.any() || largest(values) == 0) return;
     figures.condition += fmt::format("{}{} {}", figures.condition.empty() ? "" : ", ", name,
@@ -59,73 +86,98 @@ LoadFigures load_figures(const SolvedState& state, int number, double factor) {
   static const char* const names[] = {"traction x", "traction y", "traction z"};
   for (int k = 0; k < 3; ++k) add(names[k], traction[k]);
   if (figures.condition.empty()) figures.condition = "zero";
+  leave_out_rounding(figures);
   return figures;
 }
 
-/// Body forces are what of the load on a body its faces do not carry.
-void add_body_forces(const SolvedState& state, Results& results) {
-  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
-    const BodySpec& body = *state.bodies[b].spec;
-    if (!has_body_force(body)) continue;
-    const CutCells& cells = state.bodies[b].cut_cells;
-    LoadFigures figures{body.name, "body force", state.outer.load_of_body[b],
-                        volume(cells) * std::pow(cells.grid.cell_size, 3), true};
-    for (std::size_t l = 0; l < state.scene.loads.size(); ++l)
-      if (state.scene.loads[l].face.body == static_cast<int>(b)) figures.force -= results.loads[l].force;
-    results.loads.push_back(figures);
-  }
+/// What acts on the volume of a body; the moments are about its centroid.
+void add_volume_loads(const BodyModel& body, double factor, std::vector<LoadFigures>& all) {
+  const BodySpec& spec = *body.spec;
+  const auto is_zero = [](const Expression& component) { return component.is_zero(); };
+  const bool has_force = !std::all_of(spec.body_force.begin(), spec.body_force.end(), is_zero);
+  if (!has_force && !spec.inertia.any() && spec.temperature == 0) return;
+  const CutCells& cells = body.cut_cells;
+  LoadFigures figures;
+  figures.face = spec.name;
+  figures.of_body = true;
+  figures.area = body.slices * volume(cells) * std::pow(cells.grid.cell_size, 3);
+  const auto position = [](const Vec3& x) { return x; };
+  figures.about = resultants_of_volume(body, position, Vec3::Zero()).first / figures.area;
+  const auto add = [&](const std::string& condition, const std::function<Vec3(const Vec3&)>& force) {
+    figures.condition = condition;
+    std::tie(figures.force, figures.moment) = resultants_of_volume(
+        body, [&](const Vec3& x) { return Vec3(factor * force(x)); }, figures.about);
+    all.push_back(figures);
+    leave_out_rounding(all.back());
+  };
+  if (has_force)
+    add("body force",
+        [&](const Vec3& x) { return Vec3(spec.body_force[0](x), spec.body_force[1](x), spec.body_force[2](x)); });
+  if (!spec.inertia.weight.isZero(0)) add("gravity", [&](const Vec3&) { return spec.inertia.weight; });
+  if (spec.inertia.spin != 0)
+    add("rotation", [&](const Vec3& x) { return Vec3(spec.inertia.force(x) - spec.inertia.weight); });
+  if (spec.temperature != 0)
+    add(fmt::format("temperature {:+.4g} K, free strain {:.4g}", factor * spec.temperature,
+                    factor * spec.temperature * spec.material.expansion.value_or(0)),
+        [](const Vec3&) { return Vec3(Vec3::Zero()); });
 }
 
+/// "z = 0", "springs 1e+09 Pa/m".
 std::string condition_of(const SolvedState& state, int support) {
   const SupportSpec& spec = state.scene.supports[support];
   if (spec.by_plane_strain) return "plane strain";
   if (spec.symmetry) return "symmetry";
-  Values normal, axes[3];
+  Values prescribed[num_held], springs[num_held];
   for (const SupportPoint& point : state.supports) {
     if (point.support != support) continue;
-    int axis = -1;
-    for (int k = 0; k < 3; ++k)
-      if (spec.displacement[k] && point.direction == Vec3(Vec3::Unit(k))) axis = k;
-    const bool along_normal = spec.normal_displacement && (axis < 0 || point.direction == point.normal);
-    (along_normal ? normal : axes[std::max(axis, 0)]).add(point.value);
+    const int k = static_cast<int>(point.component);
+    if (point.spring > 0)
+      springs[k].add(point.spring);
+    else
+      prescribed[k].add(point.value);
   }
   std::string text;
-  const auto add = [&](const char* name, const Values& values) {
-    if (values.any())
-      text +=
-          fmt::format("{}{} = {}", text.empty() ? "" : ", ", name, range_text(values, length_unit(largest(values))));
-  };
-  add("x", axes[0]);
-  add("y", axes[1]);
-  add("z", axes[2]);
-  add("normal", normal);
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  for (int k = 0; k < num_held; ++k) {
+    const char* const name = name_of(static_cast<Held>(k));
+    if (prescribed[k].any())
+      add(fmt::format("{} = {}", name, range_text(prescribed[k], length_unit(largest(prescribed[k])))));
+    if (springs[k].any()) add(fmt::format("springs along {} {:.4g} N/m^3", name, springs[k].high));
+  }
   return text;
 }
 
 double area_of(const SolvedState& state, const FaceRef& reference, bool is_end) {
   const BodyModel& body = state.bodies[reference.body];
-  const BodyFace face(reference.face, body);
   double area = 0;
   if (body.spec->quadtree && is_end)
     for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell)
       area += body.cut_cells.volume_fraction(cell) * std::pow(body.cut_cells.h(cell), 2);
-  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
-    if (face.contains(p)) area += body.area(p);
+  for (const int p : BodyFace(reference.face, body).points()) area += body.area(p);
   return area;
 }
 
 }  // namespace
 
+std::vector<LoadFigures> load_figures(const Scene& scene, const std::vector<BodyModel>& bodies) {
+  const double factor = scene.steps.empty() ? 1 : scene.steps.back().loads;
+  std::vector<LoadFigures> all;
+  for (std::size_t l = 0; l < scene.loads.size(); ++l)
+    all.push_back(load_figures(scene, bodies, static_cast<int>(l), factor));
+  for (const BodyModel& body : bodies) add_volume_loads(body, factor, all);
+  return all;
+}
+
 void fill_conditions(const SolvedState& state, Results& results) {
-  const double factor = state.scene.steps.empty() ? 1 : state.scene.steps.back().loads;
-  for (std::size_t l = 0; l < state.scene.loads.size(); ++l)
-    results.loads.push_back(load_figures(state, static_cast<int>(l), factor));
-  add_body_forces(state, results);
+  results.loads = load_figures(state.scene, state.bodies);
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
     results.supports[s].condition = condition_of(state, static_cast<int>(s));
     results.supports[s].area = area_of(state, state.scene.supports[s].face, state.scene.supports[s].by_plane_strain);
   }
-  for (std::size_t k = 0; k < results.pairs.size(); ++k) results.pairs[k].interference = state.pairs[k].interference;
+  for (std::size_t k = 0; k < results.pairs.size(); ++k) {
+    results.pairs[k].interference = state.pairs[k].interference;
+    results.pairs[k].preload = state.pairs[k].spec->preload;
+  }
   for (std::size_t b = 0; b < results.bodies.size(); ++b) {
     std::vector<int> contacts = state.bodies[b].boundary.pair_of_point;
     for (int& contact : contacts)

@@ -6,7 +6,10 @@
 
 namespace cgcontact {
 
-/// Sets Results::loads (N, m^2; as they act in the last step), conditions and areas of Results::supports (which must be
+/// Of all loads on faces, then on volumes (N, m^2; as they act in the last step, of the whole thickness).
+std::vector<LoadFigures> load_figures(const Scene& scene, const std::vector<BodyModel>& bodies);
+
+/// Sets Results::loads, conditions and areas of Results::supports (which must be
 /// there), the interference of every pair, and BodyFields::contact_of_point.
 void fill_conditions(const SolvedState& state, Results& results);
 

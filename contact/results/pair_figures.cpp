@@ -22,12 +22,6 @@ constexpr double end_of_zone = 0.01, rounding = 1e-9, little_by_itself = 0.5;
 
 double force_unit(const SolvedState& state) { return state.scales.stress * state.scales.length * state.scales.length; }
 
-bool holds(const TractionCondition& condition, const Vec3& n) {
-  bool held = condition.normal_held;
-  for (int k = 0; k < 3; ++k) held |= condition.component_held[k] && std::abs(n[k]) > holds_normal;
-  return held;
-}
-
 /// Active cells of a body within a cell, the larger one of both bodies' there, from closed points of a pair.
 std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair& pair, int body) {
   const CutCells& cut_cells = state.bodies[body].cut_cells;
@@ -137,7 +131,7 @@ void mark_touching_rows(const SolvedState& state, const std::vector<int>& bounda
     const TractionCondition& condition = boundary.conditions[boundary.condition_of_point[boundary_point[i]]];
     const bool beside = !condition.traction && row.gap < row.larger_cell &&
                         near[2 * static_cast<std::size_t>(row.pair) + (row.body == pair.primary ? 0 : 1)][row.cell];
-    row.touching = (row.active || beside) && !holds(condition, row.normal);
+    row.touching = (row.active || beside) && !condition.holds_normal(row.x, row.normal, holds_normal);
   }
 }
 

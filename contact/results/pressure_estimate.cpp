@@ -137,7 +137,8 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     if (figures.active_points == 0) continue;
     const Vec3 force = figures.force_on_first;
     figures.force_given_by_loads = force.norm() > 0 && statics.loads_give(static_cast<int>(p), force.normalized());
-    if (figures.force_given_by_loads || force.isZero(0))
+    const bool tightened = state.pairs[p].spec->preload && state.scene.steps.size() < 2;  // it is the preload
+    if (figures.force_given_by_loads || tightened || force.isZero(0))
       figures.force_error_estimate = 0;
     else if (resolved)
       figures.force_error_estimate = (verdict.cells_across ? options.edge_factor : 1) * force_error;

@@ -87,10 +87,7 @@ ProbeFigures figures_of(const SolvedState& state, const Results& results, const 
   const Prober prober(state, results, probe);
   if (probe.kind == ProbeSpec::Kind::face) {
     const BodyModel& body = state.bodies[probe.body];
-    const BodyFace face(probe.face.face, body);
-    std::vector<int> points;
-    for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p)
-      if (face.contains(p)) points.push_back(p);
+    const std::vector<int> points = BodyFace(probe.face.face, body).points();
     figures.points = points.size();
     figures.samples.resize(points.size());
     parallel_for("cgcontact::probes::face", points.size(), 16, [&](std::size_t i) {

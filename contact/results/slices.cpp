@@ -25,10 +25,6 @@ void scale_to_thickness(const SolvedState& state, Results& results) {
     results.supports[s].force *= factor;
     results.supports[s].area *= factor;
   }
-  for (LoadFigures& load : results.loads) {
-    load.force *= factor;
-    load.area *= factor;
-  }
   for (BodyBalance& balance : results.balance)
     for (Vec3* v : {&balance.loads, &balance.supports, &balance.contact}) *v *= factor;
   for (ContactRow& row : results.contact_rows) row.weight *= factor;

@@ -46,7 +46,8 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
           const Vec3 displacement = interpolate(corner, xi, cc.grid.rotation.transpose() * rigid_part.at(x));
           interpolate_gradient(corner, xi.data(), g);
           const Mat3 gradient =  // m per m, grid axes
-              Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&g[0][0]) / cc.h(static_cast<int>(e));
+              Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&g[0][0]) / cc.h(static_cast<int>(e)) +
+              cc.grid.rotation.transpose() * rigid_part.expansion * cc.grid.rotation;
           const Mat3 strain = 0.5 * (gradient + gradient.transpose());
           // The Frobenius norm bounds the principal strains; it is found without them.
           if (strain.norm() > found[chunk].strain.value)

@@ -53,7 +53,7 @@ void Iterate::set_rigid_parts_aside() {
 }
 
 double Iterate::support_stiffness(const SupportPoint& p) const {
-  return cgcontact::support_stiffness(problem.scene, problem.bodies[p.body], p.cell);
+  return cgcontact::support_stiffness(problem.scene, problem.bodies[p.body], p);
 }
 
 double Iterate::rigid_displacement(const SupportPoint& p) const {

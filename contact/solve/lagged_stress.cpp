@@ -56,7 +56,8 @@ double LaggedStress::update(Iterate& iterate) {
   for (BoundaryStress& s : stress_) s.update(iterate.u);
   Change change;
   change.replace(iterate.support_stress, problem.supports, [&](const SupportPoint& p) {
-    if (p.support < 0 || p.by_plane_strain) return 0.0;  // no force in the system: there is no stress to lag
+    // No force in the system, or that of a spring: there is no stress to lag.
+    if (p.support < 0 || p.by_plane_strain || p.spring > 0) return 0.0;
     return stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
   });
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {

@@ -62,6 +62,8 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
 /// From the last solution or, without one, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
   now_.load = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
+  for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
+    now_.rigid_parts.set_expansion(b, problem_.bodies[b].expansion);
   // Do the closed points hold all bodies? Those of another grid do; without its displacements there is no way to search
   // along.
   bool held = false;
@@ -93,7 +95,9 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (search) Kokkos::deep_copy(before, now_.u);
     const double inner = std::clamp(settings().inner_fraction * outer_residual, settings().linear_tolerance,
                                     settings().loosest_inner_tolerance);
-    const LinearSolveResult solve = solve_linear(inner * right_hand_side_.force_norm());
+    LinearSolveResult solve = solve_linear(inner * right_hand_side_.force_norm());
+    // Displacements that are good enough as they are would give the same stresses again, converged or not.
+    if (solve.iterations == 0) solve = solve_linear(settings().linear_tolerance * right_hand_side_.force_norm());
     result.preconditioner_setups = solver_.report().setups;
     step.linear_iterations = solve.iterations;
     result.linear_iterations.push_back(solve.iterations);

@@ -58,7 +58,7 @@ bool start_from(const SolvedState& earlier, Iterate& iterate) {
   }
   parallel_for("cgcontact::outer_start::supports", problem.supports.size(), grain, [&](std::size_t s) {
     const SupportPoint& p = problem.supports[s];
-    if (p.support < 0) return;
+    if (p.support < 0 || p.spring > 0) return;
     const Vec3 x = global_position(problem.bodies[p.body].cut_cells, p.cell, p.xi);
     iterate.support_stress[s] = earlier_traction(earlier, p.body, x, p.normal, p.direction) / problem.scales.stress;
   });

@@ -111,7 +111,7 @@ double RigidParts::largest_displacement(const RealView& u) const {
       deformation = std::max(deformation, std::abs(u(i)));
     const Index3& cells = mesh.cut_cells->grid.num_cells;
     const double size = mesh.cut_cells->grid.cell_size * *std::max_element(cells.begin(), cells.end());
-    const double rigid = parts_[b].translation.norm() + size * parts_[b].rotation.norm();
+    const double rigid = parts_[b].translation.norm() + size * (parts_[b].rotation.norm() + parts_[b].expansion.norm());
     largest = std::max(largest, deformation + rigid / length_);
   }
   return largest;

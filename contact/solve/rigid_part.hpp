@@ -1,5 +1,7 @@
-/// Rigid motions kept apart from the displacements that they are part of. A stiff body on a soft one moves by far more
-/// than it deforms: in one number the strain is lost in rounding (by ten digits of sixteen for moduli 1e6 apart).
+/// Motions without stress kept apart from the displacements that they are part of. A stiff body on a soft one moves by
+/// far more than it deforms: in one number the strain is lost in rounding (by ten digits of sixteen for moduli 1e6
+/// apart). The free expansion of a body by its temperature is such a motion as well: what is left strains the body as
+/// its stress does, so that nothing else knows of temperatures.
 #pragma once
 
 #include <vector>
@@ -8,13 +10,14 @@
 
 namespace cgcontact {
 
-/// u(x) = translation + rotation x (x - centre), m, global axes; small rotation. In global axes a motion along one of
-/// them has no rounding in the other two, which supports hold with kappa E/h.
+/// u(x) = translation + rotation x (x - centre) + expansion (x - centre), m, global axes; small rotation. In global
+/// axes a motion along one of them has no rounding in the other two, which supports hold with kappa E/h.
 struct RigidPart {
   Vec3 translation = Vec3::Zero(), rotation = Vec3::Zero();
-  Vec3 centre = Vec3::Zero();  ///< mean of the nodes
+  Mat3 expansion = Mat3::Zero();  ///< given: BodyModel::expansion
+  Vec3 centre = Vec3::Zero();     ///< mean of the nodes
 
-  Vec3 at(const Vec3& x) const { return translation + rotation.cross(x - centre); }
+  Vec3 at(const Vec3& x) const { return translation + rotation.cross(x - centre) + expansion * (x - centre); }
 };
 
 /// The rigid parts of all bodies.
@@ -24,7 +27,9 @@ class RigidParts {
   RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales);
 
   const std::vector<RigidPart>& of_bodies() const { return parts_; }
-  /// Back to no motion.
+  /// Of one body.
+  void set_expansion(std::size_t body, const Mat3& expansion) { parts_[body].expansion = expansion; }
+  /// Back to no motion but the expansions.
   void forget();
   /// Moves the rigid motion nearest to each body's displacements u (Scales::length; least squares over its nodes) from
   /// u into the parts.

@@ -31,13 +31,13 @@ Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi) {
   corner_displacements(state, body, cell, u);
   hex_stress(mesh.law, u, xi.data(), s);
   for (double& v : s) v *= mesh.stress_factor(cell);
-  return to_global(state, body, s);
+  return to_global(state, body, s) + state.bodies[body].held_back;
 }
 
 Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi) {
   double s[6];
   evaluate_recovered(state.system.meshes[body], field, cell, xi.data(), s);
-  return to_global(state, body, s);
+  return to_global(state, body, s) + state.bodies[body].held_back;
 }
 
 }  // namespace cgcontact

@@ -13,6 +13,9 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
+/// Of boundary points, per weight, m^2.
+double area_factor(const Grid& grid) { return grid.slices() * grid.cell_size * grid.cell_size; }
+
 }  // namespace
 
 MarkedFaces::MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bodies) : scene_(scene), bodies_(bodies) {
@@ -26,7 +29,7 @@ MarkedFaces::MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bod
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) add_body(b);
 }
 
-LinearTraction MarkedFaces::resultant_of(int load) const {
+FaceTraction MarkedFaces::resultant_of(int load) const {
   const LoadSpec& spec = scene_.loads[load];
   if (!spec.has_resultants()) return {};
   const int body = spec.face.body;
@@ -36,8 +39,9 @@ LinearTraction MarkedFaces::resultant_of(int load) const {
   for (std::size_t p = 0; p < points.size(); ++p)
     if (contains(loads_[load], body, points.surface[p], grid.to_global(points.position_of_piece(p)),
                  grid.rotation * points.normal_of_piece(p)))
-      moments.add(grid.to_global(points.position[p]), points.weight[p] * grid.cell_size * grid.cell_size);
-  return moments.area() > 0 ? spec.resulting_traction(moments) : LinearTraction();
+      moments.add(grid.to_global(points.position[p]), grid.rotation * points.normal[p],
+                  points.weight[p] * area_factor(grid));
+  return moments.area() > 0 ? spec.resulting_traction(moments) : FaceTraction();
 }
 
 MarkedFaces::Selected MarkedFaces::select(const FaceRef& face) const {
@@ -87,7 +91,10 @@ FaceRegion MarkedFaces::new_region(const Key& key) const {
     face = scene_.supports[key.supports.front()].face.face.name;
   }
   region.name = scene_.bodies[key.body].name + "." + face;
-  for (int s : key.supports) region.symmetry |= scene_.supports[s].symmetry;
+  for (int s : key.supports) {
+    region.symmetry |= scene_.supports[s].symmetry;
+    region.elastic |= scene_.supports[s].is_elastic();
+  }
   return region;
 }
 
@@ -97,16 +104,21 @@ void MarkedFaces::add_point(const Key& key, const Vec3& x, const Vec3& n, double
   FaceRegion& region = regions_[entry->second];
   region.area += area;
   region.centroid += area * x;
-  for (int l : key.loads) region.force += area * (scene_.loads[l].given_traction(x, n) + resultants_[l].at(x));
-  const auto add = [&](std::size_t component, double value) {
-    region.low_displacement[component] = std::min(region.low_displacement[component], value);
-    region.high_displacement[component] = std::max(region.high_displacement[component], value);
+  for (int l : key.loads) region.force += area * scene_.loads[l].traction_at(x, n, resultants_[l]);
+  const auto add = [&](Held component, const std::optional<Expression>& prescribed) {
+    if (!prescribed) return;
+    const auto k = static_cast<std::size_t>(component);
+    const double value = (*prescribed)(x);
+    region.low_displacement[k] = std::min(region.low_displacement[k], value);
+    region.high_displacement[k] = std::max(region.high_displacement[k], value);
   };
   for (int s : key.supports) {
     const SupportSpec& support = scene_.supports[s];
-    for (std::size_t k = 0; k < 3; ++k)
-      if (support.displacement[k]) add(k, (*support.displacement[k])(x));
-    if (support.normal_displacement) add(3, (*support.normal_displacement)(x));
+    for (int k = 0; k < 3; ++k) {
+      add(static_cast<Held>(k), support.displacement[k]);
+      add(static_cast<Held>(static_cast<int>(Held::radial) + k), support.cylindrical[k]);
+    }
+    add(Held::normal, support.normal_displacement);
   }
 }
 
@@ -123,7 +135,7 @@ void MarkedFaces::add_body(int b) {
     const Vec3 piece = grid.to_global(points.position_of_piece(p)),
                piece_normal = grid.rotation * points.normal_of_piece(p);
     add_point(key_at(b, points.cell[p], points.surface[p], piece, piece_normal), x, n,
-              points.weight[p] * grid.cell_size * grid.cell_size);
+              points.weight[p] * area_factor(grid));
   }
   for (std::size_t r = first; r < regions_.size(); ++r) regions_[r].centroid /= regions_[r].area;
 }

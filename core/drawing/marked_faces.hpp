@@ -23,10 +23,10 @@ struct FaceRegion {
   int body = 0;
   std::string name;  ///< "body.face", as the scene calls it where a condition names it
   std::vector<int> supports, loads, contacts;
-  double area = 0;                                            ///< m^2
-  Vec3 centroid = Vec3::Zero(), force = Vec3::Zero();         ///< m; N, resultant of the loads
-  std::array<double, 4> low_displacement, high_displacement;  ///< m, prescribed x, y, z, normal; low > high: free
-  bool symmetry = false;
+  double area = 0;                                                   ///< m^2
+  Vec3 centroid = Vec3::Zero(), force = Vec3::Zero();                ///< m; N, resultant of the loads
+  std::array<double, num_held> low_displacement, high_displacement;  ///< m, prescribed; low > high: free
+  bool symmetry = false, elastic = false;                            ///< a plane of symmetry; held by springs
 };
 
 class MarkedFaces {
@@ -55,7 +55,7 @@ class MarkedFaces {
 
   void add_body(int body);
   Selected select(const FaceRef& face) const;
-  LinearTraction resultant_of(int load) const;
+  FaceTraction resultant_of(int load) const;
   bool contains(const Selected& selected, int body, int surface, const Vec3& x, const Vec3& n) const;
   Key key_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const;
   FaceRegion new_region(const Key& key) const;
@@ -64,7 +64,7 @@ class MarkedFaces {
   const Scene& scene_;
   const std::vector<CheckedBody>& bodies_;
   std::vector<Selected> supports_, loads_, firsts_, seconds_;
-  std::vector<LinearTraction> resultants_;            // of the loads
+  std::vector<FaceTraction> resultants_;              // of the loads
   std::map<std::array<int, 3>, int> automatic_pair_;  ///< of body, cell, surface
   std::map<Key, int> index_;
   std::vector<FaceRegion> regions_;

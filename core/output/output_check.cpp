@@ -132,12 +132,13 @@ void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const
                   tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
 }
 
-/// Mean prescribed displacement in global axes, zero where there is none.
+/// Mean prescribed displacement in global axes, zero where there is none, or both ways (a rotation).
 Vec3 prescribed(const FaceRegion& region) {
   Vec3 u = Vec3::Zero();
-  for (std::size_t k = 0; k < 3; ++k)
-    if (region.low_displacement[k] <= region.high_displacement[k])
-      u[static_cast<Eigen::Index>(k)] = (region.low_displacement[k] + region.high_displacement[k]) / 2;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double low = region.low_displacement[k], high = region.high_displacement[k];
+    if (low <= high && (low >= 0 || high <= 0)) u[static_cast<Eigen::Index>(k)] = (low + high) / 2;
+  }
   return u;
 }
 
@@ -160,15 +161,16 @@ std::string conditions(const Scene& scene, const FaceRegion& region) {
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
   for (int c : region.contacts) add("contact " + scene.contacts[c].name);
   if (region.symmetry) add("symmetry");
-  static const char* const names[] = {"x", "y", "z", "normal"};
-  for (std::size_t k = 0; k < 4; ++k) {
+  if (region.elastic) add("springs");
+  for (std::size_t k = 0; k < num_held; ++k) {
+    const char* const name = name_of(static_cast<Held>(k));
     const double low = region.low_displacement[k], high = region.high_displacement[k];
     if (low > high) continue;
     const DisplayUnit unit = length_unit(std::max(std::abs(low), std::abs(high)));
     if (low == 0 && high == 0)
-      add(fmt::format("held: {} = 0", names[k]));
+      add(fmt::format("held: {} = 0", name));
     else
-      add(fmt::format("moved: {} = {}{}", names[k], low == high ? "" : short_number(low * unit.factor) + " .. ",
+      add(fmt::format("moved: {} = {}{}", name, low == high ? "" : short_number(low * unit.factor) + " .. ",
                       in_unit(high, unit)));
   }
   if (!region.loads.empty()) {

@@ -409,6 +409,20 @@ std::string pairs_section(const Results& results) {
          table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces) + zones_of_pairs(results);
 }
 
+/// Of loads that have a moment about the point where their force is said to act, or about their centroid.
+std::string moments_of_loads(const Results& results) {
+  std::vector<std::string> rows;
+  for (const LoadFigures& load : results.loads) {
+    const double size = load.moment.norm();
+    if (size == 0) continue;
+    std::string cells;
+    for (const double c : load.moment)
+      cells += cell(figure(c, std::abs(c) <= no_force * size ? "0" : scaled(c, "N m", 5)));
+    rows.push_back(name_cell(html_text(load.face)) + cell(place(load.about)) + cells);
+  }
+  return rows.empty() ? "" : "<h3>Moments of loads</h3>\n" + table({"Face or body", "About", "x", "y", "z"}, rows);
+}
+
 /// Supports, loads and interferences with their resultants; every face of the picture by its number.
 std::string conditions_section(const Results& results, const PageParts& parts) {
   const double scale = force_scale(results);
@@ -423,12 +437,14 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
                    cell(load.of_body ? "" : figure(load.area, area_unit(load.area))) + components(load.force, scale));
   std::string text;
   if (!rows.empty()) text += table({"Face", "Condition", "Area", "Resultant x", "y", "z"}, rows);
+  text += moments_of_loads(results);
   std::vector<std::string> fits;
   for (const PairFigures& pair : results.pairs)
     if (pair.interference != 0)
       fits.push_back(name_cell(html_text(pair.name)) +
                      cell(figure(std::abs(pair.interference), length_unit(std::abs(pair.interference)))) +
-                     text_cell(pair.interference > 0 ? "interference" : "clearance") +
+                     text_cell(std::string(pair.interference > 0 ? "interference" : "clearance") +
+                               (pair.preload ? ", found for a preload of " + scaled(*pair.preload, "N") : "")) +
                      cell(force(pair.force_on_first.norm())));
   if (!fits.empty())
     text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);

@@ -69,6 +69,7 @@ Json json_of(const PairFigures& pair) {
   json["max_pressure"] = pair.max_pressure;
   json["max_pressure_at"] = json_of(pair.max_pressure_at);
   json["interference"] = pair.interference;
+  if (pair.preload) json["preload"] = *pair.preload;
   json["points"] = pair.points;
   json["active_points"] = pair.active_points;
   json["pressure_error_estimate"] = pair.pressure_error_estimate;
@@ -192,7 +193,9 @@ void add_solution(const Results& results, Json& json) {
     json["loads"].push_back({{load.of_body ? "body" : "face", load.face},
                              {"condition", load.condition},
                              {load.of_body ? "volume" : "area", load.area},
-                             {"force", json_of(load.force)}});
+                             {"force", json_of(load.force)},
+                             {"moment", json_of(load.moment)},
+                             {"about", json_of(load.about)}});
   json["balance"] = Json::array();
   for (const BodyBalance& body : results.balance)
     json["balance"].push_back({{"body", body.body},

@@ -117,7 +117,8 @@ struct PairFigures {
   Vec3 max_pressure_at = Vec3::Zero();  ///< m
   Vec3 centre = Vec3::Zero();           ///< m, of the transmitted pressure: where the resultant acts
   int points = 0, active_points = 0;
-  double interference = 0;             ///< m, as the scene gives it
+  double interference = 0;             ///< m, as the scene gives it, or as found for the preload
+  std::optional<double> preload;       ///< N
   double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
   /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
   std::optional<double> force_error_estimate;
@@ -157,11 +158,13 @@ struct SupportFigures {
 
 /// Resultant of one load, as it acts in the last step.
 struct LoadFigures {
-  std::string face;           ///< "body.face", or the body that a body force acts on
-  std::string condition;      ///< "pressure 0 .. 1e+07 Pa, traction"
-  Vec3 force = Vec3::Zero();  ///< N
-  double area = 0;            ///< m^2; of a body force: its volume, m^3
-  bool of_body = false;       ///< a body force
+  std::string face;            ///< "body.face", or the body that a body force acts on
+  std::string condition;       ///< "pressure 0 .. 1e+07 Pa, traction"
+  Vec3 force = Vec3::Zero();   ///< N
+  double area = 0;             ///< m^2; of a body force: its volume, m^3
+  bool of_body = false;        ///< a body force
+  Vec3 moment = Vec3::Zero();  ///< N m, about the next
+  Vec3 about = Vec3::Zero();   ///< m: where the force is said to act, else the centroid of the face or the body
 };
 
 /// Resultants of what acts on one body; they sum to zero up to the tolerance of the linear solver.

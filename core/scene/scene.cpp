@@ -46,6 +46,11 @@ const std::vector<std::string>& coordinate_names() {
 
 const std::string& name_of(Coordinate coordinate) { return coordinate_names()[static_cast<std::size_t>(coordinate)]; }
 
+const char* name_of(Held component) {
+  static const char* const names[num_held] = {"x", "y", "z", "normal", "radial", "tangential", "axial"};
+  return names[static_cast<int>(component)];
+}
+
 ReferenceSpec Scene::reference_at(double contact_force) const {
   return late_reference && contact_force > 0 ? late_reference(contact_force) : reference;
 }

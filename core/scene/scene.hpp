@@ -13,7 +13,7 @@
 #include "core/base/types.hpp"
 #include "core/geometry/solid.hpp"
 #include "core/scene/expression.hpp"
-#include "core/scene/linear_traction.hpp"
+#include "core/scene/face_traction.hpp"
 #include "core/scene/scalar_field.hpp"
 #include "core/settings/accuracy_options.hpp"
 #include "core/settings/contact_options.hpp"
@@ -102,6 +102,7 @@ struct BodySpec {
   Mat3 grid_rotation = Mat3::Identity();
   std::array<Expression, 3> body_force;  ///< N/m^3
   Inertia inertia;                       ///< what acts on its mass
+  double temperature = 0;                ///< K, change since it was free of stress
   std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
   std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;     ///< the same for what the user should look at
@@ -119,15 +120,28 @@ struct FaceRef {
   SourcePlace place;
 };
 
-/// Frictionless support: u . direction = value on the face, one entry per constrained direction.
+/// Components of a displacement, as supports hold them.
+enum class Held { x, y, z, normal, radial, tangential, axial };
+constexpr int num_held = 7;
+/// As in scenes.
+const char* name_of(Held component);
+
+/// Frictionless support: u . direction = value on the face, one entry per constrained direction; or springs along them.
 struct SupportSpec {
   FaceRef face;
   bool symmetry = false;                                  ///< direction is the normal of the face, value 0
   bool by_plane_strain = false;                           ///< an end of a body in plane strain: holds of itself
   std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
   std::optional<Expression> normal_displacement;          ///< m, along the outward normal
+  std::array<std::optional<Expression>, 3> cylindrical;   ///< m, radial, tangential, axial
+  std::optional<Axis> axis;                               ///< of these; none: that of the face
+  /// Springs to the ground along x, y, z and the normal: Pa/m, or N/m of the whole face (`of_face`); 0: none.
+  std::array<double, 4> springs{0, 0, 0, 0};
+  bool of_face = false;
 
   bool holds_normal() const { return symmetry || normal_displacement; }
+  bool is_cylindrical() const { return cylindrical[0] || cylindrical[1] || cylindrical[2]; }
+  bool is_elastic() const { return springs != std::array<double, 4>{0, 0, 0, 0}; }
   SourcePlace place;
 };
 
@@ -138,16 +152,17 @@ struct LoadSpec {
   Vec3 force = Vec3::Zero();           ///< N, of the whole face, added to these
   Vec3 moment = Vec3::Zero();          ///< N m
   std::optional<Vec3> at;              ///< m, where the force acts; none: at the centroid of the face
+  bool bearing = false;                ///< the force is that of a pressure on the half of a cylinder that faces it
   SourcePlace place;
 
   bool has_resultants() const { return !force.isZero(0) || !moment.isZero(0); }
-  /// What is given per area; n: outward normal.
-  Vec3 given_traction(const Vec3& x, const Vec3& n) const {
-    return Vec3(traction[0](x), traction[1](x), traction[2](x)) - pressure(x) * n;
+  /// What is given per area and what gives the face its force and moment besides (`resulting`), Pa; n: outward normal.
+  Vec3 traction_at(const Vec3& x, const Vec3& n, const FaceTraction& resulting) const {
+    return Vec3(traction[0](x), traction[1](x), traction[2](x)) - pressure(x) * n + resulting.at(x, n);
   }
-  /// What gives the face its force and moment besides.
-  LinearTraction resulting_traction(const FaceMoments& moments) const {
-    return moments.with_resultants(force, moment, at.value_or(moments.centroid()));
+  FaceTraction resulting_traction(const FaceMoments& moments) const {
+    return bearing ? moments.with_bearing(force)
+                   : moments.with_resultants(force, moment, at.value_or(moments.centroid()));
   }
 };
 
@@ -159,9 +174,10 @@ struct MomentSpec {
 
 struct ContactSpec {
   std::string name;
-  FaceRef first, second;    ///< with automatic pairs: FaceSpec that selects all points
-  bool automatic = false;   ///< made by automatic = true: no error if the two bodies are out of reach
-  double interference = 0;  ///< m, overlap added to the geometric one (positive presses the bodies together)
+  FaceRef first, second;          ///< with automatic pairs: FaceSpec that selects all points
+  bool automatic = false;         ///< made by automatic = true: no error if the two bodies are out of reach
+  double interference = 0;        ///< m, overlap added to the geometric one (positive presses the bodies together)
+  std::optional<double> preload;  ///< N, the normal force that the interference is chosen for
   /// m, points farther apart than this do not belong to the pair; 0: twice the larger cell
   double search_distance = 0;
   std::optional<MomentSpec> moment_about;
@@ -208,7 +224,7 @@ struct ReferenceSpec {
 
 /// What loads the bodies in one step, as parts of what the scene says.
 struct StepSpec {
-  double loads = 1;          ///< tractions, pressures and body forces
+  double loads = 1;          ///< tractions, pressures, forces, body forces, temperatures
   double displacements = 1;  ///< prescribed at supports
   double interference = 1;   ///< of all contacts; overlap of the geometry is always there
 };

@@ -85,6 +85,67 @@ void read_grid(const TomlCursor& node, BodySpec& body) {
   }
 }
 
+/// A change that a material without an expansion would not notice is a mistake.
+double read_temperature(const TomlCursor& node, const Material& material) {
+  Range range;
+  range.unit = "K";
+  range.text = "K, the change since the body was free of stress";
+  const double temperature = node.number(range);
+  if (temperature != 0 && !material.expansion)
+    node.fail("the material of the body has no expansion", "material = {.., expansion = 12e-6} in 1/K");
+  return temperature;
+}
+
+/// A stiffness along the normal, or along x, y, z: Pa/m or N/m.
+std::array<double, 4> read_springs(const TomlCursor& node, const std::string& unit) {
+  const std::string allowed = "a number along the normal or [x, y, z], " + unit + ", not negative and not all 0";
+  std::array<double, 4> springs{0, 0, 0, 0};
+  if (node.is_array()) {
+    const std::vector<TomlCursor> components = node.elements(allowed);
+    if (components.size() != 3) node.fail("has " + std::to_string(components.size()) + " components, not 3", allowed);
+    for (std::size_t k = 0; k < 3; ++k) springs[k] = components[k].number(Range::not_negative(unit));
+  } else {
+    springs[3] = node.number(Range::not_negative(unit));
+  }
+  if (springs == std::array<double, 4>{0, 0, 0, 0}) node.fail("holds nothing", allowed);
+  return springs;
+}
+
+/// Displacements of a rigid rotation by a small angle: angle axis x (x - centre).
+std::array<std::optional<Expression>, 3> read_rotation(const TomlCursor& node) {
+  node.expect_keys({"centre", "axis", "angle"});
+  constexpr double largest = 5;  // degrees: the arc misses its tangent by 0.4 % of the way there
+  Range range = Range::from_to(-largest, largest, "-5 to 5 degrees: small rotations", "deg");
+  const double angle = degree * node.at("angle", range.text).number(range);
+  const Vec3 axis = node.at("axis", "[x, y, z], the direction of the axis").direction();
+  const auto centre = node.find("centre");
+  const Vec3 c = centre ? centre->vector("m") : Vec3::Zero(), spin = angle * axis;
+  const char* const names = "xyz";
+  std::array<std::optional<Expression>, 3> displacement;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    std::string text = "0";
+    if (spin[j] != 0) text += fmt::format(" + ({:.17g})*({} - ({:.17g}))", spin[j], names[k], c[k]);
+    if (spin[k] != 0) text += fmt::format(" - ({:.17g})*({} - ({:.17g}))", spin[k], names[j], c[j]);
+    displacement[i] = text == "0" ? Expression(0.0) : Expression(text, node.place());
+  }
+  return displacement;
+}
+
+/// Components about an axis.
+void read_cylindrical(const TomlCursor& node, SupportSpec& support) {
+  node.expect_keys({"radial", "tangential", "axial", "point", "axis"});
+  for (int k = 0; k < 3; ++k)
+    if (const auto component = node.find(name_of(static_cast<Held>(static_cast<int>(Held::radial) + k))))
+      support.cylindrical[k] = component->expression("m");
+  if (!support.is_cylindrical()) node.fail("prescribes nothing", "at least one of radial, tangential, axial (m)");
+  const auto point = node.find("point"), axis = node.find("axis");
+  if (point.has_value() != axis.has_value())
+    node.fail(point ? "has a point and no axis" : "has an axis and no point",
+              "both point = [x, y, z] and axis = [x, y, z], or neither: the axis of the face");
+  if (axis) support.axis = Axis{point->vector("m"), axis->direction()};
+}
+
 std::array<Expression, 3> read_vector_field(const TomlCursor& node, const std::string& unit) {
   const std::string allowed = "[x, y, z] of numbers or expressions, " + unit;
   const std::vector<TomlCursor> components = node.elements(allowed);
@@ -224,6 +285,8 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape, cons
   if (node.find("cell_size") || !scene_.accuracy.any()) body.cell_size = read_cell_size(node, shape);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);
   if (const auto force = node.find("body_force")) body.body_force = read_vector_field(*force, "N/m^3");
+  if (const auto temperature = node.find("temperature"))
+    body.temperature = read_temperature(*temperature, body.material);
   if (const auto faces = node.find("faces")) {
     std::set<std::string> seen;
     for (const TomlCursor& entry : faces->elements("[{name, surfaces, box, normal}, ...]")) {
@@ -293,8 +356,8 @@ void SceneReader::read_bodies(const TomlCursor& root) {
   const TomlCursor list = root.at("body", "one [[body]] section per body");
   const SceneMaterials materials(root);
   for (const TomlCursor& node : list.elements("[[body]] sections")) {
-    node.expect_keys(
-        {"name", "shape", "material", "cell_size", "grid", "body_force", "faces", "refine", "plane_strain"});
+    node.expect_keys({"name", "shape", "material", "cell_size", "grid", "body_force", "temperature", "faces", "refine",
+                      "plane_strain"});
     const TomlCursor name = node.at("name", "a name");
     check_unique(name, read_name(name), seen, "body");
     shapes_.push_back(read_shape(node));
@@ -348,30 +411,54 @@ FaceRef SceneReader::resolve_face(const TomlCursor& node) const {
   node.fail("body \"" + name + "\" has no face \"" + face + "\"" + did_you_mean(reference, known), join(known));
 }
 
+namespace {
+
+void read_displacement(const TomlCursor& node, SupportSpec& support) {
+  node.expect_keys({"x", "y", "z", "normal"});
+  if (const auto normal = node.find("normal")) support.normal_displacement = normal->expression("m");
+  for (int k = 0; k < 3; ++k)
+    if (const auto component = node.find(name_of(static_cast<Held>(k))))
+      support.displacement[k] = component->expression("m");
+  if (node.entries().empty()) node.fail("prescribes nothing", "at least one of x, y, z, normal (m)");
+}
+
+/// What the support holds: one of the ways of saying it.
+void read_held(const TomlCursor& node, SupportSpec& support) {
+  const std::vector<std::string> ways{"symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring"};
+  std::vector<std::string> given;
+  for (const std::string& way : ways)
+    if (const auto value = node.find(way); value && (way != "symmetry" || value->boolean())) given.push_back(way);
+  if (given.size() != 1)
+    node.fail(
+        given.empty() ? "says nothing" : "has both " + given[0] + " and " + given[1],
+        "symmetry = true, or displacement = {x = .., y = .., z = ..}, cylindrical = {radial = ..}, rotation = {axis, "
+        "angle}, stiffness = .. or spring = ..");
+  const TomlCursor value = node.at(given[0]);
+  if (given[0] == "symmetry") support.symmetry = true;
+  if (given[0] == "displacement") read_displacement(value, support);
+  if (given[0] == "cylindrical") read_cylindrical(value, support);
+  if (given[0] == "rotation") support.displacement = read_rotation(value);
+  if (given[0] == "stiffness") support.springs = read_springs(value, "N/m^3");
+  if (given[0] == "spring") {
+    support.springs = read_springs(value, "N/m");
+    support.of_face = true;
+  }
+}
+
+}  // namespace
+
 void SceneReader::read_supports(const TomlCursor& root) {
   for (const TomlCursor& node : optional_elements(root, "support")) {
-    node.expect_keys({"face", "symmetry", "displacement"});
+    node.expect_keys({"face", "symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring"});
     SupportSpec support;
     support.place = node.place();
     support.face = resolve_face(node.at("face", "\"body.face\""));
-    if (const auto symmetry = node.find("symmetry")) support.symmetry = symmetry->boolean();
-    const auto displacement = node.find("displacement");
-    if (support.symmetry == displacement.has_value())
-      node.fail(displacement ? "has both symmetry and displacement" : "says nothing",
-                "symmetry = true, or displacement = {x = .., y = .., z = ..}");
-    if (displacement) {
-      displacement->expect_keys({"x", "y", "z", "normal"});
-      if (const auto normal = displacement->find("normal")) support.normal_displacement = normal->expression("m");
-      const char* const axes[3] = {"x", "y", "z"};
-      for (int k = 0; k < 3; ++k)
-        if (const auto component = displacement->find(axes[k])) support.displacement[k] = component->expression("m");
-      if (displacement->entries().empty())
-        displacement->fail("prescribes nothing", "at least one of x, y, z, normal (m)");
-    }
+    read_held(node, support);
     std::vector<const Expression*> given;
     if (support.normal_displacement) given.push_back(&*support.normal_displacement);
-    for (const auto& component : support.displacement)
-      if (component) given.push_back(&*component);
+    for (const auto& components : {&support.displacement, &support.cylindrical})
+      for (const auto& component : *components)
+        if (component) given.push_back(&*component);
     probe_expressions(scene_.bodies[support.face.body], support.face.face, given);
     scene_.supports.push_back(support);
   }
@@ -384,7 +471,7 @@ void SceneReader::read_supports(const TomlCursor& root) {
 
 void SceneReader::read_loads(const TomlCursor& root) {
   for (const TomlCursor& node : optional_elements(root, "load")) {
-    node.expect_keys({"face", "pressure", "traction", "force", "moment", "at"});
+    node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing"});
     LoadSpec load;
     load.place = node.place();
     load.face = resolve_face(node.at("face", "\"body.face\""));
@@ -398,6 +485,11 @@ void SceneReader::read_loads(const TomlCursor& root) {
     if (moment) load.moment = moment->vector("N*m");
     if (at && !force) at->fail("says where a force acts, and there is none", "with force = [x, y, z]");
     if (at) load.at = at->vector("m");
+    if (const auto bearing = node.find("bearing")) load.bearing = bearing->boolean();
+    if (load.bearing && (load.force.isZero(0) || moment || at))
+      node.at("bearing").fail(force ? "is the pressure of a force towards the axis: it has no moment and no other place"
+                                    : "is the pressure of a force, and there is none",
+                              "with force = [x, y, z], without moment and at");
     probe_expressions(scene_.bodies[load.face.body], load.face.face,
                       {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
     scene_.loads.push_back(load);
@@ -504,7 +596,7 @@ void SceneReader::read_contacts(const TomlCursor& root) {
   std::set<std::string> seen;
   std::vector<TomlCursor> ordered = optional_elements(root, "contact");
   for (const TomlCursor& node : ordered)
-    node.expect_keys({"name", "faces", "automatic", "interference", "search_distance", "moment_about"});
+    node.expect_keys({"name", "faces", "automatic", "interference", "preload", "search_distance", "moment_about"});
   const auto is_automatic = [](const TomlCursor& node) {
     const auto automatic = node.find("automatic");
     return automatic && automatic->boolean();
@@ -529,11 +621,26 @@ void SceneReader::read_contacts(const TomlCursor& root) {
         if (std::abs(contact.interference) > longest)
           value->fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
       }
+      if (const auto value = node.find("preload")) {
+        contact.preload = value->number(Range::positive("N"));
+        if (contact.automatic)
+          value->fail("a preload is that of one pair", "in a section with faces = [\"body.face\", \"body.face\"]");
+      }
       if (const auto value = node.find("search_distance"))
         contact.search_distance = value->number(Range::not_negative("m"));
       if (const auto value = node.find("moment_about")) contact.moment_about = read_moment(*value);
     }
   }
+}
+
+/// A preload is found in the first step and kept: parts of interferences would leave parts of it.
+void SceneReader::check_preload_of_steps(const TomlCursor& node) const {
+  const auto has_preload = [](const ContactSpec& contact) { return contact.preload.has_value(); };
+  const auto is_partial = [](const StepSpec& step) { return step.interference != 1; };
+  if (std::any_of(scene_.contacts.begin(), scene_.contacts.end(), has_preload) &&
+      std::any_of(scene_.steps.begin(), scene_.steps.end(), is_partial))
+    node.fail("takes parts of the interference that a preload is reached by in the first step and that is kept",
+              "loads = [..] and displacements = [..], without factors and interference");
 }
 
 const std::vector<std::string>& scene_keys() {
@@ -559,7 +666,10 @@ Scene SceneReader::read(const TomlCursor& root) {
   read_contacts(root);
   read_probes(root);
   read_sections(root);
-  if (const auto node = root.find("steps")) scene_.steps = read_steps(*node);
+  if (const auto node = root.find("steps")) {
+    scene_.steps = read_steps(*node);
+    check_preload_of_steps(*node);
+  }
   if (const auto node = root.find("solver")) scene_.solver = read_solver(*node);
   if (const auto node = root.find("recovery")) scene_.recovery = read_recovery(*node);
   if (const auto node = root.find("output")) scene_.output = read_output(*node);

@@ -36,6 +36,7 @@ class SceneReader {
   void read_inertia(const TomlCursor& root);
   void read_contacts(const TomlCursor& root);
   ContactSpec read_contact(const TomlCursor& node) const;
+  void check_preload_of_steps(const TomlCursor& node) const;
   void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
   void add_automatic_contacts(const TomlCursor& node);
   double longest_side(int body) const;

@@ -25,9 +25,12 @@ const std::vector<Entry>& entries() {
        {"cohesi", "adhesi", "bonded"}},
       {"a force is a load of a face: [[load]] with face, force = [x, y, z] in N and, if not at its centroid, at = [x, "
        "y, "
-       "z]; there are no forces on points or nodes, and no preload",
-       {"force", "forces", "pointload", "pointforce", "nodalforce", "fx", "fy", "fz", "cload", "preload", "boltload"},
+       "z]; there are no forces on points or nodes",
+       {"force", "forces", "pointload", "pointforce", "nodalforce", "fx", "fy", "fz", "cload"},
        {"resultantforce", "totalforce"}},
+      {"a bolt is tightened by a contact pair: preload in N of the [[contact]]",
+       {"pretension", "clampforce"},
+       {"bolt"}},
       {"a moment is a load of a face: [[load]] with face and moment = [x, y, z] in N m",
        {"moment", "moments", "torque", "mx", "my", "mz", "couple"},
        {"moment", "torque"}},
@@ -36,7 +39,7 @@ const std::vector<Entry>& entries() {
        "every material",
        {"g", "dload"},
        {"gravity", "acceleration", "selfweight"}},
-      {"there is no temperature: strains come from loads, motions and interference only",
+      {"a change of temperature is one of a body: temperature in K of the [[body]]",
        {"cte", "dt"},
        {"temperature", "thermal"}},
       {"the coefficient of thermal expansion is one of the material: material.expansion, 1/K", {}, {"expansion"}},
@@ -48,7 +51,8 @@ const std::vector<Entry>& entries() {
       {"there is no dynamics: the result is the static equilibrium",
        {"velocity", "mass", "dynamic", "dynamics", "frequency"},
        {"damping", "inertia"}},
-      {"there are no springs: hold the face with displacement = {...}, or model what is elastic as a body",
+      {"springs are supports of a face: [[support]] with stiffness in N/m^3 of its area, or spring in N/m of the whole "
+       "face",
        {"k", "spring", "springs"},
        {"springstiffness", "elasticfoundation"}},
       {"a face that is held in all directions has displacement = {x = 0, y = 0, z = 0}",

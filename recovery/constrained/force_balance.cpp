@@ -44,10 +44,8 @@ bool is_held(const RecoveryBody& body, std::size_t point) {
   constexpr double across = 1e-3;  // cosine
   const TractionCondition& condition = body.boundary->conditions[body.boundary->condition_of_point[point]];
   const CutCells& cc = *body.mesh->cut_cells;
-  const Vec3 n = cc.grid.rotation * cc.boundary.normal[point];
-  bool held = condition.normal_held;
-  for (int i = 0; i < 3; ++i) held = held || (condition.component_held[i] && std::abs(n[i]) > across);
-  return held;
+  return condition.holds_normal(cc.grid.to_global(cc.boundary.position[point]),
+                                cc.grid.rotation * cc.boundary.normal[point], across);
 }
 
 /// Sum of the forces of a pair on a body, Pa m^2, outwards; grid axes. Zero if they mostly cancel (a pin in a hole).

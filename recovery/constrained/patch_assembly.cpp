@@ -14,9 +14,10 @@ constexpr double same_face = 0.5;
 /// one with the smallest gap counts, whatever the rounding and their order.
 constexpr double same_distance = 1e-9;
 
-/// Unit directions orthogonal to all held ones: those in which the traction at a point with normal n is known.
-/// Returns their number.
-int known_directions(const TractionCondition& condition, const Vec3& n, const Mat3& rotation, Vec3 directions[3]) {
+/// Unit directions orthogonal to all held ones: those in which the traction at a point (m, global axes) with normal n
+/// is known. Returns their number.
+int known_directions(const TractionCondition& condition, const Vec3& x, const Vec3& n, const Mat3& rotation,
+                     Vec3 directions[3]) {
   Vec3 basis[3];
   int count = 0;
   const auto extend = [&](Vec3 v) {
@@ -26,6 +27,8 @@ int known_directions(const TractionCondition& condition, const Vec3& n, const Ma
   if (condition.normal_held) extend(n);
   for (int i = 0; i < 3; ++i)
     if (condition.component_held[i]) extend(rotation.row(i).transpose());
+  if (condition.held)
+    for (const Vec3& direction : condition.held(x, rotation * n)) extend(rotation.transpose() * direction);
   const int num_held = count;
   const auto [t1, t2] = tangents(n);
   for (const Vec3& v : {n, t1, t2}) extend(v);
@@ -133,11 +136,10 @@ void PatchAssembly::add_known_traction(const ConstraintGroup& group, const Patch
   const TractionCondition& condition = body_.boundary->conditions[group.condition];
   for (int p = 0; p < group.num_points; ++p) {
     const Vec3 d = own.place(group.position[p]), n = group.normal[p];
+    const Vec3 x = grid_.to_global(group.position[p]);
     Vec3 t = Vec3::Zero(), directions[3];
-    if (condition.traction)
-      t = grid_.rotation.transpose() * condition.traction(grid_.to_global(group.position[p]), grid_.rotation * n) /
-          scales_.stress;
-    const int count = known_directions(condition, n, grid_.rotation, directions);
+    if (condition.traction) t = grid_.rotation.transpose() * condition.traction(x, grid_.rotation * n) / scales_.stress;
+    const int count = known_directions(condition, x, n, grid_.rotation, directions);
     for (int i = 0; i < count; ++i) add_traction_row(rows, 0, d, n, directions[i], directions[i].dot(t));
   }
 }

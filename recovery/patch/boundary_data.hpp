@@ -1,6 +1,7 @@
 /// What the constrained recovery needs to know about one body's boundary.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -13,11 +14,22 @@ namespace cgcontact {
 struct TractionCondition {
   bool normal_held = false;                                 ///< symmetry plane or frictionless normal support
   std::array<bool, 3> component_held{false, false, false};  ///< prescribed displacement components, global axes
+  /// Other directions in which supports or springs act at x (m) with outward normal n, unit, global axes; empty: none.
+  /// May be called by several threads at the same time.
+  std::function<std::vector<Vec3>(const Vec3& x, const Vec3& n)> held;
   /// Prescribed traction in global axes, Pa, at x (m) with outward normal n (global axes); empty: zero.
   /// May be called by several threads at the same time.
   std::function<Vec3(const Vec3& x, const Vec3& n)> traction;
 
-  bool is_support() const { return normal_held || component_held[0] || component_held[1] || component_held[2]; }
+  bool is_support() const { return normal_held || component_held[0] || component_held[1] || component_held[2] || held; }
+  /// Does a support act along the normal, or along a direction whose cosine with it is more than `cosine`?
+  bool holds_normal(const Vec3& x, const Vec3& n, double cosine) const {
+    bool any = normal_held;
+    for (int i = 0; i < 3; ++i) any = any || (component_held[i] && std::abs(n[i]) > cosine);
+    if (held && !any)
+      for (const Vec3& direction : held(x, n)) any = any || std::abs(direction.dot(n)) > cosine;
+    return any;
+  }
 };
 
 /// A contact quadrature point seen from one body.

@@ -11,6 +11,7 @@ constexpr double tolerance = 1e-8;
 
 /// Is the normal direction held, and nothing else?
 bool holds_normal_only(const TractionCondition& condition, const Vec3& normal) {
+  if (condition.held) return false;
   bool held = condition.normal_held;
   for (int i = 0; i < 3; ++i) {
     if (!condition.component_held[i]) continue;

@@ -111,5 +111,71 @@ TEST(Loads, RotationPullsOutward) {
   EXPECT_LT((results.balance[0].loads - exact).norm(), 1e-9 * exact.norm());
 }
 
+/// A plate of 0.4 x 0.4 x 0.1 m with a hole of radius 0.1 m; `part`: what of it is there.
+std::unique_ptr<Scene> lug(const std::string& load, const std::string& part) {
+  return std::make_unique<Scene>(parse_scene(R"(
+[[body]]
+name = "lug"
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.03
+grid = {offset = [0.3, 0.6, 0.1], rotation = {axis = [0, 0, 1], angle = 20}}
+[body.shape]
+difference = [
+  {name = "plate", box = )" + part + R"(},
+  {name = "hole", cylinder = {base = [0, 0, -1], top = [0, 0, 1], radius = 0.1}},
+]
+[[support]]
+face = "lug.plate.y-"
+displacement = {x = 0, y = 0, z = 0}
+[[load]]
+face = "lug.hole.side"
+)" + load,
+                                             "lug"));
+}
+
+// The cosine pressure 2 F/(pi R t) on the half that faces the force (n . F < 0), exact in its resultant up to rounding;
+// the pressure by the quadrature of its kink, 1e-3. Half of the hole carries half of the force along the plane of
+// symmetry.
+TEST(Loads, ABearingForceIsACosinePressure) {
+  const std::string whole = "{min = [-0.2, -0.2, 0], max = [0.2, 0.2, 0.1]}",
+                    half = "{min = [0, -0.2, 0], max = [0.2, 0.2, 0.1]}";
+  for (const bool cut : {false, true}) {
+    const Vec3 F = cut ? Vec3(0, -2e4, 0) : Vec3(3e4, -4e4, 0);
+    const auto scene = lug(cut ? "force = [0, -2e4, 0]\nbearing = true\n" : "force = [3e4, -4e4, 0]\nbearing = true\n",
+                           cut ? half : whole);
+    Simulation simulation(*scene);
+    simulation.place({});
+    const auto [force, moment] = resultants(simulation, Vec3(0, 0, 0.05));
+    if (cut)
+      EXPECT_NEAR(force.dot(F), F.squaredNorm(), 1e-12 * F.squaredNorm());
+    else
+      EXPECT_LT((force - F).norm(), 1e-12 * F.norm());
+    EXPECT_LT(moment.norm(), 1e-3 * 0.1 * F.norm());
+    const double largest = 2 * F.norm() * (cut ? 2 : 1) / (M_PI * 0.1 * 0.1);
+    const FaceTraction traction = resultant_of(simulation.state.bodies[0], 0);
+    EXPECT_NEAR(traction.bearing.norm() / largest, 1, 1e-3);
+    EXPECT_LT((traction.at(Vec3::Zero(), -F.normalized()) - largest * F.normalized()).norm(), 2e-3 * largest);
+    EXPECT_EQ(traction.at(Vec3::Zero(), F.normalized()), Vec3(0, 0, 0));
+  }
+}
+
+TEST(Loads, ABearingForceNeedsACylinder) {
+  const std::string whole = "{min = [-0.2, -0.2, 0], max = [0.2, 0.2, 0.1]}";
+  const auto refusal = [&](const std::string& load, const std::string& face) {
+    auto scene = lug(load, whole);
+    scene->loads[0].face.face.surfaces = {face};
+    try {
+      Simulation(*scene).place({});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string force = "force = [3e4, 0, 0]\nbearing = true\n";
+  EXPECT_NE(refusal(force, "plate.x+").find("the face is no cylinder"), std::string::npos);
+  EXPECT_EQ(refusal(force, "hole.side"), "");
+  EXPECT_NE(refusal("force = [3e4, 0, 1]\nbearing = true\n", "hole.side").find("along the axis"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace cgcontact

@@ -275,7 +275,7 @@ TEST(PlaneStrain, WhatContradictsItIsRefused) {
        {"\"lower.z-\"", "along x", "or 0"}},
       {{{"face = \"upper.z+\"", "face = \"upper.x+\""}}, {"\"upper.x+\"", "lies on an end", "loads on the sides"}},
       {{{"pressure = 1e8", "pressure = 1e8\ntraction = [1e7, 0, 0]"}}, {"\"upper.z+\"", "acts along x"}},
-      {{{"cell_size = 0.1\n", "cell_size = 0.1\nbody_force = [1, 0, -1]\n"}}, {"body_force acts along"}},
+      {{{"cell_size = 0.1\n", "cell_size = 0.1\nbody_force = [1, 0, -1]\n"}}, {"force on its volume acts along"}},
   };
   for (const Case& c : cases) {
     const std::string message = refusal(c.changes);

@@ -1,0 +1,110 @@
+#include "contact/solve/preload.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cgcontact {
+namespace {
+
+/// Of the force asked for; the outer iteration converges to about that.
+constexpr double tolerance = 1e-6;
+/// The force is piecewise linear in the interference: a few solves, unless it does not follow it at all.
+constexpr int most_solves = 25;
+/// Steps of a pair without a force grow until its faces meet; of one with a force they are at most so many times what
+/// it is tightened by (zones that grow with the force are stiffer then).
+constexpr double growth = 4;
+
+/// Longest side of the smaller body, m.
+double longest_side(const std::vector<BodyModel>& bodies, const ContactPair& pair) {
+  double smaller = 1e300;
+  for (const int b : {pair.primary, pair.secondary}) {
+    Vec3 min, max;
+    bodies[b].spec->solid.bounding_box(min, max);
+    smaller = std::min(smaller, (max - min).maxCoeff());
+  }
+  return smaller;
+}
+
+/// Of two columns of a length below the area of the pair, N/m: a first guess.
+double guessed_stiffness(const std::vector<BodyModel>& bodies, const ContactPair& pair, double length) {
+  double area = 0, compliance = 0;
+  for (const ContactGroup& group : pair.groups) area += group.area;
+  for (const int b : {pair.primary, pair.secondary}) compliance += 1 / bodies[b].spec->material.youngs_modulus;
+  return bodies[pair.primary].slices * area / (compliance * length);
+}
+
+}  // namespace
+
+Preload::Preload(const Scene& scene) {
+  for (const ContactSpec& contact : scene.contacts)
+    if (contact.preload) tightened_.push_back(&contact);
+  const auto size = static_cast<Eigen::Index>(tightened_.size());
+  tightening_ = step_ = last_force_ = longest_ = Eigen::VectorXd::Zero(size);
+  stiffness_ = Eigen::MatrixXd::Zero(size, size);
+}
+
+double Preload::tightening(const ContactPair& pair) const {
+  const auto found = std::find(tightened_.begin(), tightened_.end(), pair.spec);
+  return found == tightened_.end() ? 0 : tightening_[found - tightened_.begin()];
+}
+
+void Preload::start_from(const Preload& earlier) {
+  tightening_ = earlier.tightening_;
+  stiffness_ = earlier.stiffness_;
+  guessed_ = false;
+}
+
+void Preload::begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs) {
+  for (Eigen::Index i = 0; i < tightening_.size(); ++i)
+    for (const ContactPair& pair : pairs) {
+      if (pair.spec != tightened_[i]) continue;
+      longest_[i] = longest_side(bodies, pair);
+      if (!guessed_) continue;
+      stiffness_(i, i) = guessed_stiffness(bodies, pair, longest_[i]);
+      tightening_[i] = *pair.spec->preload / stiffness_(i, i);
+    }
+}
+
+void Preload::refuse(Eigen::Index pair, double force) const {
+  const ContactSpec& spec = *tightened_[pair];
+  throw InputError(
+      spec.place, '"' + spec.name + '"',
+      fmt::format("its preload of {:.6g} N is not reached: after {} solves an interference of {:.4g} m gives {:.6g} N",
+                  *spec.preload, solves_, spec.interference + tightening_[pair], force),
+      "a pair whose force its interference gives, not the loads alone, within small strain");
+}
+
+bool Preload::tighten(const std::vector<ContactPair>& pairs, const std::vector<double>& forces) {
+  const Eigen::Index size = tightening_.size();
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(size), missing(size);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    for (std::size_t k = 0; k < pairs.size(); ++k)
+      if (pairs[k].spec == tightened_[i]) force[i] += forces[k];
+    missing[i] = *tightened_[i]->preload - force[i];
+  }
+  Eigen::Index worst = 0;
+  for (Eigen::Index i = 0; i < size; ++i)
+    if (std::abs(missing[i]) / *tightened_[i]->preload > std::abs(missing[worst]) / *tightened_[worst]->preload)
+      worst = i;
+  if (std::abs(missing[worst]) <= tolerance * *tightened_[worst]->preload) return false;
+  if (++solves_ == most_solves) refuse(worst, force[worst]);
+  if (guessed_ && solves_ == 1)  // in proportion, where the faces just touch without it
+    for (Eigen::Index i = 0; i < size; ++i)
+      if (force[i] > 0 && tightening_[i] > 0) stiffness_(i, i) = force[i] / tightening_[i];
+  if (step_.squaredNorm() > 0 && (force.array() > 0).all() && (last_force_.array() > 0).all())
+    stiffness_ += (force - last_force_ - stiffness_ * step_) * step_.transpose() / step_.squaredNorm();
+  const Eigen::VectorXd last_step = step_;
+  step_ = stiffness_.partialPivLu().solve(missing);
+  for (Eigen::Index i = 0; i < size; ++i) {
+    if (!(force[i] > 0)) step_[i] = std::max(missing[i] / stiffness_(i, i), growth * last_step[i]);
+    if (force[i] > 0 && tightening_[i] > 0) step_[i] = std::min(step_[i], growth * tightening_[i]);
+  }
+  for (Eigen::Index i = 0; i < size; ++i)
+    if (!(std::abs(tightened_[i]->interference + tightening_[i] + step_[i]) < longest_[i])) refuse(i, force[i]);
+  last_force_ = force;
+  tightening_ += step_;
+  return true;
+}
+
+}  // namespace cgcontact

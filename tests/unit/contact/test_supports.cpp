@@ -1,0 +1,192 @@
+/// Supports about an axis, springs to the ground and rotated faces, held to states that the elements have exactly.
+#include <gtest/gtest.h>
+
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr double E = 200e9, nu = 0.3;
+
+/// A stress and a displacement everywhere.
+template <class Stress, class Displacement>
+void expect(const Results& r, const Stress& stress, double stress_tolerance, const Displacement& u, double tolerance) {
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const test::Differences found = test::differences(r, stress, u);
+  EXPECT_LT(std::max(found.raw, found.recovered), stress_tolerance);
+  EXPECT_LT(found.displacement, tolerance);
+}
+
+/// A cylinder of radius 0.3 m about (0.1, 0.2), 0.5 m high, on a grid that does not fit it.
+std::string cylinder(const std::string& more, const std::string& grid) {
+  return R"(
+[[body]]
+name = "rod"
+shape = {cylinder = {base = [0.1, 0.2, 0], top = [0.1, 0.2, 0.5], radius = 0.3}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.11
+grid = )" +
+         grid + "\n" + more;
+}
+const std::string turned = "{offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}";
+
+/// Widened by the same strain everywhere: sigma_r = sigma_theta = E e/(1 - nu), the length shrinks by 2 nu e/(1 - nu).
+TEST(CylindricalSupport, WidensACylinderExactly) {
+  const double e = 1e-4;
+  const auto solved = test::run_text(cylinder(R"(
+[[support]]
+face = "rod.side"
+cylindrical = {radial = "0.3*1e-4", tangential = 0}
+[[support]]
+face = "rod.bottom"
+cylindrical = {axial = 0, point = [7, 8, 9], axis = [0, 0, 3]}
+)",
+                                              turned));
+  Sym3 stress = Sym3::Zero();
+  stress[0] = stress[1] = E * e / (1 - nu);
+  expect(
+      solved->results(), [&](const Vec3&) { return stress; }, 1e-10 * E * e,
+      [&](const Vec3& x) { return Vec3(e * (x[0] - 0.1), e * (x[1] - 0.2), -2 * nu * e / (1 - nu) * x[2]); },
+      1e-10 * e);
+  EXPECT_EQ(solved->results().supports[0].condition, "radial = 30 um, tangential = 0");
+  EXPECT_EQ(solved->results().supports[1].condition, "axial = 0");
+}
+
+/// The side as a bushing: what is held is the radial direction alone, the rod turns and slides in it without stress.
+TEST(CylindricalSupport, LetsARodTurnAndSlide) {
+  const auto solved = test::run_text(cylinder(R"scene(
+[[support]]
+face = "rod.side"
+cylindrical = {radial = 0}
+[[support]]
+face = "rod.top"
+cylindrical = {tangential = "1e-4*sqrt((x-0.1)^2+(y-0.2)^2)", axial = 2e-5, point = [0.1, 0.2, 0], axis = [0, 0, 1]}
+)scene",
+                                              turned),
+                                     test::tight_without_forces);
+  expect(
+      solved->results(), [&](const Vec3&) { return Sym3(Sym3::Zero()); }, 1e-10 * E * 1e-4,
+      [&](const Vec3& x) { return Vec3(-1e-4 * (x[1] - 0.2), 1e-4 * (x[0] - 0.1), 2e-5); }, 1e-13);
+}
+
+/// Torsion of a round bar, u = theta z/L (-y, x, 0): the elements of a grid along the axes have it exactly, cut or not.
+/// The moment is G J theta/L.
+TEST(RotatedFace, TwistsARoundBarExactly) {
+  const double degrees = 0.01, theta = degrees * M_PI / 180, L = 0.5, G = E / (2 * (1 + nu));
+  const auto solved = test::run_text(cylinder(R"(
+[[support]]
+face = "rod.bottom"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "rod.top"
+rotation = {axis = [0, 0, 2], angle = 0.01, centre = [0.1, 0.2, 5]}
+)",
+                                              "{offset = [0.3, 0.6, 0.2]}"));
+  const double scale = G * theta / L * 0.3;
+  const auto stress = [&](const Vec3& x) {
+    Sym3 s = Sym3::Zero();
+    s[4] = G * theta / L * (x[0] - 0.1);
+    s[5] = -G * theta / L * (x[1] - 0.2);
+    return s;
+  };
+  const auto u = [&](const Vec3& x) {
+    return Vec3(-theta * x[2] / L * (x[1] - 0.2), theta * x[2] / L * (x[0] - 0.1), 0);
+  };
+  expect(solved->results(), stress, 1e-9 * scale, u, 1e-10 * theta);
+  double moment = 0;
+  const SolvedState& state = solved->simulation->state;
+  for (std::size_t s = 0; s < state.supports.size(); ++s) {
+    const SupportPoint& p = state.supports[s];
+    if (p.support != 1) continue;
+    const Vec3 x = global_position(state.bodies[0].cut_cells, p.cell, p.xi) - Vec3(0.1, 0.2, 0);
+    moment += x.cross(p.weight * state.outer.support_stress[s] * p.direction)[2];
+  }
+  EXPECT_NEAR(moment / (G * M_PI * std::pow(0.3, 4) / 2 * theta / L), 1, 1e-9);
+}
+
+/// A block of 0.5 x 0.4 x 1 m on springs.
+std::string block(const std::string& more) {
+  return R"(
+[[body]]
+name = "block"
+shape = {box = {min = [0, 0, 0], max = [0.5, 0.4, 1]}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.13
+grid = )" +
+         turned + "\n" + more;
+}
+
+/// p/k under it, p/E in it; the same with springs of the whole face, and their reaction is the load.
+TEST(Springs, CarryABlockExactly) {
+  for (const char* springs : {"stiffness = 2e9", "spring = 0.4e9", "stiffness = [0, 0, \"2 GPa/m\"]"}) {
+    const auto solved = test::run_text(block(std::string("[[support]]\nface = \"block.z-\"\n") + springs + R"(
+[[support]]
+face = "block.x-"
+symmetry = true
+[[support]]
+face = "block.y-"
+symmetry = true
+[[load]]
+face = "block.z+"
+pressure = 1e6
+)"),
+                                       test::tight_without_forces);  // springs are no supports whose stress is lagged
+    const double p = 1e6, k = 2e9;
+    expect(
+        solved->results(), [&](const Vec3&) { return Sym3(-p * Sym3::Unit(2)); }, 1e-9 * p,
+        [&](const Vec3& x) { return Vec3(nu * p / E * x[0], nu * p / E * x[1], -p / k - p / E * x[2]); },
+        1e-10 * p / k);
+    EXPECT_NEAR(solved->results().supports[0].force[2] / (p * 0.2), 1, 1e-9);
+    EXPECT_EQ(
+        solved->results().supports[0].condition,
+        std::string("springs along ") + (springs[0] == 's' && springs[12] == '[' ? "z" : "normal") + " 2e+09 N/m^3");
+  }
+}
+
+/// A force through the springs' face moves the block by f/k in every direction, without stress.
+TEST(Springs, OfThreeDirectionsMoveABlockWithoutStress) {
+  const auto solved = test::run_text(block(R"(
+[[support]]
+face = "block.z-"
+stiffness = [1e9, 2e9, 4e9]
+[[load]]
+face = "block.z-"
+force = [2e5, 2e5, 2e5]
+)"));
+  const double t = 1e6;
+  expect(
+      solved->results(), [&](const Vec3&) { return Sym3(Sym3::Zero()); }, 1e-8 * t,
+      [&](const Vec3&) { return Vec3(t / 1e9, t / 2e9, t / 4e9); }, 1e-10 * t / 1e9);
+}
+
+/// What the axis of a face is: of a cylinder also from facets and from a part of it; of other faces there is none.
+TEST(FaceMoments, FindTheAxisOfACylinder) {
+  const auto around = [](int facets, double turn, int inside) {
+    FaceMoments moments;
+    const Mat3 R = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+    for (int f = 0; f < facets; ++f)
+      for (int i = 0; i < inside; ++i)
+        for (int k = 0; k < 5; ++k) {
+          const double middle = turn * (f + 0.5) / facets, half = turn / (2 * facets);
+          const Vec3 n(std::cos(middle), std::sin(middle), 0), t(-n[1], n[0], 0);
+          const Vec3 x = 0.3 * (n + std::tan(half) * ((2.0 * i + 1) / inside - 1) * t) + Vec3(0, 0, 0.2 * k);
+          moments.add(Vec3(100, 50, 20) + R * x, R * n, 1);
+        }
+    return std::make_pair(moments.axis(), Vec3(R.col(2)));
+  };
+  for (const auto& [facets, turn, inside] : {std::tuple(200, 2 * M_PI, 1), std::tuple(40, 1.0, 1),
+                                             std::tuple(12, 2 * M_PI, 4), std::tuple(10, M_PI / 2, 3)}) {
+    const auto [axis, direction] = around(facets, turn, inside);
+    ASSERT_TRUE(axis) << facets;
+    EXPECT_NEAR(std::abs(axis->direction.dot(direction)), 1, 1e-9);
+    const Vec3 r = axis->point - Vec3(100, 50, 20);
+    EXPECT_LT((r - r.dot(direction) * direction).norm(), inside == 1 ? 1e-7 : 0.01) << facets;
+  }
+  EXPECT_FALSE(around(4, 2 * M_PI, 10).first) << "the sides of a square";
+  FaceMoments plane;
+  for (int i = 0; i < 9; ++i) plane.add(Vec3(i % 3, i / 3, 0), Vec3::UnitZ(), 1);
+  EXPECT_FALSE(plane.axis());
+}
+
+}  // namespace
+}  // namespace cgcontact
