@@ -22,6 +22,7 @@
 #include "core/base/standard_descriptors.hpp"
 #include "core/base/text.hpp"
 #include "core/output/output.hpp"
+#include "core/output/output_compare.hpp"
 #include "core/output/output_summary.hpp"
 #include "core/program/cli.hpp"
 #include "core/program/interruption.hpp"
@@ -130,6 +131,15 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   return write(simulation.results, scene);
 }
 
+int compare(const CommandLine& options) {
+  const Comparison comparison = compare_results(options.first_result, options.second_result, options.out);
+  for (const std::string& warning : comparison.warnings) fmt::print(stderr, "warning: {}\n", printable(warning));
+  fmt::print("{}", comparison.text);
+  if (!comparison.files.empty())
+    fmt::print("written in {}: {}\n", printable(options.out), fmt::join(comparison.files, ", "));
+  return 0;
+}
+
 Scene read_scene_as_region(const CommandLine& options) {
   const ProfiledRegion region("scene");
   return read_scene(options.scene, options.overrides);
@@ -163,6 +173,7 @@ int main(int argc, char** argv) {
   try {
     if (!options) return flushed(exit_code);
     if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
+    if (options->command == CommandLine::compare) return flushed(compare(*options));
     if (options->command == CommandLine::study) return flushed(run_study(*options));
     if (options->command == CommandLine::run && TrilinosScope::has_openmp())
       restart_with_openmp_settings(options->threads, argv);

@@ -3,9 +3,13 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/parallel.hpp"
+
 namespace cgcontact {
 
 namespace {
+
+constexpr std::size_t grain = 1024;  ///< points per chunk of the parallel loop
 
 /// Extremes of values that come one by one.
 class Collector {
@@ -22,6 +26,17 @@ class Collector {
   void pressure(const Vec3& x, double p) {
     if (!most_.pressure) most_.pressure = Extreme{0, x};
     raise(p, x, *most_.pressure);
+  }
+
+  /// Of two places with the same value the one that came first.
+  void merge(const Collector& later) {
+    const Extremes& other = later.most_;
+    for (Extreme Extremes::*kind : {&Extremes::displacement, &Extremes::von_mises, &Extremes::tresca})
+      raise((other.*kind).value, (other.*kind).at, most_.*kind);
+    if (later.any_stress_ && (!any_stress_ || other.tension.value > most_.tension.value)) most_.tension = other.tension;
+    if (later.any_stress_ && (!any_stress_ || other.compression.value < most_.compression.value))
+      most_.compression = other.compression;
+    any_stress_ |= later.any_stress_;
   }
 
   Extremes finish(const Material& material) {
@@ -46,8 +61,13 @@ class BodySearch {
       : results_(results), fields_(results.bodies[body]), drawn_(drawn), cells_(*fields_.cut_cells), body_(body) {}
 
   Extremes whole() const {
+    std::vector<Collector> chunks(num_chunks(drawn_.position.size(), grain));
+    parallel_chunks("cgcontact::extremes::points", drawn_.position.size(), grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (std::size_t p = begin; p < end; ++p) add_point(p, chunks[chunk]);
+                    });
     Collector most;
-    for (std::size_t p = 0; p < drawn_.position.size(); ++p) add_point(p, most);
+    for (const Collector& chunk : chunks) most.merge(chunk);
     for (const ContactRow& row : results_.contact_rows)
       if (row.body == body_) most.pressure(row.x, row.touching ? row.pressure_sprc : 0);
     return most.finish(fields_.material);

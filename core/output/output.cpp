@@ -217,6 +217,7 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
   GnuplotRuns runs(parts.directory);
   if (scene.output.plots) write_plots(results, scene, runs);
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
+  if (scene.output.csv && !results.path.empty()) write_pressure_csv(results, temporary.file("pressure.csv"));
   if (scene.output.csv && !results.probes.empty()) write_probes_csv(results, temporary.file("probes.csv"));
   if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
   const std::vector<DrawnBody> drawn = draw_bodies(results);

@@ -32,6 +32,17 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
   write_text(file_name, text);
 }
 
+void write_pressure_csv(const Results& results, const std::string& file_name) {
+  std::string text = "pair,body,s,x,y,z,pressure_raw,pressure_spr,pressure_sprc,pressure_reference\n";
+  for (const PathSample& p : results.path) {
+    text += csv_text(results.pairs.at(p.pair).name) + "," + csv_text(results.bodies.at(p.body).name);
+    for (const double value : {p.s, p.x[0], p.x[1], p.x[2], p.pressure_raw, p.pressure_spr, p.pressure_sprc})
+      fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
+    text += p.has_reference ? fmt::format(",{:.{}g}\n", p.pressure_reference, digits) : ",\n";
+  }
+  write_text(file_name, text);
+}
+
 void write_steps_csv(const Results& results, const std::string& file_name) {
   std::string text =
       "step,loads,displacements,interference,contact,force,force_x,force_y,force_z,area,max_pressure,active_points,"

@@ -65,6 +65,13 @@ const char* const study_footer =
     "Exit codes: 0 all runs solved, 1 bad input, 2 at least one run failed or did not converge.\n"
     "Studies: docs/study.md. Keys of --vary and --set: docs/scene.md.";
 
+const char* const compare_footer =
+    "Examples:\n"
+    "  cgcontact compare out/rings out/fine\n"
+    "  cgcontact compare out/rings out/fine --out out/compare     compare.csv and the pressure curves on each other\n"
+    "Bodies and contact pairs are compared by their names.\n"
+    "Exit codes: 0 compared, 1 bad input.";
+
 const char* const init_footer =
     "Examples:\n"
     "  cgcontact init                                  scene.toml: a sphere on a block, with Hertz's solution\n"
@@ -266,6 +273,17 @@ Parser::Parser() {
       ->check(not_empty, "");
   check.add_flag("--settings", line.settings, "Print the settings of the method too, as TOML");
   describe_study();
+  CLI::App& compare =
+      add_command("compare", CommandLine::compare, "Put the results of two runs side by side", compare_footer);
+  compare.add_option("A", line.first_result, "Output directory of a run")
+      ->required()
+      ->type_name("")
+      ->check(not_empty, "");
+  compare.add_option("B", line.second_result, "That of another one")->required()->type_name("")->check(not_empty, "");
+  compare
+      .add_option("-o,--out", line.out, "Write compare.csv and the pressure curves there [default: nothing is written]")
+      ->type_name("DIR")
+      ->check(not_empty, "");
 }
 
 std::vector<std::string> Parser::commands() const {
@@ -355,7 +373,7 @@ std::string Parser::explain_option(const std::string& word, const CLI::App& comm
 
 /// The words of the error in one line, with a suggestion if a word is misspelt.
 std::string Parser::explain(const CLI::Error& error, int argc, const char* const* argv) const {
-  if (argc < 2) return "a command is needed: init, run SCENE, check SCENE or study SCENE";
+  if (argc < 2) return "a command is needed: init, run SCENE, check SCENE, study SCENE or compare A B";
   const std::string first = argv[1];
   if (first[0] != '-' && !contains(commands(), first)) {
     const bool is_scene = first.size() > 5 && first.substr(first.size() - 5) == ".toml";

@@ -17,7 +17,7 @@ constexpr const char* threads_variable = "CGCONTACT_THREADS";
 constexpr const char* set_variable = "CGCONTACT_SET";  ///< KEY=VALUE;KEY=VALUE;..., before those of --set
 
 struct CommandLine {
-  enum Command { run, check, study, init };
+  enum Command { run, check, study, init, compare };
   Command command = run;
   std::string scene;                                                  ///< file
   std::string out;                                                    ///< output directory; empty: as the scene says
@@ -27,6 +27,7 @@ struct CommandLine {
   std::vector<std::pair<std::string, std::string>> from_environment;  ///< variable, value: texts that were used
   std::string memory_limit;  ///< as for parse_memory (core/base/memory.hpp); empty: what there is
   StudyOptions study_options;
+  std::string first_result, second_result;  ///< compare: output directories
   InitOptions init_options;
   bool settings = false;  ///< check: print them too
 

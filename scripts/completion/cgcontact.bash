@@ -73,6 +73,8 @@ _cgcontact() {
     *)
       if [[ $current == -* ]]; then
         _cgcontact_words "$(_cgcontact_options "$program" "$command")"
+      elif [[ $command == compare ]]; then
+        compopt -o filenames 2>/dev/null; COMPREPLY=($(compgen -d -- "$current"))
       else
         _cgcontact_files toml
       fi ;;

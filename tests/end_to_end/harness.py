@@ -78,7 +78,8 @@ NOT_COMPARED = ("times_s", "peak_memory_bytes", "backend", "threads", "warnings"
 def largest_difference(first, second):
     """The largest difference between the results in two directories, and where it is. Columns of contact.csv: relative to
     the column's largest value; figures of the reports: to the value itself, components of forces and the zones of the pressure
-    error to the largest of all, moments at least to the largest force times its distance. Texts, counts and the state of every point must be equal. Residuals are not compared: the
+    error and the largest stresses of bodies to the largest of all, moments at least to the largest force times its distance. Of values
+    that several places have, rounding decides which place is told, and of a round zone which directions: these are not compared. Texts, counts and the state of every point must be equal. Residuals are not compared: the
     last ones are rounding."""
     differences = [(0, "")]
     rows, others = contact_rows(first), contact_rows(second)
@@ -93,14 +94,17 @@ def largest_difference(first, second):
             differences.append((max(abs(a - b) for a, b in values) / scale, column))
     reports = [figures({key: value for key, value in report(directory).items()
                         if key not in NOT_COMPARED and "residual" not in key}) for directory in (first, second)]
+    rounded = re.compile(r"^\.(bodies|maxima)\b.*(\bat|_at)\[\d+\]$|\.zone\.directions\[")
+    reports = [{name: value for name, value in each.items() if not rounded.search(name)} for each in reports]
     if set(reports[0]) != set(reports[1]):
         return float("inf"), f"parts of the reports: {sorted(set(reports[0]) ^ set(reports[1]))}"
     parts = re.compile(r"\.(force|moment)(\.\w+)?\[\d+\]$|\.(pressure_error)\[")
     balance = re.compile(r"\.balance\[\d+\]\.(loads|supports|contact)\[")
+    stresses = re.compile(r"^\.(bodies\[.*\.(max|min)_|maxima\.(min_)?)(von_mises|tresca|principal)")
 
     def kind_of(name):
         part = parts.search(name)
-        return "force" if balance.match(name) else part and (part.group(1) or part.group(3))
+        return "force" if balance.match(name) else "stress" if stresses.match(name) else part and (part.group(1) or part.group(3))
 
     kind = {name: kind_of(name) for name in reports[0]}
     largest = {}

@@ -63,8 +63,8 @@ class Reruns(unittest.TestCase):
         self.assertEqual(run("rerun").code, 0)
         pathlib.Path("rerun", "paper.txt").write_text("mine")
         self.assertEqual(run("rerun", *settings(output__vtk="false", output__plots="false")).code, 0)
-        self.assertEqual(sorted(os.listdir("rerun")), ["contact.csv", "paper.txt", "report.html", "report.json"])
-        self.assertEqual(report("rerun")["files"], ["contact.csv", "report.html", "report.json"])
+        self.assertEqual(sorted(os.listdir("rerun")), ["contact.csv", "paper.txt", "pressure.csv", "report.html", "report.json"])
+        self.assertEqual(report("rerun")["files"], ["contact.csv", "pressure.csv", "report.html", "report.json"])
         self.assertEqual([name for name in os.listdir(".") if name.startswith(".rerun")], [], "no remains beside it")
 
     def test_a_link_is_followed(self):
@@ -142,7 +142,7 @@ class FailedWrites(unittest.TestCase):
         pathlib.Path("small").mkdir()
         script = """set -e
           mount -t tmpfs -o size="$1" none small
-          "$2" run "$3" --set n=4 --set output.vtk=false --set output.plots=false --set output.report=false \\
+          "$2" run "$3" --set n=4 --set output.vtk=false --set output.plots=false --set output.report=false --set output.csv=false \\
             --out small/results >/dev/null 2>&1
           (cd small/results && sha256sum *) >before
           set +e; "$2" run "$3" --set n=10 --out small/results >/dev/null 2>messages; echo $? >code; set -e

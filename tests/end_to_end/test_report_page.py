@@ -221,7 +221,7 @@ class Pages(unittest.TestCase):
         _, written, text, root = self.run_scene(scene("two_solids"), n=4, output__plots="false", output__vtk="false")
         self.check(written, text, root, ["verdict", "reliability", "maxima", "contact", "reference", *ALWAYS[4:]])
         self.assertEqual(list(root.iter("img")), [])
-        self.assertEqual(sorted(written["files"]), ["contact.csv", "report.html", "report.json"])
+        self.assertEqual(sorted(written["files"]), ["contact.csv", "pressure.csv", "report.html", "report.json"])
 
     def test_without_gnuplot(self):
         """gnuplot missing: the page is there, without pictures, with the warning."""
