@@ -105,6 +105,8 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
   callbacks.step = [&](const OuterStep& s) { progress.outer_iteration(s.iteration, s.active_points, s.residual); };
   callbacks.solved = [&](int number, const SolveFigures& solve) { progress.message(describe(number, solve)); };
+  ResultWriter writer(scene, directory);
+  callbacks.load_step = [&](std::size_t number, const Results& step) { writer.add_step(number, step); };
   const auto write = [&](Results& results, const Scene& solved) {
     progress.begin_phase("output");
     const ProfiledRegion region("output");
@@ -113,8 +115,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
     results.threads = TrilinosScope::concurrency();
     if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
     decisive_first(results.warnings);
-    for (const std::string& warning : write_results(results, solved, directory))
-      progress.message("warning: " + warning);
+    for (const std::string& warning : writer.write(results, solved)) progress.message("warning: " + warning);
     progress.finish();
     fmt::print("{}", summary(results, directory));
     if (results.converged) return 0;

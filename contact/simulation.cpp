@@ -146,7 +146,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       continue;
     }
     if (std::exchange(tightened, false) && !state.outer.converged) continue;  // once more, from nothing
-    if (!state.scene.steps.empty()) record_step(steps[k], k + 1 == steps.size());
+    if (!state.scene.steps.empty()) record_step(k, progress);
     if (!state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
       add_warning(
           fmt::format("step {} of {}: nothing acts, neither loads nor prescribed displacements nor overlap: no "
@@ -200,14 +200,16 @@ bool Simulation::see_farther() {
 }
 
 /// Figures of a step; the pairs of the last one are those of the results.
-void Simulation::record_step(const StepSpec& step, bool is_last) {
+void Simulation::record_step(std::size_t number, const ProgressCallbacks& progress) {
   Results part;
-  if (!is_last) {
+  if (number + 1 < state.scene.steps.size()) {
     recover();
     fill_contact_rows(state, part);
     fill_pair_figures(state, part);
+    fill_fields(state, part);
+    progress.load_step(number, part);
   }
-  results.steps.push_back({step, state.outer.iterations, state.outer.converged, part.pairs});
+  results.steps.push_back({state.scene.steps[number], state.outer.iterations, state.outer.converged, part.pairs, {}});
 }
 
 void Simulation::place_on_grids() {

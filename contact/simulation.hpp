@@ -10,10 +10,12 @@
 
 namespace cgcontact {
 
-/// Called when a phase starts (seconds = 0) or ends, and after every outer iteration.
+/// Called when a phase starts (seconds = 0) or ends, after every outer iteration, and after each step of [steps] but
+/// the last one, with its number from 0, its fields, contact rows and pairs; they are gone when the next step begins.
 struct ProgressCallbacks {
   std::function<void(const std::string& phase)> phase = [](const std::string&) {};
   std::function<void(const OuterStep&)> step = [](const OuterStep&) {};
+  std::function<void(std::size_t number, const Results&)> load_step = [](std::size_t, const Results&) {};
 };
 
 /// The steps of a run, and what they leave behind.
@@ -47,7 +49,7 @@ class Simulation {
   void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
   bool see_farther();
-  void record_step(const StepSpec& step, bool is_last);
+  void record_step(std::size_t number, const ProgressCallbacks& progress);
   void add_warning(const std::string& warning);
   bool tighten();
   void choose_reference();

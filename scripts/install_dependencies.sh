@@ -24,7 +24,7 @@ packages=(
 )
 for option in "$@"; do
   case "$option" in
-    --test) packages+=(python3 python3-vtk9 python3-matplotlib python3-scipy python3-meshio groff-base) ;;
+    --test) packages+=(python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio groff-base) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
     --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;

@@ -78,7 +78,23 @@ double energy_of_rounding(const BodyModel& body) {
 
 }  // namespace
 
+void fill_fields(const SolvedState& state, Results& results) {
+  for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
+    BodyFields fields;
+    fields.name = state.bodies[b].spec->name;
+    fields.cut_cells = &state.bodies[b].cut_cells;
+    fields.material = state.bodies[b].spec->material;
+    fields.displacement = [&state, b](int cell, const Vec3& xi) { return displacement(state, b, cell, xi); };
+    fields.stress_raw = [&state, b](int cell, const Vec3& xi) { return raw_stress(state, b, cell, xi); };
+    fields.stress_recovered = [&state, b](int cell, const Vec3& xi) {
+      return recovered_stress(state, state.sprc[b], b, cell, xi);
+    };
+    results.bodies.push_back(std::move(fields));
+  }
+}
+
 void fill_body_fields(const SolvedState& state, Results& results) {
+  fill_fields(state, results);
   const double energy = state.scales.stress * std::pow(state.scales.length, 3);
   double error = 0, solution = 0, exact_error = 0;
   const ReferenceSpec& reference = state.reference;
@@ -94,21 +110,12 @@ void fill_body_fields(const SolvedState& state, Results& results) {
     error += sums.error;
     solution += sums.solution + energy_of_rounding(state.bodies[b]) / energy;
     exact_error += sums.exact_error;
-    BodyFields fields;
-    fields.name = state.bodies[b].spec->name;
-    fields.cut_cells = &state.bodies[b].cut_cells;
-    fields.material = state.bodies[b].spec->material;
-    fields.displacement = [&state, b](int cell, const Vec3& xi) { return displacement(state, b, cell, xi); };
-    fields.stress_raw = [&state, b](int cell, const Vec3& xi) { return raw_stress(state, b, cell, xi); };
-    fields.stress_recovered = [&state, b](int cell, const Vec3& xi) {
-      return recovered_stress(state, state.sprc[b], b, cell, xi);
-    };
+    BodyFields& fields = results.bodies[b];
     fields.error_of_cell = std::move(sums.error_of_cell);
     for (double& e : fields.error_of_cell) e = std::sqrt(e * energy);
     fields.energy_of_cell = std::move(sums.solution_of_cell);
     for (double& e : fields.energy_of_cell) e *= energy;
     if (!state.patch_states.empty()) fill_patch_states(state.system.meshes[b], state.patch_states[b], fields);
-    results.bodies.push_back(std::move(fields));
   }
   results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);
   results.estimated_error_relative = std::sqrt(std::max(error, 0.0) / std::max(solution, 1e-300));

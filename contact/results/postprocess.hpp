@@ -10,6 +10,8 @@ namespace cgcontact {
 void fill_counts(const SolvedState& state, Results& results);
 /// Displacement and stress fields, error estimate and effectivity. They refer to the state.
 void fill_body_fields(const SolvedState& state, Results& results);
+/// The fields alone.
+void fill_fields(const SolvedState& state, Results& results);
 void fill_support_figures(const SolvedState& state, Results& results);
 /// Resultants on every body; needs the pair figures.
 void fill_balance(const SolvedState& state, Results& results);

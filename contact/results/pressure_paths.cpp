@@ -65,15 +65,15 @@ Vec3 direction_of(const Results& results, const ContactRow& top) {
 /// Walks along the face within the plane of normal and direction at `top`; visit(row, way) after every step of that
 /// length returns false to stop. Ends with the face and where the walk is back at its beginning.
 template <class Visit>
-void walk(const SolvedState& state, const Results& results, const ContactRow& top, const Vec3& along, double step,
-          int steps, const Visit& visit) {
+void walk(const FaceProjection& project, const ContactRow& top, const Vec3& along, double step, int steps,
+          const Visit& visit) {
   const Vec3 across = top.normal.cross(along);
   Vec3 x = top.x, normal = top.normal, forward = along;
   for (int k = 1; k <= steps; ++k) {
     Vec3 tangent = normal.cross(across).normalized();
     if (tangent.dot(forward) < 0) tangent = -tangent;
     if (!tangent.allFinite()) return;
-    const std::optional<ContactRow> row = project_to_face(state, results, top.body, top.pair, x + step * tangent);
+    const std::optional<ContactRow> row = project(top.body, top.pair, x + step * tangent);
     // The end of a face throws the projection back.
     if (!row || (row->x - x).dot(tangent) < 0.3 * step) return;
     x = row->x;
@@ -90,12 +90,11 @@ struct Extent {
   bool closed = false;  ///< back at its beginning
 };
 
-/// A little beyond the zone, to the end of the face, or once around it.
-Extent extent_of(const SolvedState& state, const Results& results, const ContactRow& top, const Vec3& along) {
-  const double h = state.bodies[top.body].cut_cells.h(top.cell);
+/// A little beyond the zone, to the end of the face, or once around it. h: size of a cell there, m.
+Extent extent_of(const FaceProjection& project, const ContactRow& top, const Vec3& along, double h) {
   double last_pressed = 0;
   Extent extent;
-  walk(state, results, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
+  walk(project, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
     extent.length = way;
     extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
     if (row.pressure_sprc > no_pressure * top.pressure_sprc) last_pressed = way;
@@ -110,20 +109,21 @@ struct Place {
 };
 
 /// From one end to the other, s = 0 at the largest pressure.
-std::vector<Place> places_of(const SolvedState& state, const Results& results, const ContactRow& top) {
+std::vector<Place> places_of(const SolvedState& state, const Results& results, const FaceProjection& project,
+                             const ContactRow& top) {
   const Vec3 along = direction_of(results, top);
-  const Extent whole = extent_of(state, results, top, along);
+  const double h = state.bodies[top.body].cut_cells.h(top.cell);
+  const Extent whole = extent_of(project, top, along, h);
   const double ahead = whole.closed ? whole.length / 2 : whole.length;
-  const double back = whole.closed ? ahead : extent_of(state, results, top, -along).length;
+  const double back = whole.closed ? ahead : extent_of(project, top, -along, h).length;
   if (!(back + ahead > 0)) return {};
   const double step = (back + ahead) / (num_samples - 1);
   std::vector<Place> places;
   const auto add = [&](double sign, double length) {
-    walk(state, results, top, sign * along, step, static_cast<int>(length / step),
-         [&](const ContactRow& row, double way) {
-           places.push_back({sign * way, row.x});
-           return true;
-         });
+    walk(project, top, sign * along, step, static_cast<int>(length / step), [&](const ContactRow& row, double way) {
+      places.push_back({sign * way, row.x});
+      return true;
+    });
   };
   add(-1, back);
   std::reverse(places.begin(), places.end());
@@ -134,8 +134,8 @@ std::vector<Place> places_of(const SolvedState& state, const Results& results, c
 
 class Sampler {
  public:
-  Sampler(const SolvedState& state, Results& results)
-      : state_(state), results_(results), reference_(state.scene, state.reference) {}
+  Sampler(const SolvedState& state, const FaceProjection& project, Results& results)
+      : state_(state), project_(project), results_(results), reference_(state.scene, state.reference) {}
 
   /// Both bodies of a pair, or of any for pair = -1.
   void add(const std::vector<Place>& places, int pair) {
@@ -144,7 +144,7 @@ class Sampler {
       if (pair >= 0 && state_.pairs[pair].primary != b && state_.pairs[pair].secondary != b) continue;
       std::vector<std::optional<ContactRow>> rows(places.size());
       parallel_for("cgcontact::pressure_paths::points", places.size(), 8,
-                   [&](std::size_t i) { rows[i] = project_to_face(state_, results_, b, pair, places[i].x); });
+                   [&](std::size_t i) { rows[i] = project_(b, pair, places[i].x); });
       for (std::size_t i = 0; i < places.size(); ++i) {
         if (!rows[i]) continue;
         PathSample sample;
@@ -164,21 +164,34 @@ class Sampler {
 
  private:
   const SolvedState& state_;
+  const FaceProjection& project_;
   Results& results_;
   const Reference reference_;
 };
 
 }  // namespace
 
-std::optional<ContactRow> project_to_face(const SolvedState& state, const Results& results, int body, int pair,
-                                          const Vec3& x) {
-  const BodyModel& model = state.bodies[body];
+FaceProjection::FaceProjection(const SolvedState& state, const Results& results) : state_(state), results_(results) {
+  std::vector<double> reach(state.bodies.size(), 0.0);
+  for (const ContactRow& row : results.contact_rows)
+    reach[row.body] = std::max(reach[row.body], state.bodies[row.body].cut_cells.h(row.cell));
+  for (const double r : reach) rows_.emplace_back(r > 0 ? r : 1.0);
+  for (std::size_t i = 0; i < results.contact_rows.size(); ++i)
+    rows_[results.contact_rows[i].body].add(results.contact_rows[i].x, static_cast<int>(i));
+}
+
+std::optional<ContactRow> FaceProjection::operator()(int body, int pair, const Vec3& x) const {
+  const BodyModel& model = state_.bodies[body];
   const Grid& grid = model.cut_cells.grid;
   const ContactRow* nearest = nullptr;
-  for (const ContactRow& r : results.contact_rows)
-    if (r.body == body && (pair < 0 || r.pair == pair) &&
-        (!nearest || (r.x - x).squaredNorm() < (nearest->x - x).squaredNorm()))
-      nearest = &r;
+  double least = std::numeric_limits<double>::infinity();
+  rows_[body].each_near(x, [&](int i) {
+    const ContactRow& row = results_.contact_rows[i];
+    const double distance = (row.x - x).squaredNorm();
+    if ((pair >= 0 && row.pair != pair) || distance > least || (distance == least && &row > nearest)) return;
+    nearest = &row;
+    least = distance;
+  });
   if (!nearest || (nearest->x - x).norm() > model.cut_cells.h(nearest->cell)) return std::nullopt;
   const Vec3 g = grid.to_grid(x), row_normal = grid.rotation.transpose() * nearest->normal;
   const Solid& solid = model.cut_cells.solid;
@@ -188,12 +201,13 @@ std::optional<ContactRow> project_to_face(const SolvedState& state, const Result
   if (n.dot(row_normal) < 0) n = -n;
   const int cell = model.cut_cells.locate(position - 1e-9 * n);
   if (cell < 0) return std::nullopt;
-  return contact_row(state, body, nearest->pair, cell, position, grid.rotation * n);
+  return contact_row(state_, body, nearest->pair, cell, position, grid.rotation * n);
 }
 
 void fill_paths(const SolvedState& state, Results& results) {
   if (results.contact_rows.empty()) return;
-  Sampler sampler(state, results);
+  const FaceProjection project(state, results);
+  Sampler sampler(state, project, results);
   if (state.scene.output.path) {
     const auto& [from, to] = *state.scene.output.path;
     std::vector<Place> places;
@@ -206,7 +220,8 @@ void fill_paths(const SolvedState& state, Results& results) {
   }
   results.path_from_largest = true;
   for (int pair = 0; pair < static_cast<int>(results.pairs.size()); ++pair)
-    if (const ContactRow* const top = largest_row(results, pair)) sampler.add(places_of(state, results, *top), pair);
+    if (const ContactRow* const top = largest_row(results, pair))
+      sampler.add(places_of(state, results, project, *top), pair);
 }
 
 }  // namespace cgcontact

@@ -2,16 +2,28 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "contact/solve/solved_state.hpp"
+#include "core/base/point_buckets.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
 
-/// The point of a body's contact faces nearest to x: on the surface of the nearest contact row, which is a cell away at
-/// most. pair: of that row, or -1: any.
-std::optional<ContactRow> project_to_face(const SolvedState& state, const Results& results, int body, int pair,
-                                          const Vec3& x);
+/// Finds places on the contact faces of a run.
+class FaceProjection {
+ public:
+  FaceProjection(const SolvedState& state, const Results& results);
+
+  /// The point of a body's contact faces nearest to x: on the surface of the nearest contact row, which is a cell away
+  /// at most. pair: of that row, or -1: any.
+  std::optional<ContactRow> operator()(int body, int pair, const Vec3& x) const;
+
+ private:
+  const SolvedState& state_;
+  const Results& results_;
+  std::vector<PointBuckets> rows_;  ///< of each body, m
+};
 
 /// Sets Results::path. With a path in the scene: 401 places of that line, projected to the faces of every body. Without
 /// one, for every pair a line that follows the face through the largest pressure, along the coordinate axis (or else

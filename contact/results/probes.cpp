@@ -17,8 +17,8 @@ constexpr double on_face = 1e-3;
 
 class Prober {
  public:
-  Prober(const SolvedState& state, const Results& results, const ProbeSpec& probe)
-      : state_(state), results_(results), probe_(probe) {}
+  Prober(const SolvedState& state, const FaceProjection& project, const ProbeSpec& probe)
+      : state_(state), project_(project), probe_(probe) {}
 
   /// Values in one body; none if it does not hold the point.
   std::optional<ProbeSample> sample(int body, int point) const {
@@ -63,7 +63,7 @@ class Prober {
   }
 
   double contact_pressure(int body, const Vec3& x) const {
-    const auto row = project_to_face(state_, results_, body, -1, x);
+    const auto row = project_(body, -1, x);
     const bool there = row && (row->x - x).norm() < on_face * state_.bodies[body].cut_cells.h(row->cell);
     return there ? row->pressure_sprc : std::numeric_limits<double>::quiet_NaN();
   }
@@ -74,17 +74,17 @@ class Prober {
   }
 
   const SolvedState& state_;
-  const Results& results_;
+  const FaceProjection& project_;
   const ProbeSpec& probe_;
 };
 
-ProbeFigures figures_of(const SolvedState& state, const Results& results, const ProbeSpec& probe) {
+ProbeFigures figures_of(const SolvedState& state, const FaceProjection& project, const ProbeSpec& probe) {
   ProbeFigures figures;
   figures.name = probe.name;
   figures.kind = probe.kind;
   figures.fields = probe.fields;
   figures.points = probe.points.size();
-  const Prober prober(state, results, probe);
+  const Prober prober(state, project, probe);
   if (probe.kind == ProbeSpec::Kind::face) {
     const BodyModel& body = state.bodies[probe.body];
     const std::vector<int> points = BodyFace(probe.face.face, body).points();
@@ -112,8 +112,10 @@ ProbeFigures figures_of(const SolvedState& state, const Results& results, const 
 }  // namespace
 
 void fill_probes(const SolvedState& state, Results& results) {
+  if (state.scene.probes.empty()) return;
+  const FaceProjection project(state, results);
   for (const ProbeSpec& probe : state.scene.probes) {
-    results.probes.push_back(figures_of(state, results, probe));
+    results.probes.push_back(figures_of(state, project, probe));
     const ProbeFigures& figures = results.probes.back();
     if (figures.outside > 0)
       results.warnings.push_back(fmt::format("probe \"{}\": {} of its {} points are outside of {}: no values there",

@@ -166,9 +166,7 @@ double volume_of_cell(const CutCells& cut_cells, int cell) {
   return cut_cells.volume_fraction(cell) * (grid.is_quadtree() ? h * h * grid.thickness : std::pow(h, 3));
 }
 
-DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
-  DrawnBody drawn;
-  drawn.mesh = std::move(mesh);
+void redraw(const BodyFields& fields, DrawnBody& drawn) {
   const CutCells& cut_cells = *fields.cut_cells;
   const std::size_t n = drawn.mesh.points.size();
   drawn.position.resize(n);
@@ -183,6 +181,12 @@ DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
     if (fields.displacement) drawn.displacement[p] = fields.displacement(cell, xi);
     if (fields.stress_recovered) drawn.stress[p] = fields.stress_recovered(cell, xi);
   });
+}
+
+DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {
+  DrawnBody drawn;
+  drawn.mesh = std::move(mesh);
+  redraw(fields, drawn);
   return drawn;
 }
 

@@ -24,6 +24,8 @@ DrawnBody draw_body(const BodyFields& fields);
 std::vector<DrawnBody> draw_bodies(const Results& results);
 /// Another mesh of the same body, for example of a part of it.
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh);
+/// Other fields of the same body, for example those of another step, at the points that it has.
+void redraw(const BodyFields& fields, DrawnBody& drawn);
 
 /// Values of the contact rows on the triangles of the contact faces.
 struct ContactSurface {

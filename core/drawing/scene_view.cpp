@@ -111,22 +111,15 @@ std::optional<ContactPlace> contact_inside(const Results& results, const SceneBo
   return place;
 }
 
-/// The bodies without the quarter towards the viewer around the contact.
-std::vector<DrawnBody> cut_open(const std::vector<DrawnBody>& bodies, const ContactPlace& place, const Vec3& eye) {
-  std::array<Vec3, 2> towards_viewer;
+/// The quarter towards the viewer around the contact.
+SceneCut cut_towards(const ContactPlace& place, const Vec3& eye) {
+  SceneCut cut;
+  cut.corner = place.centre;
   for (int i = 0; i < 2; ++i) {
     const int k = (place.axis + 1 + i) % 3;
-    towards_viewer[i] = Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0);
+    cut.directions[i] = Vec3::Unit(k) * (eye[k] < 0 ? -1.0 : 1.0);
   }
-  std::vector<DrawnBody> open;
-  for (const DrawnBody& body : bodies) open.push_back(cut_open(body, place.centre, towards_viewer));
-  return open;
-}
-
-std::vector<DrawnBody> boundaries_of(const std::vector<DrawnBody>& bodies) {
-  std::vector<DrawnBody> boundaries;
-  for (const DrawnBody& body : bodies) boundaries.push_back(boundary_of(body));
-  return boundaries;
+  return cut;
 }
 
 }  // namespace
@@ -143,12 +136,19 @@ SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bo
   } else {
     look_from_corner(bodies, view.camera);
     if (const auto place = contact_inside(results, view.box)) {
-      view.shown = cut_open(bodies, *place, view.camera.eye);
+      view.cut = cut_towards(*place, view.camera.eye);
       view.opened = true;
     }
   }
-  if (!view.opened) view.shown = boundaries_of(bodies);
+  view.shown = shown_in(view, bodies);
   return view;
+}
+
+std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBody>& bodies) {
+  std::vector<DrawnBody> shown;
+  for (const DrawnBody& body : bodies)
+    shown.push_back(view.opened ? cut_open(body, view.cut.corner, view.cut.directions) : boundary_of(body));
+  return shown;
 }
 
 SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone) {
@@ -165,8 +165,8 @@ SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& sc
   }
   look_from(eye, view.camera);
   view.opened = !reaches_side;
-  view.shown =
-      reaches_side ? boundaries_of(bodies) : cut_open(bodies, {(zone.box.low + zone.box.high) / 2, zone.axis}, eye);
+  view.cut = cut_towards({(zone.box.low + zone.box.high) / 2, zone.axis}, eye);
+  view.shown = shown_in(view, bodies);
   return view;
 }
 

@@ -1,6 +1,7 @@
 /// From where the pictures of a result look at the scene, and what they leave out so that the contact is seen.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
@@ -19,17 +20,27 @@ struct SceneBox {
   Vec3 extent() const { return high - low; }
 };
 
+/// The quarter that is left out: beyond the corner in both directions.
+struct SceneCut {
+  Vec3 corner = Vec3::Zero();
+  std::array<Vec3, 2> directions{Vec3::Zero(), Vec3::Zero()};
+};
+
 struct SceneView {
   Camera camera;                 ///< directions only
   int thin_axis = -1;            ///< axis along which a thin scene is seen, or -1: view in space
   SceneBox box;                  ///< of the whole bodies, undeformed
   bool opened = false;           ///< without the quarter towards the viewer around the contact
+  SceneCut cut;                  ///< if it is opened
   std::vector<DrawnBody> shown;  ///< boundaries, and sections where they are opened
 };
 
 /// Thin bodies (at most two cells across) and quadtrees are seen from the front, others from above at an angle, from
 /// the corner that shows the most stress, cut open where the contact lies inside.
 SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies);
+
+/// SceneView::shown of the same bodies with other fields.
+std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBody>& bodies);
 
 /// Where a pair is pressed.
 struct ContactZoneBox {

@@ -30,6 +30,7 @@
 #include "core/output/output_pressure_map.hpp"
 #include "core/output/output_probes.hpp"
 #include "core/output/output_sections.hpp"
+#include "core/output/output_steps.hpp"
 #include "core/output/output_vtk.hpp"
 #include "core/program/interruption.hpp"
 
@@ -209,8 +210,20 @@ std::vector<CheckedBody> checked_bodies(const Results& results) {
   return bodies;
 }
 
+constexpr const char* steps_file = "steps.vtkhdf";
+
+/// Needs the extremes: of the last step they are those of the results. `fields`: none if that is the only one.
+void set_displacements(const StepFields* fields, Results& results) {
+  for (std::size_t k = 0; fields && k < results.steps.size(); ++k)
+    results.steps[k].displacement = fields->largest_displacements()[k];
+  const int body = body_with_largest(results.extremes, &Extremes::displacement);
+  if (!results.steps.empty() && body >= 0)
+    results.steps.back().displacement = results.extremes[body].body.displacement.value;
+}
+
 /// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
-PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary) {
+/// `steps`: with all steps, or none.
+PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps) {
   PageParts parts;
   parts.directory = temporary.path().string();
   for (const SectionSpec& section : scene.sections) parts.sections.push_back({section.name, section_picture(section)});
@@ -219,13 +232,17 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
   if (scene.output.csv && !results.path.empty()) write_pressure_csv(results, temporary.file("pressure.csv"));
   if (scene.output.csv && !results.probes.empty()) write_probes_csv(results, temporary.file("probes.csv"));
-  if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
-  const std::vector<DrawnBody> drawn = draw_bodies(results);
+  const std::vector<DrawnBody> drawn_now = steps ? std::vector<DrawnBody>{} : draw_bodies(results);
+  const std::vector<DrawnBody>& drawn = steps ? steps->drawn() : drawn_now;
   results.extremes = extremes_of(results, scene, drawn);
+  set_displacements(steps, results);
+  if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
+  if (scene.output.plots && steps && !results.pairs.empty()) write_force_displacement_plot(results, runs);
+  std::optional<SceneView> view;
   if (scene.output.vtk || scene.output.plots) {
     const ContactSurface surface = make_contact_surface(results, drawn);
     const auto draw = [&] {
-      const SceneView scene_view = look_at_scene(results, drawn);
+      const SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
       write_picture(results, drawn, scene_view, runs);
       write_grid_picture(results, drawn, scene_view, runs);
       write_sections(scene, drawn, runs);
@@ -241,8 +258,11 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
       if (task == 1 && scene.output.vtk) write_fields();
     });
   }
+  if (steps && view) parts.steps = steps->draw(results.title, *view, runs);
+  if (steps) steps->finish();
   parts.warnings = runs.finish();
   std::error_code error;
+  if (steps && !scene.output.vtk) fs::remove(temporary.path() / steps_file, error);
   if (parts.warnings.empty()) fs::remove_all(temporary.path() / "plots", error);
   return parts;
 }
@@ -269,14 +289,44 @@ void check_output_directory(const std::string& directory) try {
   throw InputError(fmt::format("cannot write results to {}: {}", directory, error.code().message()));
 }
 
-std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory) {
-  const fs::path target = absolute_directory(directory);
+struct ResultWriter::Parts {
+  fs::path target;
+  std::string directory;
+  std::size_t num_steps;
+  bool with_fields;
+  std::optional<TemporaryDirectory> temporary;
+  std::optional<StepFields> steps;
+};
+
+ResultWriter::ResultWriter(const Scene& scene, const std::string& directory)
+    : parts_(new Parts{absolute_directory(directory),
+                       directory,
+                       scene.steps.size(),
+                       scene.output.vtk || scene.output.plots,
+                       {},
+                       {}}) {}
+ResultWriter::~ResultWriter() = default;
+
+void ResultWriter::add_step(std::size_t number, const Results& step) {
+  if (!parts_->steps) {
+    std::optional<std::string> file;
+    if (parts_->with_fields) file = parts_->temporary.emplace(parts_->target).file(steps_file);
+    parts_->steps.emplace(parts_->num_steps, file);
+  }
+  parts_->steps->add(number, step);
+}
+
+std::vector<std::string> ResultWriter::write(Results& results, const Scene& scene) {
+  const fs::path& target = parts_->target;
   const auto start = std::chrono::steady_clock::now();
   try {
     remove_remains(target);
     const std::vector<std::string> old = old_files(target);
-    const TemporaryDirectory temporary(target);
-    PageParts parts = write_files(results, scene, temporary);
+    if (!parts_->temporary) parts_->temporary.emplace(target);
+    const TemporaryDirectory& temporary = *parts_->temporary;
+    StepFields* const steps = parts_->steps ? &*parts_->steps : nullptr;
+    if (steps) steps->add(parts_->num_steps - 1, results);
+    PageParts parts = write_files(results, scene, temporary, steps);
     std::vector<std::string>& files = parts.files;
     files.emplace_back("report.json");
     if (scene.output.report) files.emplace_back("report.html");
@@ -290,12 +340,16 @@ std::vector<std::string> write_results(Results& results, const Scene& scene, con
     write_report(results, files, parts.warnings, temporary.file("report.json"));
     uninterrupted([&] {
       replace(temporary.path(), target, old);
-      set_interruption_note("the results in " + directory + " are complete");
+      set_interruption_note("the results in " + parts_->directory + " are complete");
     });
     return parts.warnings;
   } catch (const fs::filesystem_error& error) {
     throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.code().message()));
   }
+}
+
+std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory) {
+  return ResultWriter(scene, directory).write(results, scene);
 }
 
 }  // namespace cgcontact

@@ -1,6 +1,7 @@
 /// Writes the results of a run into a directory that is either the old one or the new one, never half of it.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,24 @@ namespace cgcontact {
 /// kept. Throws InputError if `directory` cannot be written or holds something that is not a result; it is then as it
 /// was before. Returns warnings (for example: no gnuplot, no pictures), which report.json holds too.
 std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory);
+
+/// The same for a run in steps: the fields of all of them are written too, in steps.vtkhdf and pictures.
+class ResultWriter {
+ public:
+  /// The scene as it was read; the grids of the solved one may be others.
+  ResultWriter(const Scene& scene, const std::string& directory);
+  ~ResultWriter();
+  ResultWriter(const ResultWriter&) = delete;
+
+  /// A step but the last, from number 0, with fields, contact rows and pairs. Number 0 forgets all before.
+  void add_step(std::size_t number, const Results& step);
+  /// As write_results; adds the last step.
+  std::vector<std::string> write(Results& results, const Scene& scene);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
 
 /// Throws the InputError that write_results would throw for a directory that it may not replace or create; for use
 /// before a long run.

@@ -4,8 +4,12 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <stdexcept>
+#include <utility>
 
+#include "core/base/errors.hpp"
 #include "core/base/text.hpp"
 
 namespace cgcontact {
@@ -54,16 +58,45 @@ hid_t type_of<double>() {
   return H5T_NATIVE_DOUBLE;
 }
 
+/// Before all else. At the end of the program HDF5 would close a file once more that it could not write (and crash).
+void begin_hdf() {
+  static const herr_t once = H5dont_atexit();
+  static_cast<void>(once);
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
 }  // namespace
 
+/// Of a file on the disk they mean the disk.
+template <class Id>
+Id HdfFile::check(Id id, const char* what) {
+  if (id < 0 && !on_disk_.empty()) {
+    is_broken_ = true;
+    throw InputError(fmt::format("cannot write {}: {}", on_disk_,
+                                 errno != 0 ? std::strerror(errno) : fmt::format("HDF5 could not {}", what).c_str()));
+  }
+  return cgcontact::check(id, what);
+}
+
 HdfFile::HdfFile() {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  begin_hdf();
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare a file");
   check(H5Pset_fapl_core(access.id, std::size_t{1} << 22, 0), "prepare a file in memory");
   file_ = check(H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access.id), "create a file in memory");
 }
 
-HdfFile::~HdfFile() { H5Fclose(file_); }
+HdfFile::HdfFile(const std::string& file_name) : on_disk_(file_name), file_(-1) {
+  begin_hdf();
+  errno = 0;
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "prepare a file");
+  check(H5Pset_file_locking(access.id, false, true), "prepare a file");  // some network disks have no locks
+  check(H5Pset_cache(access.id, 0, 0, 0, 0), "prepare a file");          // so that no write fails later
+  file_ = check(H5Fcreate(file_name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id), "create a file");
+}
+
+HdfFile::~HdfFile() {
+  if (file_ >= 0 && !is_broken_) H5Fclose(file_);
+}
 
 void HdfFile::make_group(const std::string& path) {
   Handle(H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "create a group");
@@ -89,17 +122,30 @@ void HdfFile::set_attribute(const std::string& group, const std::string& name, c
   check(H5Awrite(attribute.id, H5T_NATIVE_LLONG, values.data()), "write an attribute");
 }
 
+void HdfFile::set_attribute(const std::string& group, const std::string& name, long long value) {
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "create a space");
+  const Handle attribute(H5Acreate_by_name(file_, group.c_str(), name.c_str(), H5T_NATIVE_LLONG, space.id, H5P_DEFAULT,
+                                           H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, "create an attribute");
+  check(H5Awrite(attribute.id, H5T_NATIVE_LLONG, &value), "write an attribute");
+}
+
 template <class T>
-void HdfFile::write(const std::string& path, const std::vector<T>& values, int columns) {
+void HdfFile::create(const std::string& path, const std::vector<T>& values, int columns, bool can_grow) {
   const hsize_t width = std::max(columns, 1);
   const hsize_t size[2] = {values.size() / width, width};
+  const hsize_t limit[2] = {can_grow ? H5S_UNLIMITED : size[0], width};
   const int rank = columns > 0 ? 2 : 1;
-  const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, "create a space");
+  errno = 0;
+  const Handle space(H5Screate_simple(rank, size, limit), H5Sclose, "create a space");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "prepare a data set");
   check(H5Pset_obj_track_times(properties.id, false), "leave out the time");  // equal runs give equal files
-  if (size[0] > 1 && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0) {
-    const hsize_t chunk[2] = {std::min(size[0], rows_per_chunk), width};
+  const bool compressed = size[0] > 1 && H5Zfilter_avail(H5Z_FILTER_DEFLATE) > 0;
+  if (compressed || can_grow) {
+    const hsize_t chunk[2] = {std::clamp(size[0], hsize_t{1}, rows_per_chunk), width};
     check(H5Pset_chunk(properties.id, rank, chunk), "set a chunk size");
+  }
+  if (compressed) {
     check(H5Pset_shuffle(properties.id), "set up compression");
     check(H5Pset_deflate(properties.id, 1), "set up compression");
   }
@@ -109,11 +155,55 @@ void HdfFile::write(const std::string& path, const std::vector<T>& values, int c
     check(H5Dwrite(set.id, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a data set");
 }
 
+template <class T>
+void HdfFile::write(const std::string& path, const std::vector<T>& values, int columns) {
+  create(path, values, columns, false);
+}
+
+template <class T>
+void HdfFile::append(const std::string& path, const std::vector<T>& values, int columns) {
+  if (H5Lexists(file_, path.c_str(), H5P_DEFAULT) <= 0) return create(path, values, columns, true);
+  errno = 0;
+  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open a data set");
+  hsize_t size[2] = {0, 0}, first[2] = {0, 0};
+  {
+    const Handle space(H5Dget_space(set.id), H5Sclose, "open a space");
+    check(H5Sget_simple_extent_dims(space.id, size, nullptr), "size a data set");
+  }
+  first[0] = size[0];
+  const hsize_t width = std::max(columns, 1);
+  const hsize_t added[2] = {values.size() / width, width};
+  size[0] += added[0];
+  check(H5Dset_extent(set.id, size), "extend a data set");
+  const Handle space(H5Dget_space(set.id), H5Sclose, "open a space");
+  const Handle rows(H5Screate_simple(columns > 0 ? 2 : 1, added, nullptr), H5Sclose, "create a space");
+  check(H5Sselect_hyperslab(space.id, H5S_SELECT_SET, first, nullptr, added, nullptr), "choose rows");
+  check(H5Dwrite(set.id, type_of<T>(), rows.id, space.id, H5P_DEFAULT, values.data()), "write a data set");
+}
+
+std::vector<float> HdfFile::read(const std::string& path, std::size_t first_row, std::size_t num_rows) {
+  errno = 0;
+  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open a data set");
+  const Handle space(H5Dget_space(set.id), H5Sclose, "open a space");
+  hsize_t size[2] = {0, 1};
+  const int rank = check(H5Sget_simple_extent_dims(space.id, size, nullptr), "size a data set");
+  const hsize_t first[2] = {first_row, 0}, count[2] = {num_rows, size[1]};
+  check(H5Sselect_hyperslab(space.id, H5S_SELECT_SET, first, nullptr, count, nullptr), "choose rows");
+  const Handle rows(H5Screate_simple(rank, count, nullptr), H5Sclose, "create a space");
+  std::vector<float> values(num_rows * size[1]);
+  check(H5Dread(set.id, H5T_NATIVE_FLOAT, rows.id, space.id, H5P_DEFAULT, values.data()), "read a data set");
+  return values;
+}
+
 template void HdfFile::write(const std::string&, const std::vector<unsigned char>&, int);
 template void HdfFile::write(const std::string&, const std::vector<int>&, int);
 template void HdfFile::write(const std::string&, const std::vector<long long>&, int);
 template void HdfFile::write(const std::string&, const std::vector<float>&, int);
 template void HdfFile::write(const std::string&, const std::vector<double>&, int);
+template void HdfFile::append(const std::string&, const std::vector<unsigned char>&, int);
+template void HdfFile::append(const std::string&, const std::vector<int>&, int);
+template void HdfFile::append(const std::string&, const std::vector<float>&, int);
+template void HdfFile::append(const std::string&, const std::vector<double>&, int);
 
 void HdfFile::save(const std::string& file_name) {
   check(H5Fflush(file_, H5F_SCOPE_GLOBAL), "flush a file");
@@ -121,6 +211,12 @@ void HdfFile::save(const std::string& file_name) {
   std::string image(static_cast<std::size_t>(size), '\0');
   check(H5Fget_file_image(file_, image.data(), image.size()), "copy a file");
   write_text(file_name, image);
+}
+
+void HdfFile::finish() {
+  errno = 0;
+  check(H5Fflush(file_, H5F_SCOPE_GLOBAL), "flush a file");
+  check(H5Fclose(std::exchange(file_, -1)), "close a file");
 }
 
 }  // namespace cgcontact

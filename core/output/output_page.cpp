@@ -459,6 +459,36 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
   return text + shown + table({"No.", "Face in the picture", "What holds there", "Area"}, faces);
 }
 
+constexpr double seconds_per_picture = 0.8;
+
+/// The pictures of the steps one after the other, without a script: they lie on the last one and are seen in turn.
+std::string film(const PageParts& parts) {
+  std::string images;
+  for (std::size_t k = 0; k < parts.steps.size(); ++k) {
+    const std::filesystem::path path = std::filesystem::path(parts.directory) / parts.steps[k];
+    if (!std::filesystem::exists(path)) return "";
+    images += fmt::format(
+        "<img alt=\"Deformed bodies, {}\" style=\"animation-delay:{:.1f}s\" src=\"data:image/png;base64,{}\"/>",
+        html_text(path.stem().string()), static_cast<double>(k) * seconds_per_picture,
+        base64(read_text(path.string())));
+  }
+  if (images.empty()) return "";
+  return "<figure class=\"film\"><div>" + images +
+         "</div><figcaption>The steps in turn, all with the same colours and exaggeration; the pointer on the picture "
+         "stops them.</figcaption></figure>\n";
+}
+
+/// How long each picture of the film is seen.
+std::string film_style(std::size_t pictures) {
+  if (pictures == 0) return "";
+  return fmt::format(
+      ".film img:not(:last-child) {{ animation: film {:.1f}s step-end infinite; }}\n"
+      "@keyframes film {{ 0% {{ opacity: 1; }} {:.4f}% {{ opacity: 0; }} 100% {{ opacity: 0; }} }}\n"
+      "@media print {{ .film img:not(:last-child) {{ animation: none; }} }}\n"
+      "@media (prefers-reduced-motion: reduce) {{ .film img:not(:last-child) {{ animation: none; }} }}\n",
+      static_cast<double>(pictures) * seconds_per_picture, 100.0 / static_cast<double>(pictures));
+}
+
 std::string steps_section(const Results& results, const PageParts& parts) {
   std::vector<std::string> rows;
   for (std::size_t k = 0; k < results.steps.size(); ++k) {
@@ -475,7 +505,9 @@ std::string steps_section(const Results& results, const PageParts& parts) {
   return table({"Step", "loads times", "displacements times", "interference times", "Pair", "Force", "Max. pressure",
                 "Area"},
                rows) +
-         picture(parts.directory, "steps.svg", "Force, area and largest pressure over the steps", "");
+         picture(parts.directory, "steps.svg", "Force, area and largest pressure over the steps", "") +
+         picture(parts.directory, "force_displacement.svg", "Contact force over the largest displacement", "") +
+         film(parts);
 }
 
 std::string probes_section(const Results& results, const PageParts& parts) {
@@ -738,7 +770,8 @@ std::string page(const Results& results, const PageParts& parts) {
   const std::string title = html_text(results.title.empty() ? results.scene_file : results.title);
   std::string text = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
   text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
-  text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + "</style>\n</head>\n<body>\n";
+  text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + film_style(parts.steps.size()) +
+          "</style>\n</head>\n<body>\n";
   text += "<header><h1>" + title + "</h1>\n" + note("Scene " + html_text(results.scene_file)) + "</header>\n<main>\n";
   text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results) + "</section>\n";
   text += section("reliability", "How accurate is this?", reliability(results));

@@ -17,6 +17,7 @@ struct PageParts {
   std::vector<PressureMap> pressure_maps;
   std::vector<ConditionFace> faces;                           ///< of conditions.png
   std::vector<std::pair<std::string, std::string>> sections;  ///< name, picture
+  std::vector<std::string> steps;                             ///< pictures
   std::vector<std::string> warnings;                          ///< those of the output
   std::vector<std::string> files;                             ///< of the result directory
 };

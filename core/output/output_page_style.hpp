@@ -30,6 +30,10 @@ p { margin: 0.4rem 0; }
 figure { margin: 0.8rem 0 1.2rem; text-align: center; }
 img { max-width: 100%; max-height: 56rem; height: auto; }
 figcaption { text-align: left; }
+.film div { display: grid; justify-items: center; }
+.film img { grid-area: 1 / 1; opacity: 0; z-index: 1; }
+.film img:last-child { opacity: 1; z-index: 0; }
+.film:hover img { animation-play-state: paused; }
 .wide { overflow-x: auto; margin: 0.6rem 0; }
 table { border-collapse: collapse; font-size: 0.9rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
 th, td { padding: 0.25rem 0.55rem; border-bottom: 1px solid #e3e8ee; text-align: right; white-space: nowrap; }

@@ -32,52 +32,63 @@ struct View {
   SceneBox box;
 };
 
-double choose_exaggeration(const std::vector<DrawnBody>& bodies, const SceneBox& box) {
+double largest_displacement(const std::vector<DrawnBody>& bodies) {
   double largest = 0;
   for (const DrawnBody& body : bodies)
     for (const Vec3& u : body.displacement) largest = std::max(largest, u.norm());
+  return largest;
+}
+
+double choose_exaggeration(double largest, const SceneBox& box) {
   if (!(largest > 0) || !std::isfinite(largest)) return 1;
   const double factor = drawn_displacement * box.extent().norm() / largest;
   return factor <= 1 || factor > 1e9 ? 1 : round_down(factor);  // smaller displacements are rounding
 }
 
-/// Range of the stress on the boundary without its highest half per cent; the picture says where it is cut.
-void choose_colours(const std::vector<DrawnBody>& bodies, View& view) {
+/// The end of the range of colours for the stress on the boundary: without its highest half per cent; the picture says
+/// where it is cut. Zero: there is no stress.
+double end_of_colours(const std::vector<DrawnBody>& bodies) {
   std::vector<double> values;
   for (const DrawnBody& body : bodies)
     for (const BoundaryTriangle& triangle : body.mesh.boundary)
       for (int p : triangle.points)
         if (const double value = von_mises(body.stress[p]); std::isfinite(value)) values.push_back(value);
-  if (values.empty()) return;
+  if (values.empty()) return 0;
   const auto place = values.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), place, values.end());
-  view.high = *place > 0 ? *place : 1;
+  return *place;
 }
 
-/// Scales the camera so that the deformed scene fits; returns width and height in pixels, 0 if there is nothing to see.
-std::array<int, 2> fit_camera(const std::vector<DrawnBody>& bodies, View& view) {
-  double low[2], high[2];
-  std::fill(low, low + 2, std::numeric_limits<double>::max());
-  std::fill(high, high + 2, -std::numeric_limits<double>::max());
-  for (const DrawnBody& body : bodies)
-    for (std::size_t p = 0; p < body.position.size(); ++p) {
-      Vec3 x = body.position[p];
-      if (!body.displacement.empty()) x += view.exaggeration * body.displacement[p];
-      if (!x.allFinite()) continue;
-      const double on_paper[2] = {view.camera.right.dot(x), view.camera.up.dot(x)};
-      for (int k = 0; k < 2; ++k) {
-        low[k] = std::min(low[k], on_paper[k]);
-        high[k] = std::max(high[k], on_paper[k]);
+/// Of deformed bodies as the camera sees them, m.
+struct PaperBox {
+  double low[2] = {std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
+  double high[2] = {-std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()};
+
+  void add(const std::vector<DrawnBody>& bodies, const View& view) {
+    for (const DrawnBody& body : bodies)
+      for (std::size_t p = 0; p < body.position.size(); ++p) {
+        Vec3 x = body.position[p];
+        if (!body.displacement.empty()) x += view.exaggeration * body.displacement[p];
+        if (!x.allFinite()) continue;
+        const double on_paper[2] = {view.camera.right.dot(x), view.camera.up.dot(x)};
+        for (int k = 0; k < 2; ++k) {
+          low[k] = std::min(low[k], on_paper[k]);
+          high[k] = std::max(high[k], on_paper[k]);
+        }
       }
-    }
-  const double largest = std::max(high[0] - low[0], high[1] - low[1]);
+  }
+};
+
+/// Scales the camera so that the box fits; returns width and height in pixels, 0 if there is nothing to see.
+std::array<int, 2> fit_camera(const PaperBox& box, View& view) {
+  const double largest = std::max(box.high[0] - box.low[0], box.high[1] - box.low[1]);
   if (!(largest > 0)) return {0, 0};
   const double margin = 0.02 * largest;
   view.camera.pixels_per_metre = long_side / (largest + 2 * margin);
   std::array<int, 2> size;
   for (int k = 0; k < 2; ++k) {
-    view.camera.low[k] = low[k] - margin;
-    size[k] = static_cast<int>(std::ceil((high[k] - low[k] + 2 * margin) * view.camera.pixels_per_metre));
+    view.camera.low[k] = box.low[k] - margin;
+    size[k] = static_cast<int>(std::ceil((box.high[k] - box.low[k] + 2 * margin) * view.camera.pixels_per_metre));
   }
   return size;
 }
@@ -188,8 +199,9 @@ std::string largest_text(const Results& results, std::size_t body, const View& v
                      length.name, most.value > view.high * (1 + 1e-6) ? "; above the bar all is dark red" : "");
 }
 
-std::string picture_script(const Results& results, const View& view, const std::array<int, 2>& size,
-                           const std::optional<Vec3>& largest_at) {
+/// `name`: of the picture and of its pixels.
+std::string picture_script(const std::string& name, const Results& results, const View& view,
+                           const std::array<int, 2>& size, const std::optional<Vec3>& largest_at) {
   const DisplayUnit stress = stress_unit(view.high);
   const DisplayUnit length = length_unit(view.box.extent().maxCoeff());
   const bool flat = view.thin_axis >= 0;
@@ -205,7 +217,7 @@ std::string picture_script(const Results& results, const View& view, const std::
   std::string script = fmt::format(
       "set encoding utf8\nset terminal pngcairo size {},{} noenhanced font 'sans-serif,15' background 'white'\n", width,
       height);
-  script += "set output '../scene.png'\nunset key\n" + gnuplot_palette();
+  script += "set output '../" + name + ".png'\nunset key\n" + gnuplot_palette();
   script += fmt::format(
       "set lmargin at screen {}\nset rmargin at screen {}\nset bmargin at screen {}\nset tmargin at screen {}\n",
       static_cast<double>(left) / width, static_cast<double>(left + size[0]) / width,
@@ -246,9 +258,9 @@ std::string picture_script(const Results& results, const View& view, const std::
   }
   script += overlay.script();
   script += fmt::format(
-      "plot 'scene.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage, \\\n"
+      "plot '{}.rgb' binary array=({},{}) format='%uchar' origin=({},{}) dx={} dy={} with rgbimage, \\\n"
       "  '+' using 1:(NaN):1 with points palette\n",
-      size[0], size[1], x + step / 2, y + step / 2, step, step);
+      name, size[0], size[1], x + step / 2, y + step / 2, step, step);
   return script;
 }
 
@@ -276,15 +288,52 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
   view.box = scene.box;
   view.camera = scene.camera;
   view.thin_axis = scene.thin_axis;
-  view.exaggeration = choose_exaggeration(bodies, view.box);
+  view.exaggeration = choose_exaggeration(largest_displacement(bodies), view.box);
   std::vector<DrawnBody> drawn = scene.shown;
   draw_fits_closed(results, view.exaggeration, drawn);
-  choose_colours(drawn, view);
-  const std::array<int, 2> size = fit_camera(drawn, view);
+  if (const double end = end_of_colours(drawn); end > 0) view.high = end;
+  PaperBox box;
+  box.add(drawn, view);
+  const std::array<int, 2> size = fit_camera(box, view);
   if (size[0] < 1 || size[1] < 1) return;
   write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
-  runs.start("scene", picture_script(results, view, size, place_of_largest(results, bodies, drawn, scene.opened, view)),
+  runs.start("scene",
+             picture_script("scene", results, view, size, place_of_largest(results, bodies, drawn, scene.opened, view)),
              {"scene.png"});
+}
+
+std::vector<std::string> write_step_pictures(const std::vector<StepLook>& steps, const SceneView& scene,
+                                             double largest_displacement, const StepBodies& bodies, GnuplotRuns& runs) {
+  std::vector<std::string> pictures;
+  if (scene.shown.empty() || steps.empty()) return pictures;
+  View view;
+  view.box = scene.box;
+  view.camera = scene.camera;
+  view.thin_axis = scene.thin_axis;
+  view.exaggeration = choose_exaggeration(largest_displacement, view.box);
+  const auto drawn_in = [&](const StepLook& step) {
+    std::vector<DrawnBody> drawn = shown_in(scene, bodies(step.number));
+    draw_fits_closed(step.words, view.exaggeration, drawn);
+    return drawn;
+  };
+  PaperBox box;
+  double end = 0;
+  for (const StepLook& step : steps) {
+    const std::vector<DrawnBody> drawn = drawn_in(step);
+    end = std::max(end, end_of_colours(drawn));
+    box.add(drawn, view);
+  }
+  if (end > 0) view.high = end;
+  const std::array<int, 2> size = fit_camera(box, view);
+  if (size[0] < 1 || size[1] < 1) return pictures;
+  std::string script;
+  for (const StepLook& step : steps) {
+    write_text(runs.directory() + "/plots/" + step.name + ".rgb", draw_bodies(drawn_in(step), view, size));
+    script += "reset\n" + picture_script(step.name, step.words, view, size, std::nullopt);
+    pictures.push_back(step.name + ".png");
+  }
+  runs.start("step_pictures", script, pictures);
+  return pictures;
 }
 
 }  // namespace cgcontact

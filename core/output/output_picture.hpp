@@ -1,6 +1,8 @@
-/// scene.png: the deformed bodies coloured by the von Mises stress of the recovered field.
+/// scene.png: the deformed bodies coloured by the von Mises stress of the recovered field; the same of every step.
 #pragma once
 
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "core/drawing/drawn_body.hpp"
@@ -13,5 +15,18 @@ namespace cgcontact {
 /// `scene`: look_at_scene of the bodies. Needs the folder plots of the result directory.
 void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
                    GnuplotRuns& runs);
+
+struct StepLook {
+  std::size_t number = 0;  ///< of the step, from 0
+  std::string name;        ///< of the picture, without .png
+  Results words;           ///< title; contact rows and pairs as they are in the step
+};
+/// All bodies with the fields of a step.
+using StepBodies = std::function<const std::vector<DrawnBody>&(std::size_t number)>;
+
+/// In the view of scene.png, all with one range of colours and one exaggeration, that for `largest_displacement` (m).
+/// Returns the files.
+std::vector<std::string> write_step_pictures(const std::vector<StepLook>& steps, const SceneView& scene,
+                                             double largest_displacement, const StepBodies& bodies, GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -92,6 +92,7 @@ Json json_of(const StepFigures& step) {
           {"interference", step.step.interference},
           {"outer_iterations", step.outer_iterations},
           {"converged", step.converged},
+          {"max_displacement", step.displacement ? Json(*step.displacement) : Json()},
           {"contact", contact}};
 }
 

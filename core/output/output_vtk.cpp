@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
-#include "core/output/output_hdf.hpp"
 
 namespace cgcontact {
 
@@ -18,9 +17,9 @@ struct GridSizes {
   std::size_t points = 0, cells = 0, ids = 0;
 };
 
-void write_header(const GridSizes& sizes, HdfFile& file) {
+void write_header(const GridSizes& sizes, HdfFile& file, long long version = 1) {
   file.make_group("/VTKHDF");
-  file.set_attribute("/VTKHDF", "Version", std::vector<long long>{1, 0});
+  file.set_attribute("/VTKHDF", "Version", std::vector<long long>{version, 0});
   file.set_attribute("/VTKHDF", "Type", "UnstructuredGrid");
   const auto number = [&](const char* name, std::size_t n) {
     file.write(std::string("/VTKHDF/NumberOf") + name, std::vector<long long>{static_cast<long long>(n)});
@@ -68,14 +67,22 @@ class BodyWriter {
     write<T>(name, columns, num_cells, fill);
   }
 
-  void grid() const {
+  /// An array of points gets rows behind those that it has.
+  template <class T, class Fill>
+  void more_points(const std::string& name, int columns, const Fill& fill) const {
+    const auto values = gathered<T>(
+        columns, [](const ClippedMesh& mesh) { return mesh.points.size(); }, fill);
+    file_.append("/VTKHDF/" + name, values, columns);
+  }
+
+  void grid(long long version = 1) const {
     GridSizes sizes;
     for (const DrawnBody& body : bodies_) {
       sizes.points += body.mesh.points.size();
       sizes.cells += num_cells(body.mesh);
       sizes.ids += offset_of_cell(body.mesh, num_cells(body.mesh));
     }
-    write_header(sizes, file_);
+    write_header(sizes, file_, version);
     points<double>("Points", 3, [&](std::size_t b, std::size_t p, double* row) { set(bodies_[b].position[p], row); });
     cells<unsigned char>("Types", 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
       *row = i < bodies_[b].mesh.hexahedra.size() ? vtk_hexahedron : vtk_tetrahedron;
@@ -91,6 +98,11 @@ class BodyWriter {
  private:
   template <class T, class Count, class Fill>
   void write(const std::string& name, int columns, const Count& count, const Fill& fill) const {
+    file_.write("/VTKHDF/" + name, gathered<T>(columns, count, fill), columns);
+  }
+
+  template <class T, class Count, class Fill>
+  std::vector<T> gathered(int columns, const Count& count, const Fill& fill) const {
     std::size_t total = 0, first = 0;
     for (const DrawnBody& body : bodies_) total += count(body.mesh);
     const std::size_t width = std::max(columns, 1);
@@ -101,7 +113,7 @@ class BodyWriter {
                    [&](std::size_t i) { fill(b, i, &values[(first + i) * width]); });
       first += n;
     }
-    file_.write("/VTKHDF/" + name, values, columns);
+    return values;
   }
 
   void connectivity(const GridSizes& sizes) const {
@@ -196,6 +208,65 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
   });
   write_patches(results, bodies, write, file);
   file.save(file_name);
+}
+
+VtkSteps::VtkSteps(const std::vector<DrawnBody>& bodies, const std::string& file_name) : file_(file_name) {
+  const BodyWriter write(bodies, file_);
+  write.grid(2);
+  write.cells<int>("CellData/body", 0, [](std::size_t b, std::size_t, int* row) { *row = static_cast<int>(b); });
+  write.cells<int>("CellData/cell", 0,
+                   [&](std::size_t b, std::size_t i, int* row) { *row = drawn_cell(bodies[b].mesh, i).cell; });
+  for (const DrawnBody& body : bodies) num_points_ += body.position.size();
+}
+
+void VtkSteps::add(const std::vector<DrawnBody>& bodies) {
+  const BodyWriter write(bodies, file_);
+  write.more_points<float>("PointData/displacement", 3, [&](std::size_t b, std::size_t p, float* row) {
+    BodyWriter::set(bodies[b].displacement[p], row);
+  });
+  write.more_points<float>("PointData/stress_recovered", 6, [&](std::size_t b, std::size_t p, float* row) {
+    BodyWriter::set(bodies[b].stress[p], row);
+  });
+  write.more_points<float>("PointData/von_mises", 0, [&](std::size_t b, std::size_t p, float* row) {
+    *row = static_cast<float>(von_mises(bodies[b].stress[p]));
+  });
+  ++num_steps_;
+}
+
+void VtkSteps::read(std::size_t step, std::vector<DrawnBody>& bodies) {
+  std::size_t row = step * num_points_;
+  for (DrawnBody& body : bodies) {
+    const std::size_t n = body.position.size();
+    const std::vector<float> u = file_.read("/VTKHDF/PointData/displacement", row, n);
+    const std::vector<float> s = file_.read("/VTKHDF/PointData/stress_recovered", row, n);
+    for (std::size_t p = 0; p < n; ++p) {
+      body.displacement[p] = Eigen::Map<const Eigen::Matrix<float, 3, 1>>(&u[3 * p]).cast<double>();
+      body.stress[p] = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(&s[6 * p]).cast<double>();
+    }
+    row += n;
+  }
+}
+
+void VtkSteps::finish() {
+  file_.make_group("/VTKHDF/Steps");
+  file_.set_attribute("/VTKHDF/Steps", "NSteps", static_cast<long long>(num_steps_));
+  std::vector<double> time;
+  std::vector<long long> first_row;
+  for (std::size_t k = 0; k < num_steps_; ++k) {
+    time.push_back(static_cast<double>(k + 1));
+    first_row.push_back(static_cast<long long>(k * num_points_));
+  }
+  const std::vector<long long> zeros(num_steps_, 0), ones(num_steps_, 1);
+  file_.write("/VTKHDF/Steps/Values", time);
+  file_.write("/VTKHDF/Steps/NumberOfParts", ones);
+  for (const char* of_grid : {"PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"})
+    file_.write(std::string("/VTKHDF/Steps/") + of_grid, zeros);
+  file_.make_group("/VTKHDF/Steps/PointDataOffsets");
+  for (const char* array : {"displacement", "stress_recovered", "von_mises"})
+    file_.write(std::string("/VTKHDF/Steps/PointDataOffsets/") + array, first_row);
+  file_.make_group("/VTKHDF/Steps/CellDataOffsets");
+  for (const char* array : {"body", "cell"}) file_.write(std::string("/VTKHDF/Steps/CellDataOffsets/") + array, zeros);
+  file_.finish();
 }
 
 void write_vtk_cells(const std::vector<DrawnBody>& bodies, const std::vector<const CutCells*>& cut_cells,

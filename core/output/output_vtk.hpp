@@ -1,10 +1,12 @@
 /// result.vtkhdf and contact.vtkhdf: unstructured grids in VTKHDF 1.0, which VTK 9.1 and ParaView 5.11 open.
+/// steps.vtkhdf: one in VTKHDF 2.0, with time, for VTK 9.3 and ParaView 5.12.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "core/drawing/drawn_body.hpp"
+#include "core/output/output_hdf.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
@@ -13,6 +15,23 @@ namespace cgcontact {
 /// over the active cell, sqrt(J)), estimated_error_density (the same per square root of volume). Point arrays:
 /// displacement, stress_recovered, von_mises. Stress components: XX, YY, ZZ, XY, YZ, XZ.
 void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& file_name);
+
+/// All bodies with their fields step by step, on the disk: grid and cell arrays (body, cell) once, the point arrays
+/// displacement, stress_recovered, von_mises for each. Its time is the number of the step, from 1.
+class VtkSteps {
+ public:
+  VtkSteps(const std::vector<DrawnBody>& bodies, const std::string& file_name);
+  /// The same bodies with the fields of the next step.
+  void add(const std::vector<DrawnBody>& bodies);
+  /// Displacement and stress of a step (from 0) that has been added.
+  void read(std::size_t step, std::vector<DrawnBody>& bodies);
+  /// Once, after the last step.
+  void finish();
+
+ private:
+  HdfFile file_;
+  std::size_t num_points_ = 0, num_steps_ = 0;
+};
 
 /// Triangles of the contact faces. Cell arrays: body, pair, status (1 closed, 0 open), gap, pressure_raw, pressure_spr,
 /// pressure_sprc, pressure_error; the last five as point arrays "..._smooth" too, and displacement.

@@ -179,6 +179,7 @@ struct StepFigures {
   int outer_iterations = 0;
   bool converged = false;
   std::vector<PairFigures> pairs;
+  std::optional<double> displacement;  ///< m, the largest at the points of the drawn meshes; set when it is written
 };
 
 /// One solve of a run to an accuracy (AdaptiveRun).

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <random>
+#include <utility>
+
 #include "core/drawing/extremes.hpp"
 
 namespace cgcontact {
@@ -101,6 +105,39 @@ TEST(extremes, of_linear_fields_are_exact) {
   EXPECT_LE(tiny.von_mises.at[0], 2.9);
   EXPECT_EQ(body_with_largest(extremes, &Extremes::von_mises), 0);
   EXPECT_EQ(body_with_smallest({}, &Extremes::compression), -1);
+}
+
+// Principal stresses are solved where they can be the largest only: the same extremes, to the last bit, as those of all
+// points, also where two or all three are nearly equal.
+TEST(extremes, leave_out_no_point) {
+  for (const double split : {1.0, 1e-6, 1e-9, 1e-14, 0.0}) {
+    const Bent bent;
+    std::vector<DrawnBody> drawn{draw_body(bent.results.bodies[0])};
+    std::minstd_rand random(7);
+    std::uniform_real_distribution<double> any(-1, 1);
+    Extreme tension, compression, tresca;
+    tension.value = -1e300;
+    compression.value = 1e300;
+    std::vector<Sym3>& stresses = drawn[0].stress;
+    ASSERT_GT(stresses.size(), 100U);
+    for (std::size_t p = 0; p < stresses.size(); ++p) {
+      const double mean = any(random), level = any(random);
+      const Vec3 principal =
+          Vec3::Constant(mean) + Vec3(level, level + split * any(random), p % 3 ? -2 * level : level);
+      const Mat3 axes = Eigen::Quaterniond(any(random), any(random), any(random), any(random)).normalized().matrix();
+      stresses[p] = voigt(axes * principal.asDiagonal() * axes.transpose());
+      const Vec3 exact = principal_stresses(stresses[p]);
+      if (exact[0] > tension.value) tension = {exact[0], drawn[0].position[p]};
+      if (exact[2] < compression.value) compression = {exact[2], drawn[0].position[p]};
+      if (exact[0] - exact[2] > tresca.value) tresca = {exact[0] - exact[2], drawn[0].position[p]};
+    }
+    const Extremes found = extremes_of(bent.results, bent.scene, drawn)[0].body;
+    for (const auto& [a, b] :
+         {std::pair{found.tension, tension}, {found.compression, compression}, {found.tresca, tresca}}) {
+      EXPECT_EQ(a.value, b.value) << split;
+      EXPECT_EQ(a.at, b.at) << split;
+    }
+  }
 }
 
 // Where a contact face is, its largest pressure is that of its touching rows.

@@ -1,0 +1,43 @@
+/// What the steps before the last one leave for the files of a run: steps.vtkhdf, the pictures of the steps,
+/// force_displacement.svg. Fields go to the disk step by step, so that memory does not grow with them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/output/output_gnuplot.hpp"
+#include "core/output/output_picture.hpp"
+#include "core/output/output_vtk.hpp"
+
+namespace cgcontact {
+
+class StepFields {
+ public:
+  /// `num_steps` with the last one; `file`: for the fields, none if they are not wanted.
+  StepFields(std::size_t num_steps, const std::optional<std::string>& file) : num_steps_(num_steps), file_(file) {}
+
+  /// Step 0, 1, ...; step 0 begins anew (the bodies have other grids). The last one has its final pairs.
+  void add(std::size_t number, const Results& step);
+  /// The bodies with the fields of the step that was added last.
+  const std::vector<DrawnBody>& drawn() const { return drawn_; }
+  /// m, by step: the largest at the points of the drawn bodies.
+  const std::vector<double>& largest_displacements() const { return largest_; }
+  /// Pictures step_K.png; returns their names.
+  std::vector<std::string> draw(const std::string& title, const SceneView& scene, GnuplotRuns& runs);
+  /// Ends the file.
+  void finish();
+
+ private:
+  const std::size_t num_steps_;
+  const std::optional<std::string> file_;
+  std::optional<VtkSteps> vtk_;
+  std::vector<DrawnBody> drawn_;
+  std::vector<double> largest_;
+  std::vector<StepLook> looks_;
+};
+
+/// force_displacement.svg: force of every pair over the largest displacement, step by step.
+void write_force_displacement_plot(const Results& results, GnuplotRuns& runs);
+
+}  // namespace cgcontact
