@@ -231,7 +231,8 @@ std::vector<SupportTerm> merge_points(const std::vector<SupportTerm>& moved, std
 
 }  // namespace
 
-std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse) {
+std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse,
+                                                      bool firm_holds) {
   const CoarseCells cells(fine, coarse);
   const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
   std::vector<std::vector<SupportTerm>> moved(coarse_parts.size());
@@ -246,7 +247,8 @@ std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine,
         larger[place.part] = 1;
       }
       t.cell = place.cell;
-      if (t.soft) t.stiffness = firm * coarse_parts[place.part]->modulus * coarse_parts[place.part]->h(t.cell);
+      if (t.soft && firm_holds)
+        t.stiffness = firm * coarse_parts[place.part]->modulus * coarse_parts[place.part]->h(t.cell);
       moved[place.part].push_back(t);
     }
   for (std::size_t q = 0; q < moved.size(); ++q)

@@ -37,7 +37,8 @@ class CoarseCells {
 
 /// Support points in their coarse cells, of all parts, with half the stiffness in a larger cell; at most 27 per cell
 /// and direction. Unchanged where the body is carried over.
-std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse);
+std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine, const ElasticSystem& coarse,
+                                                      bool firm_holds);
 
 /// Trilinear prolongation P: x_fine(n) = 1/8 sum_a x_coarse(parents(n, a)), parents repeated where n lies on a coarse
 /// plane; children: the fine nodes around a coarse node, offset (a, b, c) - 1 at (a * 3 + b) * 3 + c, or -1.

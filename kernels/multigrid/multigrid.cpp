@@ -98,7 +98,7 @@ struct Multigrid::Impl {
       }
       to->own_system = make_elastic_system(cells, materials, fine.scales, settings.coarse_ghost * fine.ghost_penalty);
       to->system = &to->own_system;
-      to->own_system.supports = coarse_supports(*from.system, to->own_system);
+      to->own_system.supports = coarse_supports(*from.system, to->own_system, settings.firm_holds);
       from.transfer = make_transfer(*from.system, *to->system);
       levels.push_back(std::move(to));
     }

@@ -23,6 +23,7 @@ struct MultigridSettings {
   int coarse_steps = 3;           ///< steps of flexible CG on a coarse level at most; 0: V-cycle
   double coarse_residual = 0.25;  ///< their residual, relative: no further step below
   double coarse_ghost = 0.1;      ///< ghost penalty of coarse levels, in terms of that of the finest
+  bool firm_holds = false;        ///< coarse grids hold firmly what contact alone holds (RigidCoarseSpace)
   int coarsest_unknowns = 1000;   ///< coarsening stops below
 };
 

@@ -17,6 +17,10 @@ using Teuchos::rcp;
 
 namespace {
 
+/// Iterations of one solve; more, and the rigid motions of bodies that contact alone holds are solved for beside the
+/// preconditioner. With contact that coarse grids see well enough, as of one body, fewer are needed without.
+constexpr int many_iterations = 30;
+
 /// Another preconditioner, whose result is made consistent (DofMap): MueLu knows the free values only.
 class Consistent : public TpetraOperator {
  public:
@@ -63,7 +67,7 @@ class WithRigidMotions : public TpetraOperator {
 struct LinearSolver::Impl {
   const ElasticSystem& system;
   Preconditioner kind;
-  RigidCoarseSpace rigid_motions;
+  std::unique_ptr<RigidCoarseSpace> rigid_motions;  ///< once a solve has taken many iterations
   MultigridSettings settings;
   RCP<const TpetraMap> map;
   RCP<ElasticityOperator> op;
@@ -72,14 +76,19 @@ struct LinearSolver::Impl {
   PreconditionerReport report;
   std::vector<double> muelu_groups;  ///< stiffness of the contact groups that MueLu was set up with
 
-  void set_preconditioner(const RCP<TpetraOperator>& inner) {
-    preconditioner =
-        rigid_motions.empty() ? inner : RCP<TpetraOperator>(rcp(new WithRigidMotions(inner, rigid_motions)));
+  /// From the next update on.
+  void keep_rigid_motions_apart() {
+    if (multigrid.is_null() || rigid_motions) return;
+    auto motions = std::make_unique<RigidCoarseSpace>(system);
+    if (motions->empty()) return;
+    rigid_motions = std::move(motions);
+    settings.firm_holds = true;
+    multigrid = Teuchos::null;
   }
 };
 
 LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner)
-    : impl_(new Impl{system, preconditioner, RigidCoarseSpace(system), {}, {}, {}, {}, {}, {}, {}}) {
+    : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}, {}}) {
   impl_->map = system.dofs.owned_map(Tpetra::getDefaultComm());
   impl_->op = rcp(new ElasticityOperator(system, impl_->map));
 }
@@ -90,18 +99,19 @@ const PreconditionerReport& LinearSolver::report() const { return impl_->report;
 void LinearSolver::update() {
   Impl& s = *impl_;
   s.op->update_groups(s.system);
-  s.rigid_motions.update();
+  if (s.rigid_motions) s.rigid_motions->update();
   if (s.kind == Preconditioner::muelu) {
     const std::vector<double> stiffness = group_stiffness(s.system);
     if (!s.preconditioner.is_null() && !changed_much(s.muelu_groups, stiffness)) return;
-    s.set_preconditioner(rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs)));
+    s.preconditioner = rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs));
     s.muelu_groups = stiffness;
     ++s.report.setups;
     return;
   }
   if (s.multigrid.is_null()) {
     s.multigrid = rcp(new Multigrid(s.system, s.map, s.settings));
-    s.set_preconditioner(s.multigrid);
+    s.preconditioner = s.multigrid;
+    if (s.rigid_motions) s.preconditioner = rcp(new WithRigidMotions(s.multigrid, *s.rigid_motions));
   } else {
     s.multigrid->update_groups();
   }
@@ -129,8 +139,7 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
         KOKKOS_LAMBDA(const int i) { x(i) += dx(i); });
     residual();
   };
-  if (!impl_->rigid_motions
-           .empty()) {  // CG starts in balance with the rigid motions; a cycle also gives it their dents
+  if (impl_->rigid_motions) {  // in balance with the rigid motions from the start; a cycle also gives it their dents
     impl_->preconditioner->apply(*rhs, *correction, Teuchos::NO_TRANS, 1, 0);
     add_correction();
   }
@@ -149,6 +158,7 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   }
   result.residual = norm;
   result.converged = norm <= tolerance;
+  if (result.iterations > many_iterations) impl_->keep_rigid_motions_apart();
   return result;
 }
 

@@ -116,7 +116,6 @@ RigidCoarseSpace::Row RigidCoarseSpace::make_row(std::vector<std::pair<int, doub
 }
 
 void RigidCoarseSpace::update() {
-  if (empty()) return;
   const std::vector<double> stiffness = group_stiffness(system_);
   for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g].stiffness = stiffness[g];
   Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(num_motions_, num_motions_);
@@ -163,7 +162,6 @@ void RigidCoarseSpace::add(const Eigen::VectorXd& amounts, const RealView& x) co
 }
 
 void RigidCoarseSpace::correct(const RealView& r, const RealView& z) const {
-  if (empty()) return;
   Eigen::VectorXd left = sums(r);
   for (const auto* rows : {&supports_, &groups_})
     for (const Row& row : *rows) {

@@ -21,7 +21,7 @@ class RigidCoarseSpace {
   /// The system must outlive this.
   explicit RigidCoarseSpace(const ElasticSystem& system);
 
-  /// Takes over the present stiffness of the contact groups.
+  /// Takes over the present stiffness of the contact groups; not if empty.
   void update();
   bool empty() const { return num_motions_ == 0; }
 

@@ -97,10 +97,10 @@ TEST(HeldByContact, ThreeBallsInABox) {
     EXPECT_LT((load - right + force_on(*solved, "right", "box") + force_on(*solved, "right", "left")).norm(),
               1e-6 * weight);
     EXPECT_LT(force_of_holds(*solved), 1e-6 * weight);
-    // Coarse grids see hardly anything of what holds the balls: 46 to 143 iterations each, were the bodies' rigid
-    // motions not solved for beside them; 8 on average now.
+    // Coarse grids see hardly anything of what holds the balls: 42 to 143 iterations each, were the bodies' rigid
+    // motions not solved for beside them after the first; 12 on average now.
     const std::vector<int>& linear = results.linear_iterations;
-    EXPECT_LE(std::accumulate(linear.begin(), linear.end(), 0), 12 * static_cast<int>(linear.size()));
+    EXPECT_LE(std::accumulate(linear.begin(), linear.end(), 0), 20 * static_cast<int>(linear.size()));
     // On top: the weight is shared alike, the lean towards +x by its difference.
     EXPECT_NEAR(left[2] / weight, 0.5 + 0.05 * slope, 0.125);
     EXPECT_NEAR(right[2] / weight, 0.5 - 0.05 * slope, 0.125);
