@@ -74,7 +74,7 @@ TEST(Coarsening, SupportsKeepTheirPointsAndHalveTheirStiffness) {
         {points.cell[p], 2 * (points.position[p] - Vec3(c[0], c[1], c[2])) - Vec3::Ones(), Vec3::UnitX(), 2});
   }
   add_support_terms(levels.fine, 0, terms);
-  const auto coarse = coarse_supports(levels.fine, levels.coarse)[0];
+  const auto coarse = coarse_supports(levels.fine, levels.coarse, false)[0];
   for (std::size_t t = 0; t < terms.size(); ++t) {
     const Index3& c = levels.coarse_cells.cells[coarse[t].cell];
     const Vec3 position = 2 * (Vec3(c[0], c[1], c[2]) + 0.5 * (coarse[t].xi + Vec3::Ones()));
@@ -158,7 +158,7 @@ TEST(Coarsening, SupportsAreTheGalerkinProduct) {
   std::vector<ElasticSystem> systems{fine};
   for (const CutCells& coarse : cells) {
     systems.push_back(make_elastic_system({&coarse}, fine.materials, fine.scales, 0));
-    systems.back().supports = coarse_supports(systems[systems.size() - 2], systems.back());
+    systems.back().supports = coarse_supports(systems[systems.size() - 2], systems.back(), false);
   }
   EXPECT_LT(systems[2].supports[0].size(), systems[0].supports[0].size());
   const auto supports_only = [](const ElasticSystem& system, const RealView& u) {
