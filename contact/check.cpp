@@ -96,15 +96,17 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   for (const LoadFigures& load : load_figures(scene, preparation.bodies)) text += describe_load(load);
   for (const ContactPair& pair : preparation.pairs) {
     double area = 0, smallest = 1e300, largest = -1e300;
-    for (const ContactPoint& q : pair.points) {
+    for (std::size_t place = 0; place < pair.num_places(); ++place) {
+      const ContactPoint& q = pair.points[place];
       area += preparation.bodies[pair.primary].slices * q.weight;
       smallest = std::min(smallest, q.distance);
       largest = std::max(largest, q.distance);
     }
     text += fmt::format(
-        "contact \"{}\": {} - {}, {} points in {} groups, {:.6g} m2 in reach, distance {:.3g} .. {:.3g} m\n",
-        pair.spec->name, scene.bodies[pair.primary].name, scene.bodies[pair.secondary].name, pair.points.size(),
-        pair.groups.size(), area, smallest, largest);
+        "{}contact \"{}\": {} - {}, {} points in {} groups, {:.6g} m2 {}, distance {:.3g} .. {:.3g} m\n",
+        pair.bonded() ? "bonded " : "", pair.spec->name, scene.bodies[pair.primary].name,
+        scene.bodies[pair.secondary].name, pair.num_places(), pair.num_pieces(), area,
+        pair.bonded() ? "tied" : "in reach", smallest, largest);
   }
   if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
   for (const std::string& warning : preparation.warnings) text += fmt::format("warning: {}\n", warning);

@@ -78,7 +78,7 @@ void check_free_motions(const Scene& scene, Preparation& p) {
     p.warnings.push_back(describe(on_both_sides, scene) +
                          ": no load drives this motion, it is held where it is, which takes no force");
   const std::vector<double> softest = softest_moduli(p);
-  for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports))
+  for (const FreeMotions& motions : motions_of_floating_bodies(p.bodies, p.supports, p.pairs))
     for (SupportPoint point : hold(motions, p.bodies)) {
       const BodyModel& body = p.bodies[point.body];
       const double h = body.cut_cells.h(point.cell);
@@ -161,6 +161,8 @@ Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
 void complete(const Scene& scene, Preparation& preparation) {
   check_conditions(scene, preparation.bodies, preparation.pairs);
   check_plane_strain(scene, preparation.bodies, preparation.supports, preparation.pairs);
+  for (std::string& warning : bonded_gap_warnings(scene, preparation.pairs))
+    preparation.warnings.push_back(std::move(warning));
   check_free_motions(scene, preparation);
   check_body_forces(preparation.bodies);
   check_reference(scene, preparation.pairs);

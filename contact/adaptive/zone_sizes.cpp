@@ -30,8 +30,8 @@ SizedBall ball_of(const ContactPair& pair, const ContactGroup& group) {
 
 void add_closed_groups(const ContactPair& pair, const ZoneWidth& width, ZoneState& zone) {
   double smallest = 1e300;
-  for (const ContactGroup& group : pair.groups)
-    if (is_closed(pair, group)) {
+  for (std::size_t g = 0; g < pair.num_pieces(); ++g)
+    if (const ContactGroup& group = pair.groups[g]; is_closed(pair, group)) {
       zone.places.push_back(ball_of(pair, group));
       smallest = std::min(smallest, group.larger_cell);
     }
@@ -104,12 +104,13 @@ void size_by_error(const SolvedState& state, const Results& results, int p, doub
     const double error = row.weight * row.pressure_error * row.pressure_error;
     squared[{row.body, row.cell}] += error;
     all += error;
-    norm += row.weight * row.pressure_sprc * row.pressure_sprc;
+    const double size = pair.bonded() ? (tensor(row.stress_sprc) * row.normal).norm() : row.pressure_sprc;
+    norm += row.weight * size * size;
   }
   std::vector<double> errors;
   double of_groups = 0;
-  for (const ContactGroup& group : pair.groups)
-    if (is_closed(pair, group)) {
+  for (std::size_t g = 0; g < pair.num_pieces(); ++g)
+    if (const ContactGroup& group = pair.groups[g]; is_closed(pair, group)) {
       errors.push_back(squared[{group.body, group.cell}]);
       of_groups += errors.back();
     }

@@ -70,15 +70,38 @@ void check_support_on_contact(const Scene& scene, int s, const BodyModel& body, 
     all[pair] += body.area(p);
     if (!face.contains(p)) continue;
     for (const HeldDirection& h : held_at(scene, body, s, body.point(p), body.normal(p)))
-      if (std::abs(h.direction.dot(body.normal(p))) > parallel) held[pair] += body.area(p);
+      if (pairs[pair].bonded() || std::abs(h.direction.dot(body.normal(p))) > parallel) {
+        held[pair] += body.area(p);
+        break;
+      }
   }
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (held[k] > rim * all[k])
       throw InputError(
           support.place, face_name(scene, support.face),
-          fmt::format("holds {:.3g} m2 of a face of contact \"{}\" along its normal: contact cannot act there", held[k],
-                      pairs[k].spec->name),
+          fmt::format("holds {:.3g} m2 of a face of {} \"{}\"{}: contact cannot act there", held[k],
+                      pairs[k].bonded() ? "the bonded contact" : "contact", pairs[k].spec->name,
+                      pairs[k].bonded() ? "" : " along its normal"),
           "a support or a contact on every face");
+}
+
+/// A load on tied faces would be a jump of the traction, which nothing tells from one body to the other.
+void check_load_on_bond(const Scene& scene, const LoadSpec& load, const BodyModel& body,
+                        const std::vector<ContactPair>& pairs) {
+  const BodyFace face(load.face.face, body);
+  std::vector<double> loaded(pairs.size(), 0.0), all(pairs.size(), 0.0);
+  for (int p = 0; p < static_cast<int>(body.cut_cells.boundary.size()); ++p) {
+    const int pair = body.boundary.pair_of_point[p];
+    if (pair < 0 || !pairs[pair].bonded()) continue;
+    all[pair] += body.area(p);
+    if (face.contains(p)) loaded[pair] += body.area(p);
+  }
+  for (std::size_t k = 0; k < pairs.size(); ++k)
+    if (loaded[k] > rim * all[k])
+      throw InputError(load.place, face_name(scene, load.face),
+                       fmt::format("loads {:.3g} m2 of a face of the bonded contact \"{}\"", loaded[k],
+                                   pairs[k].spec->name),
+                       "loads on faces that are not bonded (declared faces divide a face)");
 }
 
 /// Two pairs of the same bodies that share part of both faces would carry the pressure there twice.
@@ -113,6 +136,7 @@ void check_conditions(const Scene& scene, const std::vector<BodyModel>& bodies, 
   for (std::size_t b = 0; b < bodies.size(); ++b) check_supports(scene, static_cast<int>(b), bodies[b]);
   for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
     check_support_on_contact(scene, s, bodies[scene.supports[s].face.body], pairs);
+  for (const LoadSpec& load : scene.loads) check_load_on_bond(scene, load, bodies[load.face.body], pairs);
   for (std::size_t l = 0; l < scene.contacts.size(); ++l)
     for (std::size_t k = 0; k < l; ++k)
       if (!scene.contacts[k].automatic && !scene.contacts[l].automatic)

@@ -163,6 +163,7 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
     }
     const auto opposite = find_opposite(bodies, pair, pair.primary, point.x, point.normal);
     if (!opposite) continue;
+    point.direction = point.normal;
     point.primary_cell = cell;
     point.primary_position = points.position[q];
     point.primary_xi = cell_coordinates(primary.cut_cells, cell, points.position[q]);
@@ -227,6 +228,33 @@ void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfaceP
   for (std::size_t g = 0; g < groups.size(); ++g) add_group(bodies, groups[g], points[g], pair);
 }
 
+/// Bonded faces: the points and groups once for every axis along which one of the bodies moves.
+void copy_for_all_axes(const std::vector<BodyModel>& bodies, ContactPair& pair) {
+  const auto &first = bodies[pair.primary].spec->plane_strain, &second = bodies[pair.secondary].spec->plane_strain;
+  const int fixed = first && second && *first == *second ? static_cast<int>(*first) : -1;
+  const std::vector<ContactPoint> points = std::move(pair.points);
+  const std::vector<ContactGroup> groups = std::move(pair.groups);
+  pair.points.clear();
+  pair.groups.clear();
+  pair.copies = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis == fixed) continue;
+    const int first_point = static_cast<int>(pair.copies * points.size());
+    const int first_group = static_cast<int>(pair.copies * groups.size());
+    for (ContactPoint point : points) {
+      point.direction = Vec3::Unit(axis);
+      point.group += first_group;
+      pair.points.push_back(point);
+    }
+    for (ContactGroup group : groups) {
+      group.first_point += first_point;
+      group.last_point += first_point;
+      pair.groups.push_back(group);
+    }
+    ++pair.copies;
+  }
+}
+
 /// Size of the largest cells of a body on a face, m; 0: it has none.
 double largest_cell(const BodyModel& body, const FaceSpec& face) {
   double largest = 0;
@@ -278,6 +306,7 @@ double overlap_limit(const ContactOptions& options, const std::vector<BodyModel>
 Reach find_reach(const ContactOptions& options, const ContactPair& pair, const std::vector<BodyModel>& bodies,
                  double wider) {
   if (pair.spec->search_distance > 0) return {pair.spec->search_distance, pair.spec->search_distance};
+  if (pair.bonded()) return {options.bond_reach * pair.largest_cell, options.bond_reach * pair.largest_cell};
   const BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
   const double base = std::max(options.reach_in_cells * pair.largest_cell,
                                options.reach_in_extents * std::min(longest_extent(primary), longest_extent(secondary)));
@@ -313,6 +342,12 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
     found[i] = find_points(bodies, pair, cell, surface, borders.at(surface), direction, scene.contact.quadrature_order);
   };
   parallel_for("cgcontact::contact_pairs::groups", places.size(), 8, [&](std::size_t i) { find(i, Vec3::Zero()); });
+  if (pair.bonded()) {  // whatever the way in which edges would press
+    add_groups(bodies, found, pair);
+    copy_for_all_axes(bodies, pair);
+    set_interference(pair, 0);
+    return pair;
+  }
   std::vector<CellPlace> cells;
   std::vector<int> surfaces;
   std::vector<FacingNormals> normals;
@@ -393,6 +428,17 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
     pairs.push_back(make_pair(scene, scene.contacts[k], bodies, wider.empty() ? 0.0 : wider[k]));
   check_overlap(scene, bodies, pairs);
   for (const ContactPair& pair : pairs)
+    if (pair.points.empty() && pair.bonded())
+      throw InputError(pair.spec->place, "\"" + pair.spec->name + "\"",
+                       fmt::format("no point of the first face has the second face within {:g} m: there is nothing to "
+                                   "bond",
+                                   pair.reach.ahead),
+                       pair.spec->search_distance > 0
+                           ? "faces closer than search_distance along the normal"
+                           : fmt::format("faces that touch; apart, or overlapping, by less than {:g} of the larger "
+                                         "cells there; or a search_distance",
+                                         scene.contact.bond_reach));
+  for (const ContactPair& pair : pairs)
     if (pair.points.empty() && !pair.spec->automatic)
       throw InputError(
           pair.spec->place, "\"" + pair.spec->name + "\"",
@@ -419,7 +465,7 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
 
 void set_interference(ContactPair& pair, double interference) {
   pair.interference = interference;
-  for (ContactGroup& group : pair.groups) group.initial_gap = group.distance - interference;
+  for (ContactGroup& group : pair.groups) group.initial_gap = pair.bonded() ? 0 : group.distance - interference;
 }
 
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
@@ -451,12 +497,14 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
 
 std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
                                       const ElasticSystem& system) {
-  std::size_t max_surfaces = 0;  // a family is a surface of a pair
+  constexpr std::size_t most_copies = 3;
+  std::size_t max_surfaces = 0;  // a family is a surface of a pair, along one direction
   for (const BodyModel& body : bodies) max_surfaces = std::max(max_surfaces, body.cut_cells.solid.surfaces().size());
   std::vector<GroupRow> rows;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const ContactPair& pair = pairs[k];
-    for (const ContactGroup& group : pair.groups) {
+    for (std::size_t g = 0; g < pair.groups.size(); ++g) {
+      const ContactGroup& group = pair.groups[g];
       std::vector<std::pair<int, double>> entries;
       const auto add = [&](int body, int cell, const Vec3& xi, const Vec3& direction) {
         const Vec3 local = bodies[body].cut_cells.grid.rotation.transpose() * direction;
@@ -466,23 +514,50 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
       };
       for (int q = group.first_point; q < group.last_point; ++q) {
         const ContactPoint& point = pair.points[q];
-        const Vec3 direction = point.weight / group.area * point.normal;
+        const Vec3 direction = point.weight / group.area * point.direction;
         add(pair.primary, point.primary_cell, point.primary_xi, -direction);
         add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
       }
       GroupRow row = sum_by_dof(std::move(entries));
       std::tie(row.part, row.cell) = system.part_of(group.body, group.cell);
-      row.family = static_cast<int>(k * max_surfaces + group.surface);
+      const std::size_t copy = g / pair.num_pieces();
+      row.family = static_cast<int>((k * most_copies + copy) * max_surfaces + group.surface);
       rows.push_back(std::move(row));
     }
   }
   return rows;
 }
 
+Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece) {
+  Vec3 force = Vec3::Zero();
+  for (std::size_t g = piece; g < pair.groups.size(); g += pair.num_pieces())
+    force += group_force[g] * pair.points[pair.groups[g].first_point].direction;
+  return force;
+}
+
+std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vector<ContactPair>& pairs) {
+  std::vector<std::string> warnings;
+  for (const ContactPair& pair : pairs) {
+    if (!pair.bonded()) continue;
+    double apart = 0;
+    for (std::size_t q = 0; q < pair.num_places(); ++q) apart = std::max(apart, std::abs(pair.points[q].distance));
+    if (apart > scene.contact.bond_gap * pair.largest_cell)
+      warnings.push_back(fmt::format(
+          "bonded contact \"{}\": its faces are apart, or overlap, by up to {:.3g} m where they are tied, as if by "
+          "rigid links: moments of shear are off by that much",
+          pair.spec->name, apart));
+  }
+  return warnings;
+}
+
 void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
                           const std::vector<double>& group_force) {
   std::size_t first_group = 0;
-  for (BodyModel& body : bodies) body.boundary.links.clear();
+  for (BodyModel& body : bodies) {
+    body.boundary.links.clear();
+    body.boundary.bonded.clear();
+    for (const ContactPair& pair : pairs) body.boundary.bonded.push_back(pair.bonded() ? 1 : 0);
+  }
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const ContactPair& pair = pairs[p];
     BodyModel &primary = bodies[pair.primary], &secondary = bodies[pair.secondary];
@@ -491,12 +566,15 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
     std::vector<double> closed_area(pair.groups.size(), 0.0);
     for (const ContactPoint& q : pair.points)
       if (q.active) closed_area[q.group] += q.weight;
-    for (const ContactPoint& q : pair.points) {
+    for (std::size_t place = 0; place < pair.num_places(); ++place) {
+      const ContactPoint& q = pair.points[place];
       const int index = static_cast<int>(p);
-      const double pressure =
-          q.active && !group_force.empty() ? group_force[first_group + q.group] / closed_area[q.group] : 0.0;
       const ContactGroup& group = pair.groups[q.group];
-      const double spread = group_force.empty() ? 0.0 : group_force[first_group + q.group] / group.area;
+      const double force = group_force.empty() ? 0.0
+                           : pair.bonded()     ? force_of_piece(pair, &group_force[first_group], q.group).dot(q.normal)
+                                               : group_force[first_group + q.group];
+      const double pressure = q.active && !group_force.empty() ? force / closed_area[q.group] : 0.0;
+      const double spread = force / group.area;
       primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
                                         pair.secondary, q.secondary_cell, q.secondary_position, group.larger_cell,
                                         q.distance, q.active, pressure, spread, true});

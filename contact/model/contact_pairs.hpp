@@ -13,6 +13,7 @@ struct ContactPoint {
   Vec3 primary_xi, secondary_xi;              ///< cell coordinates
   Vec3 primary_position, secondary_position;  ///< grid coordinates
   Vec3 normal;                                ///< outward of the primary body, or press_direction.hpp; global axes
+  Vec3 direction;                             ///< along which the gap counts: the normal; bonded: an axis; global axes
   Vec3 x;                                     ///< m
   double weight = 0;                          ///< m^2
   double distance = 0;                        ///< m, before deformation, along the normal
@@ -39,8 +40,14 @@ struct ContactPair {
   Reach reach;
   double largest_cell = 0;  ///< m, at the faces; where a point sees nothing opposite, a cell is at most that
   double interference = 0;  ///< m, in the present step
+  /// Bonded pairs have all points, and all groups, once for every axis that they hold: one copy after the other.
   std::vector<ContactPoint> points;
   std::vector<ContactGroup> groups;
+  int copies = 1;
+  /// Points and groups of one copy: those of the surface.
+  std::size_t num_places() const { return points.size() / copies; }
+  std::size_t num_pieces() const { return groups.size() / copies; }
+  bool bonded() const { return spec->bonded; }
   double stiffness(const ContactGroup& group) const { return modulus / group.h; }  ///< kappa E/h, Pa/m
   int other(int body) const { return primary == body ? secondary : primary; }
   const FaceSpec& face(int body) const { return spec->first.body == body ? spec->first.face : spec->second.face; }
@@ -56,7 +63,7 @@ std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies,
 std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
                                             const std::vector<double>& wider = {});
 
-/// Sets the interference of a pair, m, and with it the initial gaps.
+/// Sets the interference of a pair, m, and with it the initial gaps; bonded faces have none.
 void set_interference(ContactPair& pair, double interference);
 
 /// Nodes of a body's cells within a few cells of its contact faces.
@@ -66,6 +73,12 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
 /// Rows of the mean gap change of all groups of all pairs, in order; dimensionless (displacement per displacement).
 std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
                                       const ElasticSystem& system);
+
+/// What acts on the secondary body of a bonded pair over one of its pieces, N, from the forces of all its groups.
+Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece);
+
+/// Warnings of bonded faces that are apart, or overlap, where they are tied.
+std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vector<ContactPair>& pairs);
 
 /// Hands the contact points with their state to the bodies' boundary data, for the recovery.
 /// group_force: N, compression positive, of all groups of all pairs in order; empty: not known.

@@ -51,34 +51,40 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
 
 using Resistance = Eigen::Matrix<double, 6, 6>;
 
-/// What all contact of a body resists, with the normals of its own surface and with those of the other bodies.
+/// What all contact of a body, and of those bonded to it, with other bodies resists, with the normals of its own surface
+/// and with those of the others.
 std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,
                                                      const std::vector<BodyModel>& bodies,
                                                      const std::vector<ContactPair>& pairs,
+                                                     const std::vector<int>& assembly,
                                                      const std::vector<SurfaceNormals>& normals) {
   Resistance own = Resistance::Zero(), others = Resistance::Zero();
   for (const ContactPair& pair : pairs) {
-    if (pair.primary != b && pair.secondary != b) continue;
+    const bool is_primary = assembly[pair.primary] == assembly[b];
+    if (is_primary == (assembly[pair.secondary] == assembly[b])) continue;
     for (const ContactPoint& point : pair.points) {
       const RigidMotion primary = piece.row(point.x, normals[pair.primary](point.primary_cell, point.primary_position));
       const Vec3 opposite = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
       const RigidMotion secondary =
           piece.row(opposite, normals[pair.secondary](point.secondary_cell, point.secondary_position));
-      (pair.primary == b ? own : others) += point.weight * primary * primary.transpose();
-      (pair.primary == b ? others : own) += point.weight * secondary * secondary.transpose();
+      (is_primary ? own : others) += point.weight * primary * primary.transpose();
+      (is_primary ? others : own) += point.weight * secondary * secondary.transpose();
     }
   }
   return {own, others};
 }
 
-/// What supports resist, of every body.
+/// What supports resist, of every body; those of bodies that are bonded to it count as its own.
 std::vector<Resistance> support_resistance(const std::vector<RigidPiece>& pieces, const std::vector<BodyModel>& bodies,
-                                           const std::vector<SupportPoint>& supports) {
+                                           const std::vector<SupportPoint>& supports,
+                                           const std::vector<int>& assembly) {
   std::vector<Resistance> held(bodies.size(), Resistance::Zero());
-  for (const SupportPoint& p : supports) {
-    const RigidMotion q = pieces[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-    held[p.body] += p.weight * q * q.transpose();
-  }
+  for (const SupportPoint& p : supports)
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (assembly[b] != assembly[p.body]) continue;
+      const RigidMotion q = pieces[b].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+      held[b] += p.weight * q * q.transpose();
+    }
   return held;
 }
 
@@ -157,14 +163,15 @@ SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const 
                                     const std::vector<ContactPair>& pairs) {
   const FreeMotions none = no_motions(bodies);
   SurfaceMotions found{none, none};
-  const std::vector<Resistance> held = support_resistance(none.bodies, bodies, supports);
+  const std::vector<int> assembly = bonded_assemblies(bodies.size(), pairs);
+  const std::vector<Resistance> held = support_resistance(none.bodies, bodies, supports, assembly);
   std::vector<int> floating;
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b)
     if (motions_not_resisted(held[b]).cols() > 0) floating.push_back(b);
   if (floating.empty()) return found;
   const std::vector<SurfaceNormals> normals(bodies.begin(), bodies.end());
   for (const int b : floating) {
-    const auto [own, others] = contact_resistance(b, none.bodies[b], bodies, pairs, normals);
+    const auto [own, others] = contact_resistance(b, none.bodies[b], bodies, pairs, assembly, normals);
     append_of_body(b, motions_not_resisted(held[b] + own), found.own);
     append_of_body(b, motions_not_resisted(held[b] + others), found.others);
   }
@@ -180,7 +187,8 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
   for (const ContactPair& pair : pairs)
     for (const ContactPoint& point : pair.points) {
       const Vec3 y = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
-      const Vec3 n = normals[pair.secondary](point.secondary_cell, point.secondary_position);
+      const Vec3 n = pair.bonded() ? point.direction
+                                   : normals[pair.secondary](point.secondary_cell, point.secondary_position);
       const Eigen::VectorXd row =
           free.modes.middleRows<6>(6 * pair.secondary).transpose() * free.bodies[pair.secondary].row(y, n) -
           free.modes.middleRows<6>(6 * pair.primary).transpose() * free.bodies[pair.primary].row(y, n);
@@ -197,9 +205,11 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
 }
 
 std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>& bodies,
-                                                    const std::vector<SupportPoint>& supports) {
+                                                    const std::vector<SupportPoint>& supports,
+                                                    const std::vector<ContactPair>& pairs) {
   const FreeMotions none = no_motions(bodies);
-  const std::vector<Resistance> held = support_resistance(none.bodies, bodies, supports);
+  const std::vector<Resistance> held =
+      support_resistance(none.bodies, bodies, supports, bonded_assemblies(bodies.size(), pairs));
   std::vector<FreeMotions> list;
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
     const Eigen::MatrixXd free = motions_not_resisted(held[b]);

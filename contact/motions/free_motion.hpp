@@ -45,9 +45,11 @@ SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const 
 FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyModel>& bodies,
                                const std::vector<ContactPair>& pairs);
 
-/// Of each body that its own supports do not hold: the motions that they leave free.
+/// Of each body that its own supports, and those of the bodies that it is bonded to, do not hold: the motions that they
+/// leave free.
 std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>& bodies,
-                                                    const std::vector<SupportPoint>& supports);
+                                                    const std::vector<SupportPoint>& supports,
+                                                    const std::vector<ContactPair>& pairs);
 
 /// Work of the loads on the motions of all bodies (rows as in FreeMotions::modes), N, and the sum of the forces'
 /// magnitudes.

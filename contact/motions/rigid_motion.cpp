@@ -34,8 +34,8 @@ Resistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>
       if (!point.active) continue;
       const int k[2] = {pieces.of_cell[pair.primary][point.primary_cell],
                         pieces.of_cell[pair.secondary][point.secondary_cell]};
-      const RigidMotion row[2] = {pieces.list[k[0]].row(point.x, -point.normal),
-                                  pieces.list[k[1]].row(point.x, point.normal)};
+      const RigidMotion row[2] = {pieces.list[k[0]].row(point.x, -point.direction),
+                                  pieces.list[k[1]].row(point.x, point.direction)};
       const double size = pieces.list[k[0]].size();
       for (int i = 0; i < 2; ++i)
         for (int j = 0; j < 2; ++j)
@@ -123,6 +123,18 @@ void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int>
 }
 
 }  // namespace
+
+std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<ContactPair>& pairs) {
+  std::vector<int> assembly(num_bodies);
+  std::iota(assembly.begin(), assembly.end(), 0);
+  for (const ContactPair& pair : pairs) {
+    if (!pair.bonded()) continue;
+    const auto [least, other] = std::minmax(assembly[pair.primary], assembly[pair.secondary]);
+    const int kept = least, joined = other;
+    std::replace(assembly.begin(), assembly.end(), joined, kept);
+  }
+  return assembly;
+}
 
 RigidPieces whole_bodies(const std::vector<BodyModel>& bodies) {
   RigidPieces pieces;

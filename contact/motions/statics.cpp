@@ -51,9 +51,9 @@ struct Statics::Impl {
     matrix.compute(sum);
   }
 
-  /// Of the relative motion along the normal, of the primary body less the secondary one.
+  /// Of the relative motion along the direction of a point, of the primary body less the secondary one.
   std::pair<RigidMotion, RigidMotion> rows(std::size_t k, const ContactPoint& q) const {
-    return {pieces.list[pairs[k].primary].row(q.x, q.normal), -pieces.list[pairs[k].secondary].row(q.x, q.normal)};
+    return {pieces.list[pairs[k].primary].row(q.x, q.direction), -pieces.list[pairs[k].secondary].row(q.x, q.direction)};
   }
 };
 
@@ -70,7 +70,7 @@ bool Statics::loads_give(int pair, const Vec3& direction) const {
   for (const ContactPoint& q : p.points) {
     if (!q.active) continue;
     const auto [on_first, on_second] = impl_->rows(pair, q);
-    const double weight = q.weight / impl_->closed_area[pair], value = q.normal.dot(direction);
+    const double weight = q.weight / impl_->closed_area[pair], value = q.direction.dot(direction);
     right.segment<6>(6 * p.primary) += weight * value * on_first;
     right.segment<6>(6 * p.secondary) += weight * value * on_second;
     square += weight * value * value;

@@ -98,7 +98,7 @@ std::vector<double> missed_contact(const SolvedState& state) {
   bool any = false;
   for (const ContactSpec& spec : state.scene.contacts) {
     const ContactPair pair = pair_of(state, spec);
-    const double missed = spec.search_distance > 0 ? 0.0 : missed_distance(state, pair);
+    const double missed = spec.search_distance > 0 || spec.bonded ? 0.0 : missed_distance(state, pair);
     any |= missed > 0;
     reach.push_back(std::max(1.5 * missed, pair.reach.ahead));
   }

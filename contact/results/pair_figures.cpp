@@ -63,6 +63,7 @@ double forces_of_scene(const SolvedState& state, const std::vector<double>& of_p
 /// really acts in the discrete equilibrium. `row`: number of its first group, `magnitude`: sum of its groups' forces.
 void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t row, double magnitude,
                 PairFigures& figures) {
+  // A bonded pair may pull here and press there: the centre of its area.
   Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()}, centre = Vec3::Zero();
   double total = 0;
   for (const ContactGroup& group : pair.groups) {
@@ -79,8 +80,8 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
       moment[side] += grid.to_global(mesh.node_position(node - mesh.first_node)).cross(f);
     }
     for (int q = group.first_point; q < group.last_point; ++q)
-      centre += group_force * pair.points[q].weight / group.area * pair.points[q].x;
-    total += group_force;
+      centre += (pair.bonded() ? group.area : group_force) * pair.points[q].weight / group.area * pair.points[q].x;
+    total += pair.bonded() ? group.area : group_force;
     ++row;
   }
   for (Vec3& f : force)
@@ -103,12 +104,13 @@ void add_zone(const SolvedState& state, int k, const Results& results, PairFigur
       figures.max_pressure = r.pressure_sprc;
       figures.max_pressure_at = r.x;
     }
-  if (state.scene.recovery.spr_c) {
+  const ContactPair& pair = state.pairs[k];
+  if (state.scene.recovery.spr_c && !pair.bonded()) {
     for (const ContactRow& r : results.contact_rows)
       if (r.pair == k && r.touching && is_pressed(r, figures.max_pressure)) figures.area += 0.5 * r.weight;
   } else {
-    for (const ContactPoint& q : state.pairs[k].points)
-      if (q.active) figures.area += q.weight;
+    for (std::size_t q = 0; q < pair.num_places(); ++q)
+      if (pair.points[q].active) figures.area += pair.points[q].weight;
   }
 }
 
@@ -145,8 +147,9 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     figures.name = pair.spec->name;
     figures.body_first = state.scene.bodies[pair.spec->first.body].name;
     figures.body_second = state.scene.bodies[pair.spec->second.body].name;
-    figures.points = static_cast<int>(pair.points.size());
-    for (const ContactPoint& q : pair.points) figures.active_points += q.active;
+    figures.bonded = pair.bonded();
+    figures.points = static_cast<int>(pair.num_places());
+    for (int q = 0; q < figures.points; ++q) figures.active_points += pair.points[q].active;
     if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
       add_forces(state, pair, first_group, forces[k], figures);
       add_zone(state, static_cast<int>(k), results, figures);
@@ -164,7 +167,7 @@ std::vector<std::string> lost_force_warnings(const SolvedState& state, const Res
     double transmitted = 0;
     for (std::size_t g = 0; g < pair.groups.size(); ++g, ++group)
       transmitted += state.outer.group_force[group] * force_unit(state);
-    if (!(results.pairs[k].area > 0)) continue;
+    if (!(results.pairs[k].area > 0) || pair.bonded()) continue;
     for (const int body : {pair.primary, pair.secondary}) {
       double recovered = 0;
       for (const ContactRow& row : results.contact_rows)

@@ -7,6 +7,7 @@
 
 #include "contact/results/pressure_error.hpp"
 #include "contact/results/reference.hpp"
+#include "contact/solve/active_set.hpp"
 #include "recovery/error/error_estimate.hpp"
 
 namespace cgcontact {
@@ -50,8 +51,7 @@ void fill_counts(const SolvedState& state, Results& results) {
   results.active_of_iteration = state.outer.active_points;
   results.converged = state.outer.converged;
   results.diagnosis = state.outer.diagnosis;
-  for (const ContactPair& pair : state.pairs)
-    for (const ContactPoint& q : pair.points) results.active_points += q.active;
+  results.active_points = count_active(state.pairs);
   const RecoveryCounts& counts = state.recovery_counts;
   results.patch_kinds.assign(patch_kind_names, patch_kind_names + num_patch_kinds);
   results.patch_statuses.assign(patch_status_names, patch_status_names + num_patch_statuses);

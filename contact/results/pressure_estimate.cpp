@@ -130,7 +130,9 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     for (const ContactRow& row : rows) {
       if (row.pair != static_cast<int>(p)) continue;
       error += row.weight * row.pressure_error * row.pressure_error;
-      norm += row.weight * row.pressure_sprc * row.pressure_sprc;
+      // Bonded faces may carry shear alone.
+      const double size = state.pairs[p].bonded() ? (tensor(row.stress_sprc) * row.normal).norm() : row.pressure_sprc;
+      norm += row.weight * size * size;
     }
     PairFigures& figures = results.pairs[p];
     figures.pressure_error_estimate = norm > 0 ? std::sqrt(error / norm) : 0;

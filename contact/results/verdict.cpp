@@ -45,7 +45,9 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
     Judged j;
     j.pair.name = figures.name;
     j.force = pressing_force(figures);
-    if (figures.active_points > 0) {
+    if (figures.bonded) {  // no zone that ends somewhere
+      j.pair.state = State::resolved;
+    } else if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
       j.pair.state = widths[p].cells && *widths[p].cells < state.scene.results.least_cells_across ? State::not_resolved
                                                                                                   : State::resolved;
@@ -85,7 +87,9 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
       j.pair.name, *j.pair.cells_across, *j.pair.cell_size_needed);
 }
 
-std::string resolved_text(const std::vector<Judged>& pairs, double least_force) {
+std::string resolved_text(const Results& results, const std::vector<Judged>& pairs, double least_force) {
+  if (std::all_of(results.pairs.begin(), results.pairs.end(), [](const PairFigures& pair) { return pair.bonded; }))
+    return "all contact is bonded: no zone to resolve";
   const Judged* narrowest = nullptr;
   for (const Judged& j : pairs)
     if (j.force >= least_force && j.pair.cells_across &&
@@ -127,7 +131,7 @@ Verdict judge(const SolvedState& state, const Results& results) {
     verdict.text = unresolved_text(state, *coarse);
   } else if (find(State::resolved, 0) != end) {
     verdict.state = State::resolved;
-    verdict.text = resolved_text(pairs, relevant_part_of_force * largest);
+    verdict.text = resolved_text(results, pairs, relevant_part_of_force * largest);
   } else {
     verdict.state = State::no_contact;
     verdict.text = pairs.empty() ? "the scene has no contact pair" : "nothing touches: no contact carries a force";

@@ -202,6 +202,14 @@ MomentAbout moment_about(const MomentSpec& spec, const PairFigures& pair) {
   return moment;
 }
 
+Vec3 mean_normal(const ContactPair& pair, std::size_t piece) {
+  const ContactGroup& group = pair.groups[piece];
+  Vec3 normal = Vec3::Zero();
+  for (int q = group.first_point; q < group.last_point; ++q)
+    normal += pair.points[q].weight / group.area * pair.points[q].normal;
+  return normal;
+}
+
 }  // namespace
 
 void fill_zone_figures(const SolvedState& state, Results& results) {
@@ -211,12 +219,18 @@ void fill_zone_figures(const SolvedState& state, Results& results) {
     const ContactPair& pair = state.pairs[k];
     PairFigures& figures = results.pairs[k];
     double force = 0;
-    for (std::size_t g = 0; g < pair.groups.size(); ++g)
-      force += state.bodies[pair.primary].slices * unit * state.outer.group_force[group++];
+    if (pair.bonded())
+      for (std::size_t piece = 0; piece < pair.num_pieces(); ++piece)
+        force += force_of_piece(pair, &state.outer.group_force[group], piece).dot(mean_normal(pair, piece));
+    else
+      for (std::size_t g = 0; g < pair.groups.size(); ++g) force += state.outer.group_force[group + g];
+    force *= state.bodies[pair.primary].slices * unit;
+    group += pair.groups.size();
     if (pair.spec->moment_about) figures.zone.moment = moment_about(*pair.spec->moment_about, figures);
     if (!(figures.area > 0)) continue;
     figures.zone.normal_force = force;
     figures.zone.mean_pressure = force / figures.area;
+    if (pair.bonded()) continue;
     const Zone zone(state, results, static_cast<int>(k));
     figures.zone.extent = zone.extent();
     figures.zone.hertz = zone.hertz(force);

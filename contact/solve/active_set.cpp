@@ -14,6 +14,7 @@ constexpr double no_force = 1e-10;
 bool close_near_the_smallest_gap(const OuterProblem& problem, double allowance) {
   bool all = true;
   for (ContactPair& pair : problem.pairs) {
+    if (pair.bonded()) continue;
     double smallest = 1e300, h = 1e300;
     for (const ContactGroup& g : pair.groups) {
       smallest = std::min(smallest, g.initial_gap);
@@ -50,7 +51,7 @@ void close_pressing_points(Iterate& iterate) {
     double largest = 0, stiffest = 0;
     for (std::size_t q = 0; q < pair.points.size(); ++q) largest = std::max(largest, std::abs(pressure(q)));
     for (const ContactGroup& g : pair.groups) stiffest = std::max(stiffest, pair.stiffness(g));
-    if (!(largest < no_force * stiffest * moved))
+    if (!pair.bonded() && !(largest < no_force * stiffest * moved))
       for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
     first_group += pair.groups.size();
   }
@@ -77,7 +78,7 @@ std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& un
 long long count_active(const std::vector<ContactPair>& pairs) {
   long long active = 0;
   for (const ContactPair& pair : pairs)
-    for (const ContactPoint& q : pair.points) active += q.active;
+    for (std::size_t q = 0; q < pair.num_places(); ++q) active += pair.points[q].active;
   return active;
 }
 

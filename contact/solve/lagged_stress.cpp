@@ -68,8 +68,8 @@ double LaggedStress::update(Iterate& iterate) {
                  second = stabilising_modulus(problem.scene.bodies[pair.secondary].material);
     const double part = second / (first + second);
     change.replace(iterate.contact_stress[k], pair.points, [&](const ContactPoint& c) {
-      return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.normal) -
-             (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.normal);
+      return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.direction) -
+             (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.direction);
     });
   }
   const double norm = std::max(change.norm, square_of_rounding(iterate));

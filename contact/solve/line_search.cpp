@@ -26,7 +26,8 @@ std::vector<GroupOnStep> groups_on_step(const Iterate& iterate, const RealView& 
   for (const ContactPair& pair : problem.pairs)
     for (const ContactGroup& group : pair.groups) {
       double at_start = 0, along = 0;
-      const bool linear = iterate.small_zones.has(groups.size());  // their energy is in the system's as it is
+      // Their energy is in the system's as it is.
+      const bool linear = pair.bonded() || iterate.small_zones.has(groups.size());
       for (const auto& [dof, value] : problem.system.group_rows[groups.size()].entries) {
         if (linear) break;
         at_start += value * before(dof);

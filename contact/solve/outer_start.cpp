@@ -30,8 +30,8 @@ std::vector<double> earlier_pressure(const SolvedState& earlier, const ContactPa
   std::vector<double> pressure(pair.points.size());
   parallel_for("cgcontact::outer_start::contact", pressure.size(), grain, [&](std::size_t q) {
     const ContactPoint& point = pair.points[q];
-    pressure[q] = -0.5 * (earlier_traction(earlier, pair.primary, point.x, point.normal, point.normal) +
-                          earlier_traction(earlier, pair.secondary, point.x, point.normal, point.normal));
+    pressure[q] = -0.5 * (earlier_traction(earlier, pair.primary, point.x, point.normal, point.direction) +
+                          earlier_traction(earlier, pair.secondary, point.x, point.normal, point.direction));
   });
   return pressure;
 }
@@ -45,14 +45,14 @@ bool start_from(const SolvedState& earlier, Iterate& iterate) {
   for (const ContactPair& pair : problem.pairs) {
     pressures.push_back(earlier_pressure(earlier, pair));
     const auto largest = std::max_element(pressures.back().begin(), pressures.back().end());
-    any |= largest != pressures.back().end() && *largest > 0;
+    any |= pair.bonded() || (largest != pressures.back().end() && *largest > 0);
   }
   if (!any) return false;
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     ContactPair& pair = problem.pairs[k];
     const double largest = *std::max_element(pressures[k].begin(), pressures[k].end());
     for (std::size_t q = 0; q < pair.points.size(); ++q) {
-      pair.points[q].active = pressures[k][q] > presses * std::max(largest, 0.0);
+      pair.points[q].active = pair.bonded() || pressures[k][q] > presses * std::max(largest, 0.0);
       iterate.contact_stress[k][q] = pressures[k][q] / problem.scales.stress;
     }
   }

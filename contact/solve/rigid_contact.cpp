@@ -24,15 +24,16 @@ constexpr double little_load = 0.02;
 constexpr int most_steps = 100, many_steps = 30, most_bisections = 80;
 
 /// A spring that presses at points: force = sum w [stress - stiffness gap]_+, gap = distance + row . motion. second =
-/// -1: a support, whose springs also pull.
+/// -1: a support. Springs of supports and of bonded faces also pull.
 struct Spring {
   int first = 0, second = -1;
+  bool bonded = false;
   RigidMotion row_first = RigidMotion::Zero(), row_second = RigidMotion::Zero();
   double distance = 0;   ///< m
   double stiffness = 0;  ///< Pa/m
   int first_point = 0, last_point = 0;
 
-  bool one_sided() const { return second >= 0; }
+  bool one_sided() const { return second >= 0 && !bonded; }
   double change(const Eigen::VectorXd& motion) const {
     double sum = row_first.dot(motion.segment<6>(6 * first));
     if (second >= 0) sum += row_second.dot(motion.segment<6>(6 * second));
@@ -162,12 +163,13 @@ Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::
   Spring spring;
   spring.first = pair.primary;
   spring.second = pair.secondary;
+  spring.bonded = pair.bonded();
   for (int q = group.first_point; q < group.last_point; ++q) {
     const ContactPoint& point = pair.points[q];
     const double share = point.weight / group.area;
     // p acts on the primary body against its normal.
-    spring.row_first -= share * pieces[pair.primary].row(point.x, point.normal);
-    spring.row_second += share * pieces[pair.secondary].row(point.x, point.normal);
+    spring.row_first -= share * pieces[pair.primary].row(point.x, point.direction);
+    spring.row_second += share * pieces[pair.secondary].row(point.x, point.direction);
   }
   return spring;
 }
@@ -215,7 +217,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
   auto spring = rigid.springs.begin();
   for (ContactPair& pair : pairs)
     for (const ContactGroup& group : pair.groups) {
-      const bool closed = rigid.gap(*spring++) < 0;
+      const bool closed = rigid.gap(*spring++) < 0 || pair.bonded();
       for (int q = group.first_point; q < group.last_point; ++q) pair.points[q].active = closed;
     }
   return true;
@@ -225,9 +227,13 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
                                const std::vector<ContactPair>& pairs)
     : bodies_(bodies), pairs_(pairs), pieces_(whole_bodies(bodies).list) {
   std::vector<Eigen::Matrix<double, 6, 6>> held(bodies.size(), Eigen::Matrix<double, 6, 6>::Zero());
-  const auto add = [&](const SupportPoint& p) {
-    const RigidMotion q = pieces_[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-    held[p.body] += p.weight * q * q.transpose();
+  const std::vector<int> assembly = bonded_assemblies(bodies.size(), pairs);
+  const auto add = [&](const SupportPoint& p) {  // to all bodies that are bonded to it
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (assembly[b] != assembly[p.body]) continue;
+      const RigidMotion q = pieces_[b].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+      held[b] += p.weight * q * q.transpose();
+    }
   };
   for (const SupportPoint& p : supports)
     if (!p.follows) add(p);
@@ -284,7 +290,7 @@ std::vector<Led> FloatingBodies::led_pairs() const {
     const bool held = !floats(pair.primary) && !floats(pair.secondary);
     // Line contact has no approach of its own: its bodies give it.
     const bool line = bodies_[pair.primary].spec->quadtree;
-    led.push_back(line                                             ? Led::no
+    led.push_back(line || pair.bonded()                            ? Led::no
                   : held                                           ? Led::held
                   : driven(pair.primary) || driven(pair.secondary) ? Led::no
                                                                    : Led::squeezed);
@@ -314,7 +320,7 @@ std::vector<char> FloatingBodies::pairs_that_open(const FreeMotions& motions) co
       slowest = std::min(slowest, rate);
       fastest = std::max(fastest, std::abs(rate));
     }
-    open[k] = fastest > 0 && slowest > opens * fastest;
+    open[k] = !pair.bonded() && fastest > 0 && slowest > opens * fastest;
   }
   return open;
 }
@@ -329,10 +335,12 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
       Spring spring;
       spring.first = pair.primary;
       spring.second = pair.secondary;
+      spring.bonded = pair.bonded();
       for (int q = group.first_point; q < group.last_point; ++q) {
         const ContactPoint& point = pair.points[q];
         Vec3 n = normals[pair.secondary](point.secondary_cell, point.secondary_position);
         if (n.dot(point.normal) > 0) n = -n;  // a surface of what is taken away
+        if (pair.bonded()) n = point.direction;
         const double share = point.weight / group.area;
         spring.row_first += share * free_[pair.primary] * pieces_[pair.primary].row(point.x, n);
         spring.row_second -= share * free_[pair.secondary] * pieces_[pair.secondary].row(point.x, n);

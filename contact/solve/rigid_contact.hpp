@@ -24,7 +24,7 @@ class FloatingBodies {
   /// References stay valid outside.
   FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                  const std::vector<ContactPair>& pairs);
-  /// Is there a body that its supports alone do not hold?
+  /// Is there a body that its supports alone, with those of bodies that it is bonded to, do not hold?
   bool any() const { return any_; }
   /// Do its supports alone not hold this body?
   bool floats(int body) const;

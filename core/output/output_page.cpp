@@ -245,7 +245,9 @@ std::string tiles(const Results& results) {
     text += tile("Largest contact pressure", stress(pair.max_pressure),
                  of + "estimated error " + estimate(results, pair, pair.max_pressure_error_estimate));
     text += tile("Contact area", figure(pair.area, area_unit(pair.area)),
-                 of + fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points)));
+                 of + (pair.bonded ? "bonded"
+                                   : fmt::format("{} of {} points closed", grouped(pair.active_points),
+                                                 grouped(pair.points))));
   }
   if (!results.extremes.empty() && results.extremes.size() == results.bodies.size()) {
     const int s = body_with_largest(results.extremes, &Extremes::von_mises);
@@ -396,7 +398,7 @@ std::string pairs_section(const Results& results) {
         name_cell(html_text(pair.name)) + cell(force(size)) + cell(estimate(results, pair, pair.force_error_estimate)) +
         cell(stress(pair.max_pressure)) + cell(estimate(results, pair, pair.max_pressure_error_estimate)) +
         cell(estimate(results, pair, pair.pressure_error_estimate)) + cell(figure(pair.area, area_unit(pair.area))) +
-        cell(count(pair.active_points) + " of " + count(pair.points)));
+        cell(pair.bonded ? "bonded" : count(pair.active_points) + " of " + count(pair.points)));
   }
   std::vector<std::string> forces;
   for (const PairFigures& pair : results.pairs)

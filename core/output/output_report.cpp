@@ -61,6 +61,7 @@ Json json_of(const PairFigures& pair) {
   Json json;
   json["name"] = pair.name;
   json["bodies"] = {pair.body_first, pair.body_second};
+  if (pair.bonded) json["bonded"] = true;
   json["force"] = {{pair.body_first, json_of(pair.force_on_first)}, {pair.body_second, json_of(pair.force_on_second)}};
   json["moment"] = {{pair.body_first, json_of(pair.moment_on_first)},
                     {pair.body_second, json_of(pair.moment_on_second)}};

@@ -68,6 +68,10 @@ Lines pair_table(const Results& results, std::size_t rows) {
   }
   if (shown < results.pairs.size())
     lines.push_back(fmt::format("  and {} more pairs, see the report", results.pairs.size() - shown));
+  std::vector<std::string> bonded;
+  for (const PairFigures& pair : results.pairs)
+    if (pair.bonded) bonded.push_back(shortened_name(pair.name, 22));
+  if (!bonded.empty() && bonded.size() <= rows) lines.push_back(fmt::format("  bonded: {}", fmt::join(bonded, ", ")));
   return lines;
 }
 

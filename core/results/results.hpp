@@ -109,6 +109,9 @@ struct StressErrorSample {
 /// Figures of one contact pair.
 struct PairFigures {
   std::string name, body_first, body_second;
+  /// Tied faces: the area is that of all points, pressures are normal tractions (tension negative), the centre is that
+  /// of the area.
+  bool bonded = false;
   Vec3 force_on_first = Vec3::Zero(), force_on_second = Vec3::Zero();    ///< N
   Vec3 moment_on_first = Vec3::Zero(), moment_on_second = Vec3::Zero();  ///< N m about the origin
   /// Of the contact zone (ContactRow::touching); without contact all are exactly zero.

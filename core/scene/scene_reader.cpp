@@ -533,6 +533,23 @@ MomentSpec read_moment(const TomlCursor& node) {
 
 }  // namespace
 
+namespace {
+
+void read_bonded(const TomlCursor& node, ContactSpec& contact) {
+  const auto value = node.find("bonded");
+  contact.bonded = value && value->boolean();
+  if (!contact.bonded) return;
+  if (contact.automatic)
+    value->fail("automatic pairs press and slide: which faces are bonded is not guessed",
+                "in a section with faces = [\"body.face\", \"body.face\"]");
+  for (const char* key : {"interference", "preload"})
+    if (const auto other = node.find(key))
+      other->fail("bonded faces are tied as they are drawn, without stress",
+                  "without bonded = true, or without " + std::string(key));
+}
+
+}  // namespace
+
 ContactSpec SceneReader::read_contact(const TomlCursor& node) const {
   ContactSpec contact;
   contact.place = node.place();
@@ -596,7 +613,8 @@ void SceneReader::read_contacts(const TomlCursor& root) {
   std::set<std::string> seen;
   std::vector<TomlCursor> ordered = optional_elements(root, "contact");
   for (const TomlCursor& node : ordered)
-    node.expect_keys({"name", "faces", "automatic", "interference", "preload", "search_distance", "moment_about"});
+    node.expect_keys(
+        {"name", "faces", "automatic", "bonded", "interference", "preload", "search_distance", "moment_about"});
   const auto is_automatic = [](const TomlCursor& node) {
     const auto automatic = node.find("automatic");
     return automatic && automatic->boolean();
@@ -615,6 +633,7 @@ void SceneReader::read_contacts(const TomlCursor& root) {
     for (std::size_t k = first; k < scene_.contacts.size(); ++k) {
       ContactSpec& contact = scene_.contacts[k];
       check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
+      read_bonded(node, contact);
       if (const auto value = node.find("interference")) {
         contact.interference = value->number(Range::any("m"));
         const double longest = std::min(longest_side(contact.first.body), longest_side(contact.second.body));

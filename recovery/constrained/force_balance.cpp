@@ -399,7 +399,7 @@ void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t inde
     if (!on_open_side) points[pair].push_back(static_cast<int>(p));
   }
   for (const ContactLink& link : body.boundary->links)
-    if (link.pressure != 0) pressing.insert(link.pair);
+    if (link.pressure != 0 && !body.boundary->is_bonded(link.pair)) pressing.insert(link.pair);
   if (pressing.empty()) return;
   const std::vector<double> pressures = contact_pressures(body, field);
   for (const int pair : pressing) {

@@ -174,8 +174,6 @@ void PatchAssembly::add_zero_shear(const ConstraintGroup& group, const PatchFit&
 void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
                                 const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const {
   const bool free = mode == ContactMode::open || mode == ContactMode::edge;
-  const PatchSet& patches = *body_.patches;
-  const double alike = same_distance * own.unit * own.unit;
   for (int p = 0; p < group.num_points; ++p) {
     const Vec3 x = group.position[p], n = group.normal[p], d = own.place(x);
     const auto [t1, t2] = tangents(n);
@@ -183,19 +181,7 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
     add_traction_row(rows, 0, d, n, t2);
     if (free) add_traction_row(rows, 0, d, n, n).firm = true;
     if (!auxiliary) continue;
-    const PatchContactPoint* nearest = nullptr;
-    double least = 0;
-    const int begin = patches.begin[node], num_cells = patches.begin[node + 1] - begin;
-    contact_.each(&patches.cells[begin], num_cells, state->pair, [&](const ContactPiece& piece) {
-      if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + alike) return;
-      for (const PatchContactPoint& point : contact_.points(piece)) {
-        const double distance = (point.position - x).squaredNorm();
-        if (nearest && distance > least + alike) continue;
-        if (point.normal.dot(n) < same_face) continue;
-        if (nearest && distance > least - alike && point.distance >= nearest->distance) continue;
-        nearest = &point, least = distance;
-      }
-    });
+    const PatchContactPoint* nearest = nearest_point(node, state->pair, x, n, own.unit);
     if (!nearest) continue;
     const Grid& other_grid = bodies_[state->other_body].mesh->cut_cells->grid;
     const Mat3 to_other = other_grid.rotation.transpose() * grid_.rotation;
@@ -207,6 +193,43 @@ void PatchAssembly::add_contact(const ConstraintGroup& group, int node, const Pa
       add_traction_row(rows, 1, e, m, m);
     else
       set_traction(add_traction_row(rows, 0, d, n, n), 1, e, m, m, -1);
+  }
+}
+
+const PatchContactPoint* PatchAssembly::nearest_point(int node, int pair, const Vec3& x, const Vec3& n,
+                                                      double unit) const {
+  const PatchSet& patches = *body_.patches;
+  const double alike = same_distance * unit * unit;
+  const PatchContactPoint* nearest = nullptr;
+  double least = 0;
+  const int begin = patches.begin[node], num_cells = patches.begin[node + 1] - begin;
+  contact_.each(&patches.cells[begin], num_cells, pair, [&](const ContactPiece& piece) {
+    if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + alike) return;
+    for (const PatchContactPoint& point : contact_.points(piece)) {
+      const double distance = (point.position - x).squaredNorm();
+      if (nearest && distance > least + alike) continue;
+      if (point.normal.dot(n) < same_face) continue;
+      if (nearest && distance > least - alike && point.distance >= nearest->distance) continue;
+      nearest = &point, least = distance;
+    }
+  });
+  return nearest;
+}
+
+/// Bonded faces: equal tractions of both bodies, in all directions.
+void PatchAssembly::add_bond(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit& auxiliary,
+                             const PairState& state, std::vector<PatchRow>& rows) const {
+  const Grid& other_grid = bodies_[state.other_body].mesh->cut_cells->grid;
+  const Mat3 to_other = other_grid.rotation.transpose() * grid_.rotation;
+  for (int p = 0; p < group.num_points; ++p) {
+    const Vec3 x = group.position[p], n = group.normal[p];
+    const PatchContactPoint* nearest = nearest_point(node, state.pair, x, n, own.unit);
+    if (!nearest) continue;
+    const Vec3 y = other_grid.to_grid(grid_.to_global(x) + nearest->distance * (grid_.rotation * n));
+    const auto [t1, t2] = tangents(n);
+    for (const Vec3& e : {n, t1, t2})
+      set_traction(add_traction_row(rows, 0, own.place(x), n, e), 1, auxiliary.place(y), to_other * n, to_other * e,
+                   -1);
   }
 }
 
@@ -321,8 +344,10 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   };
   const PairState* coupled = nullptr;  // the pair with the largest closed area gets the auxiliary patch
   for (const PairState& state : states) {
-    ContactMode mode = state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
-    if (edges) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
+    const bool bonded = body_.boundary->is_bonded(state.pair);
+    ContactMode mode =
+        bonded || state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
+    if (edges && !bonded) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
     workspace.modes[&state - states.data()] = static_cast<char>(mode);
     if (mode != ContactMode::open) problem.pressed.push_back(state.pair);
     const bool wants =
@@ -357,11 +382,27 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     }
     return area;
   };
+  const auto bonded_on_surface = [&](int surface) {
+    double area = 0;
+    for (const ConstraintGroup& group : groups)
+      if (group.surface == surface && body_.boundary->is_bonded(group.pair)) area += group.area;
+    return area;
+  };
   const auto set_kind = [&](PatchKind kind) { problem.kind = std::max(problem.kind, kind); };
   if (grid_.is_quadtree()) add_plane_strain(degree, rows);
   for (const ConstraintGroup& group : groups) {
     const TractionCondition& condition = body_.boundary->conditions[group.condition];
     const PairState* state = find_state(states, group.pair);
+    if (body_.boundary->is_bonded(group.pair)) {  // without an auxiliary patch nothing is known
+      set_kind(PatchKind::contact);
+      if (problem.coupled && state && state == coupled) add_bond(group, node, own, problem.fit[1], *state, rows);
+      continue;
+    }
+    // The rim of a bonded face (rounding, an overhang of a small part of the patch): as unknown as the rest.
+    const double bonded = bonded_on_surface(group.surface);
+    if (group.pair < 0 && !condition.traction && !condition.is_support() && bonded > 0 &&
+        group.area < options_.closed_fraction * (bonded + group.area))
+      continue;
     const double closed_part = closed_on_surface(group.surface);
     // Where the pair is closed in the patch (or its edge runs through it), but on another side of the body.
     const bool elsewhere =

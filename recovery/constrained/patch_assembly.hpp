@@ -116,6 +116,11 @@ class PatchAssembly {
   void add_zero_shear(const ConstraintGroup& group, const PatchFit& own, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
                    const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const;
+  void add_bond(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit& auxiliary,
+                const PairState& state, std::vector<PatchRow>& rows) const;
+  /// The contact point of a pair in a patch that is nearest to a constraint point on the same side of the body; null:
+  /// none.
+  const PatchContactPoint* nearest_point(int node, int pair, const Vec3& x, const Vec3& n, double unit) const;
 
   const std::vector<RecoveryBody>& bodies_;
   const std::vector<StressIntegrals>& integrals_;  ///< by body

@@ -55,9 +55,13 @@ struct BoundaryData {
   std::vector<TractionCondition> conditions;
   std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
   std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
+  std::vector<char> bonded;         ///< of each contact pair; empty: none is
   std::vector<ContactLink> links;
   CellLists links_of_cell;                           ///< active cell -> contact links
   std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.
+
+  /// Does the pair carry tension and shear? -1: no pair.
+  bool is_bonded(int pair) const { return pair >= 0 && !bonded.empty() && bonded[pair]; }
 };
 
 }  // namespace cgcontact

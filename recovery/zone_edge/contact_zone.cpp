@@ -25,7 +25,7 @@ ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t in
   middle_ = grid.to_global(middle_of(bodies[index].mesh->cut_cells->solid));
   std::map<int, int> other_of_pair;
   for (const ContactLink& link : bodies[index].boundary->links) {
-    if (!link.primary) continue;
+    if (!link.primary || bodies[index].boundary->is_bonded(link.pair)) continue;
     other_of_pair[link.pair] = link.other_body;
     buckets_.add(grid.to_global(link.position), static_cast<int>(forces_.size()));
     forces_.push_back({link.pair, link.cell, 0, link.active, grid.to_global(link.position), grid.rotation * link.normal,

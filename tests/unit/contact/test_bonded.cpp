@@ -1,0 +1,169 @@
+/// Bonded faces carry tension and shear across unrelated grids: patch tests to rounding, and bodies held by bonds alone.
+#include <gtest/gtest.h>
+
+#include "tests/support/run_scene.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr double tolerance = 1e-10;
+
+struct PatchCase {
+  std::string name;
+  std::vector<std::string> overrides;
+};
+
+void PrintTo(const PatchCase& c, std::ostream* out) { *out << c.name; }
+
+/// Of a displacement u = gradient x in the lower block, and of its stress; above the interface at z = 0.6 the gradient
+/// along z may be another.
+struct Field {
+  double E[2] = {200e9, 200e9}, nu[2] = {0.3, 0.3};
+  Mat3 stress;  ///< Pa
+
+  Mat3 strain(int body) const {
+    return (1 + nu[body]) / E[body] * stress - nu[body] / E[body] * stress.trace() * Mat3::Identity();
+  }
+  /// Shear moves planes of equal z along x and y.
+  Mat3 gradient(int body) const {
+    Mat3 g = strain(body);
+    for (int k = 0; k < 2; ++k) {
+      g(k, 2) *= 2;
+      g(2, k) = 0;
+    }
+    return g;
+  }
+  Vec3 displacement(int body, const Vec3& x) const {
+    if (body == 0) return gradient(0) * x;
+    const Vec3 foot(x[0], x[1], 0.6);
+    return gradient(0) * foot + gradient(1) * (x - foot);
+  }
+};
+
+std::string vector_text(const Vec3& v) {
+  return "[" + std::to_string(v[0]) + ", " + std::to_string(v[1]) + ", " + std::to_string(v[2]) + "]";
+}
+
+/// The lower block is held at its foot as the field says, all other faces carry its tractions; the upper block hangs on
+/// the bond alone.
+std::string blocks(const Field& field) {
+  std::string text = "[parameters]\nh = 0.13\nangle = 17.3\n";
+  const char* const shapes[] = {"box = {min = [0, 0, 0], max = [1, 0.8, 0.6]}",
+                                "box = {min = [0, 0, 0.6], max = [1, 0.8, 1.1]}"};
+  const char* const grids[] = {
+      "cell_size = \"h\"\ngrid = {offset = [0.414, 0.732, 0.236]}\n",
+      "cell_size = \"h/1.3\"\n"
+      "grid = {offset = [0.618, 0.303, 0.866], rotation = {axis = [1, 2, 3], angle = \"angle\"}}\n"};
+  const char* const names[] = {"lower", "upper"};
+  for (int b = 0; b < 2; ++b)
+    text += std::string("[[body]]\nname = \"") + names[b] + "\"\nshape = {name = \"block\", " + shapes[b] +
+            "}\nmaterial = {E = " + std::to_string(field.E[b]) + ", nu = " + std::to_string(field.nu[b]) + "}\n" +
+            grids[b];
+  const Mat3 g = field.gradient(0);
+  text += "[[support]]\nface = \"lower.block.z-\"\ndisplacement = {";
+  for (int k = 0; k < 3; ++k) {
+    char component[200];
+    std::snprintf(component, sizeof component, "%s%c = \"%.17g*x + %.17g*y + %.17g*z\"", k ? ", " : "", "xyz"[k],
+                  g(k, 0), g(k, 1), g(k, 2));
+    text += component;
+  }
+  text += "}\n";
+  for (int b = 0; b < 2; ++b)
+    for (int k = 0; k < 3; ++k)
+      for (const double sign : {-1.0, 1.0}) {
+        if (k == 2 && (b == 0 || sign < 0)) continue;
+        text += std::string("[[load]]\nface = \"") + names[b] + ".block." + "xyz"[k] + (sign < 0 ? "-" : "+") +
+                "\"\ntraction = " + vector_text(sign * field.stress.col(k)) + "\n";
+      }
+  return text + "[[contact]]\nfaces = [\"lower.block.z+\", \"upper.block.z-\"]\nbonded = true\n";
+}
+
+void expect_exact(const Field& field, const std::vector<std::string>& overrides) {
+  std::vector<std::string> all = test::tight;
+  all.insert(all.end(), overrides.begin(), overrides.end());
+  const auto solved = test::run_text(blocks(field), all);
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const double size = field.stress.norm();
+  double stress = 0, recovered = 0, displacement = 0, largest = 0;
+  for (int b = 0; b < 2; ++b) {
+    const BodyFields& body = r.bodies[b];
+    for (int c = 0; c < static_cast<int>(body.cut_cells->cells.size()); ++c)
+      for (const Vec3& xi : {Vec3(0, 0, 0), Vec3(-0.9, 0.8, 0.7)}) {
+        const Vec3 u = field.displacement(b, global_position(*body.cut_cells, c, xi));
+        stress = std::max(stress, (tensor(body.stress_raw(c, xi)) - field.stress).norm());
+        recovered = std::max(recovered, (tensor(body.stress_recovered(c, xi)) - field.stress).norm());
+        displacement = std::max(displacement, (body.displacement(c, xi) - u).norm());
+        largest = std::max(largest, u.norm());
+      }
+  }
+  EXPECT_LT(stress, tolerance * size);
+  EXPECT_LT(recovered, tolerance * size);
+  EXPECT_LT(displacement, tolerance * largest);
+  EXPECT_LT(r.estimated_error_relative, tolerance);
+  ASSERT_FALSE(r.contact_rows.empty());
+  double worst = 0;
+  for (const ContactRow& row : r.contact_rows) {
+    EXPECT_TRUE(row.active);
+    for (const Sym3& s : {row.stress_raw, row.stress_spr, row.stress_sprc})
+      worst = std::max(worst, (tensor(s) - field.stress).norm());
+    worst = std::max(worst, std::abs(row.pressure_transmitted + field.stress(2, 2)));
+  }
+  EXPECT_LT(worst, tolerance * size);
+  ASSERT_EQ(r.pairs.size(), 1u);
+  const PairFigures& pair = r.pairs[0];
+  EXPECT_TRUE(pair.bonded);
+  EXPECT_EQ(r.verdict.state, Verdict::State::resolved);
+  const Vec3 force = 0.8 * field.stress.col(2);
+  EXPECT_LT((pair.force_on_first - force).norm(), tolerance * force.norm());
+  EXPECT_LT((pair.force_on_second + force).norm(), tolerance * force.norm());
+  EXPECT_NEAR(pair.area, 0.8, tolerance);
+  EXPECT_LT((pair.centre - Vec3(0.5, 0.4, 0.6)).norm(), tolerance);
+  EXPECT_NEAR(pair.zone.normal_force, -0.8 * field.stress(2, 2), tolerance * force.norm());
+  EXPECT_LT(pair.pressure_error_estimate, tolerance);
+  EXPECT_FALSE(pair.zone.hertz.has_value());
+}
+
+class BondedPatch : public testing::TestWithParam<PatchCase> {};
+
+/// One material: any constant stress, here with tension and shear on the interface.
+TEST_P(BondedPatch, IsExact) {
+  Field field;
+  field.stress << 3e7, 1e7, -1.5e7, 1e7, -2e7, 2e7, -1.5e7, 2e7, 5e7;
+  expect_exact(field, GetParam().overrides);
+}
+
+/// Two materials with nu = 0: tension and shear of the interface alone strain both bodies alike along it, not at all.
+TEST_P(BondedPatch, OfTwoMaterialsInSeriesIsExact) {
+  Field field;
+  field.E[0] = 100e9;
+  field.E[1] = 300e9;
+  field.nu[0] = field.nu[1] = 0;
+  field.stress << 0, 0, -1.5e7, 0, 0, 2e7, -1.5e7, 2e7, 5e7;
+  expect_exact(field, GetParam().overrides);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Grids, BondedPatch,
+    testing::Values(PatchCase{"rotated", {}}, PatchCase{"upper_coarser", {"body.upper.cell_size=0.21"}},
+                    PatchCase{"on_grid_planes",
+                              {"angle=0", "body.lower.grid.offset=[0, 0, 0]", "body.upper.grid.offset=[0, 0, 0]",
+                               "h=0.1", "body.upper.cell_size=0.05"}},
+                    PatchCase{"refined",
+                              {"body.lower.refine=[{sphere = {center = [0.3, 0.3, 0.6], radius = 0.1}, size = 0.065}]"}},
+                    PatchCase{"degree_2", {"recovery.degree=2"}}),
+    [](const auto& test) { return test.param.name; });
+
+/// A stiff block on a soft one, as far apart as contact is tested: uniaxial tension.
+TEST(Bonded, ModuliMayBeFarApart) {
+  Field field;
+  field.nu[0] = field.nu[1] = 0;
+  field.stress << 0, 0, 1e7, 0, 0, 0, 1e7, 0, 5e7;
+  for (const double ratio : {1e-4, 1e4}) {
+    field.E[1] = ratio * field.E[0];
+    expect_exact(field, {});
+  }
+}
+
+}  // namespace
+}  // namespace cgcontact
