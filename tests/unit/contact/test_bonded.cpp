@@ -165,5 +165,141 @@ TEST(Bonded, ModuliMayBeFarApart) {
   }
 }
 
+/// A block rests on another one by contact and has a third one bonded on top, where it is pressed: contact carries what
+/// the bond hands on, and the bonded two are in balance as one body, which nothing else holds along z.
+TEST(Bonded, AnAssemblyMayRestOnContact) {
+  for (const char* const contact : {"faces = [\"base.box.z+\", \"middle.box.z-\"]", "automatic = true"}) {
+    const auto solved = test::run_text(std::string(R"(
+[[body]]
+name = "base"
+shape = {box = {min = [0, 0, -0.5], max = [0.9, 0.7, 0]}}
+material = {E = 200e9, nu = 0}
+cell_size = 0.13
+grid = {offset = [0.3, 0.6, 0.2]}
+[[body]]
+name = "middle"
+shape = {box = {min = [0, 0, 0], max = [0.9, 0.7, 0.6]}}
+material = {E = 70e9, nu = 0.3}
+cell_size = 0.11
+grid = {offset = [0.1, 0.7, 0.4], rotation = {axis = [1, 2, 3], angle = 20}}
+[[body]]
+name = "top"
+shape = {box = {min = [0, 0, 0.6], max = [0.9, 0.7, 1.1]}}
+material = {E = 70e9, nu = 0.3}
+cell_size = 0.14
+[[support]]
+face = "base.box.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "middle.box.x-"
+symmetry = true
+[[support]]
+face = "middle.box.y-"
+symmetry = true
+[[load]]
+face = "top.box.z+"
+pressure = 1e7
+[[contact]]
+faces = ["middle.box.z+", "top.box.z-"]
+bonded = true
+[[contact]]
+)") + contact + "\n");
+    const Results& r = solved->results();
+    ASSERT_TRUE(r.converged) << r.diagnosis;
+    ASSERT_EQ(r.pairs.size(), 2u);
+    for (const PairFigures& pair : r.pairs) {
+      EXPECT_EQ(pair.bonded, pair.body_second == "top" || pair.body_first == "top");
+      EXPECT_NEAR(pair.force_on_first.norm() / (0.63 * 1e7), 1, 1e-9);
+    }
+    Sym3 exact = Sym3::Zero();
+    exact[2] = -1e7;
+    double worst = 0;
+    for (int b = 0; b < 3; ++b)
+      for (int c = 0; c < static_cast<int>(r.bodies[b].cut_cells->cells.size()); ++c)
+        for (const auto& stress : {r.bodies[b].stress_raw, r.bodies[b].stress_recovered})
+          worst = std::max(worst, (stress(c, Vec3(0.3, -0.4, 0.5)) - exact).norm());
+    EXPECT_LT(worst, 1e-8 * 1e7);  // soft springs that follow hold the two along the contact
+  }
+}
+
+/// Rings of two materials, pulled apart: the figures of docs/accuracy.md with a margin, on grids of one size and refined.
+TEST(BondedRings, FollowLame) {
+  const auto error = [](const std::vector<std::string>& overrides) {
+    const auto solved = test::run_scene("scenes/bonded_rings.toml", overrides);
+    const Results& r = solved->results();
+    EXPECT_TRUE(r.converged) << r.diagnosis;
+    EXPECT_GT(r.effectivity, 0.95);
+    EXPECT_LT(r.effectivity, 1.25);
+    return test::zone(r, "whole");
+  };
+  const ZoneError coarse = error({"n=8"}), middle = error({"n=16"}), fine = error({"n=32"});
+  EXPECT_LT(coarse.sprc, 0.065);
+  EXPECT_LT(middle.sprc, 0.025);
+  EXPECT_LT(fine.sprc, 0.011);
+  for (const ZoneError& e : {coarse, middle, fine}) EXPECT_LT(3 * e.sprc, e.spr);
+  const ZoneError refined =
+      error({"n=16", "body.inner.refine=[{face = \"rim.side\", size = \"c/n/2\"}]",
+             "body.outer.refine=[{face = \"bore.side\", size = \"c/n/2.6\"}]"});
+  EXPECT_LT(refined.sprc, middle.sprc);
+}
+
+/// A torque through both rings: pure shear on a curved interface, sigma_r_theta = tau r0^2 / r^2 in both, whatever their
+/// materials.
+TEST(BondedRings, CarryATorque) {
+  const auto solve = [](int n) {
+    return test::run_text(R"(
+plane_strain = "z"
+[parameters]
+n = 10
+tau = 2e7
+[[body]]
+name = "inner"
+material = {E = 70e9, nu = 0.33}
+cell_size = "1/n"
+grid = {offset = [0.414, 0.732, 0.1], rotation = {axis = [0, 0, 1], angle = 20}}
+shape = {difference = [{name = "rim", cylinder = {base = [0, 0, 0], top = [0, 0, "0.7/n"], radius = 0.7}},
+                       {name = "bore", cylinder = {base = [0, 0, -1], top = [0, 0, 1], radius = 0.4}}]}
+[[body]]
+name = "outer"
+material = {E = 210e9, nu = 0.28}
+cell_size = "0.83/n"
+grid = {offset = [0.14, 0.32, 0.1]}
+shape = {difference = [{name = "rim", cylinder = {base = [0, 0, 0], top = [0, 0, "0.7/n"], radius = 1}},
+                       {name = "bore", cylinder = {base = [0, 0, -1], top = [0, 0, 1], radius = 0.7}}]}
+[[support]]
+face = "inner.bore.side"
+displacement = {x = 0, y = 0}
+[[load]]
+face = "outer.rim.side"
+traction = ["-tau*y", "tau*x", 0]
+[[contact]]
+faces = ["inner.rim.side", "outer.bore.side"]
+bonded = true
+)",
+                          {"n=" + std::to_string(n), "solver.tolerance=1e-9"});
+  };
+  double before = 1;
+  for (const int n : {10, 20}) {
+    const auto solved = solve(n);
+    const Results& r = solved->results();
+    ASSERT_TRUE(r.converged) << r.diagnosis;
+    ASSERT_EQ(r.pairs.size(), 1u);
+    // On the outer ring, about the axis: the torque of the load.
+    EXPECT_NEAR(r.pairs[0].moment_on_second[2] / (-2e7 * 2 * M_PI * 0.7 / n), 1, 1e-6);
+    double error = 0, norm = 0;
+    for (const ContactRow& row : r.contact_rows) {
+      const double radius = std::hypot(row.x[0], row.x[1]), shear = 2e7 / (radius * radius);
+      const Vec3 e_r = Vec3(row.x[0], row.x[1], 0) / radius, e_t(-e_r[1], e_r[0], 0);
+      const Mat3 exact = shear * (e_r * e_t.transpose() + e_t * e_r.transpose());
+      error += row.weight * (tensor(row.stress_sprc) * e_r - exact * e_r).squaredNorm();
+      norm += row.weight * (exact * e_r).squaredNorm();
+    }
+    const double relative = std::sqrt(error / norm);
+    EXPECT_LT(relative, n == 10 ? 0.07 : 0.03);
+    EXPECT_LT(relative, before / 2);
+    before = relative;
+  }
+}
+
 }  // namespace
 }  // namespace cgcontact
