@@ -570,17 +570,22 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
       const ContactPoint& q = pair.points[place];
       const int index = static_cast<int>(p);
       const ContactGroup& group = pair.groups[q.group];
+      Vec3 on_secondary = Vec3::Zero();
+      if (pair.bonded() && !group_force.empty())
+        on_secondary = force_of_piece(pair, &group_force[first_group], q.group);
       const double force = group_force.empty() ? 0.0
-                           : pair.bonded()     ? force_of_piece(pair, &group_force[first_group], q.group).dot(q.normal)
+                           : pair.bonded()     ? on_secondary.dot(q.normal)
                                                : group_force[first_group + q.group];
       const double pressure = q.active && !group_force.empty() ? force / closed_area[q.group] : 0.0;
       const double spread = force / group.area;
       primary.boundary.links.push_back({q.primary_cell, index, q.primary_position, to_primary * q.normal, q.weight,
                                         pair.secondary, q.secondary_cell, q.secondary_position, group.larger_cell,
-                                        q.distance, q.active, pressure, spread, true});
+                                        q.distance, q.active, pressure, spread, true,
+                                        to_primary * -on_secondary / group.area});
       secondary.boundary.links.push_back({q.secondary_cell, index, q.secondary_position, -(to_secondary * q.normal),
                                           q.weight, pair.primary, q.primary_cell, q.primary_position, group.larger_cell,
-                                          q.distance, q.active, pressure, spread});
+                                          q.distance, q.active, pressure, spread, false,
+                                          to_secondary * on_secondary / group.area});
     }
     first_group += pair.groups.size();
   }

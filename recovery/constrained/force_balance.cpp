@@ -39,6 +39,18 @@ Vec6 normal_weights(const Vec3& n) {
   return w;
 }
 
+/// From xx, yy, zz, sqrt(2) times xy, yz, zx to the traction on n: in the norm of a stress its shear counts twice.
+Eigen::Matrix<double, 3, 6> traction_weights(const Vec3& n) {
+  Eigen::Matrix<double, 3, 6> w = Eigen::Matrix<double, 3, 6>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    w(i, i) = n[i];
+    w(i, 3 + i) = n[j] / std::sqrt(2.0);
+    w(j, 3 + i) = n[i] / std::sqrt(2.0);
+  }
+  return w;
+}
+
 /// Whether a support acts on a boundary point along the normal: the pressure there is its reaction as well.
 bool is_held(const RecoveryBody& body, std::size_t point) {
   constexpr double across = 1e-3;  // cosine
@@ -285,9 +297,16 @@ class PairFace {
   std::vector<CellFace> cells_;
 };
 
-/// The pressure, at the nodes, that is to be added.
+/// Forces of the nodes as the pressure around, alike for pressing and pulling ones.
+std::vector<double> level_of(const PairFace& face, std::vector<double> force, const BalanceOptions& options) {
+  face.smooth(std::vector<char>(force.size(), 1), face.passes_of_mean(options.mean_width), force);
+  for (std::size_t n = 0; n < force.size(); ++n) force[n] = std::abs(face.pressure_of(force[n], static_cast<int>(n)));
+  return force;
+}
+
+/// The pressure, at the nodes, that is to be added. level: the pressure around; one_sign: all of it presses.
 std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term,
-                                     const BalanceOptions& options) {
+                                     const std::vector<double>& level, bool one_sign, const BalanceOptions& options) {
   const std::vector<int> passes = face.passes_of_mean(options.mean_width);
   const std::size_t size = face.nodes.size();
   std::vector<double> added(size, 0.0), step(size, 0.0);
@@ -301,12 +320,6 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
     for (std::size_t n = 0; n < size; ++n) added[n] += pressure[n];
     face.carry(pressure);
   };
-  // The pressure around.
-  const std::vector<char> all(size, 1);
-  std::vector<double> level = face.transmitted;
-  face.smooth(all, passes, level);
-  for (std::size_t n = 0; n < size; ++n) level[n] = std::abs(face.pressure_of(level[n], static_cast<int>(n)));
-
   std::vector<double> force = defect();
   for (std::size_t n = 0; n < size; ++n) {
     const double share = std::max(face.area[n], face.covered[n]) / face.area_of_cell(n);
@@ -325,6 +338,7 @@ std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pr
     step[n] = pressure == 0 ? 0.0 : part * pressure;
   }
   add(step);
+  if (!one_sign) return added;
   // In total no farther than the plain recovery.
   double transmitted = 0, carried = 0, plain = 0, carrying = 0;
   for (std::size_t n = 0; n < size; ++n) {
@@ -438,6 +452,95 @@ std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredF
   return pressures;
 }
 
+namespace {
+
+/// Traction at some boundary points of a body, Scales::stress, grid axes.
+std::vector<Vec3> tractions_at(const RecoveryBody& body, const RecoveredField& field, const std::vector<int>& points) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<Vec3> tractions(points.size());
+  parallel_for("cgcontact::force_balance::tractions", points.size(), grain, [&](std::size_t i) {
+    const int p = points[i], cell = cc.boundary.cell[p];
+    const Vec3 xi = cell_coordinates(cc, cell, cc.boundary.position[p]);
+    Vec6 s;
+    evaluate_recovered(*body.mesh, field, cell, xi.data(), s.data());
+    s.tail<3>() *= std::sqrt(2.0);
+    tractions[i] = traction_weights(cc.boundary.normal[p]) * s;
+  });
+  return tractions;
+}
+
+/// Of each node the stress of the smallest norm with the traction that is to be added there on all faces around it.
+std::vector<Vec6> stresses_of_tractions(const RecoveryBody& body, PairFace& face, const std::vector<int>& points,
+                                        const std::vector<double> (&added)[3]) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<Eigen::Matrix<double, 6, 6>> products(face.nodes.size(), Eigen::Matrix<double, 6, 6>::Zero());
+  std::vector<Vec6> stress(face.nodes.size(), Vec6::Zero());
+  for (const int p : points) {
+    const auto& [number, N] = face.shapes(cc.boundary.cell[p], cc.boundary.position[p]);
+    const Eigen::Matrix<double, 3, 6> weights = traction_weights(cc.boundary.normal[p]);
+    for (std::size_t a = 0; a < number.size(); ++a) {
+      const int n = number[a];
+      const double weight = std::abs(N[a]) * cc.boundary.weight[p];
+      products[n] += weight * weights.transpose() * weights;
+      stress[n] += weight * weights.transpose() * Vec3(added[0][n], added[1][n], added[2][n]);
+    }
+  }
+  parallel_for("cgcontact::force_balance::stress_of_traction", stress.size(), grain, [&](std::size_t n) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(products[n]);
+    const double least = normal_tolerance * normal_tolerance * eigen.eigenvalues()[5];
+    Vec6 solution = Vec6::Zero();
+    for (int i = 0; i < 6; ++i)
+      if (eigen.eigenvalues()[i] > least)
+        solution += eigen.eigenvectors().col(i).dot(stress[n]) / eigen.eigenvalues()[i] * eigen.eigenvectors().col(i);
+    solution.tail<3>() /= std::sqrt(2.0);
+    stress[n] = solution;
+  });
+  return stress;
+}
+
+/// The same for the traction of a bonded pair, component by component; what scatters is told by the whole of it.
+void balance_bond(const RecoveryBody& body, int pair, const RecoveredField& field, const Scales& scales,
+                  const BalanceOptions& options, PatchStates& states) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<int> points;
+  for (std::size_t p = 0; p < cc.boundary.size(); ++p)
+    if (body.boundary->pair_of_point[p] == pair) points.push_back(static_cast<int>(p));
+  const std::vector<Vec3> tractions = tractions_at(body, field, points);
+  PairFace face[3] = {PairFace(*body.mesh), PairFace(*body.mesh), PairFace(*body.mesh)};
+  for (int k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      face[k].add_point(cc.boundary.cell[points[i]], cc.boundary.position[points[i]], cc.boundary.weight[points[i]],
+                        tractions[i][k], 0);
+    if (face[k].empty()) return;
+    for (const ContactLink& link : body.boundary->links)
+      if (link.pair == pair)
+        face[k].add_contact(link.cell, link.position, link.weight, link.traction[k] / scales.stress);
+    for (const ContactLink& link : body.boundary->links)
+      if (link.pair == pair) face[k].add_size(link.cell, link.larger_cell);
+    face[k].spread_sizes();
+  }
+  const std::size_t size = face[0].nodes.size();
+  std::vector<char> pressed(size), term(size);
+  std::vector<double> magnitude(size), added[3];
+  for (std::size_t n = 0; n < size; ++n) {
+    magnitude[n] = Vec3(face[0].transmitted[n], face[1].transmitted[n], face[2].transmitted[n]).norm();
+    term[n] = field.edge && field.edge->of_node(face[0].nodes[n]);
+    pressed[n] = !term[n] && face[0].area[n] > 0 && states.is_pressed(face[0].nodes[n], pair);
+  }
+  const std::vector<double> level = level_of(face[0], magnitude, options);
+  for (int k = 0; k < 3; ++k) added[k] = missing_pressure(face[k], pressed, term, level, false, options);
+  const std::vector<Vec6> stress = stresses_of_tractions(body, face[0], points, added);
+  for (std::size_t n = 0; n < size; ++n) {
+    if (added[0][n] == 0 && added[1][n] == 0 && added[2][n] == 0) continue;
+    double* a = &field.values(face[0].nodes[n], 0, 0);
+    for (int k = 0; k < 6; ++k) a[num_terms * k] += stress[n][k];
+    PatchStatus& status = states.status[face[0].nodes[n]];
+    status = std::max(status, PatchStatus::balanced);
+  }
+}
+
+}  // namespace
+
 void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
                     const std::vector<double>& plain, const Scales& scales, const BalanceOptions& options,
                     PatchStates& states) {
@@ -448,7 +551,8 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
       term[n] = field.edge && field.edge->of_node(face.nodes[n]);
       pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair.number);
     }
-    const std::vector<double> added = missing_pressure(face, pressed, term, options);
+    const std::vector<double> level = level_of(face, face.transmitted, options);
+    const std::vector<double> added = missing_pressure(face, pressed, term, level, true, options);
     const std::vector<Vec6> stress = pressing_stresses(body, face, pair.points, added);
     for (std::size_t n = 0; n < added.size(); ++n) {
       if (added[n] == 0) continue;
@@ -458,6 +562,8 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
       status = std::max(status, PatchStatus::balanced);
     }
   });
+  for (int pair = 0; pair < static_cast<int>(body.boundary->bonded.size()); ++pair)
+    if (body.boundary->is_bonded(pair)) balance_bond(body, pair, field, scales, options, states);
 }
 
 std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,

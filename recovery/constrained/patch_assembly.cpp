@@ -398,10 +398,10 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
       if (problem.coupled && state && state == coupled) add_bond(group, node, own, problem.fit[1], *state, rows);
       continue;
     }
-    // The rim of a bonded face (rounding, an overhang of a small part of the patch): as unknown as the rest.
+    // Free beside a bonded part of the same surface: the traction jumps, which no polynomial follows.
     const double bonded = bonded_on_surface(group.surface);
-    if (group.pair < 0 && !condition.traction && !condition.is_support() && bonded > 0 &&
-        group.area < options_.closed_fraction * (bonded + group.area))
+    if (group.pair < 0 && !condition.traction && !condition.is_support() &&
+        bonded > options_.closed_fraction * (bonded + group.area))
       continue;
     const double closed_part = closed_on_surface(group.surface);
     // Where the pair is closed in the patch (or its edge runs through it), but on another side of the body.

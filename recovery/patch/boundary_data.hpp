@@ -48,6 +48,7 @@ struct ContactLink {
   double pressure = 0;         ///< Pa, what the solution transmits here: constant over the closed points of a group
   double spread_pressure = 0;  ///< Pa, the same force over all points of the group: so it acts on the bodies
   bool primary = false;        ///< the points of the pair are made on this body
+  Vec3 traction = Vec3::Zero();  ///< Pa, of bonded pairs: what acts on this body, grid axes; constant over a group
 };
 
 /// Boundary of one body: its default quadrature points with what is known there.

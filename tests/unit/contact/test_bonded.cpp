@@ -233,8 +233,8 @@ TEST(BondedRings, FollowLame) {
     return test::zone(r, "whole");
   };
   const ZoneError coarse = error({"n=8"}), middle = error({"n=16"}), fine = error({"n=32"});
-  EXPECT_LT(coarse.sprc, 0.065);
-  EXPECT_LT(middle.sprc, 0.025);
+  EXPECT_LT(coarse.sprc, 0.05);
+  EXPECT_LT(middle.sprc, 0.02);
   EXPECT_LT(fine.sprc, 0.011);
   for (const ZoneError& e : {coarse, middle, fine}) EXPECT_LT(3 * e.sprc, e.spr);
   const ZoneError refined =
@@ -299,6 +299,70 @@ bonded = true
     EXPECT_LT(relative, before / 2);
     before = relative;
   }
+}
+
+/// An arm welded to the side of a larger block, a force at its end: the stress is infinite all round the weld, and the
+/// traction ends within the block's cells. Force and moment are the solution's to rounding, and what is recovered carries
+/// them on both bodies (without a balance SPR-C would lose 18 and 37 % of the moment, plain SPR has twice a seventh of
+/// the force too much).
+TEST(Bonded, RecoveredTractionsCarryTheForceOfAWeld) {
+  const auto solved = test::run_text(R"(
+[[body]]
+name = "block"
+shape = {box = {min = [0.1, 0.1, 0], max = [0.6, 0.6, 0.6]}}
+material = {E = 70e9, nu = 0.3}
+cell_size = 0.11
+grid = {offset = [0.1, 0.7, 0.4], rotation = {axis = [1, 2, 3], angle = 20}}
+[[body]]
+name = "arm"
+shape = {box = {min = [0.6, 0.2, 0.3], max = [1.6, 0.5, 0.6]}}
+material = {E = 210e9, nu = 0.3}
+cell_size = 0.09
+grid = {offset = [0.3, 0.6, 0.2]}
+[[support]]
+face = "block.box.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[load]]
+face = "arm.box.x+"
+force = [0, 0, -1e5]
+[[contact]]
+faces = ["block.box.x+", "arm.box.x-"]
+bonded = true
+)",
+                                     {"solver.tolerance=1e-9", "solver.linear_tolerance=1e-12"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const Vec3 centre(0.6, 0.35, 0.45), F(0, 0, -1e5), M(0, 1e5, 0);
+  const PairFigures& pair = r.pairs[0];
+  EXPECT_LT((pair.force_on_first - F).norm(), 1e-8 * F.norm());
+  EXPECT_LT((pair.moment_on_first - centre.cross(pair.force_on_first) - M).norm(), 1e-8 * M.norm());
+  EXPECT_TRUE(pair.force_given_by_loads);
+  EXPECT_EQ(pair.force_error_estimate, 0.0);
+  for (int b = 0; b < 2; ++b) {
+    Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+    for (const ContactRow& row : r.contact_rows) {
+      if (row.body != b || !row.active) continue;
+      const Vec3 f = row.weight * (tensor(row.stress_sprc) * row.normal);
+      force += f;
+      moment += (row.x - centre).cross(f);
+    }
+    const double sign = b == 0 ? 1 : -1;
+    EXPECT_LT((force - sign * F).norm(), 0.08 * F.norm()) << r.bodies[b].name << " " << force.transpose();
+    EXPECT_LT((moment - sign * M).norm(), 0.12 * M.norm()) << r.bodies[b].name << " " << moment.transpose();
+  }
+}
+
+/// The inner ring is heated: it strains by (1 + nu) alpha T in its plane, and what the axis holds back stays in it.
+TEST(BondedRings, FollowLameWhenHeated) {
+  const std::string p =
+      "((s1 - (1+nu1)/E1*(1-2*nu1)*b)*q - (s2 + (1+nu2)/E2*(1-2*nu2)*b)*T + (1+nu1)*2e-5*100*b)/(s1 + s2)";
+  const auto solved = test::run_scene("scenes/bonded_rings.toml",
+                                      {"body.inner.temperature=100", "body.inner.material.expansion=2e-5", "p=" + p,
+                                       "reference.stress.inner.2=2*nu1*A_inner - E1*2e-5*100"});
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  EXPECT_LT(test::zone(r, "whole").sprc, 0.015);
+  EXPECT_NEAR(r.effectivity, 1, 0.1);
 }
 
 }  // namespace
