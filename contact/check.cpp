@@ -102,11 +102,11 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
       smallest = std::min(smallest, q.distance);
       largest = std::max(largest, q.distance);
     }
-    text += fmt::format(
-        "{}contact \"{}\": {} - {}, {} points in {} groups, {:.6g} m2 {}, distance {:.3g} .. {:.3g} m\n",
-        pair.bonded() ? "bonded " : "", pair.spec->name, scene.bodies[pair.primary].name,
-        scene.bodies[pair.secondary].name, pair.num_places(), pair.num_pieces(), area,
-        pair.bonded() ? "tied" : "in reach", smallest, largest);
+    text +=
+        fmt::format("{}contact \"{}\": {} - {}, {} points in {} groups, {:.6g} m2 {}, distance {:.3g} .. {:.3g} m\n",
+                    pair.bonded() ? "bonded " : "", pair.spec->name, scene.bodies[pair.primary].name,
+                    scene.bodies[pair.secondary].name, pair.num_places(), pair.num_pieces(), area,
+                    pair.bonded() ? "tied" : "in reach", smallest, largest);
   }
   if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
   for (const std::string& warning : preparation.warnings) text += fmt::format("warning: {}\n", warning);

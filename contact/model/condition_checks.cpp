@@ -77,12 +77,11 @@ void check_support_on_contact(const Scene& scene, int s, const BodyModel& body, 
   }
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (held[k] > rim * all[k])
-      throw InputError(
-          support.place, face_name(scene, support.face),
-          fmt::format("holds {:.3g} m2 of a face of {} \"{}\"{}: contact cannot act there", held[k],
-                      pairs[k].bonded() ? "the bonded contact" : "contact", pairs[k].spec->name,
-                      pairs[k].bonded() ? "" : " along its normal"),
-          "a support or a contact on every face");
+      throw InputError(support.place, face_name(scene, support.face),
+                       fmt::format("holds {:.3g} m2 of a face of {} \"{}\"{}: contact cannot act there", held[k],
+                                   pairs[k].bonded() ? "the bonded contact" : "contact", pairs[k].spec->name,
+                                   pairs[k].bonded() ? "" : " along its normal"),
+                       "a support or a contact on every face");
 }
 
 /// A load on tied faces would be a jump of the traction, which nothing tells from one body to the other.
@@ -98,10 +97,10 @@ void check_load_on_bond(const Scene& scene, const LoadSpec& load, const BodyMode
   }
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (loaded[k] > rim * all[k])
-      throw InputError(load.place, face_name(scene, load.face),
-                       fmt::format("loads {:.3g} m2 of a face of the bonded contact \"{}\"", loaded[k],
-                                   pairs[k].spec->name),
-                       "loads on faces that are not bonded (declared faces divide a face)");
+      throw InputError(
+          load.place, face_name(scene, load.face),
+          fmt::format("loads {:.3g} m2 of a face of the bonded contact \"{}\"", loaded[k], pairs[k].spec->name),
+          "loads on faces that are not bonded (declared faces divide a face)");
 }
 
 /// Two pairs of the same bodies that share part of both faces would carry the pressure there twice.

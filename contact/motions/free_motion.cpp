@@ -51,8 +51,8 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
 
 using Resistance = Eigen::Matrix<double, 6, 6>;
 
-/// What all contact of a body, and of those bonded to it, with other bodies resists, with the normals of its own surface
-/// and with those of the others.
+/// What all contact of a body, and of those bonded to it, with other bodies resists, with the normals of its own
+/// surface and with those of the others.
 std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,
                                                      const std::vector<BodyModel>& bodies,
                                                      const std::vector<ContactPair>& pairs,
@@ -187,8 +187,8 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
   for (const ContactPair& pair : pairs)
     for (const ContactPoint& point : pair.points) {
       const Vec3 y = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
-      const Vec3 n = pair.bonded() ? point.direction
-                                   : normals[pair.secondary](point.secondary_cell, point.secondary_position);
+      const Vec3 n =
+          pair.bonded() ? point.direction : normals[pair.secondary](point.secondary_cell, point.secondary_position);
       const Eigen::VectorXd row =
           free.modes.middleRows<6>(6 * pair.secondary).transpose() * free.bodies[pair.secondary].row(y, n) -
           free.modes.middleRows<6>(6 * pair.primary).transpose() * free.bodies[pair.primary].row(y, n);

@@ -53,7 +53,8 @@ struct Statics::Impl {
 
   /// Of the relative motion along the direction of a point, of the primary body less the secondary one.
   std::pair<RigidMotion, RigidMotion> rows(std::size_t k, const ContactPoint& q) const {
-    return {pieces.list[pairs[k].primary].row(q.x, q.direction), -pieces.list[pairs[k].secondary].row(q.x, q.direction)};
+    return {pieces.list[pairs[k].primary].row(q.x, q.direction),
+            -pieces.list[pairs[k].secondary].row(q.x, q.direction)};
   }
 };
 

@@ -244,10 +244,10 @@ std::string tiles(const Results& results) {
                  of + "estimated error " + estimate(results, pair, pair.force_error_estimate));
     text += tile("Largest contact pressure", stress(pair.max_pressure),
                  of + "estimated error " + estimate(results, pair, pair.max_pressure_error_estimate));
-    text += tile("Contact area", figure(pair.area, area_unit(pair.area)),
-                 of + (pair.bonded ? "bonded"
-                                   : fmt::format("{} of {} points closed", grouped(pair.active_points),
-                                                 grouped(pair.points))));
+    text += tile(
+        "Contact area", figure(pair.area, area_unit(pair.area)),
+        of + (pair.bonded ? "bonded"
+                          : fmt::format("{} of {} points closed", grouped(pair.active_points), grouped(pair.points))));
   }
   if (!results.extremes.empty() && results.extremes.size() == results.bodies.size()) {
     const int s = body_with_largest(results.extremes, &Extremes::von_mises);

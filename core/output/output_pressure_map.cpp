@@ -59,7 +59,8 @@ Face face_of_pair(const Results& results, const ContactSurface& surface, std::si
       face.body = surface.body[i];
   face.shape.position = &surface.position;
   for (std::size_t i = 0; i < surface.size(); ++i)
-    if (surface.pair[i] == static_cast<int>(pair) && surface.body[i] == face.body) {
+    if (surface.pair[i] == static_cast<int>(pair) && surface.body[i] == face.body &&
+        (surface.active[i] != 0 || !results.pairs[pair].bonded)) {
       face.index.push_back(static_cast<int>(i));
       face.shape.triangles.push_back(surface.triangles[i]);
     }
@@ -120,9 +121,29 @@ DisplayUnit unit_of(const Paper& paper) {
   return length_unit(largest * (1 + 1e-9));
 }
 
-/// The range of the colours, Pa.
+/// The range of the colours of a face in contact, from zero, Pa.
 double highest(const PairFigures& pair) {
   return std::isfinite(pair.max_pressure) && pair.max_pressure > 0 ? pair.max_pressure : 1;
+}
+
+/// What is drawn: the pressure from zero; of bonded faces the normal traction, which presses here and pulls there. Pa.
+struct Range {
+  double low = 0, high = 1;
+};
+
+Range range_of(const Results& results, std::size_t pair) {
+  if (!results.pairs[pair].bonded) return {0, highest(results.pairs[pair])};
+  Range range{0, 0};
+  for (const ContactRow& row : results.contact_rows) {
+    if (row.pair != static_cast<int>(pair) || !row.active || !std::isfinite(row.pressure_sprc)) continue;
+    range.low = std::min(range.low, row.pressure_sprc);
+    range.high = std::max(range.high, row.pressure_sprc);
+  }
+  return range.low < range.high ? range : Range();
+}
+
+std::string quantity(const Results& results, std::size_t pair) {
+  return results.pairs[pair].bonded ? "normal traction, pressure positive (SPR-C)" : "contact pressure (SPR-C)";
 }
 
 /// A part of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.
@@ -135,7 +156,10 @@ class Pieces {
   /// Of the triangles that reach into the paper.
   Pieces(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
          const Paper& paper)
-      : body_(results.bodies[face.body]), limit_(highest(results.pairs[face.pair])), chart_(chart) {
+      : body_(results.bodies[face.body]),
+        range_(range_of(results, face.pair)),
+        bonded_(results.pairs[face.pair].bonded),
+        chart_(chart) {
     for (int i : face.index) {
       const auto& t = surface.triangles[i];
       const Vec3 x[3] = {surface.position[t[0]], surface.position[t[1]], surface.position[t[2]]};
@@ -191,12 +215,12 @@ class Pieces {
     const Sym3 s = body_.stress_recovered(cell_, clamped_cell_coordinates(cells, cell_, cells.grid.to_grid(x)));
     Mat3 tensor;
     tensor << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2];
-    return {x, -normal_.dot(tensor * normal_) / limit_};
+    return {x, (-normal_.dot(tensor * normal_) - range_.low) / (range_.high - range_.low)};
   }
 
   void divide(const Corner& a, const Corner& b, const Corner& c, int divisions) {
     const int pressed = (a.value > zone_end) + (b.value > zone_end) + (c.value > zone_end);
-    if (divisions > 0 && pressed > 0 && pressed < 3) {
+    if (!bonded_ && divisions > 0 && pressed > 0 && pressed < 3) {
       const Corner ab = corner((a.x + b.x) / 2), bc = corner((b.x + c.x) / 2), ca = corner((c.x + a.x) / 2);
       divide(a, ab, ca, divisions - 1);
       divide(ab, b, bc, divisions - 1);
@@ -213,7 +237,8 @@ class Pieces {
   }
 
   const BodyFields& body_;
-  const double limit_;
+  const Range range_;
+  const bool bonded_;
   const FaceChart& chart_;
   int cell_ = 0;
   Vec3 normal_, near_;
@@ -221,7 +246,8 @@ class Pieces {
 };
 
 GnuplotTitle title_of(const Results& results, const Face& face, int width) {
-  return gnuplot_title("Contact pressure: " + results.pairs[face.pair].name, width, png_pixels(15));
+  const std::string what = results.pairs[face.pair].bonded ? "Bonded: " : "Contact pressure: ";
+  return gnuplot_title(what + results.pairs[face.pair].name, width, png_pixels(15));
 }
 
 /// Map of a face; `name` of the data and picture.
@@ -241,13 +267,15 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   const Pieces pieces(results, surface, face, chart, paper);
   const auto triangle = [&](std::size_t k) { return RasterTriangle{pieces.all()[k], 0}; };
   write_text(folder + "/" + name + ".rgb",
-             render(size, camera, pressure_colour, 0, pieces.all().size(), triangle).pixels);
+             render(size, camera, results.pairs[face.pair].bonded ? palette_colour : pressure_colour, 0,
+                    pieces.all().size(), triangle)
+                 .pixels);
   const DisplayUnit length = unit_of(paper);
-  const std::string lines = pieces.contour(zone_end, length);
+  const std::string lines = results.pairs[face.pair].bonded ? "" : pieces.contour(zone_end, length);
   if (!lines.empty()) write_text(folder + "/" + name + ".dat", lines);
 
-  const double limit = highest(results.pairs[face.pair]);
-  const DisplayUnit stress = stress_unit(limit);
+  const Range range = range_of(results, face.pair);
+  const DisplayUnit stress = stress_unit(std::max(-range.low, range.high));
   const int left = 110, right = 180, bottom = 125;
   const double width = size[0] + left + right;
   const GnuplotTitle title =
@@ -263,8 +291,8 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   script += size[0] < 300 ? "set xtics rotate by -60\n" : "set xtics norotate\n";
   script += fmt::format("set key at screen {},{} right bottom horizontal Left reverse samplen 2.6\n",
                         (left + size[0]) / width, 12 / height);
-  script += fmt::format("set cbrange [0:{}]\nset cblabel 'contact pressure (SPR-C) [{}]'\n", limit * stress.factor,
-                        stress.name);
+  script += fmt::format("set cbrange [{}:{}]\nset cblabel '{} [{}]'\n", range.low * stress.factor,
+                        range.high * stress.factor, quantity(results, face.pair), stress.name);
   script += fmt::format("set colorbox user origin screen {},{} size screen {},{}\n", (left + size[0] + 25) / width,
                         bottom / height, 24 / width, size[1] / height);
   const double step = length.factor / camera.pixels_per_metre;
@@ -315,7 +343,8 @@ std::string curve_data(const Results& results, const Face& face, const FaceChart
 std::string curve_script(const Results& results, const Face& face, const FaceChart& chart, const Paper& paper,
                          const std::string& name, const std::string& folder) {
   const int axis = paper.extent(0) >= paper.extent(1) ? 0 : 1;
-  const DisplayUnit length = unit_of(paper), stress = stress_unit(highest(results.pairs[face.pair]));
+  const Range range = range_of(results, face.pair);
+  const DisplayUnit length = unit_of(paper), stress = stress_unit(std::max(-range.low, range.high));
   std::vector<int> bodies;
   std::vector<double> borders;
   write_text(folder + "/" + name + ".dat", curve_data(results, face, chart, axis, length, stress, bodies, borders));
@@ -326,10 +355,12 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
       "set xtics norotate\nset key outside top right horizontal Left reverse samplen 2.6\nunset colorbox\nset lmargin "
       "-1\nset rmargin "
       "-1\nset bmargin -1\nset tmargin -1\n";
-  script += fmt::format("set xlabel '{} [{}]'\nset ylabel 'contact pressure (SPR-C) [{}]'\n",
-                        axis == 0 ? chart.right_name() : chart.up_name(), length.name, stress.name);
-  script += fmt::format("set xrange [{}:{}]\nset yrange [0:{}]\n", paper.low[axis] * length.factor,
-                        paper.high[axis] * length.factor, 1.08 * highest(results.pairs[face.pair]) * stress.factor);
+  script +=
+      fmt::format("set xlabel '{} [{}]'\nset ylabel '{} [{}]'\n", axis == 0 ? chart.right_name() : chart.up_name(),
+                  length.name, quantity(results, face.pair), stress.name);
+  script += fmt::format("set xrange [{}:{}]\nset yrange [{}:{}]\n", paper.low[axis] * length.factor,
+                        paper.high[axis] * length.factor, 1.08 * range.low * stress.factor,
+                        1.08 * range.high * stress.factor);
   for (double s : borders)
     script += fmt::format("set arrow from {0}, graph 0 to {0}, graph 1 nohead lc rgb '#606060' dt (6,4)\n", s);
   script += "plot ";
@@ -365,7 +396,8 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
     const Face face = face_of_pair(results, surface, pair);
     if (face.body < 0 || !results.bodies[face.body].stress_recovered) continue;
     const double cell_size = smallest_cell(results, face.body);
-    const FaceTriangles zone = zone_of(surface, face, highest(results.pairs[pair]));
+    const bool bonded = results.pairs[pair].bonded;
+    const FaceTriangles zone = bonded ? face.shape : zone_of(surface, face, highest(results.pairs[pair]));
     const FaceChart chart(face.shape), zone_chart(zone);
     const Paper whole = bounds(face.shape, chart);
     if (!(whole.largest() > 0) || !std::isfinite(whole.largest())) continue;
@@ -378,9 +410,11 @@ std::vector<PressureMap> write_pressure_maps(const Results& results, const Conta
                     : map_script(results, surface, face, used, paper, name, folder);
     files.push_back(name + ".png");
     std::string caption =
-        curve ? "Pressure along the contact face, mean over its narrow side"
-              : fmt::format("Contact face of {} with its cells; grey: no pressure (below 0.5 % of the largest)",
-                            results.bodies[face.body].name);
+        curve    ? "Pressure along the contact face, mean over its narrow side"
+        : bonded ? fmt::format("Normal traction on the bonded face of {} with its cells, pressure positive",
+                               results.bodies[face.body].name)
+                 : fmt::format("Contact face of {} with its cells; grey: no pressure (below 0.5 % of the largest)",
+                               results.bodies[face.body].name);
     if (used.unrolled()) caption += "; the cylindrical face is unrolled";
     if (paper.largest() < 0.99 * all.largest()) caption += "; only the surroundings of the contact zone are shown";
     maps.push_back({pair, files.back(), caption + "."});

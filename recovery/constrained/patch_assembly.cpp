@@ -345,8 +345,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   const PairState* coupled = nullptr;  // the pair with the largest closed area gets the auxiliary patch
   for (const PairState& state : states) {
     const bool bonded = body_.boundary->is_bonded(state.pair);
-    ContactMode mode =
-        bonded || state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
+    ContactMode mode = bonded || state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
     if (edges && !bonded) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
     workspace.modes[&state - states.data()] = static_cast<char>(mode);
     if (mode != ContactMode::open) problem.pressed.push_back(state.pair);

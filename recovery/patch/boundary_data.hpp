@@ -45,9 +45,9 @@ struct ContactLink {
   double larger_cell = 0;  ///< m, size of the larger one of the two cells
   double distance = 0;     ///< m, from this point along the outward normal to the other body
   bool active = false;
-  double pressure = 0;         ///< Pa, what the solution transmits here: constant over the closed points of a group
-  double spread_pressure = 0;  ///< Pa, the same force over all points of the group: so it acts on the bodies
-  bool primary = false;        ///< the points of the pair are made on this body
+  double pressure = 0;           ///< Pa, what the solution transmits here: constant over the closed points of a group
+  double spread_pressure = 0;    ///< Pa, the same force over all points of the group: so it acts on the bodies
+  bool primary = false;          ///< the points of the pair are made on this body
   Vec3 traction = Vec3::Zero();  ///< Pa, of bonded pairs: what acts on this body, grid axes; constant over a group
 };
 
@@ -56,7 +56,7 @@ struct BoundaryData {
   std::vector<TractionCondition> conditions;
   std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
   std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
-  std::vector<char> bonded;         ///< of each contact pair; empty: none is
+  std::vector<char> bonded;             ///< of each contact pair; empty: none is
   std::vector<ContactLink> links;
   CellLists links_of_cell;                           ///< active cell -> contact links
   std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.

@@ -1,4 +1,5 @@
-/// Bonded faces carry tension and shear across unrelated grids: patch tests to rounding, and bodies held by bonds alone.
+/// Bonded faces carry tension and shear across unrelated grids: patch tests to rounding, and bodies held by bonds
+/// alone.
 #include <gtest/gtest.h>
 
 #include "tests/support/run_scene.hpp"
@@ -145,13 +146,13 @@ TEST_P(BondedPatch, OfTwoMaterialsInSeriesIsExact) {
 
 INSTANTIATE_TEST_SUITE_P(
     Grids, BondedPatch,
-    testing::Values(PatchCase{"rotated", {}}, PatchCase{"upper_coarser", {"body.upper.cell_size=0.21"}},
-                    PatchCase{"on_grid_planes",
-                              {"angle=0", "body.lower.grid.offset=[0, 0, 0]", "body.upper.grid.offset=[0, 0, 0]",
-                               "h=0.1", "body.upper.cell_size=0.05"}},
-                    PatchCase{"refined",
-                              {"body.lower.refine=[{sphere = {center = [0.3, 0.3, 0.6], radius = 0.1}, size = 0.065}]"}},
-                    PatchCase{"degree_2", {"recovery.degree=2"}}),
+    testing::Values(
+        PatchCase{"rotated", {}}, PatchCase{"upper_coarser", {"body.upper.cell_size=0.21"}},
+        PatchCase{"on_grid_planes",
+                  {"angle=0", "body.lower.grid.offset=[0, 0, 0]", "body.upper.grid.offset=[0, 0, 0]", "h=0.1",
+                   "body.upper.cell_size=0.05"}},
+        PatchCase{"refined", {"body.lower.refine=[{sphere = {center = [0.3, 0.3, 0.6], radius = 0.1}, size = 0.065}]"}},
+        PatchCase{"degree_2", {"recovery.degree=2"}}),
     [](const auto& test) { return test.param.name; });
 
 /// A stiff block on a soft one, as far apart as contact is tested: uniaxial tension.
@@ -222,7 +223,8 @@ bonded = true
   }
 }
 
-/// Rings of two materials, pulled apart: the figures of docs/accuracy.md with a margin, on grids of one size and refined.
+/// Rings of two materials, pulled apart: the figures of docs/accuracy.md with a margin, on grids of one size and
+/// refined.
 TEST(BondedRings, FollowLame) {
   const auto error = [](const std::vector<std::string>& overrides) {
     const auto solved = test::run_scene("scenes/bonded_rings.toml", overrides);
@@ -237,14 +239,13 @@ TEST(BondedRings, FollowLame) {
   EXPECT_LT(middle.sprc, 0.02);
   EXPECT_LT(fine.sprc, 0.011);
   for (const ZoneError& e : {coarse, middle, fine}) EXPECT_LT(3 * e.sprc, e.spr);
-  const ZoneError refined =
-      error({"n=16", "body.inner.refine=[{face = \"rim.side\", size = \"c/n/2\"}]",
-             "body.outer.refine=[{face = \"bore.side\", size = \"c/n/2.6\"}]"});
+  const ZoneError refined = error({"n=16", "body.inner.refine=[{face = \"rim.side\", size = \"c/n/2\"}]",
+                                   "body.outer.refine=[{face = \"bore.side\", size = \"c/n/2.6\"}]"});
   EXPECT_LT(refined.sprc, middle.sprc);
 }
 
-/// A torque through both rings: pure shear on a curved interface, sigma_r_theta = tau r0^2 / r^2 in both, whatever their
-/// materials.
+/// A torque through both rings: pure shear on a curved interface, sigma_r_theta = tau r0^2 / r^2 in both, whatever
+/// their materials.
 TEST(BondedRings, CarryATorque) {
   const auto solve = [](int n) {
     return test::run_text(R"(
@@ -295,16 +296,15 @@ bonded = true
       norm += row.weight * (exact * e_r).squaredNorm();
     }
     const double relative = std::sqrt(error / norm);
-    EXPECT_LT(relative, n == 10 ? 0.07 : 0.03);
-    EXPECT_LT(relative, before / 2);
+    EXPECT_LT(relative, n == 10 ? 0.05 : 0.025);
+    EXPECT_LT(relative, before / 1.8);
     before = relative;
   }
 }
 
 /// An arm welded to the side of a larger block, a force at its end: the stress is infinite all round the weld, and the
-/// traction ends within the block's cells. Force and moment are the solution's to rounding, and what is recovered carries
-/// them on both bodies (without a balance SPR-C would lose 18 and 37 % of the moment, plain SPR has twice a seventh of
-/// the force too much).
+/// traction ends within the cells of the block. Force and moment are the loads' to rounding, and what is recovered
+/// carries them on both bodies within some per cent (docs/recovery.md has what it did without the balance).
 TEST(Bonded, RecoveredTractionsCarryTheForceOfAWeld) {
   const auto solved = test::run_text(R"(
 [[body]]
@@ -347,7 +347,7 @@ bonded = true
       moment += (row.x - centre).cross(f);
     }
     const double sign = b == 0 ? 1 : -1;
-    EXPECT_LT((force - sign * F).norm(), 0.08 * F.norm()) << r.bodies[b].name << " " << force.transpose();
+    EXPECT_LT((force - sign * F).norm(), 0.15 * F.norm()) << r.bodies[b].name << " " << force.transpose();
     EXPECT_LT((moment - sign * M).norm(), 0.12 * M.norm()) << r.bodies[b].name << " " << moment.transpose();
   }
 }
@@ -356,9 +356,9 @@ bonded = true
 TEST(BondedRings, FollowLameWhenHeated) {
   const std::string p =
       "((s1 - (1+nu1)/E1*(1-2*nu1)*b)*q - (s2 + (1+nu2)/E2*(1-2*nu2)*b)*T + (1+nu1)*2e-5*100*b)/(s1 + s2)";
-  const auto solved = test::run_scene("scenes/bonded_rings.toml",
-                                      {"body.inner.temperature=100", "body.inner.material.expansion=2e-5", "p=" + p,
-                                       "reference.stress.inner.2=2*nu1*A_inner - E1*2e-5*100"});
+  const auto solved =
+      test::run_scene("scenes/bonded_rings.toml", {"body.inner.temperature=100", "body.inner.material.expansion=2e-5",
+                                                   "p=" + p, "reference.stress.inner.2=2*nu1*A_inner - E1*2e-5*100"});
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
   EXPECT_LT(test::zone(r, "whole").sprc, 0.015);
