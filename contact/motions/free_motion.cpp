@@ -88,12 +88,25 @@ std::vector<Resistance> support_resistance(const std::vector<RigidPiece>& pieces
   return held;
 }
 
-/// Appends motions of one body.
-void append_of_body(int b, const Eigen::MatrixXd& modes, FreeMotions& all) {
+/// Appends motions of one body, which take those bonded to it along.
+void append_of_assembly(int b, const Eigen::MatrixXd& modes, const std::vector<int>& assembly, FreeMotions& all) {
   const Eigen::Index first = all.modes.cols();
   all.modes.conservativeResize(Eigen::NoChange, first + modes.cols());
   all.modes.rightCols(modes.cols()).setZero();
   all.modes.block(6 * b, first, 6, modes.cols()) = modes;
+  bool alone = true;
+  for (int other = 0; other < static_cast<int>(assembly.size()); ++other) {
+    if (other == b || assembly[other] != assembly[b]) continue;
+    alone = false;
+    const Vec3 from = all.bodies[b].centre(), to = all.bodies[other].centre();
+    const double size = all.bodies[b].size();
+    for (Eigen::Index k = 0; k < modes.cols(); ++k) {
+      const Vec3 translation = modes.col(k).head<3>(), rotation = modes.col(k).tail<3>();
+      all.modes.col(first + k).segment<3>(6 * other) = translation + rotation.cross(to - from) / size;
+      all.modes.col(first + k).segment<3>(6 * other + 3) = all.bodies[other].size() / size * rotation;
+    }
+  }
+  for (Eigen::Index k = first; k < all.modes.cols() && !alone; ++k) all.modes.col(k).normalize();
 }
 
 /// No motions yet.
@@ -167,13 +180,13 @@ SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const 
   const std::vector<Resistance> held = support_resistance(none.bodies, bodies, supports, assembly);
   std::vector<int> floating;
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b)
-    if (motions_not_resisted(held[b]).cols() > 0) floating.push_back(b);
+    if (assembly[b] == b && motions_not_resisted(held[b]).cols() > 0) floating.push_back(b);
   if (floating.empty()) return found;
   const std::vector<SurfaceNormals> normals(bodies.begin(), bodies.end());
   for (const int b : floating) {
     const auto [own, others] = contact_resistance(b, none.bodies[b], bodies, pairs, assembly, normals);
-    append_of_body(b, motions_not_resisted(held[b] + own), found.own);
-    append_of_body(b, motions_not_resisted(held[b] + others), found.others);
+    append_of_assembly(b, motions_not_resisted(held[b] + own), assembly, found.own);
+    append_of_assembly(b, motions_not_resisted(held[b] + others), assembly, found.others);
   }
   return found;
 }
@@ -208,14 +221,15 @@ std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>
                                                     const std::vector<SupportPoint>& supports,
                                                     const std::vector<ContactPair>& pairs) {
   const FreeMotions none = no_motions(bodies);
-  const std::vector<Resistance> held =
-      support_resistance(none.bodies, bodies, supports, bonded_assemblies(bodies.size(), pairs));
+  const std::vector<int> assembly = bonded_assemblies(bodies.size(), pairs);
+  const std::vector<Resistance> held = support_resistance(none.bodies, bodies, supports, assembly);
   std::vector<FreeMotions> list;
   for (int b = 0; b < static_cast<int>(bodies.size()); ++b) {
+    if (assembly[b] != b) continue;
     const Eigen::MatrixXd free = motions_not_resisted(held[b]);
     if (free.cols() == 0) continue;
     list.push_back(none);
-    append_of_body(b, free, list.back());
+    append_of_assembly(b, free, assembly, list.back());
   }
   return list;
 }

@@ -31,9 +31,9 @@ FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::v
 /// Columns that span the motions of a body that a resistance (sum of w q q^T) does not resist.
 Eigen::MatrixXd motions_not_resisted(const Eigen::Matrix<double, 6, 6>& resistance);
 
-/// Motions of one body that leave its own contact surface as it is (`own`: a ball in its seat), or that of all others
-/// (`others`: a ball on plates): free as well, although closed points with the normals of the other side seem to resist
-/// them.
+/// Motions of one body (with those bonded to it) that leave its own contact surface as it is (`own`: a ball in its
+/// seat), or that of all others (`others`: a ball on plates): free as well, although closed points with the normals of
+/// the other side seem to resist them.
 struct SurfaceMotions {
   FreeMotions own, others;
 };
@@ -45,8 +45,7 @@ SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const 
 FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyModel>& bodies,
                                const std::vector<ContactPair>& pairs);
 
-/// Of each body that its own supports, and those of the bodies that it is bonded to, do not hold: the motions that they
-/// leave free.
+/// Of each body, or assembly of bonded bodies, that its own supports do not hold: the motions that they leave free.
 std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>& bodies,
                                                     const std::vector<SupportPoint>& supports,
                                                     const std::vector<ContactPair>& pairs);
