@@ -357,6 +357,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     auxiliary_fit(node, *coupled, polynomial, workspace, problem.fit[1]);
     if (degree == 2 && !problem.fit[1].regular) return lowered();
     problem.coupled = problem.fit[1].regular;
+    problem.bonded = problem.coupled && body_.boundary->is_bonded(coupled->pair);
     problem.pair = coupled->pair;
     problem.other_body = coupled->other_body;
     if (problem.coupled)

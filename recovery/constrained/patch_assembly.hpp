@@ -57,6 +57,7 @@ struct PatchProblem {
   PatchKind kind = PatchKind::interior;
   PatchStatus status = PatchStatus::exact;
   bool coupled = false;                                         ///< with an auxiliary patch
+  bool bonded = false;                                          ///< to that
   bool lowered = false;                                         ///< degree 2 was asked for
   PatchFit fit[2];                                              ///< own, auxiliary
   std::array<double, Polynomial<2>::num_interior> interior[2];  ///< Polynomial::interior_values; own, auxiliary

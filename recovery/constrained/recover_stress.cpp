@@ -59,6 +59,10 @@ constexpr double met = 1e-12;
 /// The same of the firm rows when they are enforced alone.
 constexpr double held = 1e-8;
 
+/// Of the rank tolerance, in patches coupled by bonded faces: three rows per point instead of the five of contact, and
+/// the truncation takes more of what matters (docs/recovery.md, "Truncation").
+constexpr double bonded_tolerance = 0.5;
+
 /// What the misfit of the auxiliary body weighs: inverse variances, as in any least squares of data of unequal quality.
 /// A body whose stress the polynomials follow well is not spoilt by one whose stress they do not (docs/recovery.md).
 double auxiliary_weight(const PatchFit& own, const PatchFit& other, double most_weight) {
@@ -87,10 +91,12 @@ class PatchBatch {
   }
   void solve() {
     truncated_rows_ = 0;
-    solve_all<1, 1>();
-    solve_all<1, 2>();
-    solve_all<2, 1>();
-    solve_all<2, 2>();
+    solve_all<1, 1>(false);
+    solve_all<1, 2>(false);
+    solve_all<1, 2>(true);
+    solve_all<2, 1>(false);
+    solve_all<2, 2>(false);
+    solve_all<2, 2>(true);
     hold_firm_rows<1>();
     hold_firm_rows<2>();
   }
@@ -168,13 +174,14 @@ class PatchBatch {
   }
 
   template <int degree, int bodies>
-  void solve_all() {
+  void solve_all(bool bonded) {
     list_.clear();
     for (std::size_t i = 0; i < problems_.size(); ++i)
       if (problems_[i].status != PatchStatus::singular && problems_[i].coupled == (bodies == 2) &&
-          problems_[i].degree() == degree)
+          problems_[i].bonded == bonded && problems_[i].degree() == degree)
         list_.push_back(static_cast<int>(i));
-    solve_list<degree, bodies>([](const PatchRow&) { return true; }, options_.rank_tolerance_of(degree));
+    solve_list<degree, bodies>([](const PatchRow&) { return true; },
+                               (bonded ? bonded_tolerance : 1) * options_.rank_tolerance_of(degree));
     for (std::size_t i = 0; i < list_.size(); ++i) {
       PatchProblem& problem = problems_[list_[i]];
       const FitStatus& status = status_(i);
