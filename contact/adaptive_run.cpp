@@ -195,9 +195,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
       break;
     }
     const ErrorFigures errors = solve(callbacks);
-    // Where zones are is seen before the iteration has come to its end, and on small cells it does.
-    const bool goes_on = !resolved_ && figures_.solves.back().outer_iterations >= given_.solver.max_outer_iterations;
-    if (!figures_.solves.back().converged && !goes_on) {
+    if (!figures_.solves.back().converged) {
       figures_.text = "a solve did not converge";
       break;
     }

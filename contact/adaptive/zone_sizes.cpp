@@ -5,6 +5,7 @@
 #include <map>
 
 #include "contact/adaptive/small_zone_places.hpp"
+#include "contact/results/contact_rows.hpp"
 #include "contact/results/missed_contact.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_width.hpp"
@@ -104,7 +105,7 @@ void size_by_error(const SolvedState& state, const Results& results, int p, doub
     const double error = row.weight * row.pressure_error * row.pressure_error;
     squared[{row.body, row.cell}] += error;
     all += error;
-    const double size = pair.bonded() ? (tensor(row.stress_sprc) * row.normal).norm() : row.pressure_sprc;
+    const double size = size_of_traction(row, pair.bonded());
     norm += row.weight * size * size;
   }
   std::vector<double> errors;

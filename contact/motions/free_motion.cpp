@@ -49,8 +49,6 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
   return three;
 }
 
-using Resistance = Eigen::Matrix<double, 6, 6>;
-
 /// What all contact of a body, and of those bonded to it, with other bodies resists, with the normals of its own
 /// surface and with those of the others.
 std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,
@@ -79,12 +77,7 @@ std::vector<Resistance> support_resistance(const std::vector<RigidPiece>& pieces
                                            const std::vector<SupportPoint>& supports,
                                            const std::vector<int>& assembly) {
   std::vector<Resistance> held(bodies.size(), Resistance::Zero());
-  for (const SupportPoint& p : supports)
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      if (assembly[b] != assembly[p.body]) continue;
-      const RigidMotion q = pieces[b].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-      held[b] += p.weight * q * q.transpose();
-    }
+  for (const SupportPoint& p : supports) add_resistance(p, pieces, bodies, assembly, held);
   return held;
 }
 
@@ -170,6 +163,15 @@ FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::v
   free.modes = free_rigid_motions(pieces, bodies, supports, pairs, no_stiffness);
   free.bodies = std::move(pieces.list);
   return free;
+}
+
+void add_resistance(const SupportPoint& p, const std::vector<RigidPiece>& pieces, const std::vector<BodyModel>& bodies,
+                    const std::vector<int>& assembly, std::vector<Resistance>& held) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (assembly[b] != assembly[p.body]) continue;
+    const RigidMotion q = pieces[b].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
+    held[b] += p.weight * q * q.transpose();
+  }
 }
 
 SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,

@@ -28,8 +28,16 @@ struct FreeMotions {
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
 
-/// Columns that span the motions of a body that a resistance (sum of w q q^T) does not resist.
-Eigen::MatrixXd motions_not_resisted(const Eigen::Matrix<double, 6, 6>& resistance);
+/// Of a body against its rigid motions: sum of w q q^T.
+using Resistance = Eigen::Matrix<double, 6, 6>;
+
+/// Columns that span the motions of a body that a resistance does not resist.
+Eigen::MatrixXd motions_not_resisted(const Resistance& resistance);
+
+/// What a support point resists, to its body and to those that are bonded to it (bonded_assemblies).
+void add_resistance(const SupportPoint& point, const std::vector<RigidPiece>& pieces,
+                    const std::vector<BodyModel>& bodies, const std::vector<int>& assembly,
+                    std::vector<Resistance>& held);
 
 /// Motions of one body (with those bonded to it) that leave its own contact surface as it is (`own`: a ball in its
 /// seat), or that of all others (`others`: a ball on plates): free as well, although closed points with the normals of

@@ -120,6 +120,10 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
   return row;
 }
 
+double size_of_traction(const ContactRow& row, bool bonded) {
+  return bonded ? (tensor(row.stress_sprc) * row.normal).norm() : row.pressure_sprc;
+}
+
 void fill_contact_rows(const SolvedState& state, Results& results) {
   std::vector<int> boundary_point;
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {

@@ -10,6 +10,10 @@ namespace cgcontact {
 ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, const Vec3& position,
                        const Vec3& normal);
 
+/// What relative errors of a row's pressure refer to, Pa: the pressure; on bonded faces, which may carry shear alone,
+/// the traction.
+double size_of_traction(const ContactRow& row, bool bonded);
+
 /// Appends a row for every boundary point of the contact faces.
 void fill_contact_rows(const SolvedState& state, Results& results);
 

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "contact/motions/statics.hpp"
+#include "contact/results/contact_rows.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "recovery/patch/patches.hpp"
@@ -130,8 +131,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     for (const ContactRow& row : rows) {
       if (row.pair != static_cast<int>(p)) continue;
       error += row.weight * row.pressure_error * row.pressure_error;
-      // Bonded faces may carry shear alone.
-      const double size = state.pairs[p].bonded() ? (tensor(row.stress_sprc) * row.normal).norm() : row.pressure_sprc;
+      const double size = size_of_traction(row, state.pairs[p].bonded());
       norm += row.weight * size * size;
     }
     PairFigures& figures = results.pairs[p];

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "contact/model/opposite_points.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -14,17 +16,6 @@ constexpr int most_solves = 25;
 /// Steps of a pair without a force grow until its faces meet; of one with a force they are at most so many times what
 /// it is tightened by (zones that grow with the force are stiffer then).
 constexpr double growth = 4;
-
-/// Longest side of the smaller body, m.
-double longest_side(const std::vector<BodyModel>& bodies, const ContactPair& pair) {
-  double smaller = 1e300;
-  for (const int b : {pair.primary, pair.secondary}) {
-    Vec3 min, max;
-    bodies[b].spec->solid.bounding_box(min, max);
-    smaller = std::min(smaller, (max - min).maxCoeff());
-  }
-  return smaller;
-}
 
 /// Of two columns of a length below the area of the pair, N/m: a first guess.
 double guessed_stiffness(const std::vector<BodyModel>& bodies, const ContactPair& pair, double length) {
@@ -59,7 +50,7 @@ void Preload::begin(const std::vector<BodyModel>& bodies, const std::vector<Cont
   for (Eigen::Index i = 0; i < tightening_.size(); ++i)
     for (const ContactPair& pair : pairs) {
       if (pair.spec != tightened_[i]) continue;
-      longest_[i] = longest_side(bodies, pair);
+      longest_[i] = std::min(longest_extent(bodies[pair.primary]), longest_extent(bodies[pair.secondary]));
       if (!guessed_) continue;
       stiffness_(i, i) = guessed_stiffness(bodies, pair, longest_[i]);
       tightening_[i] = *pair.spec->preload / stiffness_(i, i);

@@ -226,15 +226,9 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
 FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                                const std::vector<ContactPair>& pairs)
     : bodies_(bodies), pairs_(pairs), pieces_(whole_bodies(bodies).list) {
-  std::vector<Eigen::Matrix<double, 6, 6>> held(bodies.size(), Eigen::Matrix<double, 6, 6>::Zero());
+  std::vector<Resistance> held(bodies.size(), Resistance::Zero());
   const std::vector<int> assembly = bonded_assemblies(bodies.size(), pairs);
-  const auto add = [&](const SupportPoint& p) {  // to all bodies that are bonded to it
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-      if (assembly[b] != assembly[p.body]) continue;
-      const RigidMotion q = pieces_[b].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-      held[b] += p.weight * q * q.transpose();
-    }
-  };
+  const auto add = [&](const SupportPoint& p) { add_resistance(p, pieces_, bodies, assembly, held); };
   for (const SupportPoint& p : supports)
     if (!p.follows) add(p);
   // A body that supports carry and that only spins (a ball held along its normals): what follows the spin holds it.

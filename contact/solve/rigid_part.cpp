@@ -4,45 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.hpp"
+#include "kernels/mesh/node_sums.hpp"
 
 namespace cgcontact {
 namespace {
 
-/// Nodes per chunk of the parallel loops.
-constexpr std::size_t grain = 4096;
-
 Vec3 grid_position(const BodyMesh& mesh, std::size_t node) { return mesh.node_position(static_cast<int>(node)); }
-
-Vec3 displacement(const BodyMesh& mesh, const RealView& u, std::size_t node) {
-  const std::size_t first = dof_offset(mesh.first_node + node);
-  return Vec3(u(first), u(first + 1), u(first + 2));
-}
-
-/// Sum of displacements and of their moments about the centre: grid axes, cells.
-struct Momentum {
-  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
-};
-
-Momentum momentum(const BodyMesh& mesh, const Vec3& centre, const RealView& u) {
-  std::vector<Momentum> parts(num_chunks(mesh.nodes.size(), grain));
-  parallel_chunks("cgcontact::rigid_part::fit", mesh.nodes.size(), grain,
-                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    Momentum part;
-                    for (std::size_t n = begin; n < end; ++n) {
-                      const Vec3 v = displacement(mesh, u, n);
-                      part.sum += v;
-                      part.moment += (grid_position(mesh, n) - centre).cross(v);
-                    }
-                    parts[chunk] = part;
-                  });
-  Momentum all;
-  for (const Momentum& part : parts) {
-    all.sum += part.sum;
-    all.moment += part.moment;
-  }
-  return all;
-}
 
 }  // namespace
 
@@ -50,9 +17,7 @@ RigidParts::RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales
     : meshes_(meshes), length_(scales.length), parts_(meshes.size()) {
   for (std::size_t b = 0; b < meshes.size(); ++b) {
     const BodyMesh& mesh = meshes[b];
-    Vec3 centre = Vec3::Zero();
-    for (std::size_t n = 0; n < mesh.nodes.size(); ++n) centre += grid_position(mesh, n);
-    centre /= static_cast<double>(mesh.nodes.size());
+    const Vec3 centre = centre_of_nodes(mesh);
     Mat3 inertia = Mat3::Zero();
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
       const Vec3 d = grid_position(mesh, n) - centre;
@@ -72,17 +37,14 @@ void RigidParts::set_aside(const RealView& u) {
   for (std::size_t b = 0; b < meshes_.size(); ++b) {
     const BodyMesh& mesh = meshes_[b];
     const Grid& grid = mesh.cut_cells->grid;
-    const Momentum found = momentum(mesh, centre_[b], u);
+    const NodeSums found = sums_of_nodes(mesh, centre_[b], u);
     Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
     Vec3 rotation = inertia_[b].llt().solve(found.moment);
     if (mesh.in_plane_strain()) {  // the others are zero, but for rounding
       translation[grid.plane_strain] = 0;
       for (int i = 0; i < 3; ++i) rotation[i] = i == grid.plane_strain ? rotation[i] : 0;
     }
-    parallel_for("cgcontact::rigid_part::subtract", mesh.nodes.size(), grain, [&](std::size_t n) {
-      const Vec3 moved = translation + rotation.cross(grid_position(mesh, n) - centre_[b]);
-      for (int i = 0; i < 3; ++i) u(dof_offset(mesh.first_node + n, i)) -= moved[i];
-    });
+    add_rigid_motion(mesh, centre_[b], -translation, -rotation, u);
     parts_[b].translation += length_ * (grid.rotation * translation);
     parts_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
   }

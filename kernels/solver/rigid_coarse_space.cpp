@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.hpp"
+#include "kernels/mesh/node_sums.hpp"
 
 namespace cgcontact {
 namespace {
@@ -12,12 +12,16 @@ namespace {
 constexpr double hardly_held = 1e-3;
 /// Of the largest product of a row with a motion: rounding.
 constexpr double no_product = 1e-12;
-/// Nodes per chunk of the parallel loops.
-constexpr std::size_t grain = 4096;
 
 using Motion = Eigen::Matrix<double, 6, 1>;
 
-Vec3 displacement(const RealView& u, int first_dof) { return Vec3(u(first_dof), u(first_dof + 1), u(first_dof + 2)); }
+/// Adds the product of a row's entry with the motions of its body: translation, rotation about the centre times `size`.
+void add_entry(const BodyMesh& mesh, const Vec3& centre, double size, int dof, double value, Motion& row) {
+  const Vec3 arm = (mesh.node_position(node_of_dof(dof) - mesh.first_node) - centre) / size;
+  const Vec3 v = value * Vec3::Unit(component_of_dof(dof));
+  row.head<3>() += v;
+  row.tail<3>() += arm.cross(v);
+}
 
 }  // namespace
 
@@ -47,8 +51,7 @@ RigidCoarseSpace::Body RigidCoarseSpace::free_motions(int m) const {
   const BodyMesh& mesh = system_.meshes[m];
   Body body;
   body.mesh = m;
-  for (int n = 0; n < mesh.num_nodes; ++n) body.centre += mesh.node_position(n);
-  body.centre /= mesh.num_nodes;
+  body.centre = centre_of_nodes(mesh);
   double spread = 0;
   for (int n = 0; n < mesh.num_nodes; ++n) spread += (mesh.node_position(n) - body.centre).squaredNorm();
   body.size = std::sqrt(spread / mesh.num_nodes);
@@ -58,12 +61,8 @@ RigidCoarseSpace::Body RigidCoarseSpace::free_motions(int m) const {
     if (parts[p]->first_node < mesh.first_node || parts[p]->first_node >= mesh.first_node + mesh.num_nodes) continue;
     for (const SupportTerm& term : system_.supports[p]) {
       Motion row = Motion::Zero();
-      displacement_row(parts[p]->cell_nodes[term.cell], term.xi, term.direction, [&](int dof, double value) {
-        const Vec3 arm = (mesh.node_position(node_of_dof(dof) - mesh.first_node) - body.centre) / body.size;
-        const Vec3 v = value * Vec3::Unit(component_of_dof(dof));
-        row.head<3>() += v;
-        row.tail<3>() += arm.cross(v);
-      });
+      displacement_row(parts[p]->cell_nodes[term.cell], term.xi, term.direction,
+                       [&](int dof, double value) { add_entry(mesh, body.centre, body.size, dof, value, row); });
       held += term.stiffness * row * row.transpose();
     }
   }
@@ -101,10 +100,7 @@ RigidCoarseSpace::Row RigidCoarseSpace::make_row(std::vector<std::pair<int, doub
     largest = std::max(largest, std::abs(value));
     if (body_of_mesh_[m] < 0) continue;
     const Body& body = bodies_[body_of_mesh_[m]];
-    const Vec3 arm = (system_.meshes[m].node_position(node - system_.meshes[m].first_node) - body.centre) / body.size;
-    const Vec3 v = value * Vec3::Unit(component_of_dof(dof));
-    of_body[body_of_mesh_[m]].head<3>() += v;
-    of_body[body_of_mesh_[m]].tail<3>() += arm.cross(v);
+    add_entry(system_.meshes[m], body.centre, body.size, dof, value, of_body[body_of_mesh_[m]]);
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     for (Eigen::Index k = 0; k < bodies_[b].motions.cols(); ++k) {
@@ -131,19 +127,9 @@ void RigidCoarseSpace::update() {
 Eigen::VectorXd RigidCoarseSpace::sums(const RealView& r) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(num_motions_);
   for (const Body& body : bodies_) {
-    const BodyMesh& mesh = system_.meshes[body.mesh];
-    std::vector<Motion> parts(num_chunks(mesh.nodes.size(), grain), Motion::Zero());
-    parallel_chunks("cgcontact::rigid_coarse_space::sums", mesh.nodes.size(), grain,
-                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                      for (std::size_t n = begin; n < end; ++n) {
-                        const Vec3 v = displacement(r, dof_of(mesh.first_node + static_cast<int>(n)));
-                        parts[chunk].head<3>() += v;
-                        parts[chunk].tail<3>() +=
-                            ((mesh.node_position(static_cast<int>(n)) - body.centre) / body.size).cross(v);
-                      }
-                    });
-    Motion all = Motion::Zero();
-    for (const Motion& part : parts) all += part;
+    const NodeSums found = sums_of_nodes(system_.meshes[body.mesh], body.centre, r);
+    Motion all;
+    all << found.sum, found.moment / body.size;
     result.segment(body.first, body.motions.cols()) = body.motions.transpose() * all;
   }
   return result;
@@ -151,13 +137,8 @@ Eigen::VectorXd RigidCoarseSpace::sums(const RealView& r) const {
 
 void RigidCoarseSpace::add(const Eigen::VectorXd& amounts, const RealView& x) const {
   for (const Body& body : bodies_) {
-    const BodyMesh& mesh = system_.meshes[body.mesh];
     const Motion motion = body.motions * amounts.segment(body.first, body.motions.cols());
-    const Vec3 translation = motion.head<3>(), rotation = motion.tail<3>() / body.size;
-    parallel_for("cgcontact::rigid_coarse_space::add", mesh.nodes.size(), grain, [&](std::size_t n) {
-      const Vec3 moved = translation + rotation.cross(mesh.node_position(static_cast<int>(n)) - body.centre);
-      for (int i = 0; i < 3; ++i) x(dof_offset(mesh.first_node + n, i)) += moved[i];
-    });
+    add_rigid_motion(system_.meshes[body.mesh], body.centre, motion.head<3>(), motion.tail<3>() / body.size, x);
   }
 }
 

@@ -1,0 +1,23 @@
+/// Rigid motions of a body's nodes: what nodal values sum to, and a motion added to them. Grid axes, cells.
+#pragma once
+
+#include "kernels/mesh/mesh.hpp"
+
+namespace cgcontact {
+
+/// Mean place of the nodes, grid coordinates.
+Vec3 centre_of_nodes(const BodyMesh& mesh);
+
+/// Of a vector at every node, and of its moments about a centre.
+struct NodeSums {
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+};
+
+/// u: of all bodies. In a fixed order: the same on any number of threads.
+NodeSums sums_of_nodes(const BodyMesh& mesh, const Vec3& centre, const RealView& u);
+
+/// u += translation + rotation x (x - centre).
+void add_rigid_motion(const BodyMesh& mesh, const Vec3& centre, const Vec3& translation, const Vec3& rotation,
+                      const RealView& u);
+
+}  // namespace cgcontact
