@@ -7,6 +7,7 @@
 
 #include "contact/model/memory.hpp"
 #include "contact/results/peak_estimate.hpp"
+#include "core/base/ranks.hpp"
 #include "core/base/text.hpp"
 
 namespace cgcontact {
@@ -71,8 +72,9 @@ AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes
   figures_.stress_of_body = scene.accuracy.stress_of_body;
 }
 
+/// The same on all ranks: limits depend on it.
 double AdaptiveRun::seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return of_first_rank(std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
 }
 
 /// Of the next solve; sets which limit it is.

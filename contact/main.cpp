@@ -10,6 +10,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <optional>
 
 #include "contact/adaptive_run.hpp"
 #include "contact/check.hpp"
@@ -18,6 +19,7 @@
 #include "core/base/errors.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "core/base/resources.hpp"
 #include "core/base/standard_descriptors.hpp"
 #include "core/base/text.hpp"
@@ -94,11 +96,11 @@ int check(const Scene& given, const CommandLine& options) {
 
 int run(const Scene& scene, const CommandLine& options, char** argv) {
   const std::string directory = output_directory(options, scene);
-  check_output_directory(directory);
+  on_first_rank([&] { check_output_directory(directory); });
   const std::string threads_warning = too_many_threads(options);
   set_interruption_note(directory + " is as it was");
   const TrilinosScope trilinos(options.threads);
-  Progress progress;
+  Progress progress(is_first_rank() ? Progress::Mode::automatic : Progress::Mode::silent);
   const CleanUp clear_line([&] { progress.abandon(); });
   if (!threads_warning.empty()) progress.message("warning: " + threads_warning);
   AdaptiveCallbacks callbacks;
@@ -113,13 +115,14 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
     results.command = command_text(argv);
     results.backend = TrilinosScope::backend();
     results.threads = TrilinosScope::concurrency();
+    results.ranks = num_ranks();
     if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
     decisive_first(results.warnings);
     for (const std::string& warning : writer.write(results, solved)) progress.message("warning: " + warning);
     progress.finish();
-    fmt::print("{}", summary(results, directory));
+    if (is_first_rank()) fmt::print("{}", summary(results, directory));
     if (results.converged) return 0;
-    fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
+    if (is_first_rank()) fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
     return 2;
   };
   if (scene.accuracy.any()) {
@@ -157,6 +160,15 @@ std::string fault_of(const std::string& text, const std::string& file) try {
   return error.what();
 }
 
+/// Tells an error; of several ranks one tells it for all. If it is this rank's alone, the others are ended.
+void tell_error(const std::string& text) {
+  const int rank = this_rank(), ranks = num_ranks();
+  const bool of_all = failed_on_all_ranks();
+  if (of_all && rank > 0) return;
+  fmt::print(stderr, "cgcontact: {}{}\n", of_all ? "" : fmt::format("rank {} of {}: ", rank, ranks), printable(text));
+  if (!of_all) abort_all_ranks(1);
+}
+
 /// The exit code, once all that was printed has been written.
 int flushed(int exit_code) {
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
@@ -170,14 +182,22 @@ int main(int argc, char** argv) {
   open_standard_descriptors();
   std::signal(SIGXFSZ, SIG_IGN);  // a file too large for ulimit -f: an error that names the file
   int exit_code = 0;
+  const auto [ranks, rank] = ranks_of_mpirun();
   const auto options = parse_command_line(argc, argv, exit_code);
+  std::optional<TrilinosScope> of_all_ranks;
   try {
+    if (!options || options->command != CommandLine::run) {
+      if (rank > 0) return exit_code;  // the first rank does it
+    }
     if (!options) return flushed(exit_code);
+    if (ranks > 1 && options->command == CommandLine::study)
+      throw InputError("study under mpirun: every run is a process of its own (allowed: cgcontact run under mpirun)");
     if (!options->memory_limit.empty()) setenv("CGCONTACT_MEMORY_LIMIT", options->memory_limit.c_str(), 1);
     if (options->command == CommandLine::compare) return flushed(compare(*options));
     if (options->command == CommandLine::study) return flushed(run_study(*options));
     if (options->command == CommandLine::run && TrilinosScope::has_openmp())
       restart_with_openmp_settings(options->threads, argv);
+    if (ranks > 1 && options->command == CommandLine::run) of_all_ranks.emplace(options->threads);
     const KokkosScope kokkos(options->threads);
     if (options->command == CommandLine::init) {
       fmt::print("{}", init_scene(options->init_options, fault_of));
@@ -188,10 +208,11 @@ int main(int argc, char** argv) {
     exit_code = options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
     return flushed(exit_code);
   } catch (const InputError& error) {
-    const std::string text = options ? options->with_variables(error.what()) : error.what();
-    fmt::print(stderr, "cgcontact: {}\n", printable(text));
+    tell_error(options ? options->with_variables(error.what()) : error.what());
+  } catch (const OtherRankFailed&) {
+    tell_error("another rank failed");
   } catch (const std::exception& error) {
-    fmt::print(stderr, "cgcontact: {}\n", is_out_of_memory(error) ? out_of_memory_text() : printable(error.what()));
+    tell_error(is_out_of_memory(error) ? out_of_memory_text() : error.what());
   }
   return 1;
 }

@@ -85,7 +85,7 @@ struct Assembled {
   Teuchos::RCP<TpetraMatrix> matrix;
   TpetraVector x, y;
   explicit Assembled(const ElasticSystem& system)
-      : map(system.dofs.owned_map(Tpetra::getDefaultComm())),
+      : map(system.dofs.vector_map(Tpetra::getDefaultComm())),
         matrix(assemble_matrix(system, map)),
         x(map, 1),
         y(map, 1) {
@@ -232,7 +232,7 @@ Kernel crs(Shape shape, int n) {
 /// and the cell's nodes (its matrix once if it is cut); per ghost face 12 x 12 x 3; 12 bytes per entry are written.
 Kernel assembly(Shape shape, int n) {
   auto body = std::make_shared<Body>(shape, n);
-  auto map = body->system.dofs.owned_map(Tpetra::getDefaultComm());
+  auto map = body->system.dofs.vector_map(Tpetra::getDefaultComm());
   Kernel k;
   k.items = body->system.num_dofs();
   {

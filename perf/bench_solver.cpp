@@ -94,7 +94,8 @@ struct Smoothing {
     blocks = decltype(blocks)("cgcontact::perf::blocks", problem.system.num_nodes);
     const NodeColumns<float> columns = make_node_columns<float>(problem.system);
     op.diagonal_blocks(ExecSpace(), blocks, columns);
-    smoother = std::make_unique<SurfaceSmoother<float>>(problem.system, blocks, columns);
+    smoother = std::make_unique<SurfaceSmoother<float>>(problem.system, blocks, columns,
+                                                         make_support_rows(problem.system, columns));
     smoother->set_groups(problem.system.group_rows, problem.system.full_group_stiffness);
     for (auto* v : {&b, &x, &r, &d}) *v = FastOperator<float>::VectorView("cgcontact::perf::vector", size);
     for (int i = 0; i < size; ++i) b(i) = static_cast<float>(problem.b(i));
@@ -154,8 +155,8 @@ struct Cycle {
   TpetraVector r, z;
   explicit Cycle(int n)
       : problem(n),
-        map(problem.system.dofs.owned_map(Tpetra::getDefaultComm())),
-        multigrid(problem.system, map),
+        map(problem.system.dofs.vector_map(Tpetra::getDefaultComm())),
+        multigrid(problem.system),
         r(map, 1),
         z(map, 1) {
     const auto host = r.getLocalViewHost(Tpetra::Access::OverwriteAll);
@@ -212,7 +213,7 @@ Kernel setup(int n) {
   Kernel k;
   k.items = c->problem.system.num_dofs();
   k.error = c->reduction(), k.tolerance = expected_reduction, k.against = "the error's energy norm before";
-  k.run = [c] { Multigrid(c->problem.system, c->map); };
+  k.run = [c] { Multigrid{c->problem.system}; };
   return k;
 }
 
@@ -265,7 +266,7 @@ void solve_with_multigrid(const ElasticSystem& system, const RealView& b, const 
 
 void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
   way.start();
-  const RCP<const TpetraMap> map = p.system.dofs.owned_map(Tpetra::getDefaultComm());
+  const RCP<const TpetraMap> map = p.system.dofs.vector_map(Tpetra::getDefaultComm());
   const RCP<TpetraMatrix> matrix = assemble_matrix(p.system, map);
   way.lap(way.part_s);
   const RCP<TpetraOperator> muelu = make_muelu(p.system, map, matrix);

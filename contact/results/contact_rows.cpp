@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "contact/results/pair_figures.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 
 namespace cgcontact {
 namespace {
@@ -93,6 +95,19 @@ void clear_rounding(const SolvedState& state, std::vector<ContactRow>& rows) {
     if (!r.active && std::abs(r.pressure_sprc) < rounding * largest[r.pair]) r.pressure_sprc = 0;
 }
 
+/// The items of all chunks, of which this rank has its own.
+template <class T>
+void append_of_all_ranks(const std::vector<std::vector<T>>& chunks, std::vector<T>& all) {
+  std::vector<T> own;
+  for (const std::vector<T>& chunk : chunks) own.insert(own.end(), chunk.begin(), chunk.end());
+  if (num_ranks() > 1) {
+    const std::vector<char> bytes = gather_bytes(own.data(), own.size() * sizeof(T));
+    own.resize(bytes.size() / sizeof(T));
+    std::memcpy(static_cast<void*>(own.data()), bytes.data(), bytes.size());
+  }
+  all.insert(all.end(), own.begin(), own.end());
+}
+
 }  // namespace
 
 ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, const Vec3& position, const Vec3& n) {
@@ -131,22 +146,22 @@ void fill_contact_rows(const SolvedState& state, Results& results) {
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     std::vector<std::vector<int>> points(num_chunks(boundary.size(), grain));
     std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain));
-    parallel_chunks("cgcontact::postprocess::contact_rows", boundary.size(), grain,
-                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                      for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
-                        int pair = body.boundary.pair_of_point[p];
-                        if (pair < 0) pair = pair_of_face(state, b, p);
-                        if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && state.pairs[pair].spec->automatic))
-                          continue;
-                        ContactRow row =
-                            contact_row(state, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
-                        row.weight = body.area(p);
-                        chunks[chunk].push_back(row);
-                        points[chunk].push_back(p);
-                      }
-                    });
-    for (const auto& rows : chunks) results.contact_rows.insert(results.contact_rows.end(), rows.begin(), rows.end());
-    for (const auto& part : points) boundary_point.insert(boundary_point.end(), part.begin(), part.end());
+    // Of several ranks each makes the rows of its own chunks.
+    const std::size_t first = share_out(chunks.size()).first, last = share_out(chunks.size()).second;
+    dispatch_chunks("cgcontact::postprocess::contact_rows", last - first, [&](std::size_t own) {
+      const std::size_t chunk = first + own, end = std::min(boundary.size(), (chunk + 1) * grain);
+      for (int p = static_cast<int>(chunk * grain); p < static_cast<int>(end); ++p) {
+        int pair = body.boundary.pair_of_point[p];
+        if (pair < 0) pair = pair_of_face(state, b, p);
+        if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && state.pairs[pair].spec->automatic)) continue;
+        ContactRow row = contact_row(state, b, pair, boundary.cell[p], boundary.position[p], body.normal(p));
+        row.weight = body.area(p);
+        chunks[chunk].push_back(row);
+        points[chunk].push_back(p);
+      }
+    });
+    append_of_all_ranks(chunks, results.contact_rows);
+    append_of_all_ranks(points, boundary_point);
   }
   clear_rounding(state, results.contact_rows);
   mark_touching_rows(state, boundary_point, results.contact_rows);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/ranks.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -16,13 +18,18 @@ Subset nodes_of_cells(const BodyMesh& mesh, const std::vector<int>& cells) {
 std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
                                                const std::vector<ContactPair>& pairs, std::size_t num_bodies) {
   std::vector<std::vector<int>> cells(num_bodies);
-  for (const SupportPoint& p : supports)
+  const auto each_own = [](const auto& points, const auto& use) {
+    const auto [begin, end] = share_out(points.size());
+    for (std::size_t i = begin; i < end; ++i) use(points[i]);
+  };
+  each_own(supports, [&](const SupportPoint& p) {
     if (!p.by_plane_strain) cells[p.body].push_back(p.cell);
+  });
   for (const ContactPair& pair : pairs)
-    for (const ContactPoint& q : pair.points) {
+    each_own(pair.points, [&](const ContactPoint& q) {
       cells[pair.primary].push_back(q.primary_cell);
       cells[pair.secondary].push_back(q.secondary_cell);
-    }
+    });
   for (std::vector<int>& list : cells) {
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());

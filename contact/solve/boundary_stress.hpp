@@ -8,7 +8,8 @@
 
 namespace cgcontact {
 
-/// Cells of each body in which the outer loop evaluates the recovered stress, ascending.
+/// Cells of each body in which the outer loop evaluates the recovered stress, ascending; of several ranks those of
+/// its own points (share_out of the points of supports and of each pair).
 std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& supports,
                                                const std::vector<ContactPair>& pairs, std::size_t num_bodies);
 

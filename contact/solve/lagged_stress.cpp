@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 
 namespace cgcontact {
 namespace {
@@ -26,8 +27,10 @@ struct Change {
   void replace(std::vector<double>& values, const Points& points, const StressAt& stress_at) {
     std::vector<double> before(values.size());
     before.swap(values);
-    parallel_for("cgcontact::lagged_stress::points", points.size(), grain,
-                 [&](std::size_t i) { values[i] = stress_at(points[i]); });
+    const std::size_t begin = share_out(points.size()).first, end = share_out(points.size()).second;
+    parallel_for("cgcontact::lagged_stress::points", end - begin, grain,
+                 [&](std::size_t i) { values[begin + i] = stress_at(points[begin + i]); });
+    put_together(values);
     for (std::size_t i = 0; i < points.size(); ++i) add(points[i].weight, before[i], values[i]);
   }
 };

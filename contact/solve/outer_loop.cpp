@@ -54,7 +54,7 @@ struct ContactSolver::Impl {
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
     : problem_(problem),
       earlier_(earlier),
-      solver_(problem.system, problem.scene.solver.preconditioner),
+      solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns),
       now_(problem),
       lagged_stress_(problem),
       right_hand_side_(problem.system.num_dofs()) {}

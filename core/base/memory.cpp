@@ -17,6 +17,7 @@
 
 #include "core/base/control_groups.hpp"
 #include "core/base/errors.hpp"
+#include "core/base/ranks.hpp"
 
 namespace cgcontact {
 
@@ -68,7 +69,12 @@ double group_memory(const std::string& groups, const std::string& root) {
   return least;
 }
 
-MemoryBudget memory_budget() {
+namespace {
+
+/// Of one rank; negative: not agreed on.
+double agreed_bytes = -1;
+
+MemoryBudget budget_of_process() {
   if (const char* given = std::getenv("CGCONTACT_MEMORY_LIMIT"))
     return {parse_limit(given), "as --memory-limit or CGCONTACT_MEMORY_LIMIT says", ""};
   MemoryBudget budget{1024 * number_after("/proc/meminfo", "MemAvailable:", infinite), "free on this machine", ""};
@@ -77,6 +83,20 @@ MemoryBudget memory_budget() {
   const double address_space = left_of_address_space();
   if (address_space < budget.bytes)
     budget = {address_space, "left by the limit of address space (ulimit -v)", address_space_remedy()};
+  return budget;
+}
+
+}  // namespace
+
+void agree_on_memory() {
+  agreed_bytes = num_ranks() == 1 ? -1 : -largest_over_ranks(-budget_of_process().bytes / ranks_on_this_machine());
+}
+
+MemoryBudget memory_budget() {
+  MemoryBudget budget = budget_of_process();
+  if (num_ranks() == 1 || agreed_bytes < 0) return budget;
+  budget.bytes = agreed_bytes;
+  budget.source += ", for each of the ranks";
   return budget;
 }
 

@@ -15,7 +15,10 @@ struct MemoryBudget {
 /// The least of: memory that the system has available (swap not counted), what the control group of this process and
 /// those above it leave, and its limit of address space (ulimit -v). The environment variable CGCONTACT_MEMORY_LIMIT
 /// (as for parse_memory; set by --memory-limit) takes the place of all of them.
+/// Of several ranks: what the rank with the least had when the run began, or its part where they share a machine.
 MemoryBudget memory_budget();
+/// To be called by all ranks once they run.
+void agree_on_memory();
 
 /// How to lift the limit of address space (ulimit -v) of this process, or empty without one.
 std::string address_space_remedy();

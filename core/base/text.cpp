@@ -185,4 +185,9 @@ std::string scaled(double value, const std::string& unit, int digits) {
   return fmt::format("{:.{}g} {}{}", value / std::pow(1000.0, power), digits, prefixes[power + 3], unit);
 }
 
+std::string processors_text(int ranks, int threads) {
+  const std::string each = fmt::format("{} thread{}", threads, threads == 1 ? "" : "s");
+  return ranks == 1 ? each : fmt::format("{} ranks of {}", ranks, each);
+}
+
 }  // namespace cgcontact

@@ -24,6 +24,9 @@ std::string short_number(double value, int digits = 4);
 /// A fraction in per cent with two digits and no exponent above 1 %, e.g. "0.41", "12", "340", "over 9999".
 std::string percent_number(double fraction);
 
+/// "2 threads", "4 ranks of 1 thread".
+std::string processors_text(int ranks, int threads);
+
 /// A value with the unit scaled by powers of 1000, e.g. scaled(9.4e6, "Pa") = "9.4 MPa".
 std::string scaled(double value, const std::string& unit, int digits = 4);
 

@@ -75,6 +75,26 @@ struct BoundaryPoints {
     return piece_position.empty() ? position[i] : piece_position[i];
   }
   const Vec3& normal_of_piece(std::size_t i) const { return piece_normal.empty() ? normal[i] : piece_normal[i]; }
+  template <class Packing>
+  void pack(Packing& to) const {
+    to.put(position);
+    to.put(normal);
+    to.put(weight);
+    to.put(surface);
+    to.put(piece_position);
+    to.put(piece_normal);
+  }
+  /// All but `cell`.
+  template <class Unpacking>
+  void unpack(Unpacking& from) {
+    from.take(position);
+    from.take(normal);
+    from.take(weight);
+    from.take(surface);
+    from.take(piece_position);
+    from.take(piece_normal);
+    cell.assign(weight.size(), -1);
+  }
   /// Appends point i of another set, owned by `owner`.
   void append(const BoundaryPoints& from, std::size_t i, int owner) {
     append(from.position[i], from.normal[i], from.weight[i], owner, from.surface[i]);

@@ -7,7 +7,9 @@
 #include <limits>
 
 #include "core/base/errors.hpp"
+#include "core/base/packing.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "core/cells/cell_sweep.hpp"
 
 namespace cgcontact {
@@ -142,15 +144,67 @@ class CutCellBuilder {
         level.solid.geometry().sweep_cells(level.grid, level.dividers, options_.boundary_order, level.leaves);
     level.numbers = sweep->take_inside();
     std::vector<Found> found(sweep->num_parts());
-    parallel_for("cgcontact::cut_cells::integrate", found.size(), 1, [&](std::size_t part) {
-      SweptCells swept;
-      sweep->sweep(part, swept);
-      for (CellIntegrals& cell : swept.crossed)
-        if (level.leaves.has(cell.cell)) keep(std::move(cell), l, found[part]);
-      for (auto& [first, number] : swept.inside)
-        if (in_layer(level.leaves.across, first, number)) set_inside(first, number, l, found[part]);
+    // Of several ranks each takes every so many parts: neighbouring parts cost about the same.
+    const std::size_t ranks = num_ranks(), rank = this_rank();
+    const std::size_t num_own = found.size() / ranks + (rank < found.size() % ranks);
+    on_all_ranks([&] {
+      parallel_for("cgcontact::cut_cells::integrate", num_own, 1, [&](std::size_t own) {
+        const std::size_t part = own * ranks + rank;
+        SweptCells swept;
+        sweep->sweep(part, swept);
+        for (CellIntegrals& cell : swept.crossed)
+          if (level.leaves.has(cell.cell)) keep(std::move(cell), l, found[part]);
+        for (auto& [first, number] : swept.inside)
+          if (in_layer(level.leaves.across, first, number)) set_inside(first, number, l, found[part]);
+      });
     });
+    if (ranks > 1) exchange(found);
     collect_found(found, level);
+  }
+
+  /// What all ranks have found, on every rank.
+  static void exchange(std::vector<Found>& found) {
+    const std::size_t ranks = num_ranks();
+    Packing own;
+    for (std::size_t part = this_rank(); part < found.size(); part += ranks) {
+      own.put(found[part].cut.size());
+      for (const Candidate& c : found[part].cut) {
+        own.put(c.cell);
+        own.put(c.moments);
+        own.put(std::array<int, 3>{c.thin, c.pruned, c.level});
+        c.points.pack(own);
+      }
+      own.put(found[part].inside.size());
+      for (const auto& [first, number] : found[part].inside) {
+        own.put(first);
+        own.put(number);
+      }
+      found[part] = {};
+    }
+    const std::vector<char> bytes = gather_bytes(own.bytes().data(), own.bytes().size());
+    Unpacking all(bytes);
+    for (std::size_t rank = 0; rank < ranks; ++rank)
+      for (std::size_t part = rank; part < found.size(); part += ranks) {
+        std::size_t size = 0;
+        all.take(size);
+        found[part].cut.resize(size);
+        for (Candidate& c : found[part].cut) {
+          std::array<int, 3> marks{};
+          all.take(c.cell);
+          all.take(c.moments);
+          all.take(marks);
+          c.thin = marks[0] != 0;
+          c.pruned = marks[1] != 0;
+          c.level = marks[2];
+          c.points.unpack(all);
+        }
+        all.take(size);
+        found[part].inside.resize(size);
+        for (auto& [first, number] : found[part].inside) {
+          all.take(first);
+          all.take(number);
+        }
+      }
   }
 
   /// Of a row of cells along x: what is in the one layer of a quadtree. False: nothing.

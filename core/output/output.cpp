@@ -17,6 +17,7 @@
 #include <optional>
 
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "core/base/resources.hpp"
 #include "core/base/text.hpp"
 #include "core/drawing/drawn_body.hpp"
@@ -221,9 +222,17 @@ void set_displacements(const StepFields* fields, Results& results) {
     results.steps.back().displacement = results.extremes[body].body.displacement.value;
 }
 
+void write_fields(const Results& results, const std::vector<DrawnBody>& drawn, const ContactSurface& surface,
+                  const fs::path& directory) {
+  write_vtk(results, drawn, (directory / "result.vtkhdf").string());
+  if (surface.size() > 0) write_vtk_contact(surface, (directory / "contact.vtkhdf").string());
+}
+
 /// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
 /// `steps`: with all steps, or none.
-PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps) {
+/// `fields_elsewhere`: another rank writes the files of fields.
+PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps,
+                      bool fields_elsewhere) {
   PageParts parts;
   parts.directory = temporary.path().string();
   for (const SectionSpec& section : scene.sections) parts.sections.push_back({section.name, section_picture(section)});
@@ -249,13 +258,9 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
       if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), runs);
       parts.pressure_maps = write_pressure_maps(results, surface, runs);
     };
-    const auto write_fields = [&] {
-      write_vtk(results, drawn, temporary.file("result.vtkhdf"));
-      if (surface.size() > 0) write_vtk_contact(surface, temporary.file("contact.vtkhdf"));
-    };
     parallel_for("cgcontact::output::files", 2, 1, [&](std::size_t task) {
       if (task == 0 && scene.output.plots) draw();
-      if (task == 1 && scene.output.vtk) write_fields();
+      if (task == 1 && scene.output.vtk && !fields_elsewhere) write_fields(results, drawn, surface, temporary.path());
     });
   }
   if (steps && view) parts.steps = steps->draw(results.title, *view, runs);
@@ -308,44 +313,97 @@ ResultWriter::ResultWriter(const Scene& scene, const std::string& directory)
 ResultWriter::~ResultWriter() = default;
 
 void ResultWriter::add_step(std::size_t number, const Results& step) {
-  if (!parts_->steps) {
-    std::optional<std::string> file;
-    if (parts_->with_fields) file = parts_->temporary.emplace(parts_->target).file(steps_file);
-    parts_->steps.emplace(parts_->num_steps, file);
-  }
-  parts_->steps->add(number, step);
+  on_first_rank([&] {
+    if (!parts_->steps) {
+      std::optional<std::string> file;
+      if (parts_->with_fields) file = parts_->temporary.emplace(parts_->target).file(steps_file);
+      parts_->steps.emplace(parts_->num_steps, file);
+    }
+    parts_->steps->add(number, step);
+  });
 }
 
+namespace {
+
+/// The rank that writes the files of fields: the last, if it is on the machine of the first.
+int rank_of_fields() {
+  const int here = ranks_on_this_machine();
+  return of_first_rank(here == num_ranks() ? num_ranks() - 1 : 0) > 0 ? num_ranks() - 1 : 0;
+}
+
+void set_memory(Results& results) {
+  double own = static_cast<double>(std::max<long long>(results.peak_memory_bytes, peak_memory_bytes()));
+  results.peak_memory_bytes = static_cast<long long>(largest_over_ranks(own));
+  if (num_ranks() == 1) return;
+  sum_over_ranks(&own, 1);
+  results.memory_of_all_ranks = static_cast<long long>(own);
+}
+
+}  // namespace
+
+/// Of several ranks the first one writes, and one more the files of fields.
 std::vector<std::string> ResultWriter::write(Results& results, const Scene& scene) {
-  const fs::path& target = parts_->target;
   const auto start = std::chrono::steady_clock::now();
-  try {
-    remove_remains(target);
-    const std::vector<std::string> old = old_files(target);
-    if (!parts_->temporary) parts_->temporary.emplace(target);
-    const TemporaryDirectory& temporary = *parts_->temporary;
-    StepFields* const steps = parts_->steps ? &*parts_->steps : nullptr;
-    if (steps) steps->add(parts_->num_steps - 1, results);
-    PageParts parts = write_files(results, scene, temporary, steps);
-    std::vector<std::string>& files = parts.files;
-    files.emplace_back("report.json");
-    if (scene.output.report) files.emplace_back("report.html");
-    for (const fs::directory_entry& entry : fs::directory_iterator(temporary.path()))
-      files.push_back(entry.path().filename().string());
-    std::sort(files.begin(), files.end());
-    results.times_s.emplace_back("output",
-                                 std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    results.peak_memory_bytes = std::max(results.peak_memory_bytes, peak_memory_bytes());
-    if (scene.output.report) write_text(temporary.file("report.html"), page(results, parts));
-    write_report(results, files, parts.warnings, temporary.file("report.json"));
-    uninterrupted([&] {
-      replace(temporary.path(), target, old);
-      set_interruption_note("the results in " + parts_->directory + " are complete");
-    });
-    return parts.warnings;
-  } catch (const fs::filesystem_error& error) {
-    throw InputError(fmt::format("cannot write results to {}: {}", target.string(), error.code().message()));
-  }
+  std::vector<std::string> old;
+  PageParts parts;
+  const auto explain = [&](const fs::filesystem_error& error) {
+    return fmt::format("cannot write results to {}: {}", parts_->target.string(), error.code().message());
+  };
+  on_first_rank([&] {
+    try {
+      remove_remains(parts_->target);
+      old = old_files(parts_->target);
+      if (!parts_->temporary) parts_->temporary.emplace(parts_->target);
+    } catch (const fs::filesystem_error& error) {
+      throw InputError(explain(error));
+    }
+  });
+  const std::string directory =
+      text_of_first_rank(parts_->temporary ? parts_->temporary->path().string() : std::string());
+  const bool apart = scene.output.vtk && rank_of_fields() > 0;
+  on_all_ranks([&] {
+    try {
+      if (is_first_rank()) {
+        StepFields* const steps = parts_->steps ? &*parts_->steps : nullptr;
+        if (steps) steps->add(parts_->num_steps - 1, results);
+        parts = write_files(results, scene, *parts_->temporary, steps, apart);
+      } else if (apart && this_rank() == num_ranks() - 1) {
+        const std::vector<DrawnBody> drawn = draw_bodies(results);
+        write_fields(results, drawn, make_contact_surface(results, drawn), directory);
+      }
+    } catch (const fs::filesystem_error& error) {
+      throw InputError(explain(error));
+    }
+  });
+  set_memory(results);
+  on_first_rank([&] {
+    try {
+      finish(results, scene, old, parts, start);
+    } catch (const fs::filesystem_error& failed) {
+      throw InputError(explain(failed));
+    }
+  });
+  return parts.warnings;
+}
+
+/// The reports, which know all files; then the new directory takes the place of the old one.
+void ResultWriter::finish(Results& results, const Scene& scene, const std::vector<std::string>& old, PageParts& parts,
+                          std::chrono::steady_clock::time_point start) {
+  const TemporaryDirectory& temporary = *parts_->temporary;
+  std::vector<std::string>& files = parts.files;
+  files.emplace_back("report.json");
+  if (scene.output.report) files.emplace_back("report.html");
+  for (const fs::directory_entry& entry : fs::directory_iterator(temporary.path()))
+    files.push_back(entry.path().filename().string());
+  std::sort(files.begin(), files.end());
+  results.times_s.emplace_back("output",
+                               std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  if (scene.output.report) write_text(temporary.file("report.html"), page(results, parts));
+  write_report(results, files, parts.warnings, temporary.file("report.json"));
+  uninterrupted([&] {
+    replace(temporary.path(), parts_->target, old);
+    set_interruption_note("the results in " + parts_->directory + " are complete");
+  });
 }
 
 std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory) {

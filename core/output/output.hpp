@@ -1,6 +1,7 @@
 /// Writes the results of a run into a directory that is either the old one or the new one, never half of it.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 
 namespace cgcontact {
 
+struct PageParts;
+
 /// Writes report.json and what the scene asks for (result.vtkhdf, contact.vtkhdf, contact.csv, pictures) to a temporary
 /// directory beside `directory` and exchanges the two. Files of the old directory that this program did not write are
 /// kept. Throws InputError if `directory` cannot be written or holds something that is not a result; it is then as it
@@ -18,6 +21,7 @@ namespace cgcontact {
 std::vector<std::string> write_results(Results& results, const Scene& scene, const std::string& directory);
 
 /// The same for a run in steps: the fields of all of them are written too, in steps.vtkhdf and pictures.
+/// Of several ranks all call its functions.
 class ResultWriter {
  public:
   /// The scene as it was read; the grids of the solved one may be others.
@@ -31,6 +35,9 @@ class ResultWriter {
   std::vector<std::string> write(Results& results, const Scene& scene);
 
  private:
+  void finish(Results& results, const Scene& scene, const std::vector<std::string>& old, PageParts& parts,
+              std::chrono::steady_clock::time_point start);
+
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };

@@ -293,6 +293,7 @@ std::string report_text(const Results& results, const std::vector<std::string>& 
   json["command"] = results.command;
   json["backend"] = results.backend;
   json["threads"] = results.threads;
+  json["ranks"] = results.ranks;
   json["unknowns"] = results.unknowns;
   json["cells"] = {{"active", results.cells.active}, {"cut", results.cells.cut}, {"interior", results.cells.interior}};
   json["maxima"] = json_of_maxima(results);
@@ -303,6 +304,7 @@ std::string report_text(const Results& results, const std::vector<std::string>& 
   for (const auto& [phase, seconds] : results.times_s) times[phase] = seconds;
   json["times_s"] = times;
   json["peak_memory_bytes"] = results.peak_memory_bytes;
+  if (results.memory_of_all_ranks > 0) json["memory_of_all_ranks_bytes"] = results.memory_of_all_ranks;
   json["warnings"] = results.warnings;
   for (const std::string& warning : warnings) json["warnings"].push_back(warning);
   json["files"] = files;

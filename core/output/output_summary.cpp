@@ -227,9 +227,9 @@ std::string times_text(const Results& results) {
     phases += fmt::format("{}{} {:.2f}", phases.empty() ? "" : ", ", phase, seconds);
     total += seconds;
   }
-  return fmt::format("{:.2f} s ({}); {}, {} thread{} ({})", total, phases,
-                     scaled(static_cast<double>(results.peak_memory_bytes), "B", 3), results.threads,
-                     results.threads == 1 ? "" : "s", results.backend);
+  const std::string memory = scaled(static_cast<double>(results.peak_memory_bytes), "B", 3);
+  return fmt::format("{:.2f} s ({}); {}, {} ({})", total, phases, results.ranks == 1 ? memory : memory + " per rank",
+                     processors_text(results.ranks, results.threads), results.backend);
 }
 
 std::string iterations_text(const Results& results) {

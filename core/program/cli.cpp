@@ -9,6 +9,7 @@
 #include <iostream>
 #include <tuple>
 
+#include "core/base/ranks.hpp"
 #include "core/base/errors.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/suggest.hpp"
@@ -404,13 +405,15 @@ std::string CommandLine::with_variables(const std::string& message) const {
 
 std::optional<CommandLine> parse_command_line(int argc, const char* const* argv, int& exit_code) {
   Parser parser;
+  const bool silent = ranks_of_mpirun().second > 0;  // the first rank tells it
+  std::ostream nowhere(nullptr);
   exit_code = 0;
   std::string mistake;
   try {
     parser.parse(argc, argv);
     return parser.line;
   } catch (const CLI::Success& success) {  // --help, --version
-    exit_code = parser.app.exit(success, std::cout, std::cerr);
+    exit_code = parser.app.exit(success, silent ? nowhere : std::cout, silent ? nowhere : std::cerr);
     return std::nullopt;
   } catch (const CLI::Error& error) {
     mistake = parser.explain(error, argc, argv);
@@ -418,7 +421,7 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv,
     mistake = error.what();
   }
   const CLI::App* const command = argc > 1 ? find_command(parser.app, argv[1]) : nullptr;
-  std::cerr << "cgcontact: " << printable(mistake) << " (see cgcontact " << (command ? command->get_name() + " " : "")
+  (silent ? nowhere : std::cerr) << "cgcontact: " << printable(mistake) << " (see cgcontact " << (command ? command->get_name() + " " : "")
             << "--help)\n";
   exit_code = 1;
   return std::nullopt;

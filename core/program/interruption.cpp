@@ -10,6 +10,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "core/base/ranks.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -42,8 +44,9 @@ void watch() {
   if (count != 1) return;
   mutex.lock();  // for good: nobody else begins anything now
   for (auto action = actions.rbegin(); action != actions.rend(); ++action) (*action)();
-  std::fprintf(stderr, "cgcontact: stopped by SIG%s%s\n", sigabbrev_np(signal),
-               note.empty() ? "" : (": " + note).c_str());
+  if (is_first_rank())
+    std::fprintf(stderr, "cgcontact: stopped by SIG%s%s\n", sigabbrev_np(signal),
+                 note.empty() ? "" : (": " + note).c_str());
   _exit(128 + signal);
 }
 

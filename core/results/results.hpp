@@ -229,7 +229,8 @@ struct ZoneError {
 struct Results {
   std::string scene_file, title, backend;
   std::string command;  ///< the command line, quoted for a shell; empty: not run by the program
-  int threads = 1;
+  int threads = 1;  ///< of each rank
+  int ranks = 1;
   long long unknowns = 0;
   struct CellCounts {
     long long active = 0, cut = 0, interior = 0;
@@ -258,7 +259,8 @@ struct Results {
   long long grown_patches = 0, truncated_rows = 0, inconsistent_patches = 0;
   long long quadratic_patches = 0, lowered_patches = 0;  ///< of degree 2; of degree 1 where 2 was asked for
   std::vector<std::pair<std::string, double>> times_s;   ///< phases in order
-  long long peak_memory_bytes = 0;
+  long long peak_memory_bytes = 0;      ///< of the rank with most
+  long long memory_of_all_ranks = 0;  ///< bytes, sum of the peaks; 0: one rank
   std::vector<BodyFields> bodies;
   std::vector<ContactRow> contact_rows;
   std::vector<PathSample> path;

@@ -26,7 +26,8 @@ std::vector<Setting> SolverOptions::settings() {
           method_constant("soft_hold", soft_hold, Range::fraction()),
           method_constant("small_zone_joins", small_zone_joins, Range::fraction()),
           method_constant("small_zone_leaves", small_zone_leaves, Range::fraction()),
-          method_constant("last_small_zone_decision", last_small_zone_decision, Range::integers(0, 1000))};
+          method_constant("last_small_zone_decision", last_small_zone_decision, Range::integers(0, 1000)),
+          method_constant("shared_unknowns", shared_unknowns, Range::integers(0, 2000000000))};
 }
 
 void SolverOptions::check() const {

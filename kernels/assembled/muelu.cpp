@@ -10,7 +10,7 @@ using Teuchos::rcp;
 
 /// Node positions in global axes, units of Scales::length.
 RCP<TpetraVector> node_positions(const ElasticSystem& system, const RCP<const TpetraMap>& map) {
-  auto x = rcp(new TpetraVector(system.dofs.owned_node_map(map->getComm()), 3));
+  auto x = rcp(new TpetraVector(system.dofs.node_map(map->getComm()), 3));
   auto view = x->getLocalViewHost(Tpetra::Access::OverwriteAll);
   for (const BodyMesh* part : system.parts()) {
     const BodyMesh& mesh = *part;

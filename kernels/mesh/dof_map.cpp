@@ -2,16 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <unordered_set>
 
 #include "core/base/errors.hpp"
+#include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/mesh/sparse_rows.hpp"
 
@@ -20,7 +19,6 @@ namespace {
 
 using Teuchos::RCP;
 using Teuchos::rcp;
-using GlobalDof = Tpetra::Map<>::global_ordinal_type;
 
 int checked_count(long long num_nodes) {
   constexpr long long most = std::numeric_limits<int>::max() / dofs_per_node;
@@ -77,31 +75,15 @@ ConstraintRows make_rows(const std::vector<NodeConstraint>& constraints) {
 
 }  // namespace
 
-DofMap::DofMap(long long num_nodes, const std::vector<NodeConstraint>& constraints, const std::vector<int>& zero_dofs)
-    : num_owned_(checked_count(num_nodes)), num_nodes_(num_owned_) {
+DofMap::DofMap(long long num_nodes, const std::vector<NodeConstraint>& constraints, const std::vector<int>& zero_dofs,
+               std::shared_ptr<const Halo> halo)
+    : num_nodes_(checked_count(num_nodes)), halo_(std::move(halo)) {
   check(constraints, num_nodes_);
   set_constraints(constraints);
   for (const int dof : zero_dofs)
     if (dof < 0 || dof >= num_dofs())
       throw std::invalid_argument(fmt::format("degree of freedom {} is to be zero: it does not exist", dof));
   if (!zero_dofs.empty()) zero_dofs_ = copy_to_view<IntView>("cgcontact::dof_map::zero_dofs", zero_dofs);
-}
-
-DofMap::DofMap(const std::vector<long long>& owned, const std::vector<long long>& ghosts,
-               const std::vector<NodeConstraint>& constraints)
-    : num_owned_(checked_count(static_cast<long long>(owned.size()))),
-      num_nodes_(checked_count(static_cast<long long>(owned.size() + ghosts.size()))),
-      one_rank_(false),
-      global_(owned) {
-  global_.insert(global_.end(), ghosts.begin(), ghosts.end());
-  std::unordered_set<long long> seen;
-  for (int n = 0; n < num_nodes_; ++n) {
-    if (global_[n] < 0) throw std::invalid_argument(fmt::format("node {} has the global number {}", n, global_[n]));
-    if (n < num_owned_ && !seen.insert(global_[n]).second)
-      throw std::invalid_argument(fmt::format("global node {} is owned twice", global_[n]));
-  }
-  check(constraints, num_nodes_);
-  set_constraints(constraints);
 }
 
 void DofMap::set_constraints(const std::vector<NodeConstraint>& constraints) {
@@ -122,22 +104,16 @@ void DofMap::set_constraints(const std::vector<NodeConstraint>& constraints) {
   if (!sums.empty()) sums_ = make_rows(sums);
 }
 
-RCP<const DofMap::Map> DofMap::map_of(int num_nodes, int per_node, const Comm& comm) const {
-  if (one_rank_) return rcp(new Map(static_cast<Tpetra::global_size_t>(num_nodes) * per_node, 0, comm));
-  std::vector<GlobalDof> entries;
-  entries.reserve(static_cast<std::size_t>(num_nodes) * per_node);
-  for (int n = 0; n < num_nodes; ++n)
-    for (int i = 0; i < per_node; ++i) entries.push_back(per_node * static_cast<GlobalDof>(global_[n]) + i);
-  return rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                     Teuchos::ArrayView<const GlobalDof>(entries.data(), entries.size()), 0, comm));
+namespace {
+
+RCP<const DofMap::Map> map_of(int num_entries, const DofMap::Comm& comm) {
+  return rcp(new DofMap::Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                             static_cast<std::size_t>(num_entries), 0, comm));
 }
 
-RCP<const DofMap::Map> DofMap::owned_map(const Comm& comm) const { return map_of(num_owned_, dofs_per_node, comm); }
-RCP<const DofMap::Map> DofMap::local_map(const Comm& comm) const { return map_of(num_nodes_, dofs_per_node, comm); }
-RCP<const DofMap::Map> DofMap::owned_node_map(const Comm& comm) const { return map_of(num_owned_, 1, comm); }
+}  // namespace
 
-RCP<const DofMap::Import> DofMap::importer(const Comm& comm) const {
-  return rcp(new Import(owned_map(comm), local_map(comm)));
-}
+RCP<const DofMap::Map> DofMap::vector_map(const Comm& comm) const { return map_of(num_dofs(), comm); }
+RCP<const DofMap::Map> DofMap::node_map(const Comm& comm) const { return map_of(num_nodes(), comm); }
 
 }  // namespace cgcontact

@@ -1,23 +1,19 @@
-/// The nodes of this rank and their degrees of freedom: owned nodes, ghost nodes (owned by another rank, or copies of
-/// an owned one), and constrained nodes, whose value is a weighted sum of other nodes (hanging nodes where small cells
-/// meet large ones, the two sides of a body in plane strain). Local numbers: owned nodes first, ghosts after them.
-/// Single degrees of freedom may be zero (across a body in plane strain): that belongs to the constraints.
+/// The nodes of this rank and their degrees of freedom, some of which are not free: constrained nodes, whose value is a
+/// weighted sum of other nodes (hanging nodes where small cells meet large ones, the two sides of a body in plane
+/// strain), and ghost nodes, whose value is that of the rank that owns them (halo.hpp). Single degrees of freedom may be
+/// zero (across a body in plane strain): that belongs to the constraints.
 ///
-/// A vector of free values x becomes a vector of all local values P x by two steps, each with its transpose:
-///   ghosts       doImport with the importer, REPLACE    doExport, ADD_ASSIGN, into zero (ADD loses copies)
-///   constraints  apply_constraints                      apply_constraints_transposed
-/// The products run with one rank today, and without constraints where all cells are of one size and no body is in
-/// plane strain; then both steps are the identity and cost nothing.
-///
-/// Two kinds of vectors: displacements are consistent (constrained nodes have the value that their masters give them),
-/// forces and residuals are zero at constrained nodes; both at what is zero. Sums of each kind are of that kind, and
-/// the product of one with the other is that of the free values.
+/// Two kinds of vectors, both with entries for all local nodes: displacements are consistent (apply_constraints: ghost
+/// nodes have the value of their owner, constrained ones that which their masters give them); forces and residuals are
+/// zero at ghost and at constrained nodes (apply_constraints_transposed); both at what is zero. Sums of each kind are of
+/// that kind, and the product of one with the other is that of the free values, summed over the ranks. On one rank, and
+/// without constraints where all cells are of one size and no body is in plane strain, both functions do nothing.
 #pragma once
 
 #include <Teuchos_Comm.hpp>
 #include <Teuchos_RCP.hpp>
-#include <Tpetra_Import_fwd.hpp>
 #include <Tpetra_Map_fwd.hpp>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -25,6 +21,12 @@
 #include "kernels/mesh/views.hpp"
 
 namespace cgcontact {
+
+class Halo;
+/// What apply_constraints and its transpose need of it (halo.hpp).
+void import_ghosts(const Halo& halo, double* x);
+void import_ghosts(const Halo& halo, float* x);
+const IntView& nodes_of_others(const Halo& halo);
 
 /// Each component: u(node) = sum of weight * u(master). Local node numbers.
 struct NodeConstraint {
@@ -49,51 +51,38 @@ using TwinsView = Kokkos::View<int* [2], Kokkos::LayoutRight, MemSpace>;
 class DofMap {
  public:
   using Map = Tpetra::Map<>;
-  using Import = Tpetra::Import<>;
   using Comm = Teuchos::RCP<const Teuchos::Comm<int>>;
 
-  /// One rank owns all nodes; global numbers are local ones. Throws InputError if there are more than 32-bit numbers of
-  /// degrees of freedom hold.
+  /// Without a halo no other rank has a part in these nodes. Throws InputError if there are more than 32-bit numbers of
+  /// degrees of freedom hold; std::invalid_argument where a constraint names a node that does not exist, constrains a
+  /// node twice, has no master, the same master twice or a weight that is not finite, or has a constrained node as its
+  /// master: chains are to be resolved by who makes the constraints.
   explicit DofMap(long long num_nodes = 0, const std::vector<NodeConstraint>& constraints = {},
-                  const std::vector<int>& zero_dofs = {});
+                  const std::vector<int>& zero_dofs = {}, std::shared_ptr<const Halo> halo = nullptr);
 
-  /// Global numbers of the owned nodes (each once) and of the ghosts. Throws std::invalid_argument where a number is
-  /// negative or owned twice, and where a constraint names a node that does not exist, constrains a node twice, has no
-  /// master, the same master twice or a weight that is not finite, or has a constrained node as its master: chains are
-  /// to be resolved by who makes the constraints.
-  DofMap(const std::vector<long long>& owned, const std::vector<long long>& ghosts,
-         const std::vector<NodeConstraint>& constraints = {});
-
-  int num_owned_nodes() const { return num_owned_; }
-  int num_ghost_nodes() const { return num_nodes_ - num_owned_; }
   int num_constrained_nodes() const { return static_cast<int>(twins_.extent(0)) + sums_.num_nodes(); }
   int num_nodes() const { return num_nodes_; }
-  int num_owned_dofs() const { return dof_of(num_owned_); }
   int num_dofs() const { return dof_of(num_nodes_); }
-  long long global_node(int node) const { return one_rank_ ? node : global_[node]; }
   /// The constraints are of two kinds: nodes that equal a master which no other node depends on (across a body in plane
   /// strain, half of all nodes), and the others.
   const TwinsView& twins() const { return twins_; }
   const ConstraintRows& sums() const { return sums_; }
   const IntView& zero_dofs() const { return zero_dofs_; }
+  /// What is seen of other ranks, nullptr: nothing.
+  const Halo* halo() const { return halo_.get(); }
 
-  /// Maps of the degrees of freedom and of the nodes; with ghosts the local ones overlap.
-  Teuchos::RCP<const Map> owned_map(const Comm& comm) const;
-  Teuchos::RCP<const Map> local_map(const Comm& comm) const;
-  Teuchos::RCP<const Map> owned_node_map(const Comm& comm) const;
-  /// From owned to local values.
-  Teuchos::RCP<const Import> importer(const Comm& comm) const;
+  /// Of the entries of a vector: as many on every rank as it has local degrees of freedom, or nodes.
+  Teuchos::RCP<const Map> vector_map(const Comm& comm) const;
+  Teuchos::RCP<const Map> node_map(const Comm& comm) const;
 
  private:
   void set_constraints(const std::vector<NodeConstraint>& constraints);
-  Teuchos::RCP<const Map> map_of(int num_nodes, int per_node, const Comm& comm) const;
 
-  int num_owned_ = 0, num_nodes_ = 0;
-  bool one_rank_ = true;           ///< global numbers are local ones
-  std::vector<long long> global_;  ///< else: of each local node
+  int num_nodes_ = 0;
   TwinsView twins_;
   ConstraintRows sums_;
   IntView zero_dofs_;
+  std::shared_ptr<const Halo> halo_;
 };
 
 template <class Exec, class X>
@@ -104,9 +93,14 @@ void set_to_zero(const Exec& exec, const IntView& dofs, const X& x) {
       KOKKOS_LAMBDA(const int i) { x(dofs(i)) = 0; });
 }
 
-/// x at constrained nodes = weighted sums of x at their masters, x = 0 where it is to be. x: DofMap::num_dofs entries.
+/// x at ghosts = x at their owners, x at constrained nodes = weighted sums of x at their masters, x = 0 where it is to be.
+/// x: DofMap::num_dofs entries, contiguous. With a halo called by all ranks.
 template <class Exec, class X>
 void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
+  if (dofs.halo()) {
+    exec.fence();
+    import_ghosts(*dofs.halo(), x.data());
+  }
   set_to_zero(exec, dofs.zero_dofs(), x);
   const TwinsView twins = dofs.twins();
   if (twins.extent(0) > 0)
@@ -132,8 +126,19 @@ void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
       });
 }
 
-/// The transpose: y at masters += weights times y at the nodes they constrain, which become zero. No atomics: each
-/// master gathers.
+/// y = 0 at the nodes of other ranks.
+template <class Exec, class Y>
+void zero_others(const Exec& exec, const DofMap& dofs, const Y& y) {
+  if (!dofs.halo()) return;
+  const IntView others = nodes_of_others(*dofs.halo());
+  Kokkos::parallel_for(
+      "cgcontact::dof_map::others", Kokkos::RangePolicy<Exec>(exec, 0, others.extent(0)), KOKKOS_LAMBDA(const int n) {
+        for (int i = 0; i < dofs_per_node; ++i) y(dof_of(others(n), i)) = 0;
+      });
+}
+
+/// The transpose: y at masters += weights times y at the nodes they constrain, which become zero, as do those of other
+/// ranks. No atomics: each master gathers.
 template <class Exec, class Y>
 void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y& y) {
   const TwinsView twins = dofs.twins();
@@ -147,7 +152,10 @@ void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y&
           }
         });
   const ConstraintRows rows = dofs.sums();
-  if (rows.num_nodes() == 0) return set_to_zero(exec, dofs.zero_dofs(), y);
+  if (rows.num_nodes() == 0) {
+    zero_others(exec, dofs, y);
+    return set_to_zero(exec, dofs.zero_dofs(), y);
+  }
   using Real = typename Y::non_const_value_type;
   Kokkos::parallel_for(
       "cgcontact::dof_map::constraints_transposed", Kokkos::RangePolicy<Exec>(exec, 0, rows.num_masters()),
@@ -167,6 +175,7 @@ void apply_constraints_transposed(const Exec& exec, const DofMap& dofs, const Y&
       KOKKOS_LAMBDA(const int c) {
         for (int i = 0; i < dofs_per_node; ++i) y(dof_of(rows.node(c), i)) = 0;
       });
+  zero_others(exec, dofs, y);
   set_to_zero(exec, dofs.zero_dofs(), y);
 }
 

@@ -69,7 +69,8 @@ std::vector<Index3> virtual_cells(const BodyMesh& part) {
   return cells;
 }
 
-BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
+BodyMesh number_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node,
+                          bool joined) {
   BodyMesh mesh = empty_mesh(cut_cells, material, scales, first_node);
   const auto number = [](BodyMesh& part) {
     ElementNodes<1> nodes = number_element_nodes<1>(*part.cut_cells, part.first_node, virtual_cells(part));
@@ -78,16 +79,8 @@ BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, con
     part.nodes = std::move(nodes.places);
     part.cell_nodes = std::move(nodes.of_cell);
   };
-  const auto look_up_constraints = [&] {
-    mesh.constraint_of_node.assign(mesh.num_nodes, -1);
-    for (std::size_t c = 0; c < mesh.constraints.size(); ++c)
-      mesh.constraint_of_node[mesh.constraints[c].node - first_node] = static_cast<int>(c);
-  };
   if (cut_cells.parts.empty()) {
     number(mesh);
-    if (!mesh.in_plane_strain()) return mesh;
-    mesh.constraints = constrain_across(mesh);
-    look_up_constraints();
     return mesh;
   }
   for (std::size_t p = 0; p < cut_cells.parts.size(); ++p) {
@@ -96,9 +89,17 @@ BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, con
     number(mesh.parts.back());
     mesh.num_nodes += mesh.parts.back().num_nodes;
   }
-  mesh.constraints = constrain_nodes(mesh.parts);
-  look_up_constraints();
-  if (!cut_cells.cells.empty()) join_parts(mesh);
+  if (joined) join_parts(mesh);
+  return mesh;
+}
+
+BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
+  BodyMesh mesh = number_body_mesh(cut_cells, material, scales, first_node, !cut_cells.cells.empty());
+  if (mesh.parts.empty() && !mesh.in_plane_strain()) return mesh;
+  mesh.constraints = mesh.parts.empty() ? constrain_across(mesh) : constrain_nodes(mesh.parts);
+  mesh.constraint_of_node.assign(mesh.num_nodes, -1);
+  for (std::size_t c = 0; c < mesh.constraints.size(); ++c)
+    mesh.constraint_of_node[mesh.constraints[c].node - first_node] = static_cast<int>(c);
   return mesh;
 }
 

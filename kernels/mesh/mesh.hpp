@@ -85,6 +85,10 @@ bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 /// The virtual children of a part, one per face.
 std::vector<Index3> virtual_cells(const BodyMesh& part);
 
+/// Nodes and faces between levels without the constraints; with parts, the body's own lists are made if `joined`.
+BodyMesh number_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node,
+                          bool joined);
+
 /// Of cells of one level, or of cells with parts of descending (or equal) size; with parts, the body's own lists are
 /// made if it has cells of its own beside those of its parts.
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node);

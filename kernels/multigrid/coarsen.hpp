@@ -41,7 +41,8 @@ std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine,
                                                       bool firm_holds);
 
 /// Trilinear prolongation P: x_fine(n) = 1/8 sum_a x_coarse(parents(n, a)), parents repeated where n lies on a coarse
-/// plane; children: the fine nodes around a coarse node, offset (a, b, c) - 1 at (a * 3 + b) * 3 + c, or -1.
+/// plane; children: the fine nodes around a coarse node, offset (a, b, c) - 1 at (a * 3 + b) * 3 + c, or -1. Of several
+/// ranks: fine nodes of others have parents -1.
 /// The identity on bodies that are carried over.
 /// Where nodes are constrained, P and its transpose are rows instead, which are empty at constrained nodes.
 struct Transfer {
@@ -97,12 +98,14 @@ void prolongate_add(const Exec& exec, const Transfer& transfer, const DofMap& fi
       "cgcontact::coarsen::prolongate", Kokkos::RangePolicy<Exec>(exec, 0, parents.extent(0)),
       KOKKOS_LAMBDA(const int n) {
         Real sum[3] = {0, 0, 0};
+        if (parents(n, 0) < 0) return;
         for (int a = 0; a < 8; ++a) {
           const int p = parents(n, a);
           for (int i = 0; i < 3; ++i) sum[i] += coarse(dof_of(p, i));
         }
         for (int i = 0; i < 3; ++i) fine(dof_of(n, i)) += Real(0.125) * sum[i];
       });
+  if (fine_dofs.halo()) apply_constraints(exec, fine_dofs, fine);
 }
 
 /// x_coarse = P^T x_fine, both zero at constrained nodes.

@@ -1,10 +1,13 @@
 #include "kernels/multigrid/multigrid.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <Tpetra_Core.hpp>
 #include <algorithm>
 
+#include "core/base/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/coarsen.hpp"
+#include "kernels/multigrid/rank_levels.hpp"
 #include "kernels/multigrid/smoother.hpp"
 #include "kernels/operator/fast_operator.hpp"
 
@@ -44,19 +47,26 @@ double dot(const ExecSpace& exec, const LevelVector& x, const LevelVector& y) {
 struct Level {
   std::vector<CutCells> cells;  // owned, coarse levels only
   ElasticSystem own_system;
-  const ElasticSystem* system = nullptr;
+  const ElasticSystem* whole = nullptr;   // of all ranks
+  const ElasticSystem* system = nullptr;  // that this rank computes: its share, or the whole
+  std::unique_ptr<RankShare> share;       // of several ranks; where `system` is the whole, vectors are passed by it
   std::unique_ptr<FastOperator<Real>> op;
   std::unique_ptr<SurfaceSmoother<Real>> smoother;
-  Transfer transfer;  // to the next coarser level
+  Transfer whole_transfer, transfer;  // to the next coarser level; of this rank
   double largest_eigenvalue = 0;
   LevelVector b, x, r, d;
+  LevelVector passed;             // where `system` is the whole: b or x in the numbers of the share
   std::vector<LevelVector> p, q;  // directions of CG on the level, and the operator applied to them
+
+  bool is_shared() const { return system->dofs.halo() != nullptr; }
 };
 
 }  // namespace
 
 struct Multigrid::Impl {
   const ElasticSystem& fine;
+  bool by_ranks;  // are the fine grids divided among the ranks?
+  Halo::Comm comm;
   RCP<const TpetraMap> map, coarsest_map;
   MultigridSettings settings;
   MultigridReport report;
@@ -67,9 +77,16 @@ struct Multigrid::Impl {
   std::vector<double> coarsest_groups;  // stiffness that `coarsest` was set up with
   ExecSpace exec;
 
-  Impl(const ElasticSystem& system, RCP<const TpetraMap> m, const MultigridSettings& s)
-      : fine(system), map(std::move(m)), settings(s) {
+  Impl(const ElasticSystem& system, const MultigridSettings& s)
+      : fine(system),
+        by_ranks(num_ranks() > 1 && system.num_dofs() > s.shared_unknowns && may_coarsen(system, s)),
+        settings(s) {
+    if (by_ranks || num_ranks() == 1)
+      comm = Tpetra::getDefaultComm();
+    else
+      comm = comm_of_this_rank();
     build_levels();
+    map = levels[0]->system->dofs.vector_map(comm);
     update_groups();
     for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
       levels[l]->largest_eigenvalue = eigenvalue_margin * estimate_eigenvalue(*levels[l]);
@@ -77,19 +94,39 @@ struct Multigrid::Impl {
     }
   }
 
-  bool may_coarsen(const ElasticSystem& system) const {
-    return system.num_dofs() > settings.coarsest_unknowns &&
+  static bool may_coarsen(const ElasticSystem& system, const MultigridSettings& s) {
+    return system.num_dofs() > s.coarsest_unknowns &&
            std::any_of(system.meshes.begin(), system.meshes.end(),
                        [](const BodyMesh& mesh) { return !is_coarsest(*mesh.cut_cells); });
   }
 
   void build_levels() {
+    build_grids();
+    std::vector<NodeColumns<Real>> columns;
+    for (const auto& level : levels) columns.push_back(make_node_columns<Real>(*level->whole));
+    if (by_ranks) share_levels(columns);
+    for (std::size_t l = 0; l < levels.size(); ++l) {
+      Level& level = *levels[l];
+      report.unknowns.push_back(level.whole->num_dofs());
+      const int n = level.system->num_dofs();
+      level.b = LevelVector("cgcontact::multigrid::b", n);
+      level.x = LevelVector("cgcontact::multigrid::x", n);
+      if (l + 1 < levels.size()) make_smoother(level, columns[l]);
+    }
+    const Halo::Comm alone = num_ranks() == 1 ? comm : comm_of_this_rank();
+    coarsest_map = levels.back()->whole->dofs.vector_map(alone);
+    coarsest_b = rcp(new TpetraVector(coarsest_map, 1));
+    coarsest_x = rcp(new TpetraVector(coarsest_map, 1));
+  }
+
+  /// The systems of all grids, and the transfers between them.
+  void build_grids() {
     levels.push_back(std::make_unique<Level>());
-    levels[0]->system = &fine;
-    while (may_coarsen(*levels.back()->system)) {
+    levels[0]->whole = levels[0]->system = &fine;
+    while (may_coarsen(*levels.back()->whole, settings)) {
       Level& from = *levels.back();
       auto to = std::make_unique<Level>();
-      for (const BodyMesh& mesh : from.system->meshes) to->cells.push_back(next_cut_cells(*mesh.cut_cells));
+      for (const BodyMesh& mesh : from.whole->meshes) to->cells.push_back(next_cut_cells(*mesh.cut_cells));
       std::vector<const CutCells*> cells;
       std::vector<Material> materials;
       for (std::size_t b = 0; b < to->cells.size(); ++b) {
@@ -97,32 +134,56 @@ struct Multigrid::Impl {
         materials.push_back(fine.materials[b]);
       }
       to->own_system = make_elastic_system(cells, materials, fine.scales, settings.coarse_ghost * fine.ghost_penalty);
-      to->system = &to->own_system;
-      to->own_system.supports = coarse_supports(*from.system, to->own_system, settings.firm_holds);
-      from.transfer = make_transfer(*from.system, *to->system);
+      to->whole = to->system = &to->own_system;
+      to->own_system.supports = coarse_supports(*from.whole, to->own_system, settings.firm_holds);
+      from.transfer = from.whole_transfer = make_transfer(*from.whole, *to->whole);
       levels.push_back(std::move(to));
     }
-    for (auto& level : levels) {
-      report.unknowns.push_back(level->system->num_dofs());
-      const int n = level->system->num_dofs();
-      level->b = LevelVector("cgcontact::multigrid::b", n);
-      level->x = LevelVector("cgcontact::multigrid::x", n);
-      const NodeColumns<Real> columns = make_node_columns<Real>(*level->system);
-      if (level == levels.back()) break;
-      level->op = std::make_unique<FastOperator<Real>>(*level->system);
-      level->r = LevelVector("cgcontact::multigrid::r", n);
-      level->d = LevelVector("cgcontact::multigrid::d", n);
-      for (int k = 0; k < settings.coarse_steps && level != levels.front(); ++k) {
-        level->p.emplace_back("cgcontact::multigrid::p", n);
-        level->q.emplace_back("cgcontact::multigrid::q", n);
-      }
-      FastOperator<Real>::BlockView blocks("cgcontact::multigrid::blocks", level->system->num_nodes);
-      level->op->diagonal_blocks(exec, blocks, columns);
-      level->smoother = std::make_unique<SurfaceSmoother<Real>>(*level->system, blocks, columns);
+  }
+
+  /// The finest levels divided among the ranks, and the first one that every rank computes.
+  void share_levels(const std::vector<NodeColumns<Real>>& columns) {
+    std::vector<const ElasticSystem*> systems;
+    std::vector<Transfer> transfers;
+    for (const auto& level : levels) {
+      systems.push_back(level->whole);
+      if (level->whole->num_dofs() <= settings.shared_unknowns || level == levels.back()) break;
+      transfers.push_back(level->whole_transfer);
     }
-    coarsest_map = levels.back()->system->dofs.owned_map(map->getComm());
-    coarsest_b = rcp(new TpetraVector(coarsest_map, 1));
-    coarsest_x = rcp(new TpetraVector(coarsest_map, 1));
+    auto shares = make_shares(systems, transfers, columns, comm);
+    for (std::size_t l = 0; l < shares.size(); ++l) {
+      levels[l]->share = std::move(shares[l]);
+      if (l > 0)
+        levels[l - 1]->transfer =
+            transfer_of_rank(levels[l - 1]->whole_transfer, *levels[l - 1]->share, *levels[l]->share);
+      if (l + 1 < shares.size())
+        levels[l]->system = &levels[l]->share->system();
+      else
+        levels[l]->passed = LevelVector("cgcontact::multigrid::passed", levels[l]->share->system().num_dofs());
+    }
+  }
+
+  void make_smoother(Level& level, const NodeColumns<Real>& whole_columns) {
+    const ElasticSystem& system = *level.system;
+    const int n = system.num_dofs();
+    level.op = std::make_unique<FastOperator<Real>>(system);
+    level.r = LevelVector("cgcontact::multigrid::r", n);
+    level.d = LevelVector("cgcontact::multigrid::d", n);
+    for (int k = 0; k < settings.coarse_steps && level.whole != &fine; ++k) {
+      level.p.emplace_back("cgcontact::multigrid::p", n);
+      level.q.emplace_back("cgcontact::multigrid::q", n);
+    }
+    NodeColumns<Real> columns = whole_columns;
+    SupportRows supports = make_support_rows(*level.whole, whole_columns);
+    if (level.is_shared()) {
+      const RankShare& share = *level.share;
+      columns = columns_of_rank(whole_columns, system.num_nodes,
+                                [&](int node) { return share.owns(node) ? share.local(node) : -1; });
+      supports.rows = share.own_entries(supports.rows);
+    }
+    FastOperator<Real>::BlockView blocks("cgcontact::multigrid::blocks", system.num_nodes);
+    level.op->diagonal_blocks(exec, blocks, columns);
+    level.smoother = std::make_unique<SurfaceSmoother<Real>>(system, blocks, columns, std::move(supports));
   }
 
   void update_groups() {
@@ -131,21 +192,29 @@ struct Multigrid::Impl {
     for (std::size_t l = 0; l < levels.size(); ++l) {
       Level& level = *levels[l];
       if (l + 1 == levels.size()) break;
+      if (level.is_shared()) level.share->set_groups(*level.whole);
       level.op->set_groups(level.system->groups);
       level.smoother->set_groups(level.system->group_rows, stiffness);
       Level& next = *levels[l + 1];
       CoarseRows rows =
-          coarse_rows(*level.system, *next.system, level.transfer, level.system->group_rows, stiffness, full);
+          coarse_rows(*level.whole, *next.whole, level.whole_transfer, level.whole->group_rows, stiffness, full);
       set_group_rows(next.own_system, std::move(rows.rows));
       set_group_stiffness(next.own_system, rows.stiffness);
       stiffness = std::move(rows.stiffness);
       full = std::move(rows.full_stiffness);
     }
     if (coarsest.is_null() || changed_much(coarsest_groups, stiffness)) {
-      coarsest = make_muelu(*levels.back()->system, coarsest_map);
+      coarsest = make_muelu(*levels.back()->whole, coarsest_map);
       coarsest_groups = stiffness;
       ++report.coarsest_setups;
     }
+  }
+
+  /// Of one vector that is consistent and one that is zero at ghosts, over all ranks.
+  double product(const Level& level, const LevelVector& x, const LevelVector& y) const {
+    double sum = dot(exec, x, y);
+    if (level.is_shared()) level.system->dofs.halo()->sum(&sum, 1);
+    return sum;
   }
 
   /// Largest eigenvalue of M^-1 A from the Lanczos matrix of CG with a random right-hand side.
@@ -154,9 +223,10 @@ struct Multigrid::Impl {
     const LevelVector r = level.r, z = level.d, p = level.x, q = level.b;
     unsigned state = 12345;
     auto host = Kokkos::create_mirror_view(r);
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0, own = 0; own < n; ++i) {  // the same on any number of ranks
       state = 1664525u * state + 1013904223u;
-      host(i) = static_cast<Real>(state / 4294967296.0 - 0.5);
+      const int whole = level.is_shared() ? dof_of(level.share->whole_nodes()[node_of_dof(own)], component_of_dof(own)) : own;
+      if (i == whole) host(own++) = static_cast<Real>(state / 4294967296.0 - 0.5);
     }
     Kokkos::deep_copy(r, host);
     apply_constraints_transposed(exec, level.system->dofs, r);
@@ -166,7 +236,7 @@ struct Multigrid::Impl {
     for (int k = 0; k < lanczos_steps; ++k) {
       level.smoother->step(exec, r, 1, 0, z, ignored, true);
       apply_constraints(exec, level.system->dofs, z);
-      const double next = dot(exec, r, z);
+      const double next = product(level, r, z);
       if (k > 0) beta.push_back(next / rz);
       const Real b = k > 0 ? static_cast<Real>(next / rz) : Real(0);
       rz = next;
@@ -174,7 +244,7 @@ struct Multigrid::Impl {
           "cgcontact::multigrid::direction", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
           KOKKOS_LAMBDA(const int i) { p(i) = z(i) + (b != 0 ? b * p(i) : Real(0)); });
       level.op->apply(exec, p, q);
-      alpha.push_back(rz / dot(exec, p, q));
+      alpha.push_back(rz / product(level, p, q));
       const Real a = static_cast<Real>(alpha.back());
       Kokkos::parallel_for(
           "cgcontact::multigrid::residual", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
@@ -232,19 +302,19 @@ struct Multigrid::Impl {
   void solve_coarse(std::size_t l) const {
     const Level& level = *levels[l];
     if (l + 1 == levels.size() || settings.coarse_steps == 0) return cycle(l);
-    const double enough = std::pow(settings.coarse_residual, 2) * dot(exec, level.b, level.b);
+    const double enough = std::pow(settings.coarse_residual, 2) * product(level, level.b, level.b);
     std::vector<double> step, energy;
     for (int k = 0; k < settings.coarse_steps; ++k) {
       cycle(l);
-      for (int j = 0; j < k; ++j) add(-dot(exec, level.x, level.q[j]) / energy[j], level.p[j], level.x);
+      for (int j = 0; j < k; ++j) add(-product(level, level.x, level.q[j]) / energy[j], level.p[j], level.x);
       Kokkos::deep_copy(exec, level.p[k], level.x);
       level.op->apply(exec, level.p[k], level.q[k]);
-      energy.push_back(dot(exec, level.p[k], level.q[k]));
+      energy.push_back(product(level, level.p[k], level.q[k]));
       if (!(energy[k] > 0)) break;  // b is zero to rounding
-      step.push_back(dot(exec, level.p[k], level.b) / energy[k]);
+      step.push_back(product(level, level.p[k], level.b) / energy[k]);
       if (k + 1 == settings.coarse_steps) break;
       add(-step[k], level.q[k], level.b);
-      if (dot(exec, level.b, level.b) <= enough) break;
+      if (product(level, level.b, level.b) <= enough) break;
     }
     Kokkos::deep_copy(exec, level.x, Real(0));
     for (std::size_t k = 0; k < step.size(); ++k) add(step[k], level.p[k], level.x);
@@ -256,18 +326,30 @@ struct Multigrid::Impl {
     const Level& next = *levels[l + 1];
     smooth(level, true);
     level.op->residual(exec, level.b, level.x, level.r);
-    restrict_to(exec, level.transfer, next.system->dofs, level.r, next.b);
-    solve_coarse(l + 1);
-    prolongate_add(exec, level.transfer, level.system->dofs, next.x, level.x);
+    if (!level.is_shared() || next.is_shared()) {
+      if (level.is_shared()) level.system->dofs.halo()->import_ghosts(level.r.data());
+      restrict_to(exec, level.transfer, next.system->dofs, level.r, next.b);
+      solve_coarse(l + 1);
+      prolongate_add(exec, level.transfer, level.system->dofs, next.x, level.x);
+    } else {  // from here on every rank has all
+      const DofMap& passed_dofs = next.share->system().dofs;
+      level.system->dofs.halo()->import_ghosts(level.r.data());
+      restrict_to(exec, level.transfer, passed_dofs, level.r, next.passed);
+      next.share->to_whole(next.passed, next.b);
+      solve_coarse(l + 1);
+      next.share->to_local(next.x, next.passed);
+      prolongate_add(exec, level.transfer, level.system->dofs, next.passed, level.x);
+    }
     smooth(level, false);
   }
 };
 
-Multigrid::Multigrid(const ElasticSystem& system, RCP<const TpetraMap> map, const MultigridSettings& settings)
-    : impl_(std::make_unique<Impl>(system, std::move(map), settings)) {}
+Multigrid::Multigrid(const ElasticSystem& system, const MultigridSettings& settings)
+    : impl_(std::make_unique<Impl>(system, settings)) {}
 Multigrid::~Multigrid() = default;
 void Multigrid::update_groups() { impl_->update_groups(); }
 const MultigridReport& Multigrid::report() const { return impl_->report; }
+const RankShare* Multigrid::share() const { return impl_->by_ranks ? impl_->levels[0]->share.get() : nullptr; }
 RCP<const TpetraMap> Multigrid::getDomainMap() const { return impl_->map; }
 RCP<const TpetraMap> Multigrid::getRangeMap() const { return impl_->map; }
 
@@ -282,6 +364,7 @@ void Multigrid::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp, 
   Kokkos::parallel_reduce(
       "cgcontact::multigrid::largest", Kokkos::RangePolicy<ExecSpace>(exec, 0, n),
       KOKKOS_LAMBDA(const int i, double& m) { m = std::max(m, std::abs(r(i))); }, Kokkos::Max<double>(largest));
+  if (level.is_shared()) largest = largest_over_ranks(largest);
   const double scale = largest > 0 ? largest : 1.0;
   const auto b = level.b, x = level.x;
   Kokkos::parallel_for(

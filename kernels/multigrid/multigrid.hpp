@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "kernels/operator/operator.hpp"
+#include "kernels/ranks/rank_share.hpp"
 
 namespace cgcontact {
 
@@ -25,6 +26,7 @@ struct MultigridSettings {
   double coarse_ghost = 0.1;      ///< ghost penalty of coarse levels, in terms of that of the finest
   bool firm_holds = false;        ///< coarse grids hold firmly what contact alone holds (RigidCoarseSpace)
   int coarsest_unknowns = 1000;   ///< coarsening stops below
+  int shared_unknowns = 20000;    ///< of several ranks: grids of more are divided, the others every rank has
 };
 
 struct MultigridReport {
@@ -35,14 +37,18 @@ struct MultigridReport {
 
 class Multigrid : public TpetraOperator {
  public:
-  /// The system must outlive the hierarchy.
-  Multigrid(const ElasticSystem& system, Teuchos::RCP<const TpetraMap> map, const MultigridSettings& settings = {});
+  /// The system must outlive the hierarchy. Every rank has it whole; called by all ranks.
+  explicit Multigrid(const ElasticSystem& system, const MultigridSettings& settings = {});
   ~Multigrid() override;
 
   /// Takes over the present stiffness of the contact groups on all levels: a surface-sized job.
   void update_groups();
 
   const MultigridReport& report() const;
+
+  /// What this rank has of the finest grid: the vectors of apply() are in its numbers. nullptr: of the whole system, on
+  /// every rank the same.
+  const RankShare* share() const;
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override;
   Teuchos::RCP<const TpetraMap> getRangeMap() const override;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/base/ranks.hpp"
+#include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {
@@ -106,8 +108,8 @@ void SurfaceSmoother<Real>::invert_columns(const BlocksView& blocks) {
 
 template <class Real>
 SurfaceSmoother<Real>::SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks,
-                                       const NodeColumns<Real>& columns)
-    : num_nodes_(system.num_nodes), columns_(columns), supports_(make_support_rows(system, columns)) {
+                                       const NodeColumns<Real>& columns, SupportRows supports)
+    : num_nodes_(system.num_nodes), dofs_(system.dofs), columns_(columns), supports_(std::move(supports)) {
   for (std::size_t r = 0; r < supports_.rows.size(); ++r)
     for (const auto& [p, vp] : supports_.rows[r].entries)
       for (const auto& [q, vq] : supports_.rows[r].entries)
@@ -264,7 +266,7 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
   for (int r = 0; r < num_rows; ++r) {
     marked.assign(1, r);
     seen[r] = 1;
-    sum[r] = 1;
+    sum[r] = is_first_rank() || !dofs_.halo() ? 1 : 0;
     for (int e = row_begin[r]; e < row_begin[r + 1]; ++e) {
       const int t = touched[row_node[e]];
       for (int p = node_begin[t]; p < node_begin[t + 1]; ++p) {
@@ -283,6 +285,7 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
       seen[s] = 0;
     }
   }
+  if (dofs_.halo()) triplets = gather(triplets);
   Eigen::SparseMatrix<Real> C(num_rows, num_rows);
   C.setFromTriplets(triplets.begin(), triplets.end());
   factor_ = std::make_shared<Factor>();
@@ -337,6 +340,7 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
           surface(k) = sum;
         });
     exec.fence();
+    if (dofs_.halo()) dofs_.halo()->sum(surface.data(), surface.extent(0));
     Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface.data(), num_rows);
     g = factor_->llt.solve(g).eval();
   }

@@ -29,10 +29,12 @@ class SurfaceSmoother {
   using BlocksView = Kokkos::View<Real* [6], Kokkos::LayoutRight, MemSpace>;  ///< xx, yy, zz, xy, yz, zx
 
   /// blocks: node blocks of the operator without contact groups; the support rows' own blocks are taken out here.
-  /// columns: with the blocks between their nodes. The matrices of the columns become their inverses.
-  SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks, const NodeColumns<Real>& columns);
+  /// columns: with the blocks between their nodes. The matrices of the columns become their inverses. supports:
+  /// make_support_rows. Of several ranks: rows have entries at own nodes only, and what follows is called by all ranks.
+  SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks, const NodeColumns<Real>& columns,
+                  SupportRows supports);
 
-  /// Rows and stiffness of the contact groups; factorises C.
+  /// Rows and stiffness of the contact groups; factorises C (of all ranks, on every rank).
   void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness);
 
   /// d = beta d + alpha M^-1 r; x += d. With beta = 0, d need not be initialised; with overwrite, x = d.
@@ -48,6 +50,7 @@ class SurfaceSmoother {
                     bool overwrite) const;
 
   int num_nodes_ = 0;
+  DofMap dofs_;
   NodeColumns<Real> columns_;  // inverse matrices
   SupportRows supports_;
   IntView block_of_node_;                                      // -1: a multiple of the identity, -2: in a column

@@ -169,7 +169,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
       kind[term.cell] = cut;
     }
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
-      if (kind[e] == by_stencil_alone) continue;
+      if (kind[e] == by_stencil_alone || !system.needs_cell(mesh, static_cast<int>(e))) continue;
       BandCell cell{static_cast<int>(b), static_cast<int>(e), slabs.slab_of(static_cast<int>(b), cc.cells[e]), 0, 0};
       const Index3& c = cc.cells[e];
       cell.parity = 2 * c[2] + (c[0] & 1);

@@ -4,13 +4,14 @@
 #include <stdexcept>
 
 #include "core/base/parallel.hpp"
+#include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {
 namespace {
 
 /// Nodes that the stencil serves: eight active cells. At least one of them is full: the share of the full cell that a
-/// cut cell takes back is then never much larger than what remains.
+/// cut cell takes back is then never much larger than what remains. Of several ranks: those where forces are needed.
 std::vector<char> classify(const ElasticSystem& system) {
   std::vector<char> by_stencil(system.num_nodes, 0);
   for (const BodyMesh* part : system.parts()) {
@@ -34,6 +35,8 @@ std::vector<char> classify(const ElasticSystem& system) {
         by_stencil[mesh.first_node + number] = (all & some) >> __builtin_ctzll(nodes) & 1;
     });
   }
+  if (const Halo* halo = system.dofs.halo())
+    for (int n = 0; n < system.num_nodes; ++n) by_stencil[n] = by_stencil[n] && halo->needs(n);
   return by_stencil;
 }
 
@@ -199,6 +202,7 @@ void FastOperator<Real>::groups(const ExecSpace& exec, const Real* x, Real* y, R
           for (int e = r.row_begin(g); e < r.row_begin(g + 1); ++e) gap += r.row_value(e) * x[r.row_dof(e)];
         r.scratch(g) = sign * r.stiffness(g) * gap;
       });
+  if (dofs_.halo()) dofs_.halo()->sum(r.scratch.data(), r.scratch.extent(0));
   const int num_dofs = static_cast<int>(r.dof_list.extent(0));
   Kokkos::parallel_for(
       "cgcontact::fast_operator::group_forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_dofs),
@@ -293,6 +297,14 @@ void FastOperator<Real>::diagonal_blocks(const ExecSpace& exec, const BlockView&
 
 template <class Real>
 void FastOperator<Real>::gather_constrained_blocks(const ExecSpace& exec, const BlockView& blocks) const {
+  if (dofs_.halo()) {
+    const IntView others = dofs_.halo()->others();
+    Kokkos::parallel_for(
+        "cgcontact::fast_operator::other_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, others.extent(0)),
+        KOKKOS_LAMBDA(const int n) {
+          for (int p = 0; p < 6; ++p) blocks(others(n), p) = p < 3 ? Real(1) : Real(0);
+        });
+  }
   const TwinsView twins = dofs_.twins();
   Kokkos::parallel_for(
       "cgcontact::fast_operator::twin_blocks", Kokkos::RangePolicy<ExecSpace>(exec, 0, twins.extent(0)),

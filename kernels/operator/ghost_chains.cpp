@@ -42,15 +42,15 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
     factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus *
                      mesh.thickness_of_level(0) / 36);
     if (system.ghost_penalty == 0) continue;
-    /// The cell across the upper face in direction d if that is a ghost face, or -1.
+    /// The cell across the upper face in direction d if that is a ghost face with forces that are needed, or -1.
     auto across = [&](int e, int d) {
       const int f = cc.find(next_in(cc.cells[e], d));
-      return f >= 0 && is_ghost_face(mesh, e, f) ? f : -1;
+      return f >= 0 && is_ghost_face(mesh, e, f) && (system.needs_cell(mesh, e) || system.needs_cell(mesh, f)) ? f : -1;
     };
     for (int e = 0; e < static_cast<int>(cc.cells.size()); ++e)
       for (int d = 0; d < 3; ++d) {
-        int f = cc.find(next_in(cc.cells[e], d));
-        if (f < 0 || !is_ghost_face(mesh, e, f)) continue;
+        int f = across(e, d);
+        if (f < 0) continue;
         const Index3& c = cc.cells[e];
         const int slab = slabs.slab_of(body, c);
         Index3 lower = c;

@@ -70,9 +70,22 @@ NodeColumns<Real> make_node_columns(const ElasticSystem& system) {
   return result;
 }
 
+template <class Real>
+std::vector<std::vector<int>> nodes_of_columns(const NodeColumns<Real>& columns) {
+  std::vector<std::vector<int>> lists;
+  for (int c = 0; c < columns.num_columns(); ++c) {
+    const auto& column = columns.columns(c);
+    lists.emplace_back();
+    for (int p = 0; p < column.size; ++p) lists.back().push_back(columns.nodes(column.first + p));
+  }
+  return lists;
+}
+
 template struct NodeColumns<float>;
 template struct NodeColumns<double>;
 template NodeColumns<float> make_node_columns(const ElasticSystem&);
 template NodeColumns<double> make_node_columns(const ElasticSystem&);
+template std::vector<std::vector<int>> nodes_of_columns(const NodeColumns<float>&);
+template std::vector<std::vector<int>> nodes_of_columns(const NodeColumns<double>&);
 
 }  // namespace cgcontact

@@ -5,6 +5,7 @@
 
 #include <vector>
 
+#include "kernels/mesh/host_copy.hpp"
 #include "kernels/operator/system.hpp"
 
 namespace cgcontact {
@@ -41,5 +42,42 @@ struct NodeColumns {
 /// zero.
 template <class Real>
 NodeColumns<Real> make_node_columns(const ElasticSystem& system);
+
+/// The nodes of each column.
+template <class Real>
+std::vector<std::vector<int>> nodes_of_columns(const NodeColumns<Real>& columns);
+
+/// The columns of one rank in its numbers: those whose nodes it owns (local(node) >= 0; a column
+/// has one owner). Matrices are zero.
+template <class Real, class Local>
+NodeColumns<Real> columns_of_rank(const NodeColumns<Real>& columns, int num_nodes, const Local& local) {
+  using Columns = NodeColumns<Real>;
+  std::vector<int> column_of_node(num_nodes, -1), nodes;
+  std::vector<typename Columns::Column> own;
+  std::size_t entries = 0;
+  Columns result;
+  for (int size = 2; size <= Columns::longest; ++size) {
+    result.size_begin[size] = static_cast<int>(own.size());
+    for (int c = columns.size_begin[size]; c < columns.size_begin[size + 1]; ++c) {
+      typename Columns::Column column = columns.columns(c);
+      if (local(columns.nodes(column.first)) < 0) continue;
+      const int first = static_cast<int>(nodes.size());
+      for (int p = 0; p < size; ++p) {
+        nodes.push_back(local(columns.nodes(column.first + p)));
+        column_of_node[nodes.back()] = static_cast<int>(own.size());
+      }
+      column.first = first;
+      column.matrix = entries;
+      own.push_back(column);
+      entries += dof_offset(size) * dof_offset(size);
+    }
+  }
+  result.size_begin[Columns::longest + 1] = static_cast<int>(own.size());
+  result.columns = copy_to_view<decltype(result.columns)>("cgcontact::node_columns::columns", own);
+  result.nodes = copy_to_view<IntView>("cgcontact::node_columns::nodes", nodes);
+  result.column_of_node = copy_to_view<IntView>("cgcontact::node_columns::column_of_node", column_of_node);
+  result.matrices = decltype(result.matrices)("cgcontact::node_columns::matrices", entries);
+  return result;
+}
 
 }  // namespace cgcontact

@@ -15,7 +15,7 @@ using TpetraOperator = Tpetra::Operator<double>;
 
 class ElasticityOperator : public TpetraOperator {
  public:
-  /// `map`: DofMap::owned_map of the system.
+  /// `map`: DofMap::vector_map of the system.
   ElasticityOperator(const ElasticSystem& system, Teuchos::RCP<const TpetraMap> map)
       : operator_(system), map_(std::move(map)) {}
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/mesh/sparse_rows.hpp"
 
@@ -32,6 +33,12 @@ int ElasticSystem::num_free_dofs() const {
 }
 
 bool ElasticSystem::is_zero(int dof) const { return std::binary_search(zero_dofs.begin(), zero_dofs.end(), dof); }
+
+bool ElasticSystem::needs_cell(const BodyMesh& part, int cell) const {
+  const Halo* halo = dofs.halo();
+  return !halo || std::any_of(part.cell_nodes[cell].begin(), part.cell_nodes[cell].end(),
+                              [&](const int node) { return halo->needs(node); });
+}
 
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty) {

@@ -62,6 +62,8 @@ struct ElasticSystem {
   /// Degrees of freedom that neither constraints nor plane strain give.
   int num_free_dofs() const;
   bool is_zero(int dof) const;
+  /// Are forces on a node of this cell of a part computed by this rank?
+  bool needs_cell(const BodyMesh& part, int cell) const;
 };
 
 /// Meshes of all bodies.

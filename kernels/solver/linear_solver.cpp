@@ -4,7 +4,9 @@
 #include <Tpetra_Vector.hpp>
 #include <cstdlib>
 
+#include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/multigrid.hpp"
 #include "kernels/solver/conjugate_gradients.hpp"
@@ -67,14 +69,19 @@ class WithRigidMotions : public TpetraOperator {
 struct LinearSolver::Impl {
   const ElasticSystem& system;
   Preconditioner kind;
-  std::unique_ptr<RigidCoarseSpace> rigid_motions;  ///< once a solve has taken many iterations
-  MultigridSettings settings;
-  RCP<const TpetraMap> map;
-  RCP<ElasticityOperator> op;
-  RCP<TpetraOperator> preconditioner;
-  RCP<Multigrid> multigrid;
-  PreconditionerReport report;
-  std::vector<double> muelu_groups;  ///< stiffness of the contact groups that MueLu was set up with
+  std::unique_ptr<RigidCoarseSpace> rigid_motions = {};  ///< once a solve has taken many iterations
+  MultigridSettings settings = {};
+  RCP<const TpetraMap> map = {};
+  RCP<ElasticityOperator> op = {};
+  RCP<TpetraOperator> preconditioner = {};
+  RCP<Multigrid> multigrid = {};
+  PreconditionerReport report = {};
+  std::vector<double> muelu_groups = {};  ///< stiffness of the contact groups that MueLu was set up with
+  bool renew = false;                     ///< another hierarchy at the next update
+
+  const RankShare* share() const { return multigrid.is_null() ? nullptr : multigrid->share(); }
+  /// What this rank computes.
+  const ElasticSystem& own_system() const { return share() ? share()->system() : system; }
 
   /// From the next update on.
   void keep_rigid_motions_apart() {
@@ -83,14 +90,38 @@ struct LinearSolver::Impl {
     if (motions->empty()) return;
     rigid_motions = std::move(motions);
     settings.firm_holds = true;
-    multigrid = Teuchos::null;
+    renew = true;
   }
+
+  void make_muelu_preconditioner() {
+    if (map.is_null()) map = system.dofs.vector_map(comm_of_this_rank());
+    const std::vector<double> stiffness = group_stiffness(system);
+    if (!preconditioner.is_null() && !changed_much(muelu_groups, stiffness)) return;
+    preconditioner = rcp(new Consistent(make_muelu(system, map), system.dofs));
+    muelu_groups = stiffness;
+    ++report.setups;
+  }
+
+  void make_multigrid() {
+    if (std::exchange(renew, false)) {
+      op = Teuchos::null;
+      multigrid = Teuchos::null;
+    }
+    if (!multigrid.is_null()) return multigrid->update_groups();
+    multigrid = rcp(new Multigrid(system, settings));
+    map = multigrid->getDomainMap();
+    preconditioner = multigrid;
+    if (!rigid_motions) return;
+    if (share()) rigid_motions->set_share(*share());
+    preconditioner = rcp(new WithRigidMotions(multigrid, *rigid_motions));
+  }
+
+  LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);
 };
 
-LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner)
-    : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}, {}}) {
-  impl_->map = system.dofs.owned_map(Tpetra::getDefaultComm());
-  impl_->op = rcp(new ElasticityOperator(system, impl_->map));
+LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns)
+    : impl_(new Impl{system, preconditioner}) {
+  if (shared_unknowns >= 0) impl_->settings.shared_unknowns = shared_unknowns;
 }
 LinearSolver::~LinearSolver() = default;
 
@@ -98,37 +129,46 @@ const PreconditionerReport& LinearSolver::report() const { return impl_->report;
 
 void LinearSolver::update() {
   Impl& s = *impl_;
-  s.op->update_groups(s.system);
-  if (s.rigid_motions) s.rigid_motions->update();
   if (s.kind == Preconditioner::muelu) {
-    const std::vector<double> stiffness = group_stiffness(s.system);
-    if (!s.preconditioner.is_null() && !changed_much(s.muelu_groups, stiffness)) return;
-    s.preconditioner = rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs));
-    s.muelu_groups = stiffness;
-    ++s.report.setups;
-    return;
-  }
-  if (s.multigrid.is_null()) {
-    s.multigrid = rcp(new Multigrid(s.system, s.map, s.settings));
-    s.preconditioner = s.multigrid;
-    if (s.rigid_motions) s.preconditioner = rcp(new WithRigidMotions(s.multigrid, *s.rigid_motions));
+    s.make_muelu_preconditioner();
   } else {
-    s.multigrid->update_groups();
+    s.make_multigrid();
+    s.report.setups = s.multigrid->report().coarsest_setups;
+    s.report.eigenvalues = s.multigrid->report().largest_eigenvalue;
+    s.report.unknowns = s.multigrid->report().unknowns;
   }
-  s.report.setups = s.multigrid->report().coarsest_setups;
-  s.report.eigenvalues = s.multigrid->report().largest_eigenvalue;
-  s.report.unknowns = s.multigrid->report().unknowns;
+  if (s.rigid_motions) s.rigid_motions->update();
+  if (s.op.is_null())
+    s.op = rcp(new ElasticityOperator(s.own_system(), s.map));
+  else
+    s.op->update_groups(s.own_system());
 }
 
 LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, double tolerance, int max_iterations) {
+  const RankShare* share = impl_->share();
+  if (!share) return impl_->solve(b, x, tolerance, max_iterations);
+  const auto n = static_cast<std::size_t>(share->system().num_dofs());
+  const RealView own_b("cgcontact::linear_solver::own_b", n), own_x("cgcontact::linear_solver::own_x", n);
+  share->to_local(b, own_b);
+  share->to_local(x, own_x);
+  zero_others(ExecSpace(), share->system().dofs, own_b);
+  const LinearSolveResult result = impl_->solve(own_b, own_x, tolerance, max_iterations);
+  share->to_whole(own_x, x);
+  apply_constraints(ExecSpace(), impl_->system.dofs, x);
+  Kokkos::fence();
+  return result;
+}
+
+LinearSolveResult LinearSolver::Impl::solve(const RealView& b, const RealView& x, double tolerance,
+                                            int max_iterations) {
   LinearSolveResult result;
   const ExecSpace exec;
-  const int n = impl_->system.num_dofs();
-  auto rhs = rcp(new TpetraVector(impl_->map, 1));
-  auto correction = rcp(new TpetraVector(impl_->map, 1));
+  const int n = own_system().num_dofs();
+  auto rhs = rcp(new TpetraVector(map, 1));
+  auto correction = rcp(new TpetraVector(map, 1));
   auto residual = [&] {
     const RealView r(rhs->getLocalViewDevice(Tpetra::Access::OverwriteAll).data(), n);
-    impl_->op->kernel().residual(exec, b, x, r);
+    op->kernel().residual(exec, b, x, r);
     exec.fence();
   };
   residual();
@@ -139,8 +179,8 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
         KOKKOS_LAMBDA(const int i) { x(i) += dx(i); });
     residual();
   };
-  if (impl_->rigid_motions) {  // in balance with the rigid motions from the start; a cycle also gives it their dents
-    impl_->preconditioner->apply(*rhs, *correction, Teuchos::NO_TRANS, 1, 0);
+  if (rigid_motions) {  // in balance with the rigid motions from the start; a cycle also gives it their dents
+    preconditioner->apply(*rhs, *correction, Teuchos::NO_TRANS, 1, 0);
     add_correction();
   }
   double norm = rhs->getVector(0)->norm2();
@@ -149,8 +189,8 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   for (int sweep = 0; sweep < 3 && norm > tolerance && result.iterations < max_iterations; ++sweep) {
     correction->putScalar(0);
     const double relative = std::max(0.9 * tolerance / norm, 1e-15);
-    result.iterations += conjugate_gradients(impl_->op, impl_->preconditioner, rhs, correction, relative,
-                                             max_iterations - result.iterations);
+    result.iterations +=
+        conjugate_gradients(op, preconditioner, rhs, correction, relative, max_iterations - result.iterations);
     add_correction();
     const double previous = norm;
     norm = rhs->getVector(0)->norm2();
@@ -158,12 +198,18 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   }
   result.residual = norm;
   result.converged = norm <= tolerance;
-  if (result.iterations > many_iterations) impl_->keep_rigid_motions_apart();
+  if (result.iterations > many_iterations) keep_rigid_motions_apart();
   return result;
 }
 
-double LinearSolver::energy(const RealView& x) const {
+double LinearSolver::energy(const RealView& whole) const {
   const ExecSpace exec;
+  const RankShare* share = impl_->share();
+  RealView x = whole;
+  if (share) {
+    x = RealView("cgcontact::linear_solver::own_x", share->system().num_dofs());
+    share->to_local(whole, x);
+  }
   const RealView zero("cgcontact::linear_solver::zero", x.size()), Ax("cgcontact::linear_solver::Ax", x.size());
   impl_->op->kernel().residual(exec, zero, x, Ax);  // -A x
   exec.fence();
@@ -175,6 +221,7 @@ double LinearSolver::energy(const RealView& x) const {
                   });
   double sum = 0;
   for (const double part : parts) sum += part;
+  if (share) share->system().dofs.halo()->sum(&sum, 1);
   return sum;
 }
 
@@ -182,6 +229,7 @@ struct TrilinosScope::Impl {
   explicit Impl(int threads) : kokkos(threads) {}
   KokkosScope kokkos;
   std::unique_ptr<Tpetra::ScopeGuard> guard;
+  std::unique_ptr<RankScope> ranks;
 };
 
 namespace {
@@ -189,7 +237,7 @@ namespace {
 /// One process without mpirun: no helper daemon, no session directory, no search for networks or X displays. Starts in
 /// 0.1 s instead of 0.4 s, and of 5 s on a machine that cannot resolve "localhost".
 void quiet_mpi() {
-  if (std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMIX_RANK")) return;
+  if (std::getenv("OMPI_COMM_WORLD_SIZE") || std::getenv("PMIX_RANK") || std::getenv("PMI_RANK")) return;
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
   setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
   setenv("OMPI_MCA_pml", "ob1", 0);
@@ -200,13 +248,17 @@ void quiet_mpi() {
 
 }  // namespace
 
-TrilinosScope::TrilinosScope(int threads) : impl_(std::make_unique<Impl>(threads)) {
+TrilinosScope::TrilinosScope(int threads) {
+  if (Tpetra::isInitialized()) return;
+  impl_ = std::make_unique<Impl>(threads);
   quiet_mpi();
   std::string program = "cgcontact";
   char* arguments[] = {program.data(), nullptr};
   int argc = 1;
   char** argv = arguments;
   impl_->guard = std::make_unique<Tpetra::ScopeGuard>(&argc, &argv);
+  impl_->ranks = std::make_unique<RankScope>();
+  agree_on_memory();
 }
 TrilinosScope::~TrilinosScope() = default;
 const char* TrilinosScope::backend() { return ExecSpace::name(); }

@@ -24,8 +24,10 @@ struct LinearSolveResult {
 
 class LinearSolver {
  public:
-  /// The system must outlive the solver.
-  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner);
+  /// The system must outlive the solver; of several ranks every one has it whole, and calls all functions in the same
+  /// order. Grids of more than `shared_unknowns` are divided among the ranks (-1: MultigridSettings); with MueLu every
+  /// rank solves the whole.
+  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns = -1);
   ~LinearSolver();
 
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
@@ -44,8 +46,8 @@ class LinearSolver {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Starts Kokkos and Tpetra (and MPI underneath) once, stops them at the end of its life. threads = 0: the backend's
-/// default.
+/// Starts Kokkos and Tpetra (and MPI underneath) unless they run already, and then stops them at the end of its life.
+/// threads = 0: the backend's default. Of several ranks called by all.
 class TrilinosScope {
  public:
   explicit TrilinosScope(int threads);

@@ -111,6 +111,18 @@ RigidCoarseSpace::Row RigidCoarseSpace::make_row(std::vector<std::pair<int, doub
   return row;
 }
 
+void RigidCoarseSpace::set_share(const RankShare& share) {
+  share_ = &share;
+  for (auto* rows : {&supports_, &groups_})
+    for (Row& row : *rows) {
+      std::vector<std::pair<int, double>> own;
+      for (const auto& [dof, value] : row.entries)
+        if (share.owns(node_of_dof(dof)))
+          own.emplace_back(dof_of(share.local(node_of_dof(dof)), component_of_dof(dof)), value);
+      row.entries = std::move(own);
+    }
+}
+
 void RigidCoarseSpace::update() {
   const std::vector<double> stiffness = group_stiffness(system_);
   for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g].stiffness = stiffness[g];
@@ -127,7 +139,7 @@ void RigidCoarseSpace::update() {
 Eigen::VectorXd RigidCoarseSpace::sums(const RealView& r) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(num_motions_);
   for (const Body& body : bodies_) {
-    const NodeSums found = sums_of_nodes(system_.meshes[body.mesh], body.centre, r);
+    const NodeSums found = sums_of_nodes(mesh_of(body), body.centre, r);
     Motion all;
     all << found.sum, found.moment / body.size;
     result.segment(body.first, body.motions.cols()) = body.motions.transpose() * all;
@@ -138,7 +150,7 @@ Eigen::VectorXd RigidCoarseSpace::sums(const RealView& r) const {
 void RigidCoarseSpace::add(const Eigen::VectorXd& amounts, const RealView& x) const {
   for (const Body& body : bodies_) {
     const Motion motion = body.motions * amounts.segment(body.first, body.motions.cols());
-    add_rigid_motion(system_.meshes[body.mesh], body.centre, motion.head<3>(), motion.tail<3>() / body.size, x);
+    add_rigid_motion(mesh_of(body), body.centre, motion.head<3>(), motion.tail<3>() / body.size, x);
   }
 }
 
@@ -151,6 +163,7 @@ void RigidCoarseSpace::correct(const RealView& r, const RealView& z) const {
       for (const auto& [dof, value] : row.entries) sum += value * z(dof);
       for (const auto& [i, a] : row.on_motions) left[i] -= row.stiffness * a * sum;
     }
+  if (share_) share_->system().dofs.halo()->sum(left.data(), static_cast<std::size_t>(left.size()));
   add(energy_.solve(left), z);
 }
 

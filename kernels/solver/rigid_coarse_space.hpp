@@ -12,20 +12,22 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "kernels/operator/system.hpp"
+#include "kernels/ranks/rank_share.hpp"
 
 namespace cgcontact {
 
 class RigidCoarseSpace {
  public:
-  /// The system must outlive this.
+  /// The whole system, which must outlive this.
   explicit RigidCoarseSpace(const ElasticSystem& system);
+  /// Of several ranks: what this rank has of the system, whose vectors correct() takes from now on.
+  void set_share(const RankShare& share);
 
   /// Takes over the present stiffness of the contact groups; not if empty.
   void update();
   bool empty() const { return num_motions_ == 0; }
 
-  /// z += R E^-1 R^T (r - A z). r, z: num_dofs entries.
+  /// z += R E^-1 R^T (r - A z). r, z: num_dofs entries. With a share called by all ranks.
   void correct(const RealView& r, const RealView& z) const;
 
  private:
@@ -46,10 +48,15 @@ class RigidCoarseSpace {
 
   Body free_motions(int mesh) const;
   Row make_row(std::vector<std::pair<int, double>> entries, double stiffness) const;
-  Eigen::VectorXd sums(const RealView& r) const;  ///< R^T r
+  /// That this rank has.
+  const BodyMesh& mesh_of(const Body& body) const {
+    return (share_ ? share_->system() : system_).meshes[body.mesh];
+  }
+  Eigen::VectorXd sums(const RealView& r) const;  ///< R^T r, of this rank
   void add(const Eigen::VectorXd& amounts, const RealView& x) const;
 
   const ElasticSystem& system_;
+  const RankShare* share_ = nullptr;
   std::vector<Body> bodies_;
   std::vector<int> body_of_mesh_;  ///< index into bodies_, -1: its supports hold it
   int num_motions_ = 0;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <tuple>
 
+#include "core/base/packing.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "recovery/batched/batched_fit.hpp"
 #include "recovery/constrained/force_balance.hpp"
 #include "recovery/constrained/interior_patches.hpp"
@@ -228,6 +230,82 @@ class PatchBatch {
   long long truncated_rows_ = 0;
 };
 
+/// Solves the patches of these nodes; keep(problem) for each, in the order of the nodes. Returns the rows truncated.
+template <class Keep>
+long long solve_all_patches(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options,
+                            const std::vector<int>& nodes, std::size_t per_part, const Keep& keep) {
+  long long truncated = 0;
+  PatchBatch batch(assembly, edges, options);
+  for (std::size_t begin = 0; begin < nodes.size(); begin += per_part) {
+    batch.assemble(&nodes[begin], std::min(per_part, nodes.size() - begin));
+    batch.solve();
+    truncated += batch.truncated_rows();
+    for (const PatchProblem& problem : batch.problems()) keep(problem);
+  }
+  return truncated;
+}
+
+/// The same on several ranks: each solves every so many groups of neighbouring patches, and all take over what all have
+/// found. The edge of a contact zone in a patch, of which there are few, every rank finds again.
+template <class Keep>
+long long share_all_patches(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options,
+                            const std::vector<int>& nodes, const Keep& keep) {
+  constexpr std::size_t group = 64;
+  const auto ranks = static_cast<std::size_t>(num_ranks());
+  const auto each_of_rank = [&](std::size_t rank, const auto& use) {
+    for (std::size_t begin = rank * group; begin < nodes.size(); begin += ranks * group)
+      for (std::size_t i = begin; i < std::min(begin + group, nodes.size()); ++i) use(i);
+  };
+  std::vector<int> own_nodes;
+  each_of_rank(this_rank(), [&](std::size_t i) { own_nodes.push_back(nodes[i]); });
+  Packing own;
+  auto truncated = static_cast<double>(
+      solve_all_patches(assembly, edges, options, own_nodes, patches_per_part, [&](const PatchProblem& problem) {
+        Packing record;
+        record.put(problem.pressed);
+        record.put(problem.open_sides);
+        record.put(std::array<int, 3>{problem.has_edge, problem.lowered, problem.fit[0].degree});
+        record.put(problem.factor);
+        record.put(problem.kind);
+        record.put(problem.status);
+        record.put(std::vector<double>(problem.fit[0].a.data(), problem.fit[0].a.data() + 6 * problem.fit[0].terms()));
+        own.put(record.bytes());
+      }));
+  sum_over_ranks(&truncated, 1);
+  const std::vector<char> bytes = gather_bytes(own.bytes().data(), own.bytes().size());
+  Unpacking all(bytes);
+  std::vector<std::vector<char>> records(nodes.size());
+  for (std::size_t rank = 0; rank < ranks; ++rank) each_of_rank(rank, [&](std::size_t i) { all.take(records[i]); });
+  PatchWorkspace workspace;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    PatchProblem problem;
+    std::array<int, 3> marks{};
+    std::vector<double> coefficients;
+    Unpacking record(records[i]);
+    record.take(problem.pressed);
+    record.take(problem.open_sides);
+    record.take(marks);
+    record.take(problem.factor);
+    record.take(problem.kind);
+    record.take(problem.status);
+    record.take(coefficients);
+    problem.node = nodes[i];
+    problem.lowered = marks[1] != 0;
+    problem.fit[0].degree = marks[2];
+    problem.fit[0].a =
+        Eigen::Map<const Eigen::VectorXd>(coefficients.data(), static_cast<Eigen::Index>(coefficients.size()));
+    if (marks[0]) {
+      PatchProblem again;
+      std::vector<PatchRow> rows;
+      assembly.assemble(nodes[i], edges, workspace, rows, again);
+      problem.has_edge = true;
+      problem.edge[0] = again.edge[0];
+    }
+    keep(problem);
+  }
+  return static_cast<long long>(truncated);
+}
+
 /// Takes over what a solved patch has become.
 void store(const PatchProblem& problem, const RecoveryBody& body, PatchStates& states, ConstrainedRecovery& recovery,
            EdgeTerms& terms, QuadraticTerms& quadratic) {
@@ -292,14 +370,12 @@ ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, con
     const std::vector<int> others = recover_interior(assembly, options);
     EdgeTerms terms;
     QuadraticTerms quadratic_terms;
-    PatchBatch batch(assembly, edges, options);
-    for (std::size_t begin = 0; begin < others.size(); begin += patches_per_part) {
-      batch.assemble(&others[begin], std::min(patches_per_part, others.size() - begin));
-      batch.solve();
-      recovery.counts.truncated_rows += batch.truncated_rows();
-      for (const PatchProblem& problem : batch.problems())
-        store(problem, bodies[b], states, recovery, terms, quadratic_terms);
-    }
+    const auto keep = [&](const PatchProblem& problem) {
+      store(problem, bodies[b], states, recovery, terms, quadratic_terms);
+    };
+    recovery.counts.truncated_rows +=
+        num_ranks() == 1 ? solve_all_patches(assembly, edges, options, others, patches_per_part, keep)
+                         : share_all_patches(assembly, edges, options, others, keep);
     set_constrained_nodes(bodies[b], states, quadratic_terms);
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));

@@ -1,6 +1,7 @@
 #include "recovery/error/error_estimate.hpp"
 
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "recovery/patch/polynomials.hpp"
 
 namespace cgcontact {
@@ -202,16 +203,26 @@ EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const Reco
   EnergySums sums;
   sums.error_of_cell.resize(num_cells);
   sums.solution_of_cell.resize(num_cells);
-  std::vector<EnergySums> chunks(num_chunks(num_cells, grain));
-  parallel_chunks("cgcontact::error_estimate::cells", num_cells, grain,
-                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    for (std::size_t e = begin; e < end; ++e) {
-                      const double before = chunks[chunk].solution;
-                      sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), chunks[chunk]), 0.0);
-                      sums.solution_of_cell[e] = std::max(chunks[chunk].solution - before, 0.0);
-                    }
-                  });
-  for (const EnergySums& chunk : chunks) {
+  struct Sum {
+    double error, solution, exact_error, recovered_error;
+  };
+  std::vector<Sum> chunks(num_chunks(num_cells, grain));
+  // Of several ranks each integrates its own chunks, so that sums are the same on any number of ranks.
+  const std::size_t first = share_out(chunks.size()).first, last = share_out(chunks.size()).second;
+  dispatch_chunks("cgcontact::error_estimate::cells", last - first, [&](std::size_t own) {
+    const std::size_t chunk = first + own, end = std::min(num_cells, (chunk + 1) * grain);
+    EnergySums sum;
+    for (std::size_t e = chunk * grain; e < end; ++e) {
+      const double before = sum.solution;
+      sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), sum), 0.0);
+      sums.solution_of_cell[e] = std::max(sum.solution - before, 0.0);
+    }
+    chunks[chunk] = {sum.error, sum.solution, sum.exact_error, sum.recovered_error};
+  });
+  put_together(chunks);
+  put_chunks_together(sums.error_of_cell, grain);
+  put_chunks_together(sums.solution_of_cell, grain);
+  for (const Sum& chunk : chunks) {
     sums.error += chunk.error;
     sums.solution += chunk.solution;
     sums.exact_error += chunk.exact_error;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/base/ranks.hpp"
 #include "recovery/patch/polynomials.hpp"
 #include "recovery/spr/spr_kernels.hpp"
 
@@ -130,8 +131,9 @@ int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u
                 int nodes_per_part) {
   int singular = 0;
   CellStressView buffer;
-  for (int begin = 0; begin < mesh.num_nodes; begin += nodes_per_part) {
-    const int end = std::min(begin + nodes_per_part, mesh.num_nodes);
+  const auto [first, last] = share_out(mesh.num_nodes);
+  for (int begin = static_cast<int>(first); begin < static_cast<int>(last); begin += nodes_per_part) {
+    const int end = std::min(begin + nodes_per_part, static_cast<int>(last));
     const RecoveredField part_of_field{
         Subset::range(begin, end, mesh.num_nodes),
         Kokkos::subview(field.values, std::make_pair(begin, end), Kokkos::ALL, Kokkos::ALL)};
@@ -142,6 +144,12 @@ int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u
     integrate_cell_stress(mesh, patches, cells, u, buffer);
     singular += fit_nodes(Host(), host_arrays(mesh, patches), host_arrays(part_of_field.nodes), buffer,
                           host_arrays(cells), part_of_field.values);
+  }
+  if (num_ranks() > 1) {
+    put_together(field.values.data(), mesh.num_nodes, sizeof(double) * 6 * num_terms);
+    double sum = singular;
+    sum_over_ranks(&sum, 1);
+    singular = static_cast<int>(sum);
   }
   set_constrained_nodes(mesh, field);
   return singular;

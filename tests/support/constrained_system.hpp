@@ -36,7 +36,7 @@ inline RealView apply(const ElasticSystem& system, const RealView& x) {
 
 /// By the assembled matrix, which has the identity at constrained nodes.
 inline RealView apply_assembled(const ElasticSystem& system, const RealView& x) {
-  const auto map = system.dofs.owned_map(Tpetra::getDefaultComm());
+  const auto map = system.dofs.vector_map(Tpetra::getDefaultComm());
   const auto matrix = assemble_matrix(system, map);
   TpetraVector in(map, 1), out(map, 1);
   {

@@ -1,10 +1,8 @@
-/// Numbering: owned, ghost and constrained nodes; every step from free values to local ones against its transpose.
+/// Numbering: constrained nodes; the step from free values to all values against its transpose. Ghost nodes: unit/ranks.
 #include <gtest/gtest.h>
 
 #include <Tpetra_Core.hpp>
-#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
-#include <Tpetra_MultiVector.hpp>
 #include <limits>
 #include <map>
 #include <stdexcept>
@@ -15,8 +13,6 @@
 
 namespace cgcontact {
 namespace {
-
-using Vector = Tpetra::MultiVector<double>;
 
 RealView copy_of(const RealView& x) {
   RealView y("y", x.extent(0));
@@ -34,7 +30,7 @@ struct HangingFace {
                                              {6, {{1, 0.5}, {3, 0.5}}},
                                              {7, {{2, 0.5}, {3, 0.5}}},
                                              {8, {{0, 0.25}, {1, 0.25}, {2, 0.25}, {3, 0.25}}}};
-  std::vector<long long> numbers = {0, 1, 2, 3, 4, 5, 6, 7, 8};
+  static constexpr int num_nodes = 9;
 };
 
 void expect_adjoint(const DofMap& dofs, unsigned seed) {
@@ -61,12 +57,10 @@ TEST(DofMap, OneRankOwnsAllNodes) {
     const DofMap dofs(nodes);
     EXPECT_EQ(dofs.num_nodes(), nodes);
     EXPECT_EQ(dofs.num_dofs(), dofs_per_node * nodes);
-    EXPECT_EQ(dofs.num_owned_dofs(), dofs.num_dofs());
-    EXPECT_EQ(dofs.num_ghost_nodes() + dofs.num_constrained_nodes(), 0);
+    EXPECT_EQ(dofs.num_constrained_nodes(), 0);
     const auto comm = Tpetra::getDefaultComm();
-    EXPECT_EQ(dofs.owned_map(comm)->getNodeNumElements(), static_cast<std::size_t>(dofs.num_dofs()));
-    EXPECT_EQ(dofs.owned_node_map(comm)->getNodeNumElements(), static_cast<std::size_t>(nodes));
-    EXPECT_TRUE(dofs.local_map(comm)->isSameAs(*dofs.owned_map(comm)));
+    EXPECT_EQ(dofs.vector_map(comm)->getNodeNumElements(), static_cast<std::size_t>(dofs.num_dofs()));
+    EXPECT_EQ(dofs.node_map(comm)->getNodeNumElements(), static_cast<std::size_t>(nodes));
     const RealView x = test::random_vector(dofs.num_dofs(), 1), y = copy_of(x);
     apply_constraints(ExecSpace(), dofs, y);
     apply_constraints_transposed(ExecSpace(), dofs, y);
@@ -81,7 +75,7 @@ TEST(DofMap, MoreNodesThanNumbersAreRefused) {
 
 TEST(DofMap, HangingNodesKeepLinearFunctions) {
   const HangingFace face;
-  const DofMap dofs(face.numbers, {}, face.constraints);
+  const DofMap dofs(HangingFace::num_nodes, face.constraints);
   EXPECT_EQ(dofs.num_constrained_nodes(), 5);
   RealView u("u", dofs.num_dofs());
   const auto value = [&](int n, int i) { return 0.3 + (1 + i) * face.position[n][0] - 0.7 * i * face.position[n][1]; };
@@ -95,15 +89,13 @@ TEST(DofMap, HangingNodesKeepLinearFunctions) {
 
 TEST(DofMap, ConstraintsAreAdjoint) {
   const HangingFace face;
-  expect_adjoint(DofMap(face.numbers, {}, face.constraints), 3);
+  expect_adjoint(DofMap(HangingFace::num_nodes, face.constraints), 3);
   // Random ones: every third node hangs on one to five others, with any weights.
   std::mt19937 random(5);
   std::uniform_real_distribution<double> weight(-2, 2);
   for (const int nodes : {2, 4, 31, 500}) {
     std::vector<NodeConstraint> constraints;
-    std::vector<long long> numbers;
     for (int n = 0; n < nodes; ++n) {
-      numbers.push_back(nodes - n);
       if (n % 3 != 1) continue;
       std::map<int, double> masters;
       for (int m = 0; m < 5; ++m)
@@ -111,7 +103,7 @@ TEST(DofMap, ConstraintsAreAdjoint) {
       if (masters.empty()) masters[0] = 1;
       constraints.push_back({n, {masters.begin(), masters.end()}});
     }
-    expect_adjoint(DofMap(numbers, {}, constraints), nodes);
+    expect_adjoint(DofMap(nodes, constraints), nodes);
   }
 }
 
@@ -135,7 +127,7 @@ TEST(DofMap, TwinsAndZerosAreAdjoint) {
 /// After the transpose nothing is left at constrained nodes, and the sum of forces is what it was.
 TEST(DofMap, TransposeKeepsTheResultant) {
   const HangingFace face;
-  const DofMap dofs(face.numbers, {}, face.constraints);
+  const DofMap dofs(HangingFace::num_nodes, face.constraints);
   const RealView f = test::random_vector(dofs.num_dofs(), 8), g = copy_of(f);
   apply_constraints_transposed(ExecSpace(), dofs, g);
   for (int i = 0; i < dofs_per_node; ++i) {
@@ -153,7 +145,7 @@ TEST(DofMap, TransposeKeepsTheResultant) {
 
 std::string message(const std::vector<NodeConstraint>& constraints) {
   try {
-    DofMap({0, 1, 2, 3}, {}, constraints);
+    DofMap(4, constraints);
   } catch (const std::invalid_argument& error) {
     return error.what();
   }
@@ -172,64 +164,6 @@ TEST(DofMap, BadConstraintsAreRefused) {
   EXPECT_NE(message({{2, {}}}).find("no masters"), std::string::npos);
   EXPECT_NE(message({{2, {{0, 0.5}, {0, 0.5}}}}).find("master 0 comes twice"), std::string::npos);
   EXPECT_NE(message({{2, {{0, std::nan("")}}}}).find("not finite"), std::string::npos);
-  EXPECT_THROW(DofMap({0, 1, 1}, {}), std::invalid_argument);
-  EXPECT_THROW(DofMap({0, -1}, {}), std::invalid_argument);
-}
-
-/// Ghosts as copies of owned nodes: ownership that overlaps, on one rank.
-TEST(DofMap, ImportOfGhostsIsAdjoint) {
-  const auto comm = Tpetra::getDefaultComm();
-  const std::vector<long long> owned = {5, 3, 9, 0};
-  for (const std::vector<long long>& ghosts : {std::vector<long long>{9, 5, 5}, std::vector<long long>{}}) {
-    const DofMap dofs(owned, ghosts);
-    const auto importer = dofs.importer(comm);
-    Vector x(dofs.owned_map(comm), 1), Px(dofs.local_map(comm), 1), y(dofs.local_map(comm), 1),
-        Pty(dofs.owned_map(comm), 1);
-    x.randomize();
-    y.randomize();
-    Px.doImport(x, *importer, Tpetra::REPLACE);
-    Pty.doExport(y, *importer, Tpetra::ADD_ASSIGN);  // into zero
-    const auto from = x.getLocalViewHost(Tpetra::Access::ReadOnly), to = Px.getLocalViewHost(Tpetra::Access::ReadOnly),
-               b = y.getLocalViewHost(Tpetra::Access::ReadOnly), a = Pty.getLocalViewHost(Tpetra::Access::ReadOnly);
-    double left = 0, right = 0;
-    for (int d = 0; d < dofs.num_dofs(); ++d) left += to(d, 0) * b(d, 0);
-    for (int d = 0; d < dofs.num_owned_dofs(); ++d) right += from(d, 0) * a(d, 0);
-    EXPECT_NEAR(left, right, 1e-14 * dofs.num_dofs());
-    for (int n = 0; n < dofs.num_nodes(); ++n) {
-      int owner = 0;
-      while (owned[owner] != dofs.global_node(n)) ++owner;
-      for (int i = 0; i < dofs_per_node; ++i) EXPECT_EQ(to(dof_of(n, i), 0), from(dof_of(owner, i), 0));
-    }
-  }
-}
-
-/// Three ranks on a row of elements of two sizes, played by arrays: each holds the nodes of its elements; a node
-/// belongs to the lowest rank that has it; one node hangs, and its masters lie on other ranks.
-TEST(DofMap, SeveralRanksAreAdjoint) {
-  const std::vector<std::vector<long long>> owned = {{0, 1, 2}, {3, 4, 5}, {6, 7}}, ghosts = {{3}, {2, 6}, {3, 5, 4}};
-  // Global node 4 = 0.25 of node 3 + 0.75 of node 6, known where node 4 is.
-  const std::vector<std::vector<NodeConstraint>> constraints = {
-      {}, {{1, {{0, 0.25}, {4, 0.75}}}}, {{4, {{2, 0.25}, {0, 0.75}}}}};
-  const int global_nodes = 8;
-  const RealView x = test::random_vector(dof_of(global_nodes), 1);
-  RealView Pty("Pty", dof_of(global_nodes));
-  double left = 0;
-  for (std::size_t rank = 0; rank < owned.size(); ++rank) {
-    const DofMap dofs(owned[rank], ghosts[rank], constraints[rank]);
-    ASSERT_EQ(dofs.num_ghost_nodes(), static_cast<int>(ghosts[rank].size()));
-    const auto each = [&](const auto& use) {
-      for (int n = 0; n < dofs.num_nodes(); ++n)
-        for (int i = 0; i < dofs_per_node; ++i) use(dof_of(n, i), dof_of(static_cast<int>(dofs.global_node(n)), i));
-    };
-    RealView local("local", dofs.num_dofs());
-    each([&](int to, int from) { local(to) = x(from); });
-    apply_constraints(ExecSpace(), dofs, local);
-    const RealView y = test::random_vector(dofs.num_dofs(), 10 + static_cast<unsigned>(rank));
-    left += test::dot(local, y);
-    apply_constraints_transposed(ExecSpace(), dofs, y);
-    each([&](int from, int to) { Pty(to) += y(from); });
-  }
-  EXPECT_NEAR(left, test::dot(x, Pty), 1e-13);
 }
 
 }  // namespace

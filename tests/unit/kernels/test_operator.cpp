@@ -103,7 +103,7 @@ TEST(Operator, AssembledMatrixEqualsMatrixFree) {
     set_group_rows(system,
                    {{{{0, 0.5}, {1, -0.25}, {dof_of(system.meshes[1].first_node, 2), 1.5}}}, {{{4, 0.5}, {5, 0.75}}}});
     set_group_stiffness(system, {3.0, 0.0});
-    const auto map = system.dofs.owned_map(Tpetra::getDefaultComm());
+    const auto map = system.dofs.vector_map(Tpetra::getDefaultComm());
     const auto matrix = assemble_matrix(system, map);
     const ElasticityOperator op(system, map);
     TpetraVector x(map, 2), y(map, 2), z(map, 2);
@@ -154,7 +154,7 @@ TEST(Operator, AssembledMatrixEqualsItsPlainTwin) {
                           {{{1, 0.3}, {other + 2, -0.7}, {last, 0.2}}}});
   set_group_stiffness(system, {3.0, 0.0, 0.7});
   BlockMatrix plain = plain_matrix(system);
-  const auto matrix = assemble_matrix(system, system.dofs.owned_map(Tpetra::getDefaultComm()));
+  const auto matrix = assemble_matrix(system, system.dofs.vector_map(Tpetra::getDefaultComm()));
   const auto local = matrix->getLocalMatrixHost();
   ASSERT_EQ(local.numRows(), system.num_dofs());
   ASSERT_EQ(local.nnz(), plain.value.size());

@@ -1,0 +1,93 @@
+/// The processes ("ranks", MPI) that share one run. Without mpirun, and before and after MPI runs, there is one. Every
+/// function that exchanges is to be called by all ranks in the same order.
+///
+/// What is small beside the volume (scene, surfaces, contact) every rank has; what is computed from it by several ranks
+/// is cut into ranges, which are put together again (share_out, put_together). MPI itself is seen by ranks.cpp only,
+/// and Tpetra's maps know it.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace cgcontact {
+
+int num_ranks();
+int this_rank();
+/// The one that prints and writes.
+inline bool is_first_rank() { return this_rank() == 0; }
+/// Of a process that mpirun has started, before MPI runs: as mpirun says. 1 and 0 without mpirun.
+std::pair<int, int> ranks_of_mpirun();
+
+/// Takes over the number of ranks from MPI, which runs; gives it back at the end of its life, before MPI ends.
+class RankScope {
+ public:
+  RankScope();
+  ~RankScope();
+  RankScope(const RankScope&) = delete;
+  RankScope& operator=(const RankScope&) = delete;
+};
+
+/// Sums over all ranks, in place; the same bits on every rank.
+void sum_over_ranks(double* values, std::size_t count);
+void sum_over_ranks(float* values, std::size_t count);
+double largest_over_ranks(double value);
+/// What the first rank has.
+double of_first_rank(double value);
+void wait_for_all_ranks();
+
+/// The error of another rank, which that one tells.
+struct OtherRankFailed : std::runtime_error {
+  OtherRankFailed() : std::runtime_error("another rank failed") {}
+};
+/// Does something on the first rank only; its exceptions are those of all ranks (OtherRankFailed on the others).
+void on_first_rank(const std::function<void()>& what);
+/// Every rank does its part; an InputError of one of them is thrown on all.
+void on_all_ranks(const std::function<void()>& what);
+/// Text of the first rank.
+std::string text_of_first_rank(const std::string& own);
+/// How many ranks run on the machine of this one? Called by all ranks.
+int ranks_on_this_machine();
+
+/// Bytes of all ranks one after the other.
+std::vector<char> gather_bytes(const void* own, std::size_t size);
+
+/// Entries of all ranks one after the other.
+template <class T>
+std::vector<T> gather(const std::vector<T>& own) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  if (num_ranks() == 1) return own;
+  const std::vector<char> bytes = gather_bytes(own.data(), own.size() * sizeof(T));
+  std::vector<T> all(bytes.size() / sizeof(T));
+  const T* from = reinterpret_cast<const T*>(bytes.data());
+  std::copy(from, from + all.size(), all.begin());
+  return all;
+}
+
+/// Range of n items that a rank computes.
+std::pair<std::size_t, std::size_t> share_out(std::size_t n);
+
+/// `all` (n items of `size` bytes) of which every rank has its own range by share_out: afterwards every rank has all.
+void put_together(void* all, std::size_t n, std::size_t size);
+
+template <class T>
+void put_together(std::vector<T>& all) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  put_together(all.data(), all.size(), sizeof(T));
+}
+
+/// The same, of chunks of `grain` items that were shared out.
+void put_chunks_together(std::vector<double>& all, std::size_t grain);
+
+/// An exception on this rank: do all ranks have one (within a few seconds)? Then it is the same, one of them tells it,
+/// and all may end as usual. Otherwise the others wait in vain for this one.
+bool failed_on_all_ranks();
+/// Ends all ranks at once.
+[[noreturn]] void abort_all_ranks(int exit_code);
+
+}  // namespace cgcontact

@@ -1,0 +1,67 @@
+/// What a rank sees of its neighbours. A rank works on the cells around its own nodes; of the nodes of these cells some
+/// belong to other ranks: ghost nodes. A vector of a rank has entries for all its local nodes, as DofMap says, where a
+/// ghost node is treated as a constrained one, whose master is the same node of its owner:
+///   displacements   ghosts have the value of their owner     import_ghosts: one message per neighbour, by Tpetra
+///   forces          zero at ghosts                           zero_others: the owner computes all of its forces itself
+/// So the product of both is summed right over the ranks, each node once.
+#pragma once
+
+#include <Teuchos_Comm.hpp>
+#include <Teuchos_RCP.hpp>
+#include <Tpetra_Import_fwd.hpp>
+#include <vector>
+
+#include "kernels/mesh/dofs.hpp"
+#include "kernels/mesh/views.hpp"
+
+namespace cgcontact {
+
+/// Of this rank alone.
+Teuchos::RCP<const Teuchos::Comm<int>> comm_of_this_rank();
+
+class Halo {
+ public:
+  using Comm = Teuchos::RCP<const Teuchos::Comm<int>>;
+
+  /// What a local node is to its rank. `unused`: comes with a cell of which other nodes are needed.
+  enum class Role : char { owned, ghost, constrained, unused };
+
+  /// Of each local node: its number among the nodes of all ranks, ascending; the rank that owns it; its role; whether
+  /// forces on it are computed here (owned nodes, and those that they constrain). Called by all ranks.
+  Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<int>& owners, const std::vector<Role>& roles,
+       std::vector<char> needed);
+  ~Halo();
+  Halo(const Halo&) = delete;
+  Halo& operator=(const Halo&) = delete;
+
+  /// Are forces on this node computed here?
+  bool needs(int node) const { return needed_[node] != 0; }
+  int num_owned() const { return static_cast<int>(owned_.extent(0)); }
+  int num_ghosts() const { return static_cast<int>(ghosts_.extent(0)); }
+  const IntView& owned() const { return owned_; }      ///< ascending
+  const IntView& others() const { return others_; }    ///< neither owned nor constrained
+
+  /// x (of all local degrees of freedom) at ghosts := x at their owners. Called by all ranks.
+  void import_ghosts(double* x) const;
+  void import_ghosts(float* x) const;
+  /// Sum of all ranks' values, in place. Called by all ranks.
+  void sum(double* values, std::size_t count) const;
+  void sum(float* values, std::size_t count) const;
+
+  /// Messages that this rank sends per import, and nodes in them.
+  int num_messages() const;
+  int num_sent() const { return static_cast<int>(sent_.extent(0)); }
+
+ private:
+  template <class Real>
+  void exchange(Real* x, const Kokkos::View<Real*, MemSpace>& out, const Kokkos::View<Real*, MemSpace>& in) const;
+
+  std::vector<char> needed_;
+  IntView owned_, ghosts_, others_;
+  IntView sent_, received_;  ///< local nodes in the order of the messages
+  Teuchos::RCP<const Tpetra::Import<>> import_;
+  Kokkos::View<double*, MemSpace> out_, in_;
+  Kokkos::View<float*, MemSpace> out_single_, in_single_;
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,284 @@
+#include "kernels/ranks/rank_share.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/base/ranks.hpp"
+#include "kernels/mesh/hanging_nodes.hpp"
+
+namespace cgcontact {
+namespace {
+
+bool is_constrained(const ElasticSystem& system, int node) {
+  return !system.constraint_of_node.empty() && system.constraint_of_node[node] >= 0;
+}
+
+/// Some cells of a grid of one level.
+CutCells restricted(const CutCells& cells, const std::vector<char>& keep) {
+  CutCells part;
+  part.grid = cells.grid;
+  part.numbers = GridNumbers(cells.grid.num_cells);
+  std::vector<Moments> moments;
+  for (std::size_t e = 0; e < cells.cells.size(); ++e) {
+    if (!keep[e]) continue;
+    part.numbers.insert(cells.cells[e]);
+    const int cut = cells.cut_of_active[e];
+    part.cut_of_active.push_back(cut < 0 ? -1 : static_cast<int>(moments.size()));
+    if (cut >= 0) {
+      part.active_of_cut.push_back(static_cast<int>(part.cells.size()));
+      moments.push_back(cells.moments[cut]);
+    }
+    part.cells.push_back(cells.cells[e]);
+  }
+  part.numbers.number();
+  part.moments = MomentList(std::move(moments));
+  return part;
+}
+
+/// Chooses the cells of a rank, and tells which of their nodes it uses.
+class CellChoice {
+ public:
+  CellChoice(const ElasticSystem& whole, const std::vector<char>& needed, const std::vector<int>& extra_nodes)
+      : whole_(whole), parts_(whole.parts()), needed_(needed), used(whole.num_nodes, 0) {
+    for (const BodyMesh* part : parts_) keep.emplace_back(part->cell_nodes.size(), 0);
+    for (std::size_t p = 0; p < parts_.size(); ++p) choose_around_needed(p);
+    for (const int node : extra_nodes) used[node] = 1;
+    if (!whole.constraints.empty()) use_masters();
+    keep_cells_of_used();
+  }
+
+ private:
+  bool is_needed(std::size_t p, int cell) const {
+    const auto& nodes = parts_[p]->cell_nodes[cell];
+    return std::any_of(nodes.begin(), nodes.end(), [&](const int node) { return needed_[node]; });
+  }
+
+  void choose(std::size_t p, int cell) {
+    keep[p][cell] = 1;
+    for (const int node : parts_[p]->cell_nodes[cell]) used[node] = 1;
+  }
+
+  void choose_around_needed(std::size_t p) {
+    const BodyMesh& part = *parts_[p];
+    const CutCells& cells = *part.cut_cells;
+    for (int e = 0; e < static_cast<int>(cells.cells.size()); ++e) {
+      const bool is_own = is_needed(p, e);
+      if (is_own) choose(p, e);
+      for (int d = 0; d < 3; ++d) {
+        Index3 next = cells.cells[e];
+        ++next[d];
+        const int f = cells.find(next);
+        if (f < 0 || !is_ghost_face(part, e, f) || !(is_own || is_needed(p, f))) continue;
+        choose(p, e);
+        choose(p, f);
+      }
+    }
+    for (const LevelFace& face : part.level_faces) choose_level_face(p, face);
+  }
+
+  /// The smaller cell, and the larger one that the virtual child lies in.
+  void choose_level_face(std::size_t p, const LevelFace& face) {
+    const BodyMesh& part = *parts_[p];
+    Index3 child = face.lower;
+    if (child == part.cut_cells->cells[face.cell]) ++child[face.direction];
+    bool is_own = is_needed(p, face.cell);
+    std::vector<int> nodes;
+    for (int a = 0; a < 8; ++a) {
+      nodes.push_back(part.find_node({child[0] + (a & 1), child[1] + (a >> 1 & 1), child[2] + (a >> 2)}));
+      is_own = is_own || needed_[nodes.back()];
+    }
+    if (!is_own) return;
+    choose(p, face.cell);
+    for (const int node : nodes) used[node] = 1;
+    for (std::size_t q = first_part_of_body(p); q < p; ++q) {
+      const int steps = halvings(parts_[q]->cut_cells->grid, part.cut_cells->grid);
+      if (steps > 1) continue;
+      const int larger = parts_[q]->cut_cells->find({child[0] >> steps, child[1] >> steps, child[2] >> steps});
+      if (larger >= 0) choose(q, larger);
+    }
+  }
+
+  std::size_t first_part_of_body(std::size_t p) const {
+    std::size_t first = 0;
+    for (const BodyMesh& mesh : whole_.meshes) {
+      const std::size_t count = std::max<std::size_t>(1, mesh.parts.size());
+      if (p < first + count) return first;
+      first += count;
+    }
+    return p;
+  }
+
+  void use_masters() {
+    for (const NodeConstraint& c : whole_.constraints) {
+      if (!used[c.node]) continue;
+      for (const auto& [master, weight] : c.masters) used[master] = 1;
+    }
+  }
+
+  /// A node comes with a cell: if it is used and none of its cells is kept, the first one is.
+  void keep_cells_of_used() {
+    std::vector<char> has_cell(whole_.num_nodes, 0);
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      for (std::size_t e = 0; e < keep[p].size(); ++e)
+        if (keep[p][e])
+          for (const int node : parts_[p]->cell_nodes[e]) has_cell[node] = 1;
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      for (std::size_t e = 0; e < keep[p].size(); ++e) {
+        const auto& nodes = parts_[p]->cell_nodes[e];
+        if (keep[p][e] ||
+            std::none_of(nodes.begin(), nodes.end(), [&](const int node) { return used[node] && !has_cell[node]; }))
+          continue;
+        keep[p][e] = 1;
+        for (const int node : nodes) has_cell[node] = 1;
+      }
+  }
+
+  const ElasticSystem& whole_;
+  std::vector<const BodyMesh*> parts_;
+  const std::vector<char>& needed_;
+
+ public:
+  std::vector<std::vector<char>> keep;  ///< of each part and cell
+  std::vector<char> used;               ///< of each node
+};
+
+}  // namespace
+
+std::vector<char> needed_nodes(const ElasticSystem& whole, const Owners& owners, int rank) {
+  std::vector<char> needed(whole.num_nodes);
+  for (int n = 0; n < whole.num_nodes; ++n) needed[n] = owners.of_node[n] == rank && !is_constrained(whole, n);
+  for (const NodeConstraint& c : whole.constraints)
+    for (const auto& [master, weight] : c.masters)
+      if (owners.of_node[master] == rank) needed[c.node] = 1;
+  return needed;
+}
+
+bool RankShare::owns(int whole_node) const { return owners_.of_node[whole_node] == this_rank(); }
+
+RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vector<int>& extra_nodes,
+                     const Halo::Comm& comm)
+    : owners_(std::move(owners)) {
+  const std::vector<char> needed = needed_nodes(whole, owners_, this_rank());
+  const CellChoice choice(whole, needed, extra_nodes);
+  system_.ghost_penalty = whole.ghost_penalty;
+  system_.materials = whole.materials;
+  system_.scales = whole.scales;
+  cells_.reserve(whole.meshes.size());
+  std::size_t part = 0;
+  for (std::size_t b = 0; b < whole.meshes.size(); ++b) {
+    const BodyMesh& mesh = whole.meshes[b];
+    if (mesh.parts.empty()) {
+      cells_.push_back(restricted(*mesh.cut_cells, choice.keep[part++]));
+    } else {
+      cells_.emplace_back();
+      cells_.back().grid = mesh.cut_cells->grid;
+      for (const BodyMesh& of_level : mesh.parts)
+        cells_.back().parts.push_back(restricted(*of_level.cut_cells, choice.keep[part++]));
+    }
+    system_.meshes.push_back(
+        number_body_mesh(cells_[b], whole.materials[b], whole.scales, system_.num_nodes, !mesh.nodes.empty()));
+    system_.num_nodes += system_.meshes.back().num_nodes;
+  }
+  // Both numberings go by body, level and place: numbers of the whole system ascend.
+  local_of_whole_.assign(whole.num_nodes, -1);
+  const std::vector<const BodyMesh*> parts = system_.parts(), whole_parts = whole.parts();
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    for (int n = 0; n < parts[p]->num_nodes; ++n) {
+      const int in_whole = whole_parts[p]->find_node(parts[p]->nodes[n]);
+      if (in_whole < 0) throw std::logic_error("a node of a rank is none of the whole system");
+      local_of_whole_[in_whole] = static_cast<int>(whole_nodes_.size());
+      whole_nodes_.push_back(in_whole);
+    }
+  std::vector<Halo::Role> roles;
+  std::vector<int> node_owners;
+  std::vector<char> local_needed;
+  if (!whole.constraints.empty()) system_.constraint_of_node.assign(system_.num_nodes, -1);
+  for (int n = 0; n < system_.num_nodes; ++n) {
+    const int in_whole = whole_nodes_[n];
+    node_owners.push_back(owners_.of_node[in_whole]);
+    local_needed.push_back(needed[in_whole]);
+    roles.push_back(!choice.used[in_whole]                        ? Halo::Role::unused
+                    : owners_.of_node[in_whole] == this_rank() ? Halo::Role::owned
+                                                                  : Halo::Role::ghost);
+    if (!is_constrained(whole, in_whole)) continue;
+    roles.back() = choice.used[in_whole] ? Halo::Role::constrained : Halo::Role::unused;
+    if (!choice.used[in_whole]) continue;  // else its masters are, too
+    NodeConstraint constraint{n, {}};
+    for (const auto& [master, weight] : whole.constraints[whole.constraint_of_node[in_whole]].masters)
+      constraint.masters.emplace_back(local(master), weight);
+    system_.constraint_of_node[n] = static_cast<int>(system_.constraints.size());
+    system_.constraints.push_back(std::move(constraint));
+  }
+  for (const int dof : whole.zero_dofs)
+    if (const int n = local_of_whole_[node_of_dof(dof)]; n >= 0)
+      system_.zero_dofs.push_back(dof_of(n, component_of_dof(dof)));
+  system_.dofs =
+      DofMap(system_.num_nodes, system_.constraints, system_.zero_dofs,
+             std::make_shared<const Halo>(comm, whole_nodes_, node_owners, roles, std::move(local_needed)));
+  system_.supports.resize(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    for (SupportTerm term : whole.supports[p]) {
+      if (!choice.keep[p][term.cell]) continue;
+      term.cell = parts[p]->cut_cells->find(whole_parts[p]->cut_cells->cells[term.cell]);
+      system_.supports[p].push_back(term);
+    }
+  for (int rank = 0; rank < num_ranks(); ++rank)
+    for (int n = 0; n < whole.num_nodes; ++n)
+      if (owners_.of_node[n] == rank && !is_constrained(whole, n)) order_.push_back(n);
+}
+
+void RankShare::set_groups(const ElasticSystem& whole) {
+  set_group_rows(system_, own_entries(whole.group_rows));
+  set_group_stiffness(system_, group_stiffness(whole));
+}
+
+std::vector<GroupRow> RankShare::own_entries(const std::vector<GroupRow>& rows) const {
+  std::vector<GroupRow> own;
+  own.reserve(rows.size());
+  for (const GroupRow& row : rows) {
+    own.push_back({{}, row.part, row.cell, row.family});
+    for (const auto& [dof, value] : row.entries)
+      if (owns(node_of_dof(dof)))
+        own.back().entries.emplace_back(dof_of(local(node_of_dof(dof)), component_of_dof(dof)), value);
+  }
+  return own;
+}
+
+template <class View>
+void RankShare::copy_to_local(const View& whole, const View& local) const {
+  const auto from = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), whole);
+  auto to = Kokkos::create_mirror_view(local);
+  for (std::size_t n = 0; n < whole_nodes_.size(); ++n)
+    for (int i = 0; i < dofs_per_node; ++i) to(dof_offset(n, i)) = from(dof_offset(whole_nodes_[n], i));
+  Kokkos::deep_copy(local, to);
+}
+
+template <class View>
+void RankShare::gather_whole(const View& local, const View& whole) const {
+  using Real = typename View::non_const_value_type;
+  const auto from = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), local);
+  const auto owned = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), system_.dofs.halo()->owned());
+  std::vector<Real> own(dof_offset(owned.extent(0)));
+  for (std::size_t n = 0; n < owned.extent(0); ++n)
+    for (int i = 0; i < dofs_per_node; ++i) own[dof_offset(n, i)] = from(dof_offset(owned(n), i));
+  const std::vector<Real> all = gather(own);
+  auto to = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), whole);
+  for (std::size_t n = 0; n < order_.size(); ++n)
+    for (int i = 0; i < dofs_per_node; ++i) to(dof_offset(order_[n], i)) = all[dof_offset(n, i)];
+  Kokkos::deep_copy(whole, to);
+}
+
+using SingleView = Kokkos::View<float*, MemSpace>;
+void RankShare::to_local(const RealView& whole, const RealView& local) const { copy_to_local(whole, local); }
+void RankShare::to_local(const SingleView& whole, const SingleView& local) const { copy_to_local(whole, local); }
+void RankShare::to_whole(const RealView& local, const RealView& whole) const { gather_whole(local, whole); }
+void RankShare::to_whole(const SingleView& local, const SingleView& whole) const { gather_whole(local, whole); }
+
+void RankShare::drop_moments() {
+  for (CutCells& body : cells_) {
+    body.moments = {};
+    for (CutCells& part : body.parts) part.moments = {};
+  }
+}
+
+}  // namespace cgcontact

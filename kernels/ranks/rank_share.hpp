@@ -1,0 +1,58 @@
+/// The part of a system that one rank works on: the cells around its own nodes and those of their ghost faces, as a
+/// system of its own with its own numbers. Forces on the rank's own nodes are complete there: what crosses to other ranks
+/// is displacements (Halo), and a cell on the border between two ranks is computed by both. The rows of contact groups
+/// keep only entries at the rank's own nodes; their gaps are summed over the ranks.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "kernels/mesh/halo.hpp"
+#include "kernels/ranks/partition.hpp"
+
+namespace cgcontact {
+
+class RankShare {
+ public:
+  /// extra_nodes: of the whole system, which are to be local besides. Called by all ranks.
+  RankShare(const ElasticSystem& whole, Owners owners, const std::vector<int>& extra_nodes, const Halo::Comm& comm);
+
+  const ElasticSystem& system() const { return system_; }
+  const Owners& owners() const { return owners_; }
+  bool owns(int whole_node) const;
+  /// Number of a node of the whole system here, or -1.
+  int local(int whole_node) const { return local_of_whole_[whole_node]; }
+  const std::vector<int>& whole_nodes() const { return whole_nodes_; }  ///< of each local node, ascending
+
+  /// Takes over the rows of the contact groups of the whole system with their stiffness.
+  void set_groups(const ElasticSystem& whole);
+  /// Rows with the entries at own nodes alone, in local numbers.
+  std::vector<GroupRow> own_entries(const std::vector<GroupRow>& rows) const;
+
+  /// Of a vector of the whole system the entries of all local nodes.
+  void to_local(const RealView& whole, const RealView& local) const;
+  /// Own values of all ranks, in the numbers of the whole system; constrained nodes stay. Called by all ranks.
+  void to_whole(const RealView& local, const RealView& whole) const;
+  void to_local(const Kokkos::View<float*, MemSpace>& whole, const Kokkos::View<float*, MemSpace>& local) const;
+  void to_whole(const Kokkos::View<float*, MemSpace>& local, const Kokkos::View<float*, MemSpace>& whole) const;
+
+  /// Moments of cut cells, once no operator is to be made any more.
+  void drop_moments();
+
+ private:
+  template <class View>
+  void copy_to_local(const View& whole, const View& local) const;
+  template <class View>
+  void gather_whole(const View& local, const View& whole) const;
+
+  Owners owners_;
+  std::vector<CutCells> cells_;
+  ElasticSystem system_;
+  std::vector<int> whole_nodes_, local_of_whole_;
+  std::vector<int> order_;  ///< free nodes of the whole system by owner, ascending for each: as they are gathered
+};
+
+/// Nodes of the whole system on which a rank computes forces: its own, and constrained ones with a master of its own.
+std::vector<char> needed_nodes(const ElasticSystem& whole, const Owners& owners, int rank);
+
+}  // namespace cgcontact
