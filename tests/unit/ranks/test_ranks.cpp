@@ -45,9 +45,10 @@ struct Problem {
     for (std::size_t p = 0; p < body.boundary.size(); p += 2) {
       const int cell = body.boundary.cell[p];
       const Vec3 xi = cell_coordinates(body, cell, body.boundary.position[p]);
-      const bool thin = p % 4 == 0;  // some are held together by the smoother
+      const bool thin = name == "plate";  // the smoother holds its supports together
       for (int d = 0; d < 3; ++d)
-        if (d != body.grid.plane_strain) terms.push_back({cell, xi, Vec3::Unit(d), 0.7, thin});
+        if (d != body.grid.plane_strain)
+          terms.push_back({cell, xi, Vec3::Unit(d), 5 * body.boundary.weight[p], thin});
     }
     add_support_terms(system, b, terms);
   }
