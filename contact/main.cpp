@@ -116,6 +116,10 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
     results.backend = TrilinosScope::backend();
     results.threads = TrilinosScope::concurrency();
     results.ranks = num_ranks();
+    if (results.ranks > 1)
+      for (const RankWork& work : gather(std::vector<RankWork>{work_of_rank()}))
+        results.rank_figures.push_back({work.unknowns, work.ghosts, work.cut_cells, work.messages, work.sent_bytes,
+                                        work.reductions, work.reduced_bytes, 0});
     if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
     decisive_first(results.warnings);
     for (const std::string& warning : writer.write(results, solved)) progress.message("warning: " + warning);

@@ -27,6 +27,11 @@ int number_in(const char* variable, int otherwise) {
 
 }  // namespace
 
+RankWork& work_of_rank() {
+  static RankWork work;
+  return work;
+}
+
 int num_ranks() { return ranks; }
 int this_rank() { return own_rank; }
 
@@ -116,6 +121,8 @@ constexpr std::size_t largest_count = INT_MAX / 2;
 template <class T>
 void sum(T* values, std::size_t count, MPI_Datatype type) {
   if (ranks == 1) return;
+  work_of_rank().reductions += 1;
+  work_of_rank().reduced_bytes += static_cast<double>(count * sizeof(T));
   for (std::size_t done = 0; done < count; done += largest_count)
     MPI_Allreduce(MPI_IN_PLACE, values + done, static_cast<int>(std::min(largest_count, count - done)), type, MPI_SUM,
                   MPI_COMM_WORLD);

@@ -332,11 +332,12 @@ int rank_of_fields() {
 }
 
 void set_memory(Results& results) {
-  double own = static_cast<double>(std::max<long long>(results.peak_memory_bytes, peak_memory_bytes()));
+  const double own = static_cast<double>(std::max<long long>(results.peak_memory_bytes, peak_memory_bytes()));
   results.peak_memory_bytes = static_cast<long long>(largest_over_ranks(own));
   if (num_ranks() == 1) return;
-  sum_over_ranks(&own, 1);
-  results.memory_of_all_ranks = static_cast<long long>(own);
+  const std::vector<double> all = gather(std::vector<double>{own});
+  results.rank_figures.resize(all.size());
+  for (std::size_t r = 0; r < all.size(); ++r) results.rank_figures[r].peak_memory_bytes = all[r];
 }
 
 }  // namespace

@@ -304,7 +304,15 @@ std::string report_text(const Results& results, const std::vector<std::string>& 
   for (const auto& [phase, seconds] : results.times_s) times[phase] = seconds;
   json["times_s"] = times;
   json["peak_memory_bytes"] = results.peak_memory_bytes;
-  if (results.memory_of_all_ranks > 0) json["memory_of_all_ranks_bytes"] = results.memory_of_all_ranks;
+  for (const RankFigures& rank : results.rank_figures)
+    json["rank_figures"].push_back({{"unknowns", rank.unknowns},
+                                    {"ghost_unknowns", rank.ghosts},
+                                    {"cut_cells", rank.cut_cells},
+                                    {"messages", rank.messages},
+                                    {"sent_bytes", rank.sent_bytes},
+                                    {"reductions", rank.reductions},
+                                    {"reduced_bytes", rank.reduced_bytes},
+                                    {"peak_memory_bytes", rank.peak_memory_bytes}});
   json["warnings"] = results.warnings;
   for (const std::string& warning : warnings) json["warnings"].push_back(warning);
   json["files"] = files;

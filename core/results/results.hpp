@@ -88,6 +88,14 @@ struct ContactRow {
   bool touching = false;
 };
 
+/// What one of several ranks had to do in the linear solver, and its memory.
+struct RankFigures {
+  double unknowns = 0, ghosts = 0, cut_cells = 0;           ///< of the finest grid: own, of others, cells computed here
+  double messages = 0, sent_bytes = 0;                      ///< of ghost values, all linear solves and their set-up
+  double reductions = 0, reduced_bytes = 0;                 ///< sums over all ranks
+  double peak_memory_bytes = 0;
+};
+
 /// Pressure along the scene's path, one entry per sample and body.
 struct PathSample {
   int body = 0;
@@ -260,7 +268,7 @@ struct Results {
   long long quadratic_patches = 0, lowered_patches = 0;  ///< of degree 2; of degree 1 where 2 was asked for
   std::vector<std::pair<std::string, double>> times_s;   ///< phases in order
   long long peak_memory_bytes = 0;      ///< of the rank with most
-  long long memory_of_all_ranks = 0;  ///< bytes, sum of the peaks; 0: one rank
+  std::vector<RankFigures> rank_figures;  ///< of each rank; one rank: none
   std::vector<BodyFields> bodies;
   std::vector<ContactRow> contact_rows;
   std::vector<PathSample> path;

@@ -19,6 +19,7 @@ std::vector<Setting> SolverOptions::settings() {
           {"max_linear_iterations", &max_linear_iterations, Range::integers(1, 1000000)},
           {"kappa", &kappa, Range::from_to(1e-3, 1e6, "1e-3 to 1e6")},
           {"ghost_penalty", &ghost_penalty, Range::from_to(0, 1e3, "0 to 1000")},
+          {"shared_unknowns", &shared_unknowns, Range::integers(0, 2000000000)},
           method_constant("thin_kappa_factor", thin_kappa_factor, Range::positive()),
           method_constant("inner_fraction", inner_fraction, Range::fraction()),
           method_constant("loosest_inner_tolerance", loosest_inner_tolerance, Range::tolerance()),
@@ -26,8 +27,7 @@ std::vector<Setting> SolverOptions::settings() {
           method_constant("soft_hold", soft_hold, Range::fraction()),
           method_constant("small_zone_joins", small_zone_joins, Range::fraction()),
           method_constant("small_zone_leaves", small_zone_leaves, Range::fraction()),
-          method_constant("last_small_zone_decision", last_small_zone_decision, Range::integers(0, 1000)),
-          method_constant("shared_unknowns", shared_unknowns, Range::integers(0, 2000000000))};
+          method_constant("last_small_zone_decision", last_small_zone_decision, Range::integers(0, 1000))};
 }
 
 void SolverOptions::check() const {

@@ -21,6 +21,8 @@ struct SolverOptions {
   int max_linear_iterations = 1000;  ///< of one linear solve
   double kappa = 10;                 ///< stabilisation of supports and contact, times E / h
   double ghost_penalty = 0.01;       ///< gamma, stabilisation of small cut cells
+  /// Of several ranks (docs/parallel.md): grids of more unknowns are divided, the others every rank solves by itself.
+  int shared_unknowns = 20000;
 
   // Constants of the method; figures in docs/decisions.md, "Supports and contact".
 
@@ -40,9 +42,6 @@ struct SolverOptions {
   double small_zone_joins = 0.4, small_zone_leaves = 0.5;
   /// Outer iterations in which groups may join or leave zones smaller than the cells: later ones would not end.
   int last_small_zone_decision = 8;
-  /// Of several ranks (docs/parallel.md): grids of more unknowns are divided among them, the others every rank solves by
-  /// itself.
-  int shared_unknowns = 20000;
 
   std::vector<Setting> settings();
   void check() const;

@@ -71,6 +71,8 @@ void Halo::exchange(Real* x, const Kokkos::View<Real*, MemSpace>& out, const Kok
         for (int i = 0; i < dofs_per_node; ++i) out(dof_offset(n, i)) = x[dof_offset(sent(n), i)];
       });
   exec.fence();
+  work_of_rank().messages += num_messages();
+  work_of_rank().sent_bytes += static_cast<double>(out.size() * sizeof(Real));
   using Constant = Kokkos::View<const Real*, MemSpace>;
   import_->getDistributor().doPostsAndWaits(Constant(out), dofs_per_node, in);
   Kokkos::parallel_for(

@@ -227,6 +227,16 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
       if (owners_.of_node[n] == rank && !is_constrained(whole, n)) order_.push_back(n);
 }
 
+void RankShare::tell_work() const {
+  const Halo& halo = *system_.dofs.halo();
+  RankWork& work = work_of_rank();
+  work.unknowns = dofs_per_node * static_cast<double>(halo.num_owned());
+  work.ghosts = dofs_per_node * static_cast<double>(halo.num_ghosts());
+  work.cut_cells = 0;
+  for (const BodyMesh* part : system_.parts())
+    for (const int cell : part->cut_cells->active_of_cut) work.cut_cells += system_.needs_cell(*part, cell);
+}
+
 void RankShare::set_groups(const ElasticSystem& whole) {
   set_group_rows(system_, own_entries(whole.group_rows));
   set_group_stiffness(system_, group_stiffness(whole));

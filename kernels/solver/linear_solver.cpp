@@ -111,6 +111,7 @@ struct LinearSolver::Impl {
     multigrid = rcp(new Multigrid(system, settings));
     map = multigrid->getDomainMap();
     preconditioner = multigrid;
+    if (share()) share()->tell_work();
     if (!rigid_motions) return;
     if (share()) rigid_motions->set_share(*share());
     preconditioner = rcp(new WithRigidMotions(multigrid, *rigid_motions));

@@ -72,7 +72,7 @@ def figures(value, name=""):
 
 
 # Of a run, not of its results.
-NOT_COMPARED = ("times_s", "peak_memory_bytes", "memory_of_all_ranks_bytes", "backend", "threads", "ranks", "warnings", "files", "command")
+NOT_COMPARED = ("times_s", "peak_memory_bytes", "rank_figures", "backend", "threads", "ranks", "warnings", "files", "command")
 
 
 def largest_difference(first, second):

@@ -11,7 +11,7 @@ import time
 import unittest
 
 import harness
-from harness import SLOW_BUILD, cgcontact, largest_difference, report, scene, settings
+from harness import SLOW_BUILD, cgcontact, largest_difference, report, scene, settings, unwrapped
 
 FAST = {"output__plots": "false", "output__vtk": "false"}
 # All grids divided, down to the last but one: as many exchanges as there can be.
@@ -58,7 +58,7 @@ class Ranks(unittest.TestCase):
         self.assertEqual(outcome.code, 0, outcome.err)
         files = [sorted(path.name for path in pathlib.Path(name).iterdir()) for name in ("alone", "together")]
         self.assertEqual(files[0], files[1])
-        self.assertIn("2 ranks of 1 thread", outcome.out)
+        self.assertIn("2 ranks of 1 thread", unwrapped(outcome.out))
 
     def test_errors_are_told_once(self):
         """In the command line, in the scene, where all ranks find it in their own cells, and of the output directory."""
