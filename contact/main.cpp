@@ -168,9 +168,10 @@ std::string fault_of(const std::string& text, const std::string& file) try {
 void tell_error(const std::string& text) {
   const int rank = this_rank(), ranks = num_ranks();
   const bool of_all = failed_on_all_ranks();
-  if (of_all && rank > 0) return;
-  fmt::print(stderr, "cgcontact: {}{}\n", of_all ? "" : fmt::format("rank {} of {}: ", rank, ranks), printable(text));
+  if (!of_all || rank == 0)
+    fmt::print(stderr, "cgcontact: {}{}\n", of_all ? "" : fmt::format("rank {} of {}: ", rank, ranks), printable(text));
   if (!of_all) abort_all_ranks(1);
+  failed_on_all_ranks();  // mpirun ends all as soon as one has ended: not before it is told
 }
 
 /// The exit code, once all that was printed has been written.
@@ -191,7 +192,7 @@ int main(int argc, char** argv) {
   std::optional<TrilinosScope> of_all_ranks;
   try {
     if (!options || options->command != CommandLine::run) {
-      if (rank > 0) return exit_code;  // the first rank does it
+      if (rank > 0) return 0;  // the first rank does it; mpirun would end it if this one ended with an error
     }
     if (!options) return flushed(exit_code);
     if (ranks > 1 && options->command == CommandLine::study)

@@ -34,8 +34,8 @@ class Ranks(unittest.TestCase):
             self.skipTest("no mpirun" if not SLOW_BUILD else "sanitizers: MPI keeps memory of its own")
 
     def test_results_do_not_depend_on_the_number_of_ranks(self):
-        """2, 3 and 4 ranks, with all grids divided: 1e-10 as on several threads; the same iterations but for one of the
-        linear solver, whose rounding differs."""
+        """2, 3 and 4 ranks, with all grids divided: the same counts of all kinds, iterations too; figures to 1e-9, which is
+        what linear solves to 1e-10 and the last of ten printed digits leave."""
         for name, values in CASES:
             outcome = cgcontact("run", scene(name), "--out", f"{name}1", *settings(**values, **FAST))
             self.assertEqual(outcome.code, 0, outcome.err)
@@ -44,11 +44,11 @@ class Ranks(unittest.TestCase):
                     outcome = mpirun(ranks, "run", scene(name), "--out", f"{name}{ranks}",
                                      *settings(**values, **FAST, **DIVIDED))
                     self.assertEqual(outcome.code, 0, outcome.err)
-                    self.assertEqual(outcome.out.count("solved:"), 1)
+                    self.assertEqual(outcome.out.count("results in "), 1)
                     self.assertEqual(report(f"{name}{ranks}")["ranks"], ranks)
                     difference, where = largest_difference(f"{name}1", f"{name}{ranks}")
                     print(f"{name}, {ranks} ranks: {difference:.1e} {where}")
-                    self.assertLess(difference, 1e-10, where)
+                    self.assertLess(difference, 1e-9, where)
 
     def test_the_same_files(self):
         """Pictures, page and fields, whichever rank has written them."""
