@@ -95,7 +95,7 @@ struct Smoothing {
     const NodeColumns<float> columns = make_node_columns<float>(problem.system);
     op.diagonal_blocks(ExecSpace(), blocks, columns);
     smoother = std::make_unique<SurfaceSmoother<float>>(problem.system, blocks, columns,
-                                                         make_support_rows(problem.system, columns));
+                                                        make_support_rows(problem.system, columns));
     smoother->set_groups(problem.system.group_rows, problem.system.full_group_stiffness);
     for (auto* v : {&b, &x, &r, &d}) *v = FastOperator<float>::VectorView("cgcontact::perf::vector", size);
     for (int i = 0; i < size; ++i) b(i) = static_cast<float>(problem.b(i));

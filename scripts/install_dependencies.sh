@@ -16,7 +16,7 @@ set -euo pipefail
 # libptscotch-dev: Trilinos names its libraries to the linker, but does not depend on it.
 packages=(
   g++ make cmake ninja-build
-  trilinos-all-dev libptscotch-dev libopenmpi-dev libhdf5-dev libeigen3-dev
+  trilinos-all-dev libptscotch-dev libopenmpi-dev openmpi-bin libhdf5-dev libeigen3-dev
   libtomlplusplus-dev libmuparser-dev libcli11-dev nlohmann-json3-dev libfmt-dev libcgal-dev libocct-data-exchange-dev
   libgtest-dev libbenchmark-dev
   pybind11-dev python3-dev python3-numpy

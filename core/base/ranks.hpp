@@ -33,8 +33,9 @@ class RankScope {
   RankScope& operator=(const RankScope&) = delete;
 };
 
-/// What this rank has to do: of the finest grid that was divided last its own unknowns, those that it sees of others and
-/// the cut cells that it computes; what it has sent to neighbours (Halo) and summed over all ranks since RankScope began.
+/// What this rank has to do: of the finest grid that was divided last its own unknowns, those that it sees of others
+/// and the cut cells that it computes; what it has sent to neighbours (Halo) and summed over all ranks since RankScope
+/// began.
 struct RankWork {
   double unknowns = 0, ghosts = 0, cut_cells = 0;
   double messages = 0, sent_bytes = 0, reductions = 0, reduced_bytes = 0;

@@ -754,8 +754,9 @@ std::string date() {
 std::string reproduce_section(const Results& results, const PageParts& parts) {
   std::string text;
   if (!results.command.empty()) text += "<pre class=\"run\">" + html_text(results.command) + "</pre>\n";
-  text += paragraph(fmt::format("cgcontact {}, backend {}, {}; scene {}.", CGCONTACT_VERSION, html_text(results.backend),
-                                processors_text(results.ranks, results.threads), html_text(results.scene_file)));
+  text +=
+      paragraph(fmt::format("cgcontact {}, backend {}, {}; scene {}.", CGCONTACT_VERSION, html_text(results.backend),
+                            processors_text(results.ranks, results.threads), html_text(results.scene_file)));
   text += "<p class=\"run\">Written " + date() + ".</p>\n";
   std::string files;
   for (const std::string& file : parts.files) files += (files.empty() ? "" : ", ") + html_text(file);

@@ -9,9 +9,9 @@
 #include <iostream>
 #include <tuple>
 
-#include "core/base/ranks.hpp"
 #include "core/base/errors.hpp"
 #include "core/base/memory.hpp"
+#include "core/base/ranks.hpp"
 #include "core/base/suggest.hpp"
 
 #ifndef CGCONTACT_VERSION
@@ -421,8 +421,8 @@ std::optional<CommandLine> parse_command_line(int argc, const char* const* argv,
     mistake = error.what();
   }
   const CLI::App* const command = argc > 1 ? find_command(parser.app, argv[1]) : nullptr;
-  (silent ? nowhere : std::cerr) << "cgcontact: " << printable(mistake) << " (see cgcontact " << (command ? command->get_name() + " " : "")
-            << "--help)\n";
+  (silent ? nowhere : std::cerr) << "cgcontact: " << printable(mistake) << " (see cgcontact "
+                                 << (command ? command->get_name() + " " : "") << "--help)\n";
   exit_code = 1;
   return std::nullopt;
 }

@@ -90,9 +90,9 @@ struct ContactRow {
 
 /// What one of several ranks had to do in the linear solver, and its memory.
 struct RankFigures {
-  double unknowns = 0, ghosts = 0, cut_cells = 0;           ///< of the finest grid: own, of others, cells computed here
-  double messages = 0, sent_bytes = 0;                      ///< of ghost values, all linear solves and their set-up
-  double reductions = 0, reduced_bytes = 0;                 ///< sums over all ranks
+  double unknowns = 0, ghosts = 0, cut_cells = 0;  ///< of the finest grid: own, of others, cells computed here
+  double messages = 0, sent_bytes = 0;             ///< of ghost values, all linear solves and their set-up
+  double reductions = 0, reduced_bytes = 0;        ///< sums over all ranks
   double peak_memory_bytes = 0;
 };
 
@@ -237,7 +237,7 @@ struct ZoneError {
 struct Results {
   std::string scene_file, title, backend;
   std::string command;  ///< the command line, quoted for a shell; empty: not run by the program
-  int threads = 1;  ///< of each rank
+  int threads = 1;      ///< of each rank
   int ranks = 1;
   long long unknowns = 0;
   struct CellCounts {
@@ -267,8 +267,8 @@ struct Results {
   long long grown_patches = 0, truncated_rows = 0, inconsistent_patches = 0;
   long long quadratic_patches = 0, lowered_patches = 0;  ///< of degree 2; of degree 1 where 2 was asked for
   std::vector<std::pair<std::string, double>> times_s;   ///< phases in order
-  long long peak_memory_bytes = 0;      ///< of the rank with most
-  std::vector<RankFigures> rank_figures;  ///< of each rank; one rank: none
+  long long peak_memory_bytes = 0;                       ///< of the rank with most
+  std::vector<RankFigures> rank_figures;                 ///< of each rank; one rank: none
   std::vector<BodyFields> bodies;
   std::vector<ContactRow> contact_rows;
   std::vector<PathSample> path;

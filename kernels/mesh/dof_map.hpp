@@ -1,13 +1,13 @@
 /// The nodes of this rank and their degrees of freedom, some of which are not free: constrained nodes, whose value is a
 /// weighted sum of other nodes (hanging nodes where small cells meet large ones, the two sides of a body in plane
-/// strain), and ghost nodes, whose value is that of the rank that owns them (halo.hpp). Single degrees of freedom may be
-/// zero (across a body in plane strain): that belongs to the constraints.
+/// strain), and ghost nodes, whose value is that of the rank that owns them (halo.hpp). Single degrees of freedom may
+/// be zero (across a body in plane strain): that belongs to the constraints.
 ///
 /// Two kinds of vectors, both with entries for all local nodes: displacements are consistent (apply_constraints: ghost
 /// nodes have the value of their owner, constrained ones that which their masters give them); forces and residuals are
-/// zero at ghost and at constrained nodes (apply_constraints_transposed); both at what is zero. Sums of each kind are of
-/// that kind, and the product of one with the other is that of the free values, summed over the ranks. On one rank, and
-/// without constraints where all cells are of one size and no body is in plane strain, both functions do nothing.
+/// zero at ghost and at constrained nodes (apply_constraints_transposed); both at what is zero. Sums of each kind are
+/// of that kind, and the product of one with the other is that of the free values, summed over the ranks. On one rank,
+/// and without constraints where all cells are of one size and no body is in plane strain, both functions do nothing.
 #pragma once
 
 #include <Teuchos_Comm.hpp>
@@ -93,8 +93,8 @@ void set_to_zero(const Exec& exec, const IntView& dofs, const X& x) {
       KOKKOS_LAMBDA(const int i) { x(dofs(i)) = 0; });
 }
 
-/// x at ghosts = x at their owners, x at constrained nodes = weighted sums of x at their masters, x = 0 where it is to be.
-/// x: DofMap::num_dofs entries, contiguous. With a halo called by all ranks.
+/// x at ghosts = x at their owners, x at constrained nodes = weighted sums of x at their masters, x = 0 where it is to
+/// be. x: DofMap::num_dofs entries, contiguous. With a halo called by all ranks.
 template <class Exec, class X>
 void apply_constraints(const Exec& exec, const DofMap& dofs, const X& x) {
   if (dofs.halo()) {

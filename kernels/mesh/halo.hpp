@@ -28,8 +28,8 @@ class Halo {
 
   /// Of each local node: its number among the nodes of all ranks, ascending; the rank that owns it; its role; whether
   /// forces on it are computed here (owned nodes, and those that they constrain). Called by all ranks.
-  Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<int>& owners, const std::vector<Role>& roles,
-       std::vector<char> needed);
+  Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<int>& owners,
+       const std::vector<Role>& roles, std::vector<char> needed);
   ~Halo();
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
@@ -38,8 +38,8 @@ class Halo {
   bool needs(int node) const { return needed_[node] != 0; }
   int num_owned() const { return static_cast<int>(owned_.extent(0)); }
   int num_ghosts() const { return static_cast<int>(ghosts_.extent(0)); }
-  const IntView& owned() const { return owned_; }      ///< ascending
-  const IntView& others() const { return others_; }    ///< neither owned nor constrained
+  const IntView& owned() const { return owned_; }    ///< ascending
+  const IntView& others() const { return others_; }  ///< neither owned nor constrained
 
   /// x (of all local degrees of freedom) at ghosts := x at their owners. Called by all ranks.
   void import_ghosts(double* x) const;

@@ -225,7 +225,8 @@ struct Multigrid::Impl {
     auto host = Kokkos::create_mirror_view(r);
     for (int i = 0, own = 0; own < n; ++i) {  // the same on any number of ranks
       state = 1664525u * state + 1013904223u;
-      const int whole = level.is_shared() ? dof_of(level.share->whole_nodes()[node_of_dof(own)], component_of_dof(own)) : own;
+      const int whole =
+          level.is_shared() ? dof_of(level.share->whole_nodes()[node_of_dof(own)], component_of_dof(own)) : own;
       if (i == whole) host(own++) = static_cast<Real>(state / 4294967296.0 - 0.5);
     }
     Kokkos::deep_copy(r, host);

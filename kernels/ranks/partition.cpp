@@ -40,8 +40,7 @@ Blocks make_blocks(const BodyMesh& part) {
   blocks.numbers.number();
   blocks.weight.assign(blocks.numbers.size(), 0.0);
   for (std::size_t e = 0; e < cells.cells.size(); ++e)
-    blocks.weight[blocks.numbers.find(block_of(cells.cells[e]))] +=
-        cells.cut_of_active[e] < 0 ? 1 : weight_of_cut_cell;
+    blocks.weight[blocks.numbers.find(block_of(cells.cells[e]))] += cells.cut_of_active[e] < 0 ? 1 : weight_of_cut_cell;
   blocks.numbers.each([&](const Index3& b) {
     blocks.place.push_back(cells.grid.to_global(block * (Vec3(b[0], b[1], b[2]) + Vec3::Constant(0.5))));
   });

@@ -1,6 +1,6 @@
-/// Which rank owns which cells and nodes. Cells are taken in blocks of 4 x 4 x 4 of one level along a Morton curve through
-/// the box of all bodies, so that facing parts of two bodies mostly go to the same rank, and are divided by weight.
-/// Every rank computes the same division.
+/// Which rank owns which cells and nodes. Cells are taken in blocks of 4 x 4 x 4 of one level along a Morton curve
+/// through the box of all bodies, so that facing parts of two bodies mostly go to the same rank, and are divided by
+/// weight. Every rank computes the same division.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@ namespace cgcontact {
 
 struct Owners {
   std::vector<std::vector<int>> of_cell;  ///< rank, of each cell of each part
-  std::vector<int> of_node;               ///< of each node: that of the first of its cells; of constrained nodes 0 or more
+  std::vector<int> of_node;  ///< of each node: that of the first of its cells; of constrained nodes 0 or more
 };
 
 /// Of the finest grid. `together`: lists of nodes that belong to one rank (columns through thin bodies).

@@ -197,9 +197,9 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
     const int in_whole = whole_nodes_[n];
     node_owners.push_back(owners_.of_node[in_whole]);
     local_needed.push_back(needed[in_whole]);
-    roles.push_back(!choice.used[in_whole]                        ? Halo::Role::unused
+    roles.push_back(!choice.used[in_whole]                     ? Halo::Role::unused
                     : owners_.of_node[in_whole] == this_rank() ? Halo::Role::owned
-                                                                  : Halo::Role::ghost);
+                                                               : Halo::Role::ghost);
     if (!is_constrained(whole, in_whole)) continue;
     roles.back() = choice.used[in_whole] ? Halo::Role::constrained : Halo::Role::unused;
     if (!choice.used[in_whole]) continue;  // else its masters are, too
@@ -212,9 +212,8 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
   for (const int dof : whole.zero_dofs)
     if (const int n = local_of_whole_[node_of_dof(dof)]; n >= 0)
       system_.zero_dofs.push_back(dof_of(n, component_of_dof(dof)));
-  system_.dofs =
-      DofMap(system_.num_nodes, system_.constraints, system_.zero_dofs,
-             std::make_shared<const Halo>(comm, whole_nodes_, node_owners, roles, std::move(local_needed)));
+  system_.dofs = DofMap(system_.num_nodes, system_.constraints, system_.zero_dofs,
+                        std::make_shared<const Halo>(comm, whole_nodes_, node_owners, roles, std::move(local_needed)));
   system_.supports.resize(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p)
     for (SupportTerm term : whole.supports[p]) {

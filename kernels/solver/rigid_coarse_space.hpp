@@ -49,9 +49,7 @@ class RigidCoarseSpace {
   Body free_motions(int mesh) const;
   Row make_row(std::vector<std::pair<int, double>> entries, double stiffness) const;
   /// That this rank has.
-  const BodyMesh& mesh_of(const Body& body) const {
-    return (share_ ? share_->system() : system_).meshes[body.mesh];
-  }
+  const BodyMesh& mesh_of(const Body& body) const { return (share_ ? share_->system() : system_).meshes[body.mesh]; }
   Eigen::VectorXd sums(const RealView& r) const;  ///< R^T r, of this rank
   void add(const Eigen::VectorXd& amounts, const RealView& x) const;
 

@@ -373,9 +373,9 @@ ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, con
     const auto keep = [&](const PatchProblem& problem) {
       store(problem, bodies[b], states, recovery, terms, quadratic_terms);
     };
-    recovery.counts.truncated_rows +=
-        num_ranks() == 1 ? solve_all_patches(assembly, edges, options, others, patches_per_part, keep)
-                         : share_all_patches(assembly, edges, options, others, keep);
+    recovery.counts.truncated_rows += num_ranks() == 1
+                                          ? solve_all_patches(assembly, edges, options, others, patches_per_part, keep)
+                                          : share_all_patches(assembly, edges, options, others, keep);
     set_constrained_nodes(bodies[b], states, quadratic_terms);
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));

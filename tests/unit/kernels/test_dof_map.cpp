@@ -1,4 +1,5 @@
-/// Numbering: constrained nodes; the step from free values to all values against its transpose. Ghost nodes: unit/ranks.
+/// Numbering: constrained nodes; the step from free values to all values against its transpose. Ghost nodes:
+/// unit/ranks.
 #include <gtest/gtest.h>
 
 #include <Tpetra_Core.hpp>

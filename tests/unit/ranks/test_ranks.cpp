@@ -47,8 +47,7 @@ struct Problem {
       const Vec3 xi = cell_coordinates(body, cell, body.boundary.position[p]);
       const bool thin = name == "plate";  // the smoother holds its supports together
       for (int d = 0; d < 3; ++d)
-        if (d != body.grid.plane_strain)
-          terms.push_back({cell, xi, Vec3::Unit(d), 5 * body.boundary.weight[p], thin});
+        if (d != body.grid.plane_strain) terms.push_back({cell, xi, Vec3::Unit(d), 5 * body.boundary.weight[p], thin});
     }
     add_support_terms(system, b, terms);
   }
@@ -60,7 +59,8 @@ struct Problem {
     const auto entries_of = [&](const BodyMesh& part, int cell, double sign, GroupRow& row) {
       for (const int node : part.cell_nodes[cell])
         for (int i = 0; i < 3; ++i)
-          if (i != part.cut_cells->grid.plane_strain) row.entries.emplace_back(dof_of(node, i), sign * (0.05 + 0.02 * i));
+          if (i != part.cut_cells->grid.plane_strain)
+            row.entries.emplace_back(dof_of(node, i), sign * (0.05 + 0.02 * i));
     };
     const BodyMesh &first = *parts.front(), &last = *parts.back();
     const int step = std::max<int>(1, static_cast<int>(first.cell_nodes.size()) / 40);
@@ -165,8 +165,7 @@ TEST(Ranks, EveryFreeNodeHasOneOwner) {
     const auto share = share_of(problem.system);
     double owned = share->system().dofs.halo()->num_owned();
     sum_over_ranks(&owned, 1);
-    EXPECT_EQ(owned, problem.system.num_nodes - static_cast<double>(problem.system.constraints.size()))
-        << problem.name;
+    EXPECT_EQ(owned, problem.system.num_nodes - static_cast<double>(problem.system.constraints.size())) << problem.name;
     // there and back
     const RealView x = random_force(problem.system, 3);
     EXPECT_EQ(norm(difference(to_whole(*share, to_local(*share, x), problem.system), x)), 0) << problem.name;

@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""Predicts the time of a linear iteration on many ranks from counts and times measured on few.
+
+    perf/rank_runs scenes/two_solids_3d.toml --program build/serial/cgcontact --set n=40 --ranks 1,2,4,8,16 --json runs.json
+    perf/scaling_model.py runs.json                 # beside the measurement; strong and weak scaling to 4,096 ranks
+
+An iteration of CG (with a multigrid cycle) on P ranks and N unknowns takes
+    compute    N / P x balance / rate
+    bandwidth  bytes that a rank sends / bandwidth of its link
+    latency    messages x latency
+    sums       reductions x (2 latency log2 P + bytes summed / bandwidth)
+    replicated what every rank computes for itself: surface unknowns of the smoother, coarse grids
+rate: of one rank, measured; messages, bytes and reductions: counted on 2 to 16 ranks, extended by N and P:
+bytes per rank ~ (N / P)^(2/3), the summed surface rows ~ N^(2/3). The network is one of a cluster of 2024: InfiniBand NDR 200, 24 GB/s per
+node and 64 ranks per node share it; 1.3 us from rank to rank.
+
+This is a model of the linear solver alone. What every rank has whole (docs/parallel.md) limits a run to the memory of one rank long before:
+the last column tells how much that would be.
+"""
+import argparse
+import json
+import math
+import pathlib
+
+LATENCY = 1.3e-6  # s
+LINK = 24e9  # bytes/s of a node
+RANKS_PER_NODE = 64
+REPLICATED_PER_UNKNOWN = 100  # bytes, docs/parallel.md
+
+
+class Model:
+    """From runs on one rank and on several."""
+
+    def __init__(self, runs):
+        alone = next(run for run in runs if run["ranks"] == 1)
+        self.iterations = sum(alone["linear_iterations"])
+        self.unknowns = alone["unknowns"]
+        self.rate = self.unknowns * self.iterations / alone["times_s"]["solve"]
+        several = [run for run in runs if run["ranks"] > 1]
+        self.measured = {run["ranks"]: run["times_s"]["solve"] / self.iterations for run in runs}
+        self.messages, self.surface, self.balance = {}, [], {}
+        for run in several:
+            ranks, cycles = run["rank_figures"], sum(run["linear_iterations"])
+            self.messages[run["ranks"]] = max(rank["messages"] for rank in ranks) / cycles
+            sent = max(rank["sent_bytes"] for rank in ranks) / cycles
+            self.surface.append(sent / (self.unknowns / run["ranks"]) ** (2 / 3))
+            self.balance[run["ranks"]] = max(rank["unknowns"] for rank in ranks) * run["ranks"] / sum(
+                rank["unknowns"] for rank in ranks)
+        last = several[-1]
+        cycles = sum(last["linear_iterations"])
+        self.reductions = last["rank_figures"][0]["reductions"] / cycles
+        self.summed = last["rank_figures"][0]["reduced_bytes"] / cycles / self.unknowns ** (2 / 3)
+
+    def parts(self, unknowns, ranks):
+        """Seconds of an iteration: compute, bandwidth, latency, sums."""
+        compute = unknowns / ranks * max(self.balance.values()) / self.rate
+        if ranks == 1:
+            return unknowns / self.rate, 0, 0, 0
+        per_rank = LINK / min(ranks, RANKS_PER_NODE)
+        sent = max(self.surface) * (unknowns / ranks) ** (2 / 3)
+        messages = self.messages.get(ranks, max(self.messages.values()))
+        summed = self.summed * unknowns ** (2 / 3)
+        sums = self.reductions * 2 * LATENCY * math.log2(ranks) + 2 * summed / per_rank
+        return compute, sent / per_rank, messages * LATENCY, sums
+
+
+def table(title, rows):
+    print(title)
+    print(f"{'ranks':>8} {'unknowns':>14} {'s/iteration':>12} {'compute':>8} {'bandw.':>7} {'latency':>8} {'sums':>7} "
+          f"{'efficiency':>11} {'GB/rank, whole':>15}")
+    for ranks, unknowns, parts, efficiency in rows:
+        total = sum(parts)
+        shares = " ".join(f"{part / total:7.1%}" for part in parts)
+        print(f"{ranks:8d} {unknowns:14.3g} {total:12.3g} {shares} {efficiency:11.2f} "
+              f"{unknowns * REPLICATED_PER_UNKNOWN / 1e9:15.3g}")
+    print()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("runs", help="of perf/rank_runs --json")
+    options = parser.parse_args()
+    runs = list(json.loads(pathlib.Path(options.runs).read_text()).values())
+    model = Model(runs)
+    print(f"{model.unknowns} unknowns, {model.rate / 1e6:.2f} million unknowns per second and iteration on one rank, "
+          f"{model.reductions:.0f} reductions per iteration\n")
+    print("beside the measurement (one machine: its network is its memory, and ranks beyond its cores wait)")
+    for ranks, seconds in sorted(model.measured.items()):
+        print(f"{ranks:8d} ranks: model {sum(model.parts(model.unknowns, ranks)) * 1e3:7.1f} ms, measured {seconds * 1e3:7.1f} ms")
+    print()
+    counts = [1, 2, 4, 16, 64, 256, 1024, 4096]
+    for unknowns in (1e9, 1e10, 1e11):
+        one = sum(model.parts(unknowns, 1))
+        table(f"strong scaling, {unknowns:.0e} unknowns",
+              [(p, unknowns, model.parts(unknowns, p), one / p / sum(model.parts(unknowns, p))) for p in counts[3:]])
+    per_rank = 1e6
+    one = sum(model.parts(per_rank, 1))
+    table(f"weak scaling, {per_rank:.0e} unknowns per rank",
+          [(p, per_rank * p, model.parts(per_rank * p, p), one / sum(model.parts(per_rank * p, p))) for p in counts])
+
+
+if __name__ == "__main__":
+    main()
