@@ -113,6 +113,11 @@ struct Multigrid::Impl {
       level.x = LevelVector("cgcontact::multigrid::x", n);
       if (l + 1 < levels.size()) make_smoother(level, columns[l]);
     }
+    // The operators have what they need of the cells; the coarsest is assembled again and again.
+    for (std::size_t l = 1; l + 1 < levels.size(); ++l) {
+      drop_moments(levels[l]->cells);
+      if (levels[l]->share) levels[l]->share->drop_moments();
+    }
     const Halo::Comm alone = num_ranks() == 1 ? comm : comm_of_this_rank();
     coarsest_map = levels.back()->whole->dofs.vector_map(alone);
     coarsest_b = rcp(new TpetraVector(coarsest_map, 1));
@@ -350,6 +355,9 @@ Multigrid::Multigrid(const ElasticSystem& system, const MultigridSettings& setti
 Multigrid::~Multigrid() = default;
 void Multigrid::update_groups() { impl_->update_groups(); }
 const MultigridReport& Multigrid::report() const { return impl_->report; }
+void Multigrid::drop_moments() {
+  if (impl_->by_ranks) impl_->levels[0]->share->drop_moments();
+}
 const RankShare* Multigrid::share() const { return impl_->by_ranks ? impl_->levels[0]->share.get() : nullptr; }
 RCP<const TpetraMap> Multigrid::getDomainMap() const { return impl_->map; }
 RCP<const TpetraMap> Multigrid::getRangeMap() const { return impl_->map; }

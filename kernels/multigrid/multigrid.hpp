@@ -49,6 +49,8 @@ class Multigrid : public TpetraOperator {
   /// What this rank has of the finest grid: the vectors of apply() are in its numbers. nullptr: of the whole system, on
   /// every rank the same.
   const RankShare* share() const;
+  /// Its cells have served: the operator of the finest grid has been made.
+  void drop_moments();
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override;
   Teuchos::RCP<const TpetraMap> getRangeMap() const override;

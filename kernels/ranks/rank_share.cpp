@@ -283,8 +283,10 @@ void RankShare::to_local(const SingleView& whole, const SingleView& local) const
 void RankShare::to_whole(const RealView& local, const RealView& whole) const { gather_whole(local, whole); }
 void RankShare::to_whole(const SingleView& local, const SingleView& whole) const { gather_whole(local, whole); }
 
-void RankShare::drop_moments() {
-  for (CutCells& body : cells_) {
+void RankShare::drop_moments() { cgcontact::drop_moments(cells_); }
+
+void drop_moments(std::vector<CutCells>& bodies) {
+  for (CutCells& body : bodies) {
     body.moments = {};
     for (CutCells& part : body.parts) part.moments = {};
   }

@@ -39,7 +39,7 @@ class RankShare {
   void to_local(const Kokkos::View<float*, MemSpace>& whole, const Kokkos::View<float*, MemSpace>& local) const;
   void to_whole(const Kokkos::View<float*, MemSpace>& local, const Kokkos::View<float*, MemSpace>& whole) const;
 
-  /// Moments of cut cells, once no operator is to be made any more.
+  /// No operator is to be made any more.
   void drop_moments();
 
  private:
@@ -54,6 +54,9 @@ class RankShare {
   std::vector<int> whole_nodes_, local_of_whole_;
   std::vector<int> order_;  ///< free nodes of the whole system by owner, ascending for each: as they are gathered
 };
+
+/// Forgets the moments of cut cells, of which little is needed once operators have been made.
+void drop_moments(std::vector<CutCells>& bodies);
 
 /// Nodes of the whole system on which a rank computes forces: its own, and constrained ones with a master of its own.
 std::vector<char> needed_nodes(const ElasticSystem& whole, const Owners& owners, int rank);

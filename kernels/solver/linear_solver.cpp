@@ -139,10 +139,9 @@ void LinearSolver::update() {
     s.report.unknowns = s.multigrid->report().unknowns;
   }
   if (s.rigid_motions) s.rigid_motions->update();
-  if (s.op.is_null())
-    s.op = rcp(new ElasticityOperator(s.own_system(), s.map));
-  else
-    s.op->update_groups(s.own_system());
+  if (!s.op.is_null()) return s.op->update_groups(s.own_system());
+  s.op = rcp(new ElasticityOperator(s.own_system(), s.map));
+  if (!s.multigrid.is_null()) s.multigrid->drop_moments();
 }
 
 LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, double tolerance, int max_iterations) {
