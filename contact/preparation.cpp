@@ -82,7 +82,7 @@ void check_free_motions(const Scene& scene, Preparation& p) {
     for (SupportPoint point : hold(motions, p.bodies)) {
       const BodyModel& body = p.bodies[point.body];
       const double h = body.cut_cells.h(point.cell);
-      point.weight *= scene.solver.soft_hold * softest[point.body] / stabilising_modulus(body.spec->material) *
+      point.weight *= scene.solver.soft_hold * softest[point.body] / support_modulus(scene, *body.spec) *
                       smallest_contact_cell(p, point.body, h) / h;
       point.follows = true;
       held.push_back(point);

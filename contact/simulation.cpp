@@ -224,7 +224,7 @@ void Simulation::place_on_grids() {
   check_memory(state.scene, p);
   state.bodies = std::move(p.bodies);
   for (const BodyModel& body : state.bodies)
-    if (const auto [thickness, free_thickness] = thickness_in_cells(body); thickness < nearly_one && free_thickness < 1)
+    if (const auto [thickness, free_thickness] = thickness_in_cells(body); !body.spec->rigid() && thickness < nearly_one && free_thickness < 1)
       results.warnings.push_back(
           fmt::format("body \"{}\": its bounding box is {:.2g} cells thin: bending and the stress "
                       "across it are not resolved, smaller cells are needed",
@@ -261,7 +261,8 @@ void Simulation::recover() {
         Subset(mesh.num_nodes),
         CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::simulation::recovered"),
                         mesh.num_nodes)};
-    const int singular = recover_all(mesh, state.patches[b], state.outer.u, field);
+    if (mesh.rigid) Kokkos::deep_copy(field.values, 0.0);
+    const int singular = mesh.rigid ? 0 : recover_all(mesh, state.patches[b], state.outer.u, field);
     if (singular > 0)
       add_warning(std::to_string(singular) + " patches of body \"" + state.bodies[b].spec->name +
                   "\" were singular: constant stress used there");

@@ -16,7 +16,8 @@ BodyMesh empty_mesh(const CutCells& cut_cells, const Material& material, const S
   BodyMesh mesh;
   mesh.cut_cells = &cut_cells;
   mesh.law = UnitElasticity(material.poisson_ratio);
-  mesh.modulus = material.youngs_modulus / scales.stress;
+  mesh.rigid = material.is_rigid();
+  mesh.modulus = mesh.rigid ? 1 : material.youngs_modulus / scales.stress;
   mesh.length = scales.length;
   mesh.first_node = first_node;
   return mesh;

@@ -8,6 +8,7 @@
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/multigrid.hpp"
 #include "kernels/solver/conjugate_gradients.hpp"
+#include "kernels/solver/rigid_bodies.hpp"
 #include "kernels/solver/rigid_coarse_space.hpp"
 
 namespace cgcontact {
@@ -67,18 +68,27 @@ class WithRigidMotions : public TpetraOperator {
 struct LinearSolver::Impl {
   const ElasticSystem& system;
   Preconditioner kind;
-  std::unique_ptr<RigidCoarseSpace> rigid_motions;  ///< once a solve has taken many iterations
+  RigidBodies rigid_bodies;
+  /// With rigid bodies from the start, else once a solve has taken many iterations.
+  std::unique_ptr<RigidCoarseSpace> rigid_motions;
   MultigridSettings settings;
   RCP<const TpetraMap> map;
   RCP<ElasticityOperator> op;
-  RCP<TpetraOperator> preconditioner;
+  RCP<const TpetraOperator> projected_op;  ///< on the motions of rigid bodies, if there are any
+  RCP<const TpetraOperator> preconditioner;
   RCP<Multigrid> multigrid;
   PreconditionerReport report;
   std::vector<double> muelu_groups;  ///< stiffness of the contact groups that MueLu was set up with
 
+  /// A preconditioner, which leaves rigid bodies rigid.
+  RCP<const TpetraOperator> on_rigid_motions(RCP<const TpetraOperator> inner) const {
+    if (rigid_bodies.empty()) return inner;
+    return rcp(new OnRigidMotions(std::move(inner), rigid_bodies, NodeValues::displacements));
+  }
+
   /// From the next update on.
   void keep_rigid_motions_apart() {
-    if (multigrid.is_null() || rigid_motions) return;
+    if (kind == Preconditioner::muelu || rigid_motions) return;
     auto motions = std::make_unique<RigidCoarseSpace>(system);
     if (motions->empty()) return;
     rigid_motions = std::move(motions);
@@ -88,9 +98,13 @@ struct LinearSolver::Impl {
 };
 
 LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner)
-    : impl_(new Impl{system, preconditioner, {}, {}, {}, {}, {}, {}, {}, {}}) {
+    : impl_(new Impl{system, preconditioner, RigidBodies(system), {}, {}, {}, {}, {}, {}, {}, {}, {}}) {
   impl_->map = system.dofs.owned_map(Tpetra::getDefaultComm());
   impl_->op = rcp(new ElasticityOperator(system, impl_->map));
+  impl_->projected_op = impl_->op;
+  if (impl_->rigid_bodies.empty()) return;
+  impl_->projected_op = rcp(new OnRigidMotions(impl_->op, impl_->rigid_bodies, NodeValues::forces));
+  impl_->keep_rigid_motions_apart();
 }
 LinearSolver::~LinearSolver() = default;
 
@@ -103,15 +117,15 @@ void LinearSolver::update() {
   if (s.kind == Preconditioner::muelu) {
     const std::vector<double> stiffness = group_stiffness(s.system);
     if (!s.preconditioner.is_null() && !changed_much(s.muelu_groups, stiffness)) return;
-    s.preconditioner = rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs));
+    s.preconditioner = s.on_rigid_motions(rcp(new Consistent(make_muelu(s.system, s.map), s.system.dofs)));
     s.muelu_groups = stiffness;
     ++s.report.setups;
     return;
   }
   if (s.multigrid.is_null()) {
     s.multigrid = rcp(new Multigrid(s.system, s.map, s.settings));
-    s.preconditioner = s.multigrid;
-    if (s.rigid_motions) s.preconditioner = rcp(new WithRigidMotions(s.multigrid, *s.rigid_motions));
+    s.preconditioner = s.on_rigid_motions(s.multigrid);
+    if (s.rigid_motions) s.preconditioner = rcp(new WithRigidMotions(s.preconditioner, *s.rigid_motions));
   } else {
     s.multigrid->update_groups();
   }
@@ -130,6 +144,7 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
     const RealView r(rhs->getLocalViewDevice(Tpetra::Access::OverwriteAll).data(), n);
     impl_->op->kernel().residual(exec, b, x, r);
     exec.fence();
+    impl_->rigid_bodies.project(NodeValues::forces, r);
   };
   residual();
   const auto add_correction = [&] {
@@ -149,7 +164,7 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   for (int sweep = 0; sweep < 3 && norm > tolerance && result.iterations < max_iterations; ++sweep) {
     correction->putScalar(0);
     const double relative = std::max(0.9 * tolerance / norm, 1e-15);
-    result.iterations += conjugate_gradients(impl_->op, impl_->preconditioner, rhs, correction, relative,
+    result.iterations += conjugate_gradients(impl_->projected_op, impl_->preconditioner, rhs, correction, relative,
                                              max_iterations - result.iterations);
     add_correction();
     const double previous = norm;

@@ -1,4 +1,4 @@
-/// The rigid motions of bodies that no support holds, solved for exactly beside the preconditioner. What holds such a
+/// The rigid motions of bodies that no support holds, and those of rigid bodies, solved for exactly beside the preconditioner. What holds such a
 /// body is its contact, and coarse grids see that only roughly: where neighbouring groups have become one row, a ball
 /// may turn freely, and the coarse solution turns it thousands of times too far (a ball between three walls:
 /// eigenvalues of up to 4,800, 67 iterations instead of 8). So coarse grids hold these bodies firmly
