@@ -20,6 +20,7 @@
 #include "contact/results/pressure_paths.hpp"
 #include "contact/results/probes.hpp"
 #include "contact/results/reference.hpp"
+#include "contact/results/rigid_figures.hpp"
 #include "contact/results/slices.hpp"
 #include "contact/results/small_strain.hpp"
 #include "contact/results/verdict.hpp"
@@ -314,6 +315,7 @@ void Simulation::fill_results() {
   fill_balance(state, results);
   choose_reference();
   fill_body_fields(state, results);
+  fill_rigid_figures(state, results);
   estimate_contact_errors(state, results);
   estimate_peak_errors(results);
   fill_conditions(state, results);

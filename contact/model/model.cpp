@@ -13,7 +13,7 @@ namespace {
 
 /// Supports of rigid bodies are that much stiffer: these have no stress that could be lagged, and what is left of a
 /// prescribed displacement falls by that factor in every outer iteration.
-constexpr double firm_on_rigid = 1e3;
+constexpr double firm_on_rigid = 1e4;
 
 }  // namespace
 

@@ -38,7 +38,7 @@ double square_of_rounding(const Iterate& iterate) {
   double area = 0, stiffest = 0;
   for (const SupportPoint& p : iterate.problem.supports) area += p.by_plane_strain ? 0 : p.weight;
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
-    stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
+    if (!mesh.rigid) stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
   return area * std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.u), 2);
 }
 

@@ -37,7 +37,7 @@ struct LevelFace {
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;
-  double modulus = 1;  ///< E / Scales::stress; of a rigid body 1, which only preconditioners see
+  double modulus = 1;  ///< E / Scales::stress; of a rigid body a large number that preconditioners see
   bool rigid = false;  ///< moves as a whole (RigidBodies)
   double length = 1;   ///< Scales::length, m
   int first_node = 0, num_nodes = 0;
