@@ -107,7 +107,11 @@ void fill_body_fields(const SolvedState& state, Results& results) {
         for (int k = 0; k < 6; ++k) s[k] = reference.stress_of_body[b][k](x);
         return Sym3(s - held_back);
       };
-    EnergySums sums = estimate_error(state.system.meshes[b], state.scales, state.sprc[b], state.outer.u, exact);
+    EnergySums sums;
+    if (const BodyMesh& mesh = state.system.meshes[b]; mesh.rigid)
+      sums.error_of_cell = sums.solution_of_cell = std::vector<double>(mesh.cell_nodes.size(), 0.0);
+    else
+      sums = estimate_error(mesh, state.scales, state.sprc[b], state.outer.u, exact);
     error += sums.error;
     solution += sums.solution + energy_of_rounding(state.bodies[b]) / energy;
     exact_error += sums.exact_error;

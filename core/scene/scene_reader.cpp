@@ -356,6 +356,13 @@ void SceneReader::add_ends_in_plane_strain() {
   }
 }
 
+namespace {
+
+/// Cells of a rigid body along its longest side, at least.
+constexpr double coarsest_of_rigid = 4;
+
+}  // namespace
+
 void SceneReader::read_bodies(const TomlCursor& root) {
   std::set<std::string> seen;
   const TomlCursor list = root.at("body", "one [[body]] section per body");
@@ -611,8 +618,8 @@ void SceneReader::add_automatic_contacts(const TomlCursor& node) {
   }
 }
 
-/// Cells of a rigid body that has none of its own serve contact and pictures only: as small as those of the elastic
-/// bodies that it may touch, in the same places.
+/// Cells of a rigid body that has none of its own serve contact and pictures only: at its surface as small as those of
+/// the elastic bodies that it may touch, and smaller where these are; large inside.
 void SceneReader::choose_cells_of_rigid_bodies() {
   for (int b = 0; b < static_cast<int>(scene_.bodies.size()); ++b) {
     BodySpec& body = scene_.bodies[b];
@@ -625,14 +632,22 @@ void SceneReader::choose_cells_of_rigid_bodies() {
     if (partners.empty())
       throw InputError(body.place, "\"" + body.name + "\"", "a rigid body without contact moves nothing",
                        "a [[contact]] with an elastic body");
-    body.cell_size = longest_side(b);
+    RefineSpec surface;
+    surface.kind = RefineSpec::Kind::face;
+    surface.size = longest_side(b);
+    surface.grading = 1;
+    surface.place = body.place;
     for (const int partner : partners) {
       const BodySpec& other = scene_.bodies[partner];
       if (other.rigid()) continue;
-      body.cell_size = std::min(body.cell_size, other.cell_size);
+      surface.size = std::min(surface.size, other.cell_size);
       for (const RefineSpec& refine : other.refine)
         if (refine.kind != RefineSpec::Kind::face) body.refine.push_back(refine);
     }
+    body.cell_size = surface.size;
+    if (body.plane_strain) continue;  // cells of one size, as those of the others
+    while (2 * body.cell_size * coarsest_of_rigid <= longest_side(b)) body.cell_size *= 2;
+    if (body.cell_size > surface.size) body.refine.push_back(surface);
   }
 }
 
