@@ -34,9 +34,9 @@ std::string describe_body(const BodyModel& body) {
       "body \"{}\": {}, volume {:.10g} m3, surface {:.10g} m2\n"
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",
       body.spec->name,
-      body.spec->rigid()
-          ? "rigid"
-          : fmt::format("E = {:g} Pa, nu = {:g}", body.spec->material.youngs_modulus, body.spec->material.poisson_ratio),
+      body.spec->rigid() ? "rigid"
+                         : fmt::format("E = {:g} Pa, nu = {:g}", body.spec->material.youngs_modulus,
+                                       body.spec->material.poisson_ratio),
       body.slices * volume(cc) * std::pow(cc.grid.cell_size, 3), total_area, cc.grid.num_cells[0], cc.grid.num_cells[1],
       cc.grid.num_cells[2], cc.grid.cell_size, active, cut, count_unknowns(body));
   if (cc.num_levels() > 1) {

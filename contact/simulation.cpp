@@ -225,7 +225,8 @@ void Simulation::place_on_grids() {
   check_memory(state.scene, p);
   state.bodies = std::move(p.bodies);
   for (const BodyModel& body : state.bodies)
-    if (const auto [thickness, free_thickness] = thickness_in_cells(body); !body.spec->rigid() && thickness < nearly_one && free_thickness < 1)
+    if (const auto [thickness, free_thickness] = thickness_in_cells(body);
+        !body.spec->rigid() && thickness < nearly_one && free_thickness < 1)
       results.warnings.push_back(
           fmt::format("body \"{}\": its bounding box is {:.2g} cells thin: bending and the stress "
                       "across it are not resolved, smaller cells are needed",

@@ -52,11 +52,12 @@ void check(const Scene& scene, const BodyModel& body, const std::vector<const Su
   if (misfit(worst) <= equal * largest) return;
   const SupportSpec& support = scene.supports[points[worst]->support];
   const Vec3& x = places[worst];
-  throw InputError(support.place, '"' + body.spec->name + "." + support.face.face.name + '"',
-                   fmt::format("would deform the rigid body \"{}\": prescribes {:g} m at ({:.4g}, {:.4g}, {:.4g}) m where "
-                               "the nearest rigid motion has {:g} m",
-                               body.spec->name, points[worst]->prescribed, x[0], x[1], x[2], row(worst).dot(motion)),
-                   "displacements that are the same on all its supports, or rotation = {axis, angle}");
+  throw InputError(
+      support.place, '"' + body.spec->name + "." + support.face.face.name + '"',
+      fmt::format("would deform the rigid body \"{}\": prescribes {:g} m at ({:.4g}, {:.4g}, {:.4g}) m where "
+                  "the nearest rigid motion has {:g} m",
+                  body.spec->name, points[worst]->prescribed, x[0], x[1], x[2], row(worst).dot(motion)),
+      "displacements that are the same on all its supports, or rotation = {axis, angle}");
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ void RigidParts::set_aside(const RealView& u) {
     }
     if (mesh.rigid)  // nothing is left
       Kokkos::deep_copy(
-          Kokkos::subview(u, std::pair(dof_offset(mesh.first_node), dof_offset(mesh.first_node + mesh.num_nodes))), 0.0);
+          Kokkos::subview(u, std::pair(dof_offset(mesh.first_node), dof_offset(mesh.first_node + mesh.num_nodes))),
+          0.0);
     else
       add_rigid_motion(mesh, centre_[b], -translation, -rotation, u);
     parts_[b].translation += length_ * (grid.rotation * translation);

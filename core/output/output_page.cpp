@@ -576,15 +576,16 @@ std::string rigid_section(const Results& results) {
         largest = std::max(largest, m.norm());
     }
   const DisplayUnit unit = length_unit(length);
-  const auto part_of = [](double component, double whole) { return std::abs(component) < 1e-6 * whole ? 0 : component; };
+  const auto part_of = [](double component, double whole) {
+    return std::abs(component) < 1e-6 * whole ? 0 : component;
+  };
   for (const BodyFields& body : results.bodies) {
     if (!body.rigid) continue;
     const RigidFigures& rigid = *body.rigid;
     std::string row = name_cell(html_text(body.name));
     for (const double u : rigid.displacement)
       row += cell(figure(u, short_number(unit.factor * u) + "&#160;" + pretty(unit.name)));
-    for (const double angle : rigid.rotation)
-      row += cell(figure(angle, short_number(1e3 * angle) + "&#160;mrad"));
+    for (const double angle : rigid.rotation) row += cell(figure(angle, short_number(1e3 * angle) + "&#160;mrad"));
     motions.push_back(row);
     const std::pair<const char*, Vec3> parts[] = {
         {"loads", rigid.loads}, {"supports", rigid.supports}, {"contact", rigid.contact}};
@@ -596,8 +597,7 @@ std::string rigid_section(const Results& results) {
     }
   }
   if (motions.empty()) return "";
-  return "<h3>Rigid bodies</h3>\n" +
-         table({"Body", "Displacement x", "y", "z", "Rotation x", "y", "z"}, motions) +
+  return "<h3>Rigid bodies</h3>\n" + table({"Body", "Displacement x", "y", "z", "Rotation x", "y", "z"}, motions) +
          table({"Body", "Moment of", "x", "y", "z"}, moments) +
          note("Displacements are those of the centroid, which the moments are about as well.");
 }
@@ -714,8 +714,8 @@ std::string bodies_section(const Results& results) {
     const double e = body.material.youngs_modulus;
     const bool rigid = body.material.is_rigid();
     rows.push_back(name_cell(html_text(body.name)) + cell(rigid ? "rigid" : stress(e)) +
-                   cell(rigid ? "" : short_number(body.material.poisson_ratio)) +
-                   cell(cell_sizes(cells)) + cell(count(static_cast<long long>(cells.cells.size()))) +
+                   cell(rigid ? "" : short_number(body.material.poisson_ratio)) + cell(cell_sizes(cells)) +
+                   cell(count(static_cast<long long>(cells.cells.size()))) +
                    cell(count(static_cast<long long>(cells.moments.size()))) +
                    cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
                    cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));

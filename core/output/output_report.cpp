@@ -248,13 +248,12 @@ Json json_of_maxima(const Results& results) {
 }
 
 Json json_of(const RigidFigures& rigid) {
-  return {{"centre", json_of(rigid.centre)},
-          {"displacement", json_of(rigid.displacement)},
-          {"rotation", json_of(rigid.rotation)},
-          {"moments",
-           {{"loads", json_of(rigid.loads)},
-            {"supports", json_of(rigid.supports)},
-            {"contact", json_of(rigid.contact)}}}};
+  return {
+      {"centre", json_of(rigid.centre)},
+      {"displacement", json_of(rigid.displacement)},
+      {"rotation", json_of(rigid.rotation)},
+      {"moments",
+       {{"loads", json_of(rigid.loads)}, {"supports", json_of(rigid.supports)}, {"contact", json_of(rigid.contact)}}}};
 }
 
 /// With the largest values and their places.

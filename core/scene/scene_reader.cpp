@@ -368,8 +368,8 @@ void SceneReader::read_bodies(const TomlCursor& root) {
   const TomlCursor list = root.at("body", "one [[body]] section per body");
   const SceneMaterials materials(root);
   for (const TomlCursor& node : list.elements("[[body]] sections")) {
-    node.expect_keys({"name", "shape", "material", "rigid", "cell_size", "grid", "body_force", "temperature", "faces", "refine",
-                      "plane_strain"});
+    node.expect_keys({"name", "shape", "material", "rigid", "cell_size", "grid", "body_force", "temperature", "faces",
+                      "refine", "plane_strain"});
     const TomlCursor name = node.at("name", "a name");
     check_unique(name, read_name(name), seen, "body");
     shapes_.push_back(read_shape(node));

@@ -25,7 +25,7 @@ class RigidBodies {
  private:
   struct Body {
     const BodyMesh* mesh;
-    Vec3 centre;                              ///< cells
+    Vec3 centre;                                 ///< cells
     Eigen::Matrix<double, 6, 6> motion_of_sums;  ///< from the sums of the free nodes' values to the motion
   };
   static void project(const Body& body, NodeValues kind, const RealView& v);
