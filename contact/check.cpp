@@ -15,6 +15,7 @@ namespace {
 /// Of a body: without nodes that are constrained.
 long long count_unknowns(const BodyModel& body) {
   const long long all = static_cast<long long>(size_of(body.cut_cells).nodes);
+  if (body.spec->rigid()) return body.spec->plane_strain ? 3 : 6;
   if (body.spec->plane_strain && body.cut_cells.num_levels() == 1) return (dofs_per_node - 1) * all / 2;
   if (body.cut_cells.num_levels() == 1) return dofs_per_node * all;
   return make_body_mesh(body.cut_cells, body.spec->material, Scales{}, 0).num_free_dofs();
@@ -30,9 +31,12 @@ std::string describe_body(const BodyModel& body) {
   }
   const long long cut = static_cast<long long>(cc.moments.size()), active = static_cast<long long>(cc.cells.size());
   std::string text = fmt::format(
-      "body \"{}\": E = {:g} Pa, nu = {:g}, volume {:.10g} m3, surface {:.10g} m2\n"
+      "body \"{}\": {}, volume {:.10g} m3, surface {:.10g} m2\n"
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",
-      body.spec->name, body.spec->material.youngs_modulus, body.spec->material.poisson_ratio,
+      body.spec->name,
+      body.spec->rigid() ? "rigid"
+                         : fmt::format("E = {:g} Pa, nu = {:g}", body.spec->material.youngs_modulus,
+                                       body.spec->material.poisson_ratio),
       body.slices * volume(cc) * std::pow(cc.grid.cell_size, 3), total_area, cc.grid.num_cells[0], cc.grid.num_cells[1],
       cc.grid.num_cells[2], cc.grid.cell_size, active, cut, count_unknowns(body));
   if (cc.num_levels() > 1) {

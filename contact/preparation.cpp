@@ -7,6 +7,7 @@
 #include "contact/model/condition_checks.hpp"
 #include "contact/model/memory.hpp"
 #include "contact/model/plane_strain.hpp"
+#include "contact/model/rigid_supports.hpp"
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/free_pieces.hpp"
 #include "contact/results/reference.hpp"
@@ -82,7 +83,7 @@ void check_free_motions(const Scene& scene, Preparation& p) {
     for (SupportPoint point : hold(motions, p.bodies)) {
       const BodyModel& body = p.bodies[point.body];
       const double h = body.cut_cells.h(point.cell);
-      point.weight *= scene.solver.soft_hold * softest[point.body] / stabilising_modulus(body.spec->material) *
+      point.weight *= scene.solver.soft_hold * softest[point.body] / support_modulus(scene, *body.spec) *
                       smallest_contact_cell(p, point.body, h) / h;
       point.follows = true;
       held.push_back(point);
@@ -160,6 +161,7 @@ Preparation lay_out(const Scene& scene, bool refuse_near_limit) {
 
 void complete(const Scene& scene, Preparation& preparation) {
   check_conditions(scene, preparation.bodies, preparation.pairs);
+  check_supports_of_rigid_bodies(scene, preparation.bodies, preparation.supports);
   check_plane_strain(scene, preparation.bodies, preparation.supports, preparation.pairs);
   for (std::string& warning : bonded_gap_warnings(scene, preparation.pairs))
     preparation.warnings.push_back(std::move(warning));

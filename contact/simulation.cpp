@@ -20,6 +20,7 @@
 #include "contact/results/pressure_paths.hpp"
 #include "contact/results/probes.hpp"
 #include "contact/results/reference.hpp"
+#include "contact/results/rigid_figures.hpp"
 #include "contact/results/slices.hpp"
 #include "contact/results/small_strain.hpp"
 #include "contact/results/verdict.hpp"
@@ -224,7 +225,8 @@ void Simulation::place_on_grids() {
   check_memory(state.scene, p);
   state.bodies = std::move(p.bodies);
   for (const BodyModel& body : state.bodies)
-    if (const auto [thickness, free_thickness] = thickness_in_cells(body); thickness < nearly_one && free_thickness < 1)
+    if (const auto [thickness, free_thickness] = thickness_in_cells(body);
+        !body.spec->rigid() && thickness < nearly_one && free_thickness < 1)
       results.warnings.push_back(
           fmt::format("body \"{}\": its bounding box is {:.2g} cells thin: bending and the stress "
                       "across it are not resolved, smaller cells are needed",
@@ -261,7 +263,8 @@ void Simulation::recover() {
         Subset(mesh.num_nodes),
         CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::simulation::recovered"),
                         mesh.num_nodes)};
-    const int singular = recover_all(mesh, state.patches[b], state.outer.u, field);
+    if (mesh.rigid) Kokkos::deep_copy(field.values, 0.0);
+    const int singular = mesh.rigid ? 0 : recover_all(mesh, state.patches[b], state.outer.u, field);
     if (singular > 0)
       add_warning(std::to_string(singular) + " patches of body \"" + state.bodies[b].spec->name +
                   "\" were singular: constant stress used there");
@@ -313,6 +316,7 @@ void Simulation::fill_results() {
   fill_balance(state, results);
   choose_reference();
   fill_body_fields(state, results);
+  fill_rigid_figures(state, results);
   estimate_contact_errors(state, results);
   estimate_peak_errors(results);
   fill_conditions(state, results);

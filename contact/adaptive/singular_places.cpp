@@ -184,6 +184,7 @@ std::vector<SingularPlace> singular_places(const SolvedState& state,
                                            const std::vector<std::vector<CellEnergies>>& solves) {
   std::vector<SingularPlace> places;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    if (state.bodies[b].spec->rigid()) continue;
     const CellEnergies& last = solves.back()[b];
     for (const std::size_t c : candidates(last)) {
       SingularPlace place;

@@ -21,6 +21,8 @@ constexpr std::size_t grain = 512;
 constexpr double equal_cells = 1e-12;
 /// Faces of the larger cells: automatic pairs that see each other over less than that do so by rounding.
 constexpr double least_area = 1e-9;
+/// Rigid bodies touch if they are nearer to each other than that, cells.
+constexpr double touching = 1e-3;
 /// Ends of the other body's faces in a cell at which the contact is divided; where there are more (threads, scans) it
 /// ends within a quadrature point.
 constexpr std::size_t most_ends = 24;
@@ -326,7 +328,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
   pair.secondary = pair.primary == a ? b : a;
   pair.largest_cell = pair.primary == a ? of_a : of_b;
   const double E1 = stabilising_modulus(scene.bodies[a].material), E2 = stabilising_modulus(scene.bodies[b].material);
-  pair.modulus = scene.solver.kappa * 2 * E1 * E2 / (E1 + E2);
+  pair.modulus = scene.solver.kappa * (std::isinf(E1) ? 2 * E2 : std::isinf(E2) ? 2 * E1 : 2 * E1 * E2 / (E1 + E2));
   pair.reach = find_reach(scene.contact, pair, bodies, wider);
   if (box_distance(bodies[a], bodies[b]) > pair.reach.ahead) return pair;
   const std::vector<std::pair<int, int>> places = cells_with_face(bodies[pair.primary], pair.face(pair.primary));
@@ -421,11 +423,34 @@ std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies,
   return opposite;
 }
 
+namespace {
+
+/// Automatic pairs of rigid bodies are left out where these are apart.
+void leave_out_rigid_pairs(const Scene& scene, std::vector<ContactPair>& pairs) {
+  const auto are_rigid = [&](const ContactPair& pair) {
+    return scene.bodies[pair.primary].rigid() && scene.bodies[pair.secondary].rigid();
+  };
+  for (const ContactPair& pair : pairs) {
+    if (!are_rigid(pair)) continue;
+    for (const ContactPoint& q : pair.points)
+      if (q.distance < touching * pair.largest_cell)
+        throw InputError(pair.spec->place, "\"" + pair.spec->name + "\"",
+                         fmt::format("both bodies are rigid and touch at ({:g}, {:g}, {:g}): the pressure between them "
+                                     "is not determined",
+                                     q.x[0], q.x[1], q.x[2]),
+                         "rigid bodies that are apart, or one of them elastic");
+  }
+  pairs.erase(std::remove_if(pairs.begin(), pairs.end(), are_rigid), pairs.end());
+}
+
+}  // namespace
+
 std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<BodyModel>& bodies,
                                             const std::vector<double>& wider) {
   std::vector<ContactPair> pairs;
   for (std::size_t k = 0; k < scene.contacts.size(); ++k)
     pairs.push_back(make_pair(scene, scene.contacts[k], bodies, wider.empty() ? 0.0 : wider[k]));
+  leave_out_rigid_pairs(scene, pairs);
   check_overlap(scene, bodies, pairs);
   for (const ContactPair& pair : pairs)
     if (pair.points.empty() && pair.bonded())

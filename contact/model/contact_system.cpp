@@ -32,7 +32,7 @@ Scales make_scales(const Scene& scene) {
   Scales scales{0, 0};
   for (const BodySpec& body : scene.bodies) {
     scales.length = std::max(scales.length, body.cell_size);
-    scales.stress = std::max(scales.stress, body.material.youngs_modulus);
+    if (!body.rigid()) scales.stress = std::max(scales.stress, body.material.youngs_modulus);
   }
   return scales;
 }

@@ -9,6 +9,13 @@
 #include "core/scene/face_dividers.hpp"
 
 namespace cgcontact {
+namespace {
+
+/// Supports of rigid bodies are that much stiffer: these have no stress that could be lagged, and what is left of a
+/// prescribed displacement falls by that factor in every outer iteration.
+constexpr double firm_on_rigid = 1e4;
+
+}  // namespace
 
 FaceTraction resultant_of(const BodyModel& body, int load) {
   const auto found = body.resultants.find(load);
@@ -349,10 +356,19 @@ double stabilising_modulus(const Material& material) {
   return material.youngs_modulus * std::max(1.0, p_wave(material.poisson_ratio) / p_wave(0.3));
 }
 
+double support_modulus(const Scene& scene, const BodySpec& body) {
+  if (!body.rigid()) return stabilising_modulus(body.material);
+  double stiffest = 0;
+  for (const BodySpec& other : scene.bodies)
+    if (!other.rigid()) stiffest = std::max(stiffest, stabilising_modulus(other.material));
+  return stiffest;
+}
+
 double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point) {
   if (point.spring > 0) return point.spring;
   const double kappa = (body.is_thin(point.cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
-  return kappa * stabilising_modulus(body.spec->material) / body.cut_cells.h(point.cell);
+  const double firm = body.spec->rigid() && !point.follows ? firm_on_rigid : 1;
+  return firm * kappa * support_modulus(scene, *body.spec) / body.cut_cells.h(point.cell);
 }
 
 namespace {

@@ -90,6 +90,8 @@ class BodyFace {
 /// Modulus of the stabilisation of supports and contact, Pa: E up to nu = 0.3, beyond that in proportion to the P-wave
 /// modulus lambda + 2 mu, which scales the normal traction that the outer iteration lags (docs/decisions.md).
 double stabilising_modulus(const Material& material);
+/// The same for supports: of a rigid body that of the stiffest elastic one.
+double support_modulus(const Scene& scene, const BodySpec& body);
 
 /// One constrained direction at one boundary point of a support.
 struct SupportPoint {
@@ -109,7 +111,7 @@ struct SupportPoint {
 
 /// Pa/m: that of the point's spring, or kappa E/h with the stabilising modulus. The scene's kappa is the contact's. On
 /// a body about one cell thick that is held on both sides the outer iteration contracts like 2.7 / kappa: three times
-/// stiffer there (docs/decisions.md).
+/// stiffer there (docs/decisions.md). Rigid bodies: firm_on_rigid.
 double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point);
 
 /// Grid of a body as its specification asks: offset, rotation, as many cells as the solid's bounding box needs.

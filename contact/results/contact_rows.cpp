@@ -62,8 +62,17 @@ bool carries_pressure(const SolvedState& state, int body, int cell, int pair, co
   return states.presses(state.system.meshes[body], cell, pair, surface);
 }
 
+void set_stresses(const SolvedState& state, int body, int cell, const Vec3& xi, const Vec3& n, ContactRow& row) {
+  row.stress_raw = raw_stress(state, body, cell, xi);
+  row.stress_spr = recovered_stress(state, state.spr[body], body, cell, xi);
+  row.stress_sprc = recovered_stress(state, state.sprc[body], body, cell, xi);
+  row.pressure_raw = pressure(row.stress_raw, n);
+  row.pressure_spr = pressure(row.stress_spr, n);
+  row.pressure_sprc = pressure(row.stress_sprc, n);
+}
+
 /// Gap after deformation, the other body's pressure and the larger cell, seen from x along n; infinite and NaN if
-/// nothing is opposite.
+/// nothing is opposite. A rigid body has no pressure: NaN, and on it the stress is that of the other one.
 void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow& row) {
   const ContactPair& pair = state.pairs[row.pair];
   const int other = pair.other(row.body);
@@ -77,10 +86,15 @@ void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow&
   const Vec3 relative = displacement(state, other, opposite->cell, other_xi) - displacement(state, row.body, cell, xi);
   row.distance = opposite->distance;
   row.gap = opposite->distance - pair.interference + relative.dot(row.normal);
+  if (state.bodies[other].spec->rigid()) return;
+  const bool carries = carries_pressure(state, other, opposite->cell, row.pair, opposite->position, -row.normal);
+  if (state.bodies[row.body].spec->rigid()) {
+    set_stresses(state, other, opposite->cell, other_xi, opposite->normal, row);
+    if (!carries) row.pressure_sprc = 0;
+    return;
+  }
   row.pressure_opposite =
-      carries_pressure(state, other, opposite->cell, row.pair, opposite->position, -row.normal)
-          ? pressure(recovered_stress(state, state.sprc[other], other, opposite->cell, other_xi), row.normal)
-          : 0.0;
+      carries ? pressure(recovered_stress(state, state.sprc[other], other, opposite->cell, other_xi), row.normal) : 0.0;
 }
 
 /// Open for certain: nothing lies opposite, or more than the larger one of both cells away.
@@ -119,19 +133,14 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
   row.x = model.cut_cells.grid.to_global(position);
   row.normal = n;
   const Vec3 xi = cell_coordinates(model.cut_cells, cell, position);
-  row.stress_raw = raw_stress(state, body, cell, xi);
-  row.stress_spr = recovered_stress(state, state.spr[body], body, cell, xi);
-  row.stress_sprc = recovered_stress(state, state.sprc[body], body, cell, xi);
-  row.pressure_raw = pressure(row.stress_raw, n);
-  row.pressure_spr = pressure(row.stress_spr, n);
-  row.pressure_sprc = pressure(row.stress_sprc, n);
+  if (!model.spec->rigid()) set_stresses(state, body, cell, xi, n, row);
   look_across(state, cell, xi, row);
   const bool far = is_far_from_contact(row);
   const ContactLink* link = nearest_link(model, cell, position, model.cut_cells.grid.rotation.transpose() * n, pair);
   row.active = link && link->active && !far;
   row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
-  if (state.scene.recovery.spr_c && (far || !carries_pressure(state, body, cell, pair, position, n)))
-    row.pressure_sprc = 0;
+  const bool carries = model.spec->rigid() || carries_pressure(state, body, cell, pair, position, n);
+  if (state.scene.recovery.spr_c && (far || !carries)) row.pressure_sprc = 0;
   return row;
 }
 

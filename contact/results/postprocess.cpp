@@ -71,6 +71,7 @@ namespace {
 /// A body that expands freely has no stress: what is left is rounding of E times its strain, and no error. N m.
 double energy_of_rounding(const BodyModel& body) {
   constexpr double no_stress = 1e-9;
+  if (body.spec->rigid()) return 0;
   const double strain = no_stress * body.expansion.norm();
   return body.spec->material.youngs_modulus * strain * strain * volume(body.cut_cells) *
          std::pow(body.cut_cells.grid.cell_size, 3);
@@ -106,7 +107,11 @@ void fill_body_fields(const SolvedState& state, Results& results) {
         for (int k = 0; k < 6; ++k) s[k] = reference.stress_of_body[b][k](x);
         return Sym3(s - held_back);
       };
-    EnergySums sums = estimate_error(state.system.meshes[b], state.scales, state.sprc[b], state.outer.u, exact);
+    EnergySums sums;
+    if (const BodyMesh& mesh = state.system.meshes[b]; mesh.rigid)
+      sums.error_of_cell = sums.solution_of_cell = std::vector<double>(mesh.cell_nodes.size(), 0.0);
+    else
+      sums = estimate_error(mesh, state.scales, state.sprc[b], state.outer.u, exact);
     error += sums.error;
     solution += sums.solution + energy_of_rounding(state.bodies[b]) / energy;
     exact_error += sums.exact_error;

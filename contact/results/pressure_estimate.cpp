@@ -78,22 +78,38 @@ class LocalMean {
   std::map<double, PointBuckets> buckets_;  ///< by the rows' larger cells: few sizes, each with its own reach
 };
 
+/// The place of a row, grid coordinates, in the body whose stress it has: opposite a rigid one; none opposite: cell -1.
+struct StressedPlace {
+  int body, cell;
+  Vec3 position;
+};
+
+StressedPlace stressed_place(const SolvedState& state, const ContactRow& row) {
+  if (!state.bodies[row.body].spec->rigid())
+    return {row.body, row.cell, state.bodies[row.body].cut_cells.grid.to_grid(row.x)};
+  const ContactPair& pair = state.pairs[row.pair];
+  const auto opposite = find_opposite(state.bodies, pair, row.body, row.x, row.normal);
+  return opposite ? StressedPlace{pair.other(row.body), opposite->cell, opposite->position}
+                  : StressedPlace{pair.other(row.body), -1, Vec3::Zero()};
+}
+
 EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
   EdgeAtRow result;
-  const RecoveredField& field = state.sprc[row.body];
-  if (!field.edge) return result;
-  const BodyMesh& mesh = state.system.meshes[row.body];
-  const CutCells& cc = state.bodies[row.body].cut_cells;
-  const double h = cc.h(row.cell);
-  const Vec3 position = cc.grid.to_grid(row.x), xi = cell_coordinates(cc, row.cell, position);
+  const auto [body, cell, position] = stressed_place(state, row);
+  const RecoveredField& field = state.sprc[body];
+  if (!field.edge || cell < 0) return result;
+  const BodyMesh& mesh = state.system.meshes[body];
+  const CutCells& cc = state.bodies[body].cut_cells;
+  const double h = cc.h(cell);
+  const Vec3 xi = cell_coordinates(cc, cell, position);
   double N[8];
   hex_shape(xi.data(), N);
   for (int a = 0; a < 8; ++a)
-    each_master(mesh, mesh.cell_nodes[row.cell][a] - mesh.first_node, [&](int node, double weight) {
+    each_master(mesh, mesh.cell_nodes[cell][a] - mesh.first_node, [&, &place = position](int node, double weight) {
       const EdgeTerms::Term* term = field.edge->of_node(node);
       if (!term) return;
       const ContactEdge& edge = term->edge;
-      const double s = edge.inside(position);
+      const double s = edge.inside(place);
       result.inside = std::min(result.inside, s / edge.scale * h);
       result.change += weight * N[a] * std::abs(term->factor) *
                        std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * state.scales.stress;

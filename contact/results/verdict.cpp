@@ -26,6 +26,7 @@ struct Judged {
 /// Is one of the bodies thinner than its cells where they touch?
 void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& j) {
   for (const int body : {pair.primary, pair.secondary}) {
+    if (state.bodies[body].spec->rigid()) continue;
     const auto [thickness, cell] = thickness_at_contact(state, pair, body);
     const double needed = cell * thickness / state.scene.results.wanted_thickness;
     if (thickness >= state.scene.results.least_thickness) continue;

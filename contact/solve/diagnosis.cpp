@@ -24,10 +24,14 @@ std::string describe_open(const std::vector<std::string>& contacts) {
 
 /// "; E of ... is 1e8 times that of ...", or nothing.
 std::string describe_moduli(const std::vector<BodySpec>& bodies) {
-  const auto softer = [](const BodySpec& a, const BodySpec& b) {
-    return a.material.youngs_modulus < b.material.youngs_modulus;
+  std::vector<const BodySpec*> elastic;
+  for (const BodySpec& body : bodies)
+    if (!body.rigid()) elastic.push_back(&body);
+  const auto softer = [](const BodySpec* a, const BodySpec* b) {
+    return a->material.youngs_modulus < b->material.youngs_modulus;
   };
-  const auto [soft, stiff] = std::minmax_element(bodies.begin(), bodies.end(), softer);
+  const auto [softest, stiffest] = std::minmax_element(elastic.begin(), elastic.end(), softer);
+  const BodySpec *soft = *softest, *stiff = *stiffest;
   const double ratio = stiff->material.youngs_modulus / soft->material.youngs_modulus;
   if (!(ratio > large_ratio)) return "";
   return fmt::format("; E of \"{}\" is {:.1g} times that of \"{}\": is a unit wrong?", stiff->name, ratio, soft->name);

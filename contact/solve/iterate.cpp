@@ -69,6 +69,17 @@ double Iterate::displacement_of(const SupportPoint& p, const RealView::HostMirro
   return displacement * problem.scales.length;
 }
 
+std::vector<double> Iterate::support_tractions() const {
+  const auto host_u = host_copy(u);
+  std::vector<double> tractions;
+  for (std::size_t s = 0; s < problem.supports.size(); ++s) {
+    const SupportPoint& p = problem.supports[s];
+    tractions.push_back(support_stress[s] * problem.scales.stress -
+                        support_stiffness(p) * (displacement_of(p, host_u) - p.value));
+  }
+  return tractions;
+}
+
 std::vector<double> Iterate::group_gap_change() const {
   const auto host_u = host_copy(u);
   std::vector<double> change;

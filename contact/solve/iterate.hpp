@@ -31,6 +31,9 @@ struct Iterate {
   double rigid_displacement(const SupportPoint& p) const;
   double displacement_of(const SupportPoint& p, const RealView::HostMirror& host_u) const;
 
+  /// sigma* - kappa E/h (u . d - value) of every support point, Pa.
+  std::vector<double> support_tractions() const;
+
   /// Change of the mean gap of every group, m.
   std::vector<double> group_gap_change() const;
   /// Force of each group, system units, sum over its closed points of w (p* - kappa E/h gap): with the gap of the

@@ -41,7 +41,7 @@ double square_of_rounding(const Iterate& iterate) {
   double area = 0, stiffest = 0;
   for (const SupportPoint& p : iterate.problem.supports) area += p.by_plane_strain ? 0 : p.weight;
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
-    stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
+    if (!mesh.rigid) stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
   return area * std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.u), 2);
 }
 
@@ -57,10 +57,13 @@ LaggedStress::LaggedStress(const OuterProblem& problem) {
 double LaggedStress::update(Iterate& iterate) {
   const OuterProblem& problem = iterate.problem;
   for (BoundaryStress& s : stress_) s.update(iterate.u);
+  const std::vector<double> held_by = iterate.support_tractions();
   Change change;
   change.replace(iterate.support_stress, problem.supports, [&](const SupportPoint& p) {
     // No force in the system, or that of a spring: there is no stress to lag.
     if (p.support < 0 || p.by_plane_strain || p.spring > 0) return 0.0;
+    if (problem.system.meshes[p.body].rigid)  // no stress of its own: what held it in the last solution
+      return held_by[&p - problem.supports.data()] / problem.scales.stress;
     return stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
   });
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
@@ -69,7 +72,7 @@ double LaggedStress::update(Iterate& iterate) {
     // would converge slowly.
     const double first = stabilising_modulus(problem.scene.bodies[pair.primary].material),
                  second = stabilising_modulus(problem.scene.bodies[pair.secondary].material);
-    const double part = second / (first + second);
+    const double part = std::isinf(second) ? 1 : second / (first + second);  // of a rigid body nothing
     change.replace(iterate.contact_stress[k], pair.points, [&](const ContactPoint& c) {
       return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.direction) -
              (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.direction);

@@ -210,7 +210,6 @@ OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, Out
 /// lambda = sigma* - kappa E/h (u . d - g) at supports, and the contact forces: what the last linear system contained.
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.rigid_parts = now_.rigid_parts.of_bodies();
-  result.support_stress.clear();
   result.group_force = now_.group_force(true);
   result.small_zone_groups.clear();
   result.small_zone_width.clear();
@@ -219,12 +218,7 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
     result.small_zone_width.push_back(now_.small_zones.width(k));
   }
   result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, now_.load);
-  const auto host_u = host_copy(now_.u);
-  for (std::size_t s = 0; s < problem_.supports.size(); ++s) {
-    const SupportPoint& p = problem_.supports[s];
-    result.support_stress.push_back(now_.support_stress[s] * problem_.scales.stress -
-                                    now_.support_stiffness(p) * (now_.displacement_of(p, host_u) - p.value));
-  }
+  result.support_stress = now_.support_tractions();
 }
 
 ContactSolver::ContactSolver(const OuterProblem& problem, const SolvedState* earlier)

@@ -25,13 +25,19 @@ double earlier_traction(const SolvedState& earlier, int body, const Vec3& x, con
   return n.dot(tensor(stress) * d);
 }
 
-/// Lagged pressure of a pair's points, Pa: that of both bodies.
+/// Lagged pressure of a pair's points, Pa: that of both bodies, or of the elastic one.
 std::vector<double> earlier_pressure(const SolvedState& earlier, const ContactPair& pair) {
   std::vector<double> pressure(pair.points.size());
   parallel_for("cgcontact::outer_start::contact", pressure.size(), grain, [&](std::size_t q) {
     const ContactPoint& point = pair.points[q];
-    pressure[q] = -0.5 * (earlier_traction(earlier, pair.primary, point.x, point.normal, point.direction) +
-                          earlier_traction(earlier, pair.secondary, point.x, point.normal, point.direction));
+    double sum = 0;
+    int elastic = 0;
+    for (const int body : {pair.primary, pair.secondary}) {
+      if (earlier.bodies[body].spec->rigid()) continue;
+      sum -= earlier_traction(earlier, body, point.x, point.normal, point.direction);
+      ++elastic;
+    }
+    pressure[q] = sum / elastic;
   });
   return pressure;
 }

@@ -44,7 +44,12 @@ void RigidParts::set_aside(const RealView& u) {
       translation[grid.plane_strain] = 0;
       for (int i = 0; i < 3; ++i) rotation[i] = i == grid.plane_strain ? rotation[i] : 0;
     }
-    add_rigid_motion(mesh, centre_[b], -translation, -rotation, u);
+    if (mesh.rigid)  // nothing is left
+      Kokkos::deep_copy(
+          Kokkos::subview(u, std::pair(dof_offset(mesh.first_node), dof_offset(mesh.first_node + mesh.num_nodes))),
+          0.0);
+    else
+      add_rigid_motion(mesh, centre_[b], -translation, -rotation, u);
     parts_[b].translation += length_ * (grid.rotation * translation);
     parts_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
   }

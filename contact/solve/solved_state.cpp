@@ -27,6 +27,7 @@ Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi) 
 
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi) {
   const BodyMesh& mesh = state.system.meshes[body];
+  if (mesh.rigid) return Sym3::Zero();
   double u[8][3], s[6];
   corner_displacements(state, body, cell, u);
   hex_stress(mesh.law, u, xi.data(), s);

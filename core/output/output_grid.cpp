@@ -137,7 +137,7 @@ std::optional<StressErrors> stress_errors(const Results& results) {
     for (std::size_t c = 0; c < cells.cells.size(); ++c) {
       const int cell = static_cast<int>(c);
       const double volume = volume_of_cell(cells, cell);
-      values.push_back(body.error_of_cell[c] * std::sqrt(body.material.youngs_modulus / volume));
+      values.push_back(body.rigid ? 0 : body.error_of_cell[c] * std::sqrt(body.material.youngs_modulus / volume));
       if (values.back() > 0 && std::isfinite(values.back())) all.push_back(values.back());
     }
   }

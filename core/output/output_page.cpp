@@ -565,6 +565,43 @@ std::string profile_section(const Results& results, const PageParts& parts) {
   return text;
 }
 
+/// Displacements and rotations of rigid bodies, and the moments on them.
+std::string rigid_section(const Results& results) {
+  std::vector<std::string> motions, moments;
+  double length = 0, largest = 0;
+  for (const BodyFields& body : results.bodies)
+    if (body.rigid) {
+      length = std::max(length, body.rigid->displacement.norm());
+      for (const Vec3& m : {body.rigid->loads, body.rigid->supports, body.rigid->contact})
+        largest = std::max(largest, m.norm());
+    }
+  const DisplayUnit unit = length_unit(length);
+  const auto part_of = [](double component, double whole) {
+    return std::abs(component) < 1e-6 * whole ? 0 : component;
+  };
+  for (const BodyFields& body : results.bodies) {
+    if (!body.rigid) continue;
+    const RigidFigures& rigid = *body.rigid;
+    std::string row = name_cell(html_text(body.name));
+    for (const double u : rigid.displacement)
+      row += cell(figure(u, short_number(unit.factor * u) + "&#160;" + pretty(unit.name)));
+    for (const double angle : rigid.rotation) row += cell(figure(angle, short_number(1e3 * angle) + "&#160;mrad"));
+    motions.push_back(row);
+    const std::pair<const char*, Vec3> parts[] = {
+        {"loads", rigid.loads}, {"supports", rigid.supports}, {"contact", rigid.contact}};
+    for (const auto& [name, m] : parts) {
+      std::string moment = name_cell(html_text(body.name)) + cell(name);
+      for (const double component : m)
+        moment += cell(figure(component, short_number(part_of(component, largest)) + "&#160;N&#160;m"));
+      moments.push_back(moment);
+    }
+  }
+  if (motions.empty()) return "";
+  return "<h3>Rigid bodies</h3>\n" + table({"Body", "Displacement x", "y", "z", "Rotation x", "y", "z"}, motions) +
+         table({"Body", "Moment of", "x", "y", "z"}, moments) +
+         note("Displacements are those of the centroid, which the moments are about as well.");
+}
+
 std::string balance_section(const Results& results) {
   double scale = force_scale(results), worst = 0;
   for (const BodyBalance& body : results.balance)
@@ -589,6 +626,7 @@ std::string balance_section(const Results& results) {
                        components(support.force, scale));
   if (!supports.empty())
     text += "<h3>Reactions of the supports</h3>\n" + table({"Face", "Force", "x", "y", "z"}, supports);
+  text += rigid_section(results);
   return text;
 }
 
@@ -674,8 +712,10 @@ std::string bodies_section(const Results& results) {
     const BodyFields& body = results.bodies[b];
     const CutCells& cells = *body.cut_cells;
     const double e = body.material.youngs_modulus;
-    rows.push_back(name_cell(html_text(body.name)) + cell(stress(e)) + cell(short_number(body.material.poisson_ratio)) +
-                   cell(cell_sizes(cells)) + cell(count(static_cast<long long>(cells.cells.size()))) +
+    const bool rigid = body.material.is_rigid();
+    rows.push_back(name_cell(html_text(body.name)) + cell(rigid ? "rigid" : stress(e)) +
+                   cell(rigid ? "" : short_number(body.material.poisson_ratio)) + cell(cell_sizes(cells)) +
+                   cell(count(static_cast<long long>(cells.cells.size()))) +
                    cell(count(static_cast<long long>(cells.moments.size()))) +
                    cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
                    cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));

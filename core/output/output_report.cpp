@@ -247,12 +247,27 @@ Json json_of_maxima(const Results& results) {
   return maxima;
 }
 
+Json json_of(const RigidFigures& rigid) {
+  return {
+      {"centre", json_of(rigid.centre)},
+      {"displacement", json_of(rigid.displacement)},
+      {"rotation", json_of(rigid.rotation)},
+      {"moments",
+       {{"loads", json_of(rigid.loads)}, {"supports", json_of(rigid.supports)}, {"contact", json_of(rigid.contact)}}}};
+}
+
 /// With the largest values and their places.
 Json json_of_bodies(const Results& results) {
   Json bodies = Json::array();
   for (std::size_t b = 0; b < results.bodies.size(); ++b) {
     const BodyFields& body = results.bodies[b];
-    Json json{{"name", body.name}, {"E", body.material.youngs_modulus}, {"nu", body.material.poisson_ratio}};
+    Json json{{"name", body.name}};
+    if (body.rigid) {
+      json["rigid"] = json_of(*body.rigid);
+    } else {
+      json["E"] = body.material.youngs_modulus;
+      json["nu"] = body.material.poisson_ratio;
+    }
     json["cell_size"] = body.cut_cells->grid.cell_size;
     if (const int levels = body.cut_cells->num_levels(); levels > 1)
       json["smallest_cell_size"] = body.cut_cells->grid.cell_size_of(levels - 1);

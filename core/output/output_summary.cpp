@@ -172,6 +172,23 @@ std::optional<double> safety_factor(const Results& results) {
   return least;
 }
 
+/// "ball moves by (0, 0, -6.4) um, turns by (0, 0, 0) mrad" of the first rigid body; "" without one.
+std::string rigid_text(const Results& results) {
+  std::string text;
+  int more = 0;
+  for (const BodyFields& body : results.bodies) {
+    if (!body.rigid || !text.empty()) {
+      more += body.rigid.has_value();
+      continue;
+    }
+    const auto mrad = [&](int i) { return short_number(1e3 * body.rigid->rotation[i], 3); };
+    text = fmt::format("{} moves by {}", shortened_name(body.name, 20), place_text(body.rigid->displacement));
+    if (!body.rigid->rotation.isZero(0)) text += fmt::format(", turns by ({}, {}, {}) mrad", mrad(0), mrad(1), mrad(2));
+  }
+  if (more > 0) text += fmt::format("; {} more in the report", more);
+  return text;
+}
+
 std::string maxima_text(const Results& results) {
   const auto& bodies = results.extremes;
   const int stressed = body_with_largest(bodies, &Extremes::von_mises);
@@ -310,6 +327,7 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   if (const std::string zone = zone_text(results); !zone.empty() && allowance.text_lines > 3)
     add("  zone:       ", zone);
   if (!results.extremes.empty()) add("  largest:    ", maxima_text(results));
+  if (const std::string rigid = rigid_text(results); !rigid.empty()) add("  rigid:      ", rigid);
   if (!results.probes.empty()) add("  probes:     ", probes_text(results));
   add("  est. error: ", error_text(results));
   if (!results.pressure_errors.empty()) add("  true error of the pressure: ", reference_text(results));

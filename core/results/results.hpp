@@ -14,10 +14,19 @@
 namespace cgcontact {
 
 /// Fields of one body; `cell` is an active cell, xi the cell coordinates in [-1,1]^3.
+/// How a rigid body has moved, and the moments on it.
+struct RigidFigures {
+  Vec3 centre = Vec3::Zero();                                                  ///< m, centroid of its volume
+  Vec3 displacement = Vec3::Zero();                                            ///< m, there
+  Vec3 rotation = Vec3::Zero();                                                ///< rad, small: axis times angle
+  Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N m, moments about the centre
+};
+
 struct BodyFields {
   std::string name;
   const CutCells* cut_cells = nullptr;
   Material material;
+  std::optional<RigidFigures> rigid;                               ///< of a rigid body
   std::function<Vec3(int cell, const Vec3& xi)> displacement;      ///< m
   std::function<Sym3(int cell, const Vec3& xi)> stress_raw;        ///< Pa, sigma_h
   std::function<Sym3(int cell, const Vec3& xi)> stress_recovered;  ///< Pa, sigma*
@@ -78,7 +87,7 @@ struct ContactRow {
   double gap = 0;                                ///< m, after deformation, positive when open
   double distance = 0;  ///< m, of the geometry before, without interference; infinite: nothing opposite
   double pressure_raw = 0, pressure_spr = 0, pressure_sprc = 0;  ///< Pa, positive in compression
-  double pressure_opposite = 0;                                  ///< Pa, SPR-C of the other body; NaN: nothing opposite
+  double pressure_opposite = 0;     ///< Pa, SPR-C of the other body; NaN: nothing opposite, or rigid
   double pressure_transmitted = 0;  ///< Pa, what the solution transmits at the nearest contact point; NaN: none
   double pressure_error = 0;        ///< Pa, estimated error of pressure_sprc
   Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa

@@ -2,6 +2,7 @@
 /// All units are SI (m, N, Pa); all keys are documented in docs/scene.md.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -34,11 +35,12 @@ const std::vector<std::string>& coordinate_names();
 const std::string& name_of(Coordinate coordinate);
 
 struct Material {
-  double youngs_modulus = 0;  ///< Pa
+  double youngs_modulus = 0;  ///< Pa; infinite: that of a rigid body
   double poisson_ratio = 0;
   std::optional<double> density = {};       ///< kg/m^3
   std::optional<double> expansion = {};     ///< 1/K, of lengths
   std::optional<double> yield_stress = {};  ///< Pa
+  bool is_rigid() const { return std::isinf(youngs_modulus); }
 };
 
 /// Forces per volume on a body that is accelerated, or turns steadily.
@@ -109,6 +111,8 @@ struct BodySpec {
   std::vector<std::shared_ptr<const RepairedSurface>> repairs;  ///< on request, of its mesh files
   SourcePlace place;
 
+  /// Six unknowns instead of elasticity.
+  bool rigid() const { return material.is_rigid(); }
   /// Is x (m) inside or on the boundary, within rounding?
   bool holds(const Vec3& x) const;
 };

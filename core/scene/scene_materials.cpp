@@ -1,6 +1,7 @@
 #include "core/scene/scene_materials.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/base/suggest.hpp"
 
@@ -54,6 +55,22 @@ SceneMaterials::SceneMaterials(const TomlCursor& root) : materials_(material_lib
       name_node.fail("is the name of another material, of the scene or of the library", "none of " + join(known));
     materials_.push_back({name, read_values(node)});
   }
+}
+
+Material SceneMaterials::read_rigid(const std::optional<TomlCursor>& node) const {
+  Material material;
+  material.youngs_modulus = std::numeric_limits<double>::infinity();
+  if (!node) return material;
+  if (node->is_string()) {
+    material.density = read(*node).density;
+    return material;
+  }
+  for (const char* key : {"E", "nu", "expansion", "yield"})
+    if (const auto value = node->find(key))
+      value->fail("a rigid body has neither strain nor stress", "{density = ..}, or without rigid = true");
+  node->expect_keys({"density"});
+  material.density = node->at("density", "> 0 kg/m^3").number(Range::positive("kg/m^3"));
+  return material;
 }
 
 Material SceneMaterials::read(const TomlCursor& node) const {

@@ -1,6 +1,7 @@
 /// Reads the materials of a scene: the `material` of a [[body]], in place or by its name, and [[material]] sections.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/scene/material_library.hpp"
@@ -15,6 +16,8 @@ class SceneMaterials {
   explicit SceneMaterials(const TomlCursor& root);
   /// A name, or {E, nu, density, expansion, yield}. Throws InputError.
   Material read(const TomlCursor& node) const;
+  /// Of a rigid body, whose density alone counts: none, a name or {density}. Throws InputError.
+  Material read_rigid(const std::optional<TomlCursor>& node) const;
 
  private:
   std::vector<NamedMaterial> materials_;

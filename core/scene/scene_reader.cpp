@@ -280,12 +280,17 @@ BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape, cons
   body.notes = shape.notes;
   body.warnings = shape.warnings;
   body.repairs = shape.repairs;
-  body.material = materials.read(node.at("material", "\"steel\" or another name, or {E = .., nu = ..}"));
-  // Without it the first grid of a run to an accuracy comes from the shape.
-  if (node.find("cell_size") || !scene_.accuracy.any()) body.cell_size = read_cell_size(node, shape);
+  const auto rigid = node.find("rigid");
+  body.material = rigid && rigid->boolean()
+                      ? materials.read_rigid(node.find("material"))
+                      : materials.read(node.at("material", "\"steel\" or another name, or {E = .., nu = ..}"));
+  // Without it the first grid of a run to an accuracy comes from the shape, that of a rigid body from its partners.
+  if (node.find("cell_size") || !(scene_.accuracy.any() || body.rigid())) body.cell_size = read_cell_size(node, shape);
   if (const auto grid = node.find("grid")) read_grid(*grid, body);
   if (const auto force = node.find("body_force")) body.body_force = read_vector_field(*force, "N/m^3");
-  if (const auto temperature = node.find("temperature"))
+  if (const auto temperature = node.find("temperature"); temperature && body.rigid())
+    temperature->fail("a rigid body does not expand", "without temperature, or without rigid = true");
+  else if (temperature)
     body.temperature = read_temperature(*temperature, body.material);
   if (const auto faces = node.find("faces")) {
     std::set<std::string> seen;
@@ -351,19 +356,36 @@ void SceneReader::add_ends_in_plane_strain() {
   }
 }
 
+namespace {
+
+/// Cells of a rigid body along its longest side, at least.
+constexpr double coarsest_of_rigid = 4;
+
+}  // namespace
+
 void SceneReader::read_bodies(const TomlCursor& root) {
   std::set<std::string> seen;
   const TomlCursor list = root.at("body", "one [[body]] section per body");
   const SceneMaterials materials(root);
   for (const TomlCursor& node : list.elements("[[body]] sections")) {
-    node.expect_keys({"name", "shape", "material", "cell_size", "grid", "body_force", "temperature", "faces", "refine",
-                      "plane_strain"});
+    node.expect_keys({"name", "shape", "material", "rigid", "cell_size", "grid", "body_force", "temperature", "faces",
+                      "refine", "plane_strain"});
     const TomlCursor name = node.at("name", "a name");
     check_unique(name, read_name(name), seen, "body");
     shapes_.push_back(read_shape(node));
     scene_.bodies.push_back(read_body(node, shapes_.back(), materials));
   }
   if (scene_.bodies.empty()) list.fail("there is no body", "one [[body]] section per body");
+  if (std::all_of(scene_.bodies.begin(), scene_.bodies.end(), [](const BodySpec& body) { return body.rigid(); }))
+    list.fail("all bodies are rigid: there is nothing to compute", "at least one body without rigid = true");
+}
+
+/// Of an accuracy: elastic ones.
+void SceneReader::check_bodies_of_stress(const TomlCursor& node) const {
+  node.expect_keys(body_names());
+  for (const BodySpec& body : scene_.bodies)
+    if (const auto value = node.find(body.name); value && body.rigid())
+      value->fail("a rigid body has no stress", "elastic bodies");
 }
 
 int SceneReader::body_index(const std::string& name) const {
@@ -563,6 +585,8 @@ ContactSpec SceneReader::read_contact(const TomlCursor& node) const {
   if (contact.first.body == contact.second.body)
     list.fail("both faces belong to the body \"" + scene_.bodies[contact.first.body].name + "\"",
               "faces of two different bodies");
+  if (scene_.bodies[contact.first.body].rigid() && scene_.bodies[contact.second.body].rigid())
+    list.fail("both bodies are rigid: the pressure between them is not determined", "at least one elastic body");
   const auto name = node.find("name");
   contact.name =
       name ? read_name(*name) : scene_.bodies[contact.first.body].name + "-" + scene_.bodies[contact.second.body].name;
@@ -591,6 +615,39 @@ void SceneReader::add_automatic_contacts(const TomlCursor& node) {
       contact.first.face.place = contact.second.face.place = contact.place;
       scene_.contacts.push_back(contact);
     }
+  }
+}
+
+/// Cells of a rigid body that has none of its own serve contact and pictures only: at its surface as small as those of
+/// the elastic bodies that it may touch, and smaller where these are; large inside.
+void SceneReader::choose_cells_of_rigid_bodies() {
+  for (int b = 0; b < static_cast<int>(scene_.bodies.size()); ++b) {
+    BodySpec& body = scene_.bodies[b];
+    if (!body.rigid() || body.cell_size > 0 || scene_.accuracy.any()) continue;
+    std::set<int> partners;
+    for (const ContactSpec& contact : scene_.contacts) {
+      if (contact.first.body == b) partners.insert(contact.second.body);
+      if (contact.second.body == b) partners.insert(contact.first.body);
+    }
+    if (partners.empty())
+      throw InputError(body.place, "\"" + body.name + "\"", "a rigid body without contact moves nothing",
+                       "a [[contact]] with an elastic body");
+    RefineSpec surface;
+    surface.kind = RefineSpec::Kind::face;
+    surface.size = longest_side(b);
+    surface.grading = 1;
+    surface.place = body.place;
+    for (const int partner : partners) {
+      const BodySpec& other = scene_.bodies[partner];
+      if (other.rigid()) continue;
+      surface.size = std::min(surface.size, other.cell_size);
+      for (const RefineSpec& refine : other.refine)
+        if (refine.kind != RefineSpec::Kind::face) body.refine.push_back(refine);
+    }
+    body.cell_size = surface.size;
+    if (body.plane_strain) continue;  // cells of one size, as those of the others
+    while (2 * body.cell_size * coarsest_of_rigid <= longest_side(b)) body.cell_size *= 2;
+    if (body.cell_size > surface.size) body.refine.push_back(surface);
   }
 }
 
@@ -676,13 +733,14 @@ Scene SceneReader::read(const TomlCursor& root) {
   if (const auto title = root.find("title")) scene_.title = printable(title->string());
   if (const auto node = root.find("accuracy")) scene_.accuracy = read_accuracy(*node);
   read_bodies(root);
-  if (!scene_.accuracy.stress_of_body.empty()) root.find("accuracy")->find("stress")->expect_keys(body_names());
+  if (!scene_.accuracy.stress_of_body.empty()) check_bodies_of_stress(*root.find("accuracy")->find("stress"));
   read_inertia(root);
   read_plane_strain(root);
   read_supports(root);
   add_ends_in_plane_strain();
   read_loads(root);
   read_contacts(root);
+  choose_cells_of_rigid_bodies();
   read_probes(root);
   read_sections(root);
   if (const auto node = root.find("steps")) {

@@ -31,6 +31,8 @@ class SceneReader {
   BodySpec read_body(const TomlCursor& node, const Shape& shape, const SceneMaterials& materials) const;
   FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
   RefineSpec read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const;
+  void check_bodies_of_stress(const TomlCursor& node) const;
+  void choose_cells_of_rigid_bodies();
   void read_supports(const TomlCursor& root);
   void read_loads(const TomlCursor& root);
   void read_inertia(const TomlCursor& root);

@@ -10,13 +10,17 @@ namespace {
 
 constexpr double well_filled = 0.25;
 
+/// What preconditioners take a rigid body for: soft ones hold contact less than the rigid body does.
+constexpr double modulus_of_rigid = 1e3;
+
 bool badly_filled(const CutCells& cells, int cell) { return cells.volume_fraction(cell) < well_filled; }
 
 BodyMesh empty_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
   BodyMesh mesh;
   mesh.cut_cells = &cut_cells;
   mesh.law = UnitElasticity(material.poisson_ratio);
-  mesh.modulus = material.youngs_modulus / scales.stress;
+  mesh.rigid = material.is_rigid();
+  mesh.modulus = mesh.rigid ? modulus_of_rigid : material.youngs_modulus / scales.stress;
   mesh.length = scales.length;
   mesh.first_node = first_node;
   return mesh;

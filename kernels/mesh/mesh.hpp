@@ -37,7 +37,8 @@ struct LevelFace {
 struct BodyMesh {
   const CutCells* cut_cells = nullptr;
   UnitElasticity law;
-  double modulus = 1;  ///< E / Scales::stress
+  double modulus = 1;  ///< E / Scales::stress; of a rigid body a large number that preconditioners see
+  bool rigid = false;  ///< moves as a whole (RigidBodies)
   double length = 1;   ///< Scales::length, m
   int first_node = 0, num_nodes = 0;
   std::vector<Index3> nodes;                   ///< place of each active node in the grid of its level, by k, j, i
@@ -64,8 +65,9 @@ struct BodyMesh {
     return node_levels.empty() ? place : Vec3(std::ldexp(1.0, -node_levels[node]) * place);
   }
   bool in_plane_strain() const { return cut_cells->grid.plane_strain >= 0; }
-  /// Degrees of freedom that neither constraints nor plane strain give.
+  /// Degrees of freedom that neither constraints nor plane strain give; the motions of a rigid body.
   int num_free_dofs() const {
+    if (rigid) return in_plane_strain() ? 3 : 6;
     return (in_plane_strain() ? dofs_per_node - 1 : dofs_per_node) * (num_nodes - static_cast<int>(constraints.size()));
   }
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }

@@ -3,6 +3,7 @@
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Vector.hpp>
 #include <cstdlib>
+#include <limits>
 
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
@@ -10,6 +11,7 @@
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/multigrid.hpp"
 #include "kernels/solver/conjugate_gradients.hpp"
+#include "kernels/solver/rigid_bodies.hpp"
 #include "kernels/solver/rigid_coarse_space.hpp"
 
 namespace cgcontact {
@@ -69,11 +71,14 @@ class WithRigidMotions : public TpetraOperator {
 struct LinearSolver::Impl {
   const ElasticSystem& system;
   Preconditioner kind;
-  std::unique_ptr<RigidCoarseSpace> rigid_motions = {};  ///< once a solve has taken many iterations
+  RigidBodies rigid_bodies;
+  /// With rigid bodies from the start, else once a solve has taken many iterations.
+  std::unique_ptr<RigidCoarseSpace> rigid_motions = {};
   MultigridSettings settings = {};
   RCP<const TpetraMap> map = {};
   RCP<ElasticityOperator> op = {};
-  RCP<TpetraOperator> preconditioner = {};
+  RCP<const TpetraOperator> projected_op = {};  ///< on the motions of rigid bodies, if there are any
+  RCP<const TpetraOperator> preconditioner = {};
   RCP<Multigrid> multigrid = {};
   PreconditionerReport report = {};
   std::vector<double> muelu_groups = {};  ///< stiffness of the contact groups that MueLu was set up with
@@ -83,9 +88,15 @@ struct LinearSolver::Impl {
   /// What this rank computes.
   const ElasticSystem& own_system() const { return share() ? share()->system() : system; }
 
+  /// A preconditioner, which leaves rigid bodies rigid.
+  RCP<const TpetraOperator> on_rigid_motions(RCP<const TpetraOperator> inner) const {
+    if (rigid_bodies.empty()) return inner;
+    return rcp(new OnRigidMotions(std::move(inner), rigid_bodies, NodeValues::displacements));
+  }
+
   /// From the next update on.
   void keep_rigid_motions_apart() {
-    if (multigrid.is_null() || rigid_motions) return;
+    if (kind == Preconditioner::muelu || rigid_motions) return;
     auto motions = std::make_unique<RigidCoarseSpace>(system);
     if (motions->empty()) return;
     rigid_motions = std::move(motions);
@@ -97,7 +108,7 @@ struct LinearSolver::Impl {
     if (map.is_null()) map = system.dofs.vector_map(comm_of_this_rank());
     const std::vector<double> stiffness = group_stiffness(system);
     if (!preconditioner.is_null() && !changed_much(muelu_groups, stiffness)) return;
-    preconditioner = rcp(new Consistent(make_muelu(system, map), system.dofs));
+    preconditioner = on_rigid_motions(rcp(new Consistent(make_muelu(system, map), system.dofs)));
     muelu_groups = stiffness;
     ++report.setups;
   }
@@ -110,19 +121,23 @@ struct LinearSolver::Impl {
     if (!multigrid.is_null()) return multigrid->update_groups();
     multigrid = rcp(new Multigrid(system, settings));
     map = multigrid->getDomainMap();
-    preconditioner = multigrid;
+    preconditioner = on_rigid_motions(multigrid);
     if (share()) share()->tell_work();
     if (!rigid_motions) return;
     if (share()) rigid_motions->set_share(*share());
-    preconditioner = rcp(new WithRigidMotions(multigrid, *rigid_motions));
+    preconditioner = rcp(new WithRigidMotions(preconditioner, *rigid_motions));
   }
 
   LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);
 };
 
+/// With rigid bodies every rank solves the whole.
 LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns)
-    : impl_(new Impl{system, preconditioner}) {
+    : impl_(new Impl{system, preconditioner, RigidBodies(system)}) {
   if (shared_unknowns >= 0) impl_->settings.shared_unknowns = shared_unknowns;
+  if (impl_->rigid_bodies.empty()) return;
+  impl_->settings.shared_unknowns = std::numeric_limits<int>::max();
+  impl_->keep_rigid_motions_apart();
 }
 LinearSolver::~LinearSolver() = default;
 
@@ -141,6 +156,8 @@ void LinearSolver::update() {
   if (s.rigid_motions) s.rigid_motions->update();
   if (!s.op.is_null()) return s.op->update_groups(s.own_system());
   s.op = rcp(new ElasticityOperator(s.own_system(), s.map));
+  s.projected_op = s.op;
+  if (!s.rigid_bodies.empty()) s.projected_op = rcp(new OnRigidMotions(s.op, s.rigid_bodies, NodeValues::forces));
   if (!s.multigrid.is_null()) s.multigrid->drop_moments();
 }
 
@@ -170,6 +187,7 @@ LinearSolveResult LinearSolver::Impl::solve(const RealView& b, const RealView& x
     const RealView r(rhs->getLocalViewDevice(Tpetra::Access::OverwriteAll).data(), n);
     op->kernel().residual(exec, b, x, r);
     exec.fence();
+    rigid_bodies.project(NodeValues::forces, r);
   };
   residual();
   const auto add_correction = [&] {
@@ -189,8 +207,8 @@ LinearSolveResult LinearSolver::Impl::solve(const RealView& b, const RealView& x
   for (int sweep = 0; sweep < 3 && norm > tolerance && result.iterations < max_iterations; ++sweep) {
     correction->putScalar(0);
     const double relative = std::max(0.9 * tolerance / norm, 1e-15);
-    result.iterations +=
-        conjugate_gradients(op, preconditioner, rhs, correction, relative, max_iterations - result.iterations);
+    result.iterations += conjugate_gradients(projected_op, preconditioner, rhs, correction, relative,
+                                             max_iterations - result.iterations);
     add_correction();
     const double previous = norm;
     norm = rhs->getVector(0)->norm2();

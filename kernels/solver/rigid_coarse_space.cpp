@@ -81,7 +81,7 @@ RigidCoarseSpace::Body RigidCoarseSpace::free_motions(int m) const {
     for (Eigen::Index j = 0; j < count; ++j) resistance(i, j) = held(kept[i], kept[j]);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(resistance);
   Eigen::Index free = 0;
-  while (free < count && solver.eigenvalues()[free] < hardly_held * mesh.modulus * size) ++free;
+  while (free < count && (mesh.rigid || solver.eigenvalues()[free] < hardly_held * mesh.modulus * size)) ++free;
   body.motions.setZero(6, free);
   for (Eigen::Index i = 0; i < count; ++i) body.motions.row(kept[i]) = solver.eigenvectors().row(i).head(free);
   return body;

@@ -353,7 +353,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
         mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed(options_.closed_fraction));
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }
-  if (coupled) {
+  if (coupled && !bodies_[coupled->other_body].mesh->rigid) {  // a rigid body has no stress to be continuous with
     auxiliary_fit(node, *coupled, polynomial, workspace, problem.fit[1]);
     if (degree == 2 && !problem.fit[1].regular) return lowered();
     problem.coupled = problem.fit[1].regular;

@@ -98,7 +98,8 @@ CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const 
     const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
     const Vec3 outward = -(other.grid.rotation.transpose() * (own.grid.rotation * link.normal));
     if (seen < 0) least = cells_across(own, cell, link.normal, middle);
-    least.take_thinner(cells_across(other, link.other_cell, outward, middles[link.other_body]));
+    if (!bodies[link.other_body].mesh->rigid)
+      least.take_thinner(cells_across(other, link.other_cell, outward, middles[link.other_body]));
     seen = link.other_cell;
   }
   return least;

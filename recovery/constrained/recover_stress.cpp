@@ -367,7 +367,8 @@ ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, con
     const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
     PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}, {}};
-    const std::vector<int> others = recover_interior(assembly, options);
+    std::vector<int> others;
+    if (!bodies[b].mesh->rigid) others = recover_interior(assembly, options);
     EdgeTerms terms;
     QuadraticTerms quadratic_terms;
     const auto keep = [&](const PatchProblem& problem) {
@@ -425,6 +426,7 @@ ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies,
   }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     PatchStates& states = recovery.states[b];
+    if (bodies[b].mesh->rigid) continue;
     balance_forces(bodies, b, field_of(bodies[b], recovery, b), plain[b], scales, options.balance, states);
     set_constrained_nodes(bodies[b], states, recovery.quadratic[b]);
     for (std::size_t n = 0; n < states.kind.size(); ++n) {

@@ -1,0 +1,79 @@
+#include "kernels/solver/rigid_bodies.hpp"
+
+#include <Eigen/LU>
+#include <stdexcept>
+
+#include "core/base/parallel.hpp"
+#include "kernels/mesh/node_sums.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Nodes per chunk of the parallel loops.
+constexpr std::size_t grain = 4096;
+
+void set_to_zero(const BodyMesh& mesh, bool only_constrained, const RealView& v) {
+  parallel_for("cgcontact::rigid_bodies::zero", mesh.nodes.size(), grain, [&](std::size_t n) {
+    if (only_constrained && mesh.is_free(static_cast<int>(n))) return;
+    for (int i = 0; i < dofs_per_node; ++i) v(dof_offset(mesh.first_node + n, i)) = 0;
+  });
+}
+
+}  // namespace
+
+RigidBodies::RigidBodies(const ElasticSystem& system) {
+  for (const BodyMesh& mesh : system.meshes) {
+    if (!mesh.rigid) continue;
+    Body body{&mesh, centre_of_nodes(mesh), Eigen::Matrix<double, 6, 6>::Zero()};
+    const int axis = mesh.cut_cells->grid.plane_strain;
+    std::vector<int> moves;  // in plane strain nothing moves along the axis or turns about another one
+    for (int k = 0; k < 6; ++k)
+      if (axis < 0 || (k < 3 ? k != axis : k - 3 == axis)) moves.push_back(k);
+    const auto count = static_cast<Eigen::Index>(moves.size());
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);  // of the motions, over the free nodes
+    for (int n = 0; n < mesh.num_nodes; ++n) {
+      if (!mesh.is_free(n)) continue;
+      const Vec3 arm = mesh.node_position(n) - body.centre;
+      Eigen::Matrix<double, 3, 6> all;
+      for (int k = 0; k < 3; ++k) {
+        all.col(k) = Vec3::Unit(k);
+        all.col(3 + k) = Vec3::Unit(k).cross(arm);
+      }
+      Eigen::MatrixXd motions(3, count);
+      for (Eigen::Index i = 0; i < count; ++i) motions.col(i) = all.col(moves[i]);
+      if (axis >= 0) motions.row(axis).setZero();
+      products += motions.transpose() * motions;
+    }
+    const Eigen::MatrixXd inverse = products.inverse();
+    for (Eigen::Index i = 0; i < count; ++i)
+      for (Eigen::Index j = 0; j < count; ++j) body.motion_of_sums(moves[i], moves[j]) = inverse(i, j);
+    bodies_.push_back(body);
+  }
+}
+
+void RigidBodies::project(NodeValues kind, const RealView& v) const {
+  for (const Body& body : bodies_) project(body, kind, v);
+}
+
+void RigidBodies::project(const Body& body, NodeValues kind, const RealView& v) {
+  const BodyMesh& mesh = *body.mesh;
+  set_to_zero(mesh, true, v);
+  const NodeSums sums = sums_of_nodes(mesh, body.centre, v);
+  set_to_zero(mesh, false, v);
+  Eigen::Matrix<double, 6, 1> all;
+  all << sums.sum, sums.moment;
+  const Eigen::Matrix<double, 6, 1> motion = body.motion_of_sums * all;
+  add_rigid_motion(mesh, body.centre, motion.head<3>(), motion.tail<3>(), v);
+  if (kind == NodeValues::forces) set_to_zero(mesh, true, v);
+}
+
+void OnRigidMotions::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha,
+                           double beta) const {
+  if (alpha != 1 || beta != 0) throw std::logic_error("OnRigidMotions: alpha = 1, beta = 0 only");
+  inner_->apply(X, Y, mode, alpha, beta);
+  Kokkos::fence();
+  const auto y = Y.getLocalViewDevice(Tpetra::Access::ReadWrite);
+  bodies_.project(result_, RealView(y.data(), Y.getLocalLength()));
+}
+
+}  // namespace cgcontact
