@@ -115,7 +115,7 @@ struct Multigrid::Impl {
     }
     // The operators have what they need of the cells; the coarsest is assembled again and again.
     for (std::size_t l = 1; l + 1 < levels.size(); ++l) {
-      drop_moments(levels[l]->cells);
+      cgcontact::drop_moments(levels[l]->cells);
       if (levels[l]->share) levels[l]->share->drop_moments();
     }
     const Halo::Comm alone = num_ranks() == 1 ? comm : comm_of_this_rank();
