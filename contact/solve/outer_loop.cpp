@@ -23,11 +23,11 @@ namespace {
 /// Motions that are resisted by less than this part of the rest are named when the solver fails: a body on one small
 /// curved contact is as good as free.
 constexpr double hardly_any_stiffness = 1e-3;
-/// Of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most on the scenes of
-/// this repository, those that do not 4 to 400 (docs/decisions.md).
+/// Of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most on the scenes
+/// of this repository, those that do not 4 to 400 (docs/decisions.md).
 constexpr double farthest_wandering = 3;
-/// Iterations, and a residual, after which bodies that still wander by more than so many cells are held, if the residual
-/// does not fall by half in two iterations.
+/// Iterations, and a residual, after which bodies that still wander by more than so many cells are held, if the
+/// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
 constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
 
@@ -57,10 +57,10 @@ struct ContactSolver::Impl {
   Iterate now_;
   LaggedStress lagged_stress_;
   RightHandSide right_hand_side_;
-  FreeMotions unbalanced_;    // what the loads drive without end
-  bool warm_ = false;         // is there a converged solution to start from?
+  FreeMotions unbalanced_;                       // what the loads drive without end
+  bool warm_ = false;                            // is there a converged solution to start from?
   std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
-  std::string solver_error_;  // of Trilinos, where it gave up
+  std::string solver_error_;                     // of Trilinos, where it gave up
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)

@@ -226,12 +226,7 @@ bool settle(Section& section, const Index3& cell) {
 
 TriangleCells::TriangleCells(const TriangleSurface& surface, const CurvedTriangles* curved, const Index3& num_cells,
                              const std::vector<Plane>& dividers, int order, const LeafLevel& leaves)
-    : surface_(surface),
-      curved_(curved),
-      num_cells_(num_cells),
-      dividers_(dividers),
-      order_(order),
-      leaves_(leaves) {
+    : surface_(surface), curved_(curved), num_cells_(num_cells), dividers_(dividers), order_(order), leaves_(leaves) {
   const int n = static_cast<int>(surface.triangles().size());
   entries_.reserve(2 * surface.triangles().size());
   for (int t = 0; t < n; ++t)

@@ -183,7 +183,8 @@ void write_lug(const std::string& folder) {
 }
 
 /// The rings of a ball bearing, width 13, for twelve balls of radius 3.5 on a circle of 21.25; the grooves' radius
-/// is 1.25 times the balls', and the inner ring is thick, so that it stays round. Named faces: "bore", "outside", "groove".
+/// is 1.25 times the balls', and the inner ring is thick, so that it stays round. Named faces: "bore", "outside",
+/// "groove".
 void write_bearing(const std::string& folder) {
   const double pitch = 21.25, ball = 3.5, groove = 1.25 * ball, width = 13;
   Handle(TDocStd_Document) document;
