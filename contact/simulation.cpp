@@ -25,6 +25,7 @@
 #include "contact/results/small_strain.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
+#include "contact/solve/surface_wanderers.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/resources.hpp"
 
@@ -136,6 +137,13 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   for (std::size_t k = 0; k < steps.size();) {
     set_step(steps[k]);
     state.outer = solver->solve(progress.step);
+    if (state.outer.wanders) {
+      hold_wanderers();
+      auto held = make_solver();
+      held->take_over(*solver);
+      solver = std::move(held);
+      continue;
+    }
     if (state.outer.converged && extensions < most_extensions && see_farther()) {
       ++extensions;
       make_system();
@@ -198,6 +206,13 @@ bool Simulation::see_farther() {
   if (reach.empty()) return false;
   state.pairs = make_contact_pairs(state.scene, state.bodies, reach);
   return true;
+}
+
+/// Bodies stay where they are along surfaces, as far as no load drives them.
+void Simulation::hold_wanderers() {
+  for (const SupportPoint& point : SurfaceWanderers(state.bodies, state.supports, state.pairs).hold(state.bodies))
+    state.supports.push_back(point);
+  make_system();
 }
 
 /// Figures of a step; the pairs of the last one are those of the results.
@@ -314,6 +329,7 @@ void Simulation::fill_results() {
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
   results.verdict = judge(state, results);
   fill_balance(state, results);
+  if (const std::string warning = place_keeping_warning(state, results); !warning.empty()) add_warning(warning);
   choose_reference();
   fill_body_fields(state, results);
   fill_rigid_figures(state, results);

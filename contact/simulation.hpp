@@ -49,6 +49,7 @@ class Simulation {
   void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
   bool see_farther();
+  void hold_wanderers();
   void record_step(std::size_t number, const ProgressCallbacks& progress);
   void add_warning(const std::string& warning);
   bool tighten();

@@ -105,6 +105,7 @@ struct SupportPoint {
   double value = 0;              ///< its part in the present step, m
   bool by_plane_strain = false;  ///< holds of itself: for the search for free motions, no term of the linear system
   bool follows = false;          ///< value becomes the displacement in every outer iteration: no force in the end
+  bool keeps_place = false;      ///< holds a body along surfaces (contact/solve/surface_wanderers.hpp)
   Held component = Held::normal;
   double spring = 0;  ///< Pa/m; 0: held
 };

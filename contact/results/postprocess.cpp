@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "contact/results/pressure_error.hpp"
 #include "contact/results/reference.hpp"
@@ -156,6 +157,15 @@ Vec3 force_on_end(const SolvedState& state, const FaceRef& reference) {
   return force;
 }
 
+/// Of what holds a body along surfaces, N.
+Vec3 place_keeping_force(const SolvedState& state, int body) {
+  Vec3 force = Vec3::Zero();
+  for (std::size_t s = 0; s < state.supports.size(); ++s)
+    if (const SupportPoint& p = state.supports[s]; p.keeps_place && p.body == body)
+      force += p.weight * state.outer.support_stress[s] * p.direction;
+  return force;
+}
+
 }  // namespace
 
 void fill_support_figures(const SolvedState& state, Results& results) {
@@ -176,12 +186,33 @@ void fill_balance(const SolvedState& state, Results& results) {
     balance.loads = state.outer.load_of_body[b];
     for (std::size_t s = 0; s < results.supports.size(); ++s)
       if (state.scene.supports[s].face.body == static_cast<int>(b)) balance.supports += results.supports[s].force;
+    balance.supports += place_keeping_force(state, static_cast<int>(b));
     for (std::size_t k = 0; k < results.pairs.size(); ++k) {
       if (state.pairs[k].spec->first.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_first;
       if (state.pairs[k].spec->second.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_second;
     }
     results.balance.push_back(balance);
   }
+}
+
+std::string place_keeping_warning(const SolvedState& state, const Results& results) {
+  std::vector<double> contact(state.bodies.size(), 0.0);  // of each body, N: the largest pair
+  for (std::size_t k = 0; k < results.pairs.size(); ++k)
+    for (const int b : {state.pairs[k].primary, state.pairs[k].secondary})
+      contact[b] = std::max(contact[b], results.pairs[k].force_on_first.norm());
+  const double largest = *std::max_element(contact.begin(), contact.end());
+  std::set<int> held;
+  for (const SupportPoint& p : state.supports)
+    if (p.keeps_place) held.insert(p.body);
+  if (held.empty()) return "";
+  const auto part = [&](int b) { return largest > 0 ? place_keeping_force(state, b).norm() / largest : 0.0; };
+  const int most = *std::max_element(held.begin(), held.end(), [&](int a, int b) { return part(a) < part(b); });
+  return fmt::format(
+      "{} that contact alone holds would slide and spin along the surfaces that they touch for many cells, which no "
+      "load drives: held where they are, which takes {:.2g} % of the largest contact force at most (body \"{}\"); "
+      "smaller cells at the contact make it less",
+      held.size() == 1 ? "a body" : fmt::format("{} bodies", held.size()), 100 * part(most),
+      state.bodies[most].spec->name);
 }
 
 void fill_pressure_errors(const SolvedState& state, Results& results) {

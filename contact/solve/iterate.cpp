@@ -35,11 +35,25 @@ void Iterate::forget() {
   rigid_gap_change.assign(problem.system.group_rows.size(), 0.0);
   support_stress.assign(problem.supports.size(), 0.0);
   small_zones.forget();
-  last_spring_step_.clear();
+  last_spring_steps_.clear();
   contact_stress.clear();
   for (const ContactPair& pair : problem.pairs) contact_stress.emplace_back(pair.points.size(), 0.0);
   for (SupportPoint& p : problem.supports)
     if (p.follows) p.value = 0;
+}
+
+void Iterate::take_over(const Iterate& other) {
+  Kokkos::deep_copy(u, other.u);
+  rigid_parts.forget();
+  for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
+    const RigidPart& part = other.rigid_parts.of_bodies()[b];
+    rigid_parts.move(b, part.translation, part.rotation, part.centre);
+  }
+  rigid_gap_change.assign(problem.system.group_rows.size(), 0.0);
+  support_stress = other.support_stress;
+  support_stress.resize(problem.supports.size(), 0.0);
+  contact_stress = other.contact_stress;
+  small_zones.forget();
 }
 
 void Iterate::set_rigid_parts_aside() {
@@ -151,28 +165,33 @@ void Iterate::let_springs_follow() {
       std::any_of(problem.supports.begin(), problem.supports.end(), [](const SupportPoint& p) { return p.follows; });
   if (!any) return;
   const auto host_u = host_copy(u);
-  std::vector<double> step;
-  for (const SupportPoint& p : problem.supports)
-    if (p.follows) step.push_back(displacement_of(p, host_u) - p.value);
-  const double length = whole_length_of(step);
-  auto of_spring = step.begin();
-  for (SupportPoint& p : problem.supports)
-    if (p.follows) p.value += length * *of_spring++;
+  last_spring_steps_.resize(problem.bodies.size());
+  for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
+    std::vector<SupportPoint*> springs;
+    std::vector<double> step;
+    for (SupportPoint& p : problem.supports)
+      if (p.follows && p.body == static_cast<int>(b)) {
+        springs.push_back(&p);
+        step.push_back(displacement_of(p, host_u) - p.value);
+      }
+    const double length = whole_length_of(step, last_spring_steps_[b]);
+    for (std::size_t i = 0; i < springs.size(); ++i) springs[i]->value += length * step[i];
+  }
 }
 
 /// In steps: 1, or the sum of the geometric series that the last step and this one begin (Aitken).
-double Iterate::whole_length_of(const std::vector<double>& step) {
+double Iterate::whole_length_of(const std::vector<double>& step, std::vector<double>& last) {
   double with_last = 0, of_last = 0;
-  for (std::size_t i = 0; i < last_spring_step_.size(); ++i) {
-    with_last += step[i] * last_spring_step_[i];
-    of_last += last_spring_step_[i] * last_spring_step_[i];
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    with_last += step[i] * last[i];
+    of_last += last[i] * last[i];
   }
   const double ratio = of_last > 0 ? with_last / of_last : 0;
   if (ratio < slow || ratio > without_end) {
-    last_spring_step_ = step;
+    last = step;
     return 1;
   }
-  last_spring_step_.clear();
+  last.clear();
   return 1 / (1 - ratio);
 }
 

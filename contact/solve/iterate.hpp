@@ -15,6 +15,8 @@ struct Iterate {
 
   /// Back to no displacement and no stress.
   void forget();
+  /// Displacements and stresses of the same bodies and pairs, to which supports have been added.
+  void take_over(const Iterate& other);
   /// From u into rigid_parts, and what follows for the gaps.
   void set_rigid_parts_aside();
 
@@ -46,7 +48,8 @@ struct Iterate {
 
   /// Sum of the magnitudes of the forces in springs that follow a motion, N.
   double spring_force() const;
-  /// Moves their rest positions to where the motions are, or to where the steps of the last iterations tend to.
+  /// Moves their rest positions to where the motions are, or to where the steps of the last iterations tend to, body by
+  /// body: each has a pace of its own.
   void let_springs_follow();
 
   OuterProblem problem;
@@ -60,9 +63,9 @@ struct Iterate {
   std::vector<double> rigid_gap_change;             ///< of each contact group, m
 
  private:
-  double whole_length_of(const std::vector<double>& step);
+  static double whole_length_of(const std::vector<double>& step, std::vector<double>& last);
 
-  std::vector<double> last_spring_step_;  ///< m, of each spring
+  std::vector<std::vector<double>> last_spring_steps_;  ///< m, of each body's springs
 };
 
 RealView::HostMirror host_copy(const RealView& u);

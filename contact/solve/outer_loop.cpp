@@ -13,6 +13,7 @@
 #include "contact/solve/line_search.hpp"
 #include "contact/solve/outer_start.hpp"
 #include "contact/solve/right_hand_side.hpp"
+#include "contact/solve/surface_wanderers.hpp"
 #include "core/base/memory.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
@@ -22,6 +23,13 @@ namespace {
 /// Motions that are resisted by less than this part of the rest are named when the solver fails: a body on one small
 /// curved contact is as good as free.
 constexpr double hardly_any_stiffness = 1e-3;
+/// Of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most on the scenes
+/// of this repository, those that do not 4 to 400 (docs/decisions.md).
+constexpr double farthest_wandering = 3;
+/// Iterations, and a residual, after which bodies that still wander by more than so many cells are held, if the
+/// residual does not fall by half in two iterations.
+constexpr std::size_t patience = 7;
+constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
 
 }  // namespace
 
@@ -32,6 +40,9 @@ struct ContactSolver::Impl {
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress, bool held);
   void assemble();
   LinearSolveResult solve_linear(double tolerance);
+  void take_over(const Impl& other);
+  bool wanders_far() const;
+  bool wanders_on(const std::vector<double>& residuals) const;
   bool contact_holds_floating_bodies();
   bool balance_floating_bodies();
   void polish(OuterResult& result);
@@ -46,9 +57,10 @@ struct ContactSolver::Impl {
   Iterate now_;
   LaggedStress lagged_stress_;
   RightHandSide right_hand_side_;
-  FreeMotions unbalanced_;    // what the loads drive without end
-  bool warm_ = false;         // is there a converged solution to start from?
-  std::string solver_error_;  // of Trilinos, where it gave up
+  FreeMotions unbalanced_;                       // what the loads drive without end
+  bool warm_ = false;                            // is there a converged solution to start from?
+  std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
+  std::string solver_error_;                     // of Trilinos, where it gave up
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
@@ -57,7 +69,10 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
       solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns),
       now_(problem),
       lagged_stress_(problem),
-      right_hand_side_(problem.system.num_dofs()) {}
+      right_hand_side_(problem.system.num_dofs()) {
+  if (now_.floating.any())
+    wanderers_ = std::make_unique<SurfaceWanderers>(problem.bodies, problem.supports, problem.pairs);
+}
 
 /// From the last solution or, without one, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
@@ -112,6 +127,10 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       return stop(iteration, describe_parting(open_what_parts(now_, unbalanced_), problem_.pairs.size()), result);
     }
     now_.let_springs_follow();
+    if (wanders_far()) {
+      result.wanders = true;
+      return result;
+    }
     update_active_set(now_, iteration <= settings().last_small_zone_decision);
     step.changed_points = history.record(problem_.pairs);
     step.residual = outer_residual = std::max(lagged_stress_.update(now_), now_.small_zones.relative_change());
@@ -128,11 +147,33 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
       result.converged = warm_ = true;
       return result;
     }
+    if (wanders_on(result.residuals)) {
+      result.wanders = warm_ = true;
+      return result;
+    }
   }
   polish(result);
   result.diagnosis =
       history.cycles() ? history.describe(problem_.pairs) : describe_residual(settings(), result.residuals);
   return result;
+}
+
+bool ContactSolver::Impl::wanders_far() const {
+  return wanderers_ && wanderers_->farthest(now_.rigid_parts.of_bodies()) > farthest_wandering;
+}
+
+/// Does all else stand still, while bodies that soft springs follow do not come to rest?
+bool ContactSolver::Impl::wanders_on(const std::vector<double>& residuals) const {
+  const std::size_t n = residuals.size();
+  return n > patience && residuals[n - 1] < nearly_converged && residuals[n - 1] > 0.5 * residuals[n - 3] &&
+         wanderers_ && wanderers_->farthest(now_.rigid_parts.of_bodies()) > no_wandering;
+}
+
+/// From the state of a solver of the same scene whose bodies were not held along surfaces yet.
+void ContactSolver::Impl::take_over(const Impl& other) {
+  if (!other.warm_) return;
+  now_.take_over(other.now_);
+  warm_ = true;
 }
 
 /// The linear system of the present iterate.
@@ -224,6 +265,8 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
 ContactSolver::ContactSolver(const OuterProblem& problem, const SolvedState* earlier)
     : impl_(std::make_unique<Impl>(problem, earlier)) {}
 ContactSolver::~ContactSolver() = default;
+
+void ContactSolver::take_over(const ContactSolver& other) { impl_->take_over(*other.impl_); }
 
 OuterResult ContactSolver::solve(const std::function<void(const OuterStep&)>& progress) { return impl_->run(progress); }
 

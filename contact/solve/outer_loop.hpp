@@ -36,6 +36,8 @@ struct OuterResult {
   std::vector<int> small_zone_groups;               ///< of each pair: that press by a zone smaller than the cells
   std::vector<SmallZones::Width> small_zone_width;  ///< of each pair: of such zones
   bool converged = false;
+  /// Stopped because a body wanders along surfaces: to be held (surface_wanderers.hpp), and solved again.
+  bool wanders = false;
   std::string diagnosis;
 };
 
@@ -48,6 +50,8 @@ class ContactSolver {
   /// earlier: a solution on other grids that the first call starts from (outer_start.hpp), or none.
   explicit ContactSolver(const OuterProblem& problem, const SolvedState* earlier = nullptr);
   ~ContactSolver();
+  /// Starts from where a solver stopped that found a body to wander (`wanders`); from nothing, if it was far off.
+  void take_over(const ContactSolver& other);
   OuterResult solve(const std::function<void(const OuterStep&)>& progress);
 
  private:

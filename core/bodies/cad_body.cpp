@@ -172,8 +172,8 @@ void CadBody::crossings(const Vec3& x, const Vec3& d, double reach, std::vector<
 }
 
 std::unique_ptr<CellSweep> CadBody::sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
-                                                const LeafLevel&) const {
-  return std::make_unique<TriangleCells>(surface_->flat, &surface_->curved, grid.num_cells, dividers, order);
+                                                const LeafLevel& leaves) const {
+  return std::make_unique<TriangleCells>(surface_->flat, &surface_->curved, grid.num_cells, dividers, order, leaves);
 }
 
 void CadBody::boundary_points(const Index3& cell, const std::vector<char>& selected, const std::vector<Plane>& dividers,

@@ -134,8 +134,8 @@ void TriangleBody::crossings(const Vec3& x, const Vec3& d, double reach, std::ve
 }
 
 std::unique_ptr<CellSweep> TriangleBody::sweep_cells(const Grid& grid, const std::vector<Plane>& dividers, int order,
-                                                     const LeafLevel&) const {
-  return std::make_unique<TriangleCells>(*triangles_, nullptr, grid.num_cells, dividers, order);
+                                                     const LeafLevel& leaves) const {
+  return std::make_unique<TriangleCells>(*triangles_, nullptr, grid.num_cells, dividers, order, leaves);
 }
 
 void TriangleBody::boundary_points(const Index3& cell, const std::vector<char>& selected,

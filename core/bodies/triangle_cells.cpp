@@ -225,8 +225,8 @@ bool settle(Section& section, const Index3& cell) {
 }  // namespace
 
 TriangleCells::TriangleCells(const TriangleSurface& surface, const CurvedTriangles* curved, const Index3& num_cells,
-                             const std::vector<Plane>& dividers, int order)
-    : surface_(surface), curved_(curved), num_cells_(num_cells), dividers_(dividers), order_(order) {
+                             const std::vector<Plane>& dividers, int order, const LeafLevel& leaves)
+    : surface_(surface), curved_(curved), num_cells_(num_cells), dividers_(dividers), order_(order), leaves_(leaves) {
   const int n = static_cast<int>(surface.triangles().size());
   entries_.reserve(2 * surface.triangles().size());
   for (int t = 0; t < n; ++t)
@@ -258,7 +258,8 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
     triangles.clear();
     PieceIntegrals integrals(corner);
     std::optional<SliverIntegrals> slivers;
-    if (curved_) slivers.emplace(surface_, *curved_, corner);
+    const bool leaf = leaves_.has(cell);
+    if (curved_ && leaf) slivers.emplace(surface_, *curved_, corner);
     for (begin = end; begin > row_begin_[row] && entries_[begin - 1].cell == entries_[end - 1].cell; --begin) {
       triangles.push_back(entries_[begin - 1].triangle);
       const SurfacePolygon piece = piece_in_cell(surface_, triangles.back(), cell);
@@ -273,6 +274,7 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
     }
     integrals.finish(moments, section);
     if (slivers) cells.back().thin = slivers->finish(moments);
+    if (!leaf) continue;
     std::reverse(triangles.begin(), triangles.end());
     triangle_boundary_points(surface_, curved_, triangles, cell, {}, dividers_, order_, 0, cells.back().points);
   }

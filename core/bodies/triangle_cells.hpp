@@ -20,9 +20,10 @@ namespace cgcontact {
 class TriangleCells : public CellSweep {
  public:
   /// Finds the cells of all triangles; grid coordinates. Points are made on the pieces between the dividers by rules of
-  /// `order`. `curved`: what the triangles stand for, nullptr: themselves. All these must outlive this.
+  /// `order`, in leaves only; other cells, on a level of which few are leaves, have no moments that mean anything.
+  /// `curved`: what the triangles stand for, nullptr: themselves. All these must outlive this.
   TriangleCells(const TriangleSurface& surface, const CurvedTriangles* curved, const Index3& num_cells,
-                const std::vector<Plane>& dividers, int order);
+                const std::vector<Plane>& dividers, int order, const LeafLevel& leaves);
 
   GridNumbers take_inside() override { return GridNumbers(num_cells_); }
   /// Rows of cells along x that the surface crosses, by k, j.
@@ -42,6 +43,7 @@ class TriangleCells : public CellSweep {
   const Index3 num_cells_;
   const std::vector<Plane>& dividers_;
   const int order_;
+  const LeafLevel leaves_;
   std::vector<Entry> entries_;
   std::vector<std::size_t> row_begin_;
 };

@@ -9,6 +9,7 @@
 #include <memory>
 #include <string_view>
 
+#include "core/scene/scene_copies.hpp"
 #include "core/scene/scene_overrides.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/scene/toml_cursor.hpp"
@@ -111,6 +112,11 @@ Scene parse_scene(const std::string& text, const std::string& file, const std::v
   const auto source = std::make_shared<SceneText>(SceneText{file, {}});
   const TomlCursor root(*document, "", *source);
   if (const auto parameters = root.find("parameters")) source->parameters = read_parameters(*parameters);
+  make_copies(*document, *source, [&] {
+    toml::table again = parse_toml(text, file);
+    apply_overrides(again, overrides);
+    return again;
+  });
   Scene scene = SceneReader().read(root);
   keep_reference(root, document, source, scene);
   const std::string stem = std::filesystem::path(file).stem().string();

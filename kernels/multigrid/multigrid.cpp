@@ -95,7 +95,8 @@ struct Multigrid::Impl {
   }
 
   static bool may_coarsen(const ElasticSystem& system, const MultigridSettings& s) {
-    return system.num_dofs() > s.coarsest_unknowns &&
+    const int bodies = static_cast<int>(system.meshes.size());
+    return system.num_dofs() > std::max(s.coarsest_unknowns, s.coarsest_unknowns_per_body * bodies) &&
            std::any_of(system.meshes.begin(), system.meshes.end(),
                        [](const BodyMesh& mesh) { return !is_coarsest(*mesh.cut_cells); });
   }

@@ -105,6 +105,25 @@ class Contact(WithCad):
         self.assertIn("face solid.eye: 9.42477796", outcome.out)  # 2 pi 6 mm 10 mm / 4
         self.assertIn("volume 4.0259203", outcome.out)  # a quarter of OpenCASCADE's 16103.68 mm^3
 
+    def test_bearing(self):
+        """The shipped scene on coarse cells, two across a zone: it converges although nothing keeps the balls from rolling on; every body is
+        in balance; the balls share the force as rigid rings and Hertz's law have it (Stribeck's sum with the clearance), to 5 % of the largest."""
+        outcome = cgcontact("run", scene("bearing"), "--set", "n=2", "--out", "bearing", *QUIET)
+        self.assertEqual(outcome.code, 0, outcome.err)
+        result = report("bearing")
+        force = {pair["name"]: pair["normal_force"] for pair in result["contact"]}
+        law = {5: 554, 6: 1479, 7: 1885, 8: 1479, 9: 554}  # N
+        for ball in range(1, 13):
+            for ring in ("inner", "outer"):
+                self.assertAlmostEqual(force[f"{ring}-ball_{ball}"], law.get(ball, 0), delta=0.05 * 1885)
+        for body in result["balance"]:
+            left = [sum(parts) for parts in zip(body["loads"], body["supports"], body["contact"])]
+            self.assertLess(max(map(abs, left)), 1e-5 * 5000, body["body"])
+        held = [warning for warning in result["warnings"] if "held where they are" in warning]
+        self.assertEqual(len(held), 1)
+        taken = float(re.search(r"takes (\S+) %", held[0]).group(1))
+        self.assertLess(taken, 2)
+
 
 class Init(WithCad):
     def test_assembly(self):

@@ -183,7 +183,8 @@ void write_lug(const std::string& folder) {
 }
 
 /// The rings of a ball bearing, width 13, for twelve balls of radius 3.5 on a circle of 21.25; the grooves' radius
-/// is 1.04 times the balls'. Named faces: "bore", "outside", "groove".
+/// is 1.25 times the balls', and the inner ring is thick, so that it stays round. Named faces: "bore", "outside",
+/// "groove".
 void write_bearing(const std::string& folder) {
   const double pitch = 21.25, ball = 3.5, groove = 1.25 * ball, width = 13;
   Handle(TDocStd_Document) document;
@@ -211,7 +212,7 @@ void write_bearing(const std::string& folder) {
     to_middle.SetTranslation(gp_Vec(0, 0, -width / 2));
     shapes->AddComponent(assembly, label, TopLoc_Location(to_middle));
   };
-  add("inner", 15, 19.2, pitch - ball + groove, "bore", 15);
+  add("inner", 10, 19.2, pitch - ball + groove, "bore", 10);
   add("outer", 23.3, 27.5, pitch + ball - groove, "outside", 27.5);
   shapes->UpdateAssemblies();
   STEPCAFControl_Writer writer;

@@ -107,6 +107,27 @@ TEST(HeldByContact, ThreeBallsInABox) {
   }
 }
 
+/// Six balls between a shaft and a ring, which roll and spin as they like: their springs let go, each at its own pace.
+/// The forces are in balance with the load, alike on both sides of it, and nearly as rigid rings and Hertz's law share
+/// it (Stribeck), cos(60 degrees)^1.5.
+TEST(HeldByContact, BallsBetweenRings) {
+  const auto solved = test::run_scene("tests/scenes/balls_between_rings.toml", {"recovery.spr_c=false"});
+  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
+  EXPECT_LE(solved->results().outer_iterations, 10);
+  const double load = 400;
+  const auto on_shaft = [&](int ball) { return force_on(*solved, "shaft", "ball_" + std::to_string(ball)); };
+  Vec3 sum = Vec3::Zero();
+  for (int ball = 1; ball <= 6; ++ball) {
+    sum += on_shaft(ball);
+    EXPECT_LT((on_shaft(ball) + force_on(*solved, "ring", "ball_" + std::to_string(ball))).norm(), 1e-6 * load);
+  }
+  EXPECT_LT((sum - Vec3(load, 0, 0)).norm(), 1e-6 * load);
+  EXPECT_NEAR(on_shaft(2).norm() / on_shaft(4).norm(), 1, 0.01);
+  EXPECT_NEAR(on_shaft(2).norm() / on_shaft(3).norm(), std::pow(0.5, 1.5), 0.03);
+  for (const int ball : {1, 5, 6}) EXPECT_EQ(on_shaft(ball).norm(), 0);
+  EXPECT_LT(force_of_holds(*solved), 1e-6 * load);
+}
+
 /// Opposite walls would cancel, whatever they carry: only the floor may (its weight widens the block by 5e-7 m).
 TEST(HeldByContact, BlockInACavity) {
   for (const char* clearance : {"clearance=1e-5", "clearance=1e-4"})

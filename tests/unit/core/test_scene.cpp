@@ -239,6 +239,65 @@ TEST(Scene, every_scene_of_the_program_is_good) {
   EXPECT_GE(count, 6);
 }
 
+/// Bodies, their faces, regions and parts of shapes: the same scene as written out by hand, line by line.
+TEST(Scene, copies_are_what_they_would_be_written_out) {
+  const TemporaryScene copied(R"toml([parameters]
+Z = 3
+
+[[body]]
+copies = "Z"
+name = "ball_{i}"
+shape = {sphere = {center = ["10*cos(2*pi*{i}/Z)", "{i}", 0], radius = 1}}
+material = {E = "{i}e9", nu = 0}
+cell_size = 0.3
+
+[[body]]
+name = "plate"
+shape = {difference = [{name = "all", box = {min = [0, 0, -9], max = [9, 9, -8]}}, {copies = 2, name = "hole_{i}", cylinder = {base = ["3*{i}", 4, -10], top = ["3*{i}", 4, 0], radius = 1}}]}
+material = "steel"
+cell_size = 0.5
+refine = [{sphere = {center = [0, 0, -8], radius = 1}, size = 0.25}, {copies = 2, sphere = {center = ["{i}", 0, -8], radius = 1}, size = "0.25/{i}"}]
+
+[[support]]
+face = "plate.all.z-"
+displacement = {x = 0, y = 0, z = 0}
+
+[[load]]
+copies = 3
+face = "ball_{i}.surface"
+force = [0, 0, "-{i}"]
+
+[[contact]]
+copies = "Z"
+faces = ["ball_{i}.surface", "plate.all.z+"]
+)toml");
+  const Scene scene = read_scene(copied.file());
+  ASSERT_EQ(scene.bodies.size(), 4U);
+  for (int i = 1; i <= 3; ++i) {
+    const BodySpec& ball = scene.bodies[i - 1];
+    EXPECT_EQ(ball.name, "ball_" + std::to_string(i));
+    EXPECT_EQ(ball.material.youngs_modulus, i * 1e9);
+    Vec3 low, high;
+    ball.solid.bounding_box(low, high);
+    EXPECT_LT((0.5 * (low + high) - Vec3(10 * std::cos(2 * M_PI * i / 3), i, 0)).norm(), 1e-12);
+    EXPECT_EQ(scene.loads[i - 1].face.body, i - 1);
+    EXPECT_EQ(scene.loads[i - 1].force, Vec3(0, 0, -i));
+    EXPECT_EQ(scene.contacts[i - 1].first.body, i - 1);
+    EXPECT_EQ(scene.contacts[i - 1].name, ball.name + "-plate");
+  }
+  const BodySpec& plate = scene.bodies[3];
+  ASSERT_EQ(plate.refine.size(), 3U);
+  EXPECT_EQ(plate.refine[1].size, 0.25);
+  EXPECT_EQ(plate.refine[2].size, 0.125);
+  EXPECT_TRUE(plate.solid.contains(Vec3(1, 1, -8.5)));
+  EXPECT_FALSE(plate.solid.contains(Vec3(3, 4, -8.5)));
+  EXPECT_FALSE(plate.solid.contains(Vec3(6, 4, -8.5)));
+  // --set sees what is written in the file; the number of copies may be a parameter.
+  EXPECT_EQ(read_scene(copied.file(), {"body.ball_{i}.material.E={i}e6"}).bodies[1].material.youngs_modulus, 2e6);
+  expect_contains(message_of(copied.file(), {"Z=2"}), {":24: load[2].face = \"ball_3.surface\""});
+  expect_contains(message_of(copied.file(), {"Z=1001"}), {":5: body[0].copies = \"Z\"", "1 to 1000"});
+}
+
 // ---- bad scenes
 
 // A mesh is read relative to the scene file, scaled, placed, and its faces can be referred to; its size tells a wrong

@@ -1,0 +1,86 @@
+#include "contact/solve/surface_wanderers.hpp"
+
+#include <algorithm>
+
+namespace cgcontact {
+namespace {
+
+/// Of the loads: what may be left along a motion that they do not drive.
+constexpr double little_load = 1e-3;
+
+/// Orthonormal columns that span the rows of some bodies (the others' are zero) in `modes`.
+Eigen::MatrixXd of_bodies(const Eigen::MatrixXd& modes, const std::vector<int>& members) {
+  Eigen::MatrixXd own = Eigen::MatrixXd::Zero(modes.rows(), modes.cols());
+  for (const int b : members) own.middleRows<6>(6 * b) = modes.middleRows<6>(6 * b);
+  if (own.cols() == 0) return own;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(own, Eigen::ComputeThinU);
+  return svd.matrixU().leftCols((svd.singularValues().array() > 1e-3).count());
+}
+
+/// Without the one that the loads do work on.
+Eigen::MatrixXd not_driven(const Eigen::MatrixXd& modes, const Eigen::VectorXd& load, double magnitude) {
+  const Eigen::VectorXd work = modes.transpose() * load;
+  if (work.norm() <= little_load * magnitude) return modes;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(work);
+  const Eigen::MatrixXd q = qr.householderQ();
+  return modes * q.rightCols(modes.cols() - 1);
+}
+
+/// The smallest cell where one of the bodies may touch others, m; 0 without contact.
+double smallest_contact_cell(const std::vector<ContactPair>& pairs, const std::vector<int>& members) {
+  double smallest = 1e300;
+  const auto is_member = [&](int body) { return std::count(members.begin(), members.end(), body) > 0; };
+  for (const ContactPair& pair : pairs)
+    if (is_member(pair.primary) != is_member(pair.secondary))
+      for (const ContactGroup& group : pair.groups) smallest = std::min(smallest, group.h);
+  return smallest < 1e300 ? smallest : 0;
+}
+
+}  // namespace
+
+SurfaceWanderers::SurfaceWanderers(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                                   const std::vector<ContactPair>& pairs) {
+  std::vector<SupportPoint> still;
+  for (const SupportPoint& p : supports)
+    if (!p.follows) still.push_back(p);
+  SurfaceMotions along = find_surface_motions(bodies, still, pairs);
+  FreeMotions all = along.own;
+  all.add(along.others);
+  const auto [load, magnitude] = loads_on(bodies, all.bodies);
+  const std::vector<int> assembly = bonded_assemblies(bodies.size(), pairs);
+  for (int first = 0; first < static_cast<int>(bodies.size()); ++first) {
+    if (assembly[first] != first) continue;
+    std::vector<int> members;
+    for (int b = first; b < static_cast<int>(bodies.size()); ++b)
+      if (assembly[b] == first) members.push_back(b);
+    Wanderer wanderer{all, smallest_contact_cell(pairs, members)};
+    wanderer.motions.modes = not_driven(of_bodies(all.modes, members), load, magnitude);
+    if (!wanderer.motions.empty() && wanderer.cell > 0) wanderers_.push_back(wanderer);
+  }
+}
+
+double SurfaceWanderers::farthest(const std::vector<RigidPart>& parts) const {
+  double most = 0;
+  for (const Wanderer& wanderer : wanderers_) {
+    Eigen::VectorXd motion(6 * parts.size());
+    for (std::size_t b = 0; b < parts.size(); ++b) {
+      const RigidPiece& piece = wanderer.motions.bodies[b];
+      motion.segment<3>(6 * b) = parts[b].translation + parts[b].rotation.cross(piece.centre() - parts[b].centre);
+      motion.segment<3>(6 * b + 3) = piece.size() * parts[b].rotation;
+    }
+    most = std::max(most, (wanderer.motions.modes.transpose() * motion).norm() / wanderer.cell);
+  }
+  return most;
+}
+
+std::vector<SupportPoint> SurfaceWanderers::hold(const std::vector<BodyModel>& bodies) const {
+  std::vector<SupportPoint> points;
+  for (const Wanderer& wanderer : wanderers_)
+    for (const SupportPoint& point : cgcontact::hold(wanderer.motions, bodies)) {
+      points.push_back(point);
+      points.back().keeps_place = true;
+    }
+  return points;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,33 @@
+/// Bodies that contact alone holds may move along their own surface, or along that of the others, as they like: the
+/// exact pressure does no work on that (find_surface_motions). That of a few cells does some, which soft springs that
+/// follow the motion let come to rest. Where it takes a body farther than the cells it touches with, the gaps, which
+/// are those of where the body was, mean nothing any more: then the body is held where it is.
+#pragma once
+
+#include <vector>
+
+#include "contact/motions/free_motion.hpp"
+#include "contact/solve/rigid_part.hpp"
+
+namespace cgcontact {
+
+/// The motions along surfaces that the loads of the present step do not drive, of all bodies (bonded ones together)
+/// that supports leave free.
+class SurfaceWanderers {
+ public:
+  SurfaceWanderers(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                   const std::vector<ContactPair>& pairs);
+  /// How far a body has moved along surfaces, in its smallest cells at contact: the largest of all.
+  double farthest(const std::vector<RigidPart>& parts) const;
+  /// Points that hold all these motions.
+  std::vector<SupportPoint> hold(const std::vector<BodyModel>& bodies) const;
+
+ private:
+  struct Wanderer {
+    FreeMotions motions;
+    double cell = 0;  ///< m
+  };
+  std::vector<Wanderer> wanderers_;
+};
+
+}  // namespace cgcontact

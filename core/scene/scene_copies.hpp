@@ -1,0 +1,15 @@
+/// Elements of arrays with `copies = n` (bodies, contacts, regions of refine, parts of a union, ...) become n elements,
+/// in whose texts {i} is the number of the copy.
+#pragma once
+
+#include <functional>
+
+#include "core/scene/toml_cursor.hpp"
+
+namespace cgcontact {
+
+/// Replaces them in the document. `again` makes the document as it was once more: nodes know their line in the file,
+/// and copies of them would not. Throws InputError.
+void make_copies(toml::table& document, const SceneText& text, const std::function<toml::table()>& again);
+
+}  // namespace cgcontact
