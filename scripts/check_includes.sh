@@ -8,7 +8,7 @@ cd "${1:-$(dirname "$0")/..}"
 layers=(core kernels recovery contact)
 declare -A rooms=(
   [core]="base settings triangles quadrature geometry cad cells bodies scene results drawing program output"
-  [kernels]="simd mesh operator reference assembled multigrid solver"
+  [kernels]="simd mesh operator reference assembled ranks multigrid solver"
   [recovery]="patch spr zone_edge batched constrained error"
   [contact]="model motions solve results adaptive study"
 )
