@@ -57,7 +57,10 @@ LaggedStress::LaggedStress(const OuterProblem& problem) {
 double LaggedStress::update(Iterate& iterate) {
   const OuterProblem& problem = iterate.problem;
   for (BoundaryStress& s : stress_) s.update(iterate.u);
-  const std::vector<double> held_by = iterate.support_tractions();
+  const std::vector<BodyMesh>& meshes = problem.system.meshes;
+  std::vector<double> held_by;
+  if (std::any_of(meshes.begin(), meshes.end(), [](const BodyMesh& mesh) { return mesh.rigid; }))
+    held_by = iterate.support_tractions();
   Change change;
   change.replace(iterate.support_stress, problem.supports, [&](const SupportPoint& p) {
     // No force in the system, or that of a spring: there is no stress to lag.

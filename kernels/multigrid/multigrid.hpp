@@ -28,7 +28,7 @@ struct MultigridSettings {
   int coarsest_unknowns = 1000;   ///< coarsening stops below
   /// Or so many per body: many bodies keep more, and levels that hardly shrink cost as much as those above.
   int coarsest_unknowns_per_body = 200;
-  int shared_unknowns = 20000;    ///< of several ranks: grids of more are divided, the others every rank has
+  int shared_unknowns = 20000;  ///< of several ranks: grids of more are divided, the others every rank has
 };
 
 struct MultigridReport {
