@@ -191,9 +191,8 @@ int main(int argc, char** argv) {
   const auto options = parse_command_line(argc, argv, exit_code);
   std::optional<TrilinosScope> of_all_ranks;
   try {
-    if (!options || options->command != CommandLine::run) {
-      if (rank > 0) return 0;  // the first rank does it; mpirun would end it if this one ended with an error
-    }
+    // Others than `run` the first rank does alone; mpirun would end it if this one ended with an error.
+    if (rank > 0 && (!options || options->command != CommandLine::run)) return 0;
     if (!options) return flushed(exit_code);
     if (ranks > 1 && options->command == CommandLine::study)
       throw InputError("study under mpirun: every run is a process of its own (allowed: cgcontact run under mpirun)");
@@ -214,8 +213,6 @@ int main(int argc, char** argv) {
     return flushed(exit_code);
   } catch (const InputError& error) {
     tell_error(options ? options->with_variables(error.what()) : error.what());
-  } catch (const OtherRankFailed&) {
-    tell_error("another rank failed");
   } catch (const std::exception& error) {
     tell_error(is_out_of_memory(error) ? out_of_memory_text() : error.what());
   }

@@ -95,7 +95,6 @@ void sum_over_ranks(double*, std::size_t) {}
 void sum_over_ranks(float*, std::size_t) {}
 double largest_over_ranks(double value) { return value; }
 double of_first_rank(double value) { return value; }
-void wait_for_all_ranks() {}
 int ranks_on_this_machine() { return 1; }
 std::vector<char> gather_bytes(const void* own, std::size_t size) {
   const char* bytes = static_cast<const char*>(own);
@@ -128,13 +127,11 @@ void sum(T* values, std::size_t count, MPI_Datatype type) {
                   MPI_COMM_WORLD);
 }
 
-/// In pieces of `piece` bytes, which all ranks know, so that counts stay small.
+/// All ranks know all sizes.
 void gather_pieces(const char* own, const std::vector<std::size_t>& sizes, char* all, bool in_place) {
-  std::size_t piece = 1, total = 0;
+  std::size_t total = 0;
   for (const std::size_t size : sizes) total += size;
-  for (; total / piece > largest_count; piece *= 2) {
-  }
-  if (piece > 1) {  // rank after rank
+  if (total > largest_count) {  // rank after rank
     std::size_t begin = 0;
     for (int r = 0; r < ranks; ++r) {
       if (r == own_rank && !in_place) std::copy(own, own + sizes[r], all + begin);
@@ -184,10 +181,6 @@ double largest_over_ranks(double value) {
 double of_first_rank(double value) {
   if (ranks > 1) MPI_Bcast(&value, 1, MPI_DOUBLE, 0, MPI_COMM_WORLD);
   return value;
-}
-
-void wait_for_all_ranks() {
-  if (ranks > 1) MPI_Barrier(MPI_COMM_WORLD);
 }
 
 int ranks_on_this_machine() {

@@ -48,7 +48,6 @@ void sum_over_ranks(float* values, std::size_t count);
 double largest_over_ranks(double value);
 /// What the first rank has.
 double of_first_rank(double value);
-void wait_for_all_ranks();
 
 /// The error of another rank, which that one tells.
 struct OtherRankFailed : std::runtime_error {

@@ -326,10 +326,7 @@ void ResultWriter::add_step(std::size_t number, const Results& step) {
 namespace {
 
 /// The rank that writes the files of fields: the last, if it is on the machine of the first.
-int rank_of_fields() {
-  const int here = ranks_on_this_machine();
-  return of_first_rank(here == num_ranks() ? num_ranks() - 1 : 0) > 0 ? num_ranks() - 1 : 0;
-}
+int rank_of_fields() { return of_first_rank(ranks_on_this_machine()) == num_ranks() ? num_ranks() - 1 : 0; }
 
 void set_memory(Results& results) {
   const double own = static_cast<double>(std::max<long long>(results.peak_memory_bytes, peak_memory_bytes()));

@@ -333,20 +333,14 @@ struct Multigrid::Impl {
     const Level& next = *levels[l + 1];
     smooth(level, true);
     level.op->residual(exec, level.b, level.x, level.r);
-    if (!level.is_shared() || next.is_shared()) {
-      if (level.is_shared()) level.system->dofs.halo()->import_ghosts(level.r.data());
-      restrict_to(exec, level.transfer, next.system->dofs, level.r, next.b);
-      solve_coarse(l + 1);
-      prolongate_add(exec, level.transfer, level.system->dofs, next.x, level.x);
-    } else {  // from here on every rank has all
-      const DofMap& passed_dofs = next.share->system().dofs;
-      level.system->dofs.halo()->import_ghosts(level.r.data());
-      restrict_to(exec, level.transfer, passed_dofs, level.r, next.passed);
-      next.share->to_whole(next.passed, next.b);
-      solve_coarse(l + 1);
-      next.share->to_local(next.x, next.passed);
-      prolongate_add(exec, level.transfer, level.system->dofs, next.passed, level.x);
-    }
+    if (level.is_shared()) level.system->dofs.halo()->import_ghosts(level.r.data());
+    const bool passes = level.is_shared() && !next.is_shared();  // from the next level on every rank has all
+    const DofMap& next_dofs = (passes ? next.share->system() : *next.system).dofs;
+    restrict_to(exec, level.transfer, next_dofs, level.r, passes ? next.passed : next.b);
+    if (passes) next.share->to_whole(next.passed, next.b);
+    solve_coarse(l + 1);
+    if (passes) next.share->to_local(next.x, next.passed);
+    prolongate_add(exec, level.transfer, level.system->dofs, passes ? next.passed : next.x, level.x);
     smooth(level, false);
   }
 };

@@ -18,7 +18,6 @@ class RankShare {
   RankShare(const ElasticSystem& whole, Owners owners, const std::vector<int>& extra_nodes, const Halo::Comm& comm);
 
   const ElasticSystem& system() const { return system_; }
-  const Owners& owners() const { return owners_; }
   bool owns(int whole_node) const;
   /// Number of a node of the whole system here, or -1.
   int local(int whole_node) const { return local_of_whole_[whole_node]; }
