@@ -10,6 +10,7 @@
 #include "contact/model/opposite_borders.hpp"
 #include "contact/model/press_direction.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
@@ -227,6 +228,9 @@ void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfaceP
       }
       points[place->second].push_back(&point);
     }
+  std::size_t num_points = 0;
+  for (const auto& of_group : points) num_points += of_group.size();
+  pair.points.reserve(num_points);
   for (std::size_t g = 0; g < groups.size(); ++g) add_group(bodies, groups[g], points[g], pair);
 }
 
@@ -379,7 +383,7 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
       if (a == b || box_distance(bodies[a], bodies[b]) > 0) continue;
       const CutCells& other = bodies[b].cut_cells;
       const CutCells& own = bodies[a].cut_cells;
-      parallel_for("cgcontact::contact_pairs::overlap", bodies[a].cut_cells.boundary.size(), grain, [&](std::size_t p) {
+      const auto check = [&](std::size_t p) {
         const Vec3 x = bodies[a].point(static_cast<int>(p)), g = other.grid.to_grid(x);
         if (!other.solid.contains(g)) return;
         const int cell = other.locate(g);
@@ -394,6 +398,10 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
               fmt::format("contact faces that overlap by up to {:g} m, a tenth of the smaller body, and by "
                           "less than the bodies' walls",
                           overlap_limit(scene.contact, bodies, a, b)));
+      };
+      const auto [begin, end] = share_out(own.boundary.size());
+      on_all_ranks([&, first = begin, count = end - begin] {
+        parallel_for("cgcontact::contact_pairs::overlap", count, grain, [&](std::size_t p) { check(first + p); });
       });
     }
 }

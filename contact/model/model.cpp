@@ -17,6 +17,14 @@ constexpr double firm_on_rigid = 1e4;
 
 }  // namespace
 
+void extend_box(const CutCells& cut_cells, int cell, Vec3& low, Vec3& high) {
+  for (int k = 0; k < 2; ++k) {
+    const Vec3 x = global_position(cut_cells, cell, Vec3::Constant(2 * k - 1));
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+}
+
 FaceTraction resultant_of(const BodyModel& body, int load) {
   const auto found = body.resultants.find(load);
   return found == body.resultants.end() ? FaceTraction() : found->second;
@@ -321,6 +329,8 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     measure_supported_faces(scene, static_cast<int>(b), model);
     set_loads(scene, 1, model);
     measure_thickness(model);
+    for (int e = 0; e < static_cast<int>(model.cut_cells.cells.size()); ++e)
+      extend_box(model.cut_cells, e, model.low, model.high);
   }
   for (std::size_t s = 0; s < support_used.size(); ++s)
     if (!support_used[s] && !(scene.supports[s].by_plane_strain && bodies[scene.supports[s].face.body].spec->quadtree))
@@ -420,6 +430,7 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       }
     }
   }
+  points.shrink_to_fit();
   return points;
 }
 

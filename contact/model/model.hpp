@@ -39,6 +39,7 @@ struct BodyModel {
   double thickness = 0;           ///< twice the volume over the area, unit of the grid coordinates
   double free_thickness = 0;      ///< the same over the area that no support holds
   double slices = 1;              ///< Grid::slices
+  Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);  ///< box around the cells, m
   /// Less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
   Vec3 point(int boundary_point) const { return cut_cells.grid.to_global(cut_cells.boundary.position[boundary_point]); }
@@ -51,6 +52,9 @@ struct BodyModel {
     return cut_cells.solid.surfaces()[cut_cells.boundary.surface[boundary_point]].names;
   }
 };
+
+/// Takes two opposite corners of a cell into a box, m.
+void extend_box(const CutCells& cut_cells, int cell, Vec3& low, Vec3& high);
 
 /// What gives a load of the scene its force and moment; zero for loads without.
 FaceTraction resultant_of(const BodyModel& body, int load);

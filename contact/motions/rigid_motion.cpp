@@ -24,7 +24,7 @@ Resistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>
   };
   for (const SupportPoint& p : supports) {
     if (p.follows) continue;
-    const int k = pieces.of_cell[p.body][p.cell];
+    const int k = pieces.at(p.body, p.cell);
     const RigidPiece& piece = pieces.list[k];
     const RigidMotion q = piece.row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
     add(k, k, p.weight / (piece.size() * piece.size()) * q * q.transpose());
@@ -32,8 +32,7 @@ Resistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>
   for (const ContactPair& pair : pairs)
     for (const ContactPoint& point : pair.points) {
       if (!point.active) continue;
-      const int k[2] = {pieces.of_cell[pair.primary][point.primary_cell],
-                        pieces.of_cell[pair.secondary][point.secondary_cell]};
+      const int k[2] = {pieces.at(pair.primary, point.primary_cell), pieces.at(pair.secondary, point.secondary_cell)};
       const RigidMotion row[2] = {pieces.list[k[0]].row(point.x, -point.direction),
                                   pieces.list[k[1]].row(point.x, point.direction)};
       const double size = pieces.list[k[0]].size();
@@ -113,11 +112,7 @@ void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int>
     piece_of_cell[e] += first;
     RigidPiece& piece = pieces.list[piece_of_cell[e]];
     piece.body = body;
-    for (int k = 0; k < 2; ++k) {
-      const Vec3 x = global_position(cells, static_cast<int>(e), Vec3::Constant(2 * k - 1));
-      piece.low = piece.low.cwiseMin(x);
-      piece.high = piece.high.cwiseMax(x);
-    }
+    extend_box(cells, static_cast<int>(e), piece.low, piece.high);
   }
   pieces.of_cell.push_back(std::move(piece_of_cell));
 }
@@ -139,7 +134,7 @@ std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<Con
 RigidPieces whole_bodies(const std::vector<BodyModel>& bodies) {
   RigidPieces pieces;
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    add_pieces(bodies, static_cast<int>(b), std::vector<int>(bodies[b].cut_cells.cells.size(), 0), 1, pieces);
+    pieces.list.push_back({static_cast<int>(b), bodies[b].low, bodies[b].high});
   return pieces;
 }
 

@@ -27,7 +27,8 @@ struct RigidPiece {
 
 struct RigidPieces {
   std::vector<RigidPiece> list;
-  std::vector<std::vector<int>> of_cell;  ///< body, active cell -> index into list
+  std::vector<std::vector<int>> of_cell;  ///< body, active cell -> index into list; empty: one piece per body
+  int at(int body, int cell) const { return of_cell.empty() ? body : of_cell[body][cell]; }
 };
 
 /// One per body, in their order.

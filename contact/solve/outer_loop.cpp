@@ -69,7 +69,7 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
       solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns),
       now_(problem),
       lagged_stress_(problem),
-      right_hand_side_(problem.system.num_dofs()) {
+      right_hand_side_(problem) {
   if (now_.floating.any())
     wanderers_ = std::make_unique<SurfaceWanderers>(problem.bodies, problem.supports, problem.pairs);
 }
@@ -82,9 +82,9 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   // Do the closed points hold all bodies? Those of another grid do; without its displacements there is no way to search
   // along.
   bool held = false;
+  right_hand_side_.begin(now_.load, warm_);
   if (!warm_) {
     now_.forget();
-    right_hand_side_.forget();
     held = earlier_ && start_from(*earlier_, now_);
     if (!held) initialise_active_set(now_);
     earlier_ = nullptr;
@@ -101,12 +101,13 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   warm_ = false;
   double outer_residual = 1;
   ActiveSetHistory history(problem_.pairs);
-  const RealView before("cgcontact::outer_loop::before", now_.u.size());
+  RealView before;
   for (int iteration = 1; iteration <= settings().max_outer_iterations; ++iteration) {
     OuterStep step;
     step.iteration = iteration;
     assemble();
     const bool search = (now_.floating.any() && !held) || history.cycles();
+    if (search && before.size() == 0) before = RealView("cgcontact::outer_loop::before", now_.u.size());
     if (search) Kokkos::deep_copy(before, now_.u);
     const double inner = std::clamp(settings().inner_fraction * outer_residual, settings().linear_tolerance,
                                     settings().loosest_inner_tolerance);

@@ -3,23 +3,60 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/ranks.hpp"
+
 namespace cgcontact {
 namespace {
 
 /// Forces below this part of the kappa terms are rounding.
 constexpr double no_force = 1e-10;
 
-double norm(const std::vector<double>& v) {
-  double sum = 0;
-  for (double x : v) sum += x * x;
+}  // namespace
+
+RightHandSide::RightHandSide(const OuterProblem& problem)
+    : vector_("cgcontact::right_hand_side", problem.system.num_dofs()), place_(problem.system.num_dofs(), -1) {
+  const auto touch = [&](int dof) {
+    if (place_[dof] >= 0) return;
+    place_[dof] = static_cast<int>(touched_.size());
+    touched_.push_back(dof);
+  };
+  for (const SupportPoint& p : problem.supports)
+    if (!p.by_plane_strain)
+      for (const int node : problem.system.meshes[p.body].cell_nodes[p.cell])
+        for (int i = 0; i < dofs_per_node; ++i) touch(dof_of(node, i));
+  for (const GroupRow& row : problem.system.group_rows)
+    for (const auto& [dof, value] : row.entries) touch(dof);
+}
+
+void RightHandSide::begin(const std::vector<double>& load, bool keep_scale) {
+  if (!keep_scale) kappa_norm_ = 0;
+  touched_load_.resize(touched_.size());
+  square_elsewhere_ = 0;
+  auto host = Kokkos::create_mirror_view(vector_);
+  for (std::size_t i = 0; i < load.size(); ++i) {
+    host(i) = load[i];
+    if (place_[i] >= 0)
+      touched_load_[place_[i]] = load[i];
+    else
+      square_elsewhere_ += load[i] * load[i];
+  }
+  Kokkos::deep_copy(vector_, host);
+}
+
+double RightHandSide::norm(const std::vector<double>& at_touched) const {
+  double sum = square_elsewhere_;
+  for (const double x : at_touched) sum += x * x;
   return std::sqrt(sum);
 }
 
-/// Forces of the lagged stresses at supports, and those of their prescribed displacements.
-void add_supports(const Iterate& iterate, std::vector<double>& stress_forces, std::vector<double>& values) {
+/// Forces of the lagged stresses at supports, and those of their prescribed displacements; of several ranks each
+/// computes some of them.
+void RightHandSide::add_supports(const Iterate& iterate, std::vector<double>& stress_forces,
+                                 std::vector<double>& values) const {
   const OuterProblem& problem = iterate.problem;
   const double length = problem.scales.length, area_scale = length * length;
-  for (std::size_t s = 0; s < problem.supports.size(); ++s) {
+  const auto [begin, end] = share_out(problem.supports.size());
+  for (std::size_t s = begin; s < end; ++s) {
     const SupportPoint& p = problem.supports[s];
     if (p.by_plane_strain) continue;
     const Vec3 d = problem.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
@@ -27,30 +64,32 @@ void add_supports(const Iterate& iterate, std::vector<double>& stress_forces, st
     const double value = p.value - iterate.rigid_displacement(p);
     const double value_force = iterate.to_stiffness(iterate.support_stiffness(p), p.weight) * value / length;
     displacement_row(problem.system.meshes[p.body].cell_nodes[p.cell], p.xi, d, [&](int dof, double share) {
-      stress_forces[dof] += share * stress_force;
-      values[dof] += share * value_force;
+      stress_forces[place_[dof]] += share * stress_force;
+      values[place_[dof]] += share * value_force;
     });
   }
+  sum_over_ranks(stress_forces.data(), stress_forces.size());
+  sum_over_ranks(values.data(), values.size());
 }
 
-}  // namespace
-
 void RightHandSide::assemble(const Iterate& iterate) {
-  std::vector<double> f = iterate.load, values(iterate.load.size(), 0.0);
+  std::vector<double> f(touched_.size(), 0.0), values(touched_.size(), 0.0);
+  if (is_first_rank()) f = touched_load_;
   add_supports(iterate, f, values);
   // The terms kappa E/h (prescribed displacement or gap) are larger than the real forces by orders and nearly cancel
   // against the solution's; they serve only while no stress is known.
   const double forces = norm(f);
   const std::vector<double> force = iterate.group_force(false);
   for (std::size_t row = 0; row < force.size(); ++row)
-    for (const auto& [dof, value] : iterate.problem.system.group_rows[row].entries) f[dof] += value * force[row];
+    for (const auto& [dof, value] : iterate.problem.system.group_rows[row].entries)
+      f[place_[dof]] += value * force[row];
   for (std::size_t i = 0; i < f.size(); ++i) f[i] += values[i];
   // Without forces (no load yet, or a motion without stress) rounding of the kappa terms is all there is to measure by:
   // what they were before rigid motions were set aside.
   kappa_norm_ = std::max(kappa_norm_, norm(f));
   force_norm_ = forces > 0 ? std::max(forces, no_force * kappa_norm_) : 1e-2 * kappa_norm_;
-  auto host = Kokkos::create_mirror_view(vector_);
-  for (std::size_t i = 0; i < f.size(); ++i) host(i) = f[i];
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), vector_);
+  for (std::size_t i = 0; i < f.size(); ++i) host(touched_[i]) = f[i];
   Kokkos::deep_copy(vector_, host);
 }
 

@@ -7,18 +7,26 @@ namespace cgcontact {
 
 class RightHandSide {
  public:
-  explicit RightHandSide(int num_dofs) : vector_("cgcontact::right_hand_side", num_dofs) {}
+  explicit RightHandSide(const OuterProblem& problem);
 
+  /// Nodal forces of the loads, system units; forgets what has been prescribed so far unless `keep_scale`.
+  void begin(const std::vector<double>& load, bool keep_scale);
+  /// What supports and contact add in the present state. Called by all ranks.
   void assemble(const Iterate& iterate);
-  /// No displacement has been prescribed so far.
-  void forget() { kappa_norm_ = 0; }
 
   const RealView& vector() const { return vector_; }
   /// Scale of the linear tolerance: the norm of the real forces.
   double force_norm() const { return force_norm_; }
 
  private:
+  void add_supports(const Iterate& iterate, std::vector<double>& stress_forces, std::vector<double>& values) const;
+  double norm(const std::vector<double>& at_touched) const;
+
   RealView vector_;
+  std::vector<int> touched_;          ///< unknowns on which supports or contact act
+  std::vector<int> place_;            ///< of each unknown in touched_, or -1
+  std::vector<double> touched_load_;  ///< the loads there
+  double square_elsewhere_ = 0;       ///< of the loads on all others
   double force_norm_ = 0;
   double kappa_norm_ = 0;  ///< the largest so far
 };

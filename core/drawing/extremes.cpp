@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 
+#include "core/base/packing.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 
 namespace cgcontact {
 
@@ -164,17 +167,86 @@ int body_with(const std::vector<BodyExtremes>& bodies, Extreme Extremes::*kind, 
   return best;
 }
 
+BodyExtremes extremes_of_body(const Results& results, const Scene& scene, const DrawnBody& drawn, std::size_t b) {
+  const BodySearch search(results, drawn, static_cast<int>(b));
+  BodyExtremes extremes{search.whole(), {}};
+  if (b < scene.bodies.size())  // not of results that were put together without a scene (tests)
+    for (const FaceSpec& face : scene.bodies[b].faces) extremes.faces.emplace_back(face.name, search.on(face));
+  return extremes;
+}
+
+constexpr Extreme Extremes::*kinds[] = {&Extremes::displacement, &Extremes::von_mises, &Extremes::tresca,
+                                        &Extremes::tension, &Extremes::compression};
+
+void pack(const Extreme& extreme, Packing& to) {
+  to.put(extreme.value);
+  to.put(extreme.at);
+}
+
+void pack(const Extremes& extremes, Packing& to) {
+  for (const auto kind : kinds) pack(extremes.*kind, to);
+  to.put(extremes.pressure.has_value());
+  if (extremes.pressure) pack(*extremes.pressure, to);
+  to.put(extremes.safety_factor.value_or(0));
+}
+
+void unpack(Unpacking& from, Extreme& extreme) {
+  from.take(extreme.value);
+  from.take(extreme.at);
+}
+
+void unpack(Unpacking& from, Extremes& extremes) {
+  for (const auto kind : kinds) unpack(from, extremes.*kind);
+  bool has_pressure = false;
+  from.take(has_pressure);
+  if (has_pressure) unpack(from, extremes.pressure.emplace());
+  double safety_factor = 0;
+  from.take(safety_factor);
+  if (safety_factor > 0) extremes.safety_factor = safety_factor;
+}
+
+/// Rank that draws each body: the one with the most cut cells first, always by the rank that has the fewest.
+std::vector<int> drawing_ranks(const Results& results) {
+  std::vector<std::size_t> order(results.bodies.size()), work(num_ranks(), 0);
+  std::iota(order.begin(), order.end(), 0);
+  const auto size = [&](std::size_t b) { return results.bodies[b].cut_cells->active_of_cut.size(); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size(a) > size(b); });
+  std::vector<int> ranks(order.size());
+  for (const std::size_t b : order) {
+    const auto rank = std::min_element(work.begin(), work.end());
+    *rank += size(b);
+    ranks[b] = static_cast<int>(rank - work.begin());
+  }
+  return ranks;
+}
+
 }  // namespace
 
 std::vector<BodyExtremes> extremes_of(const Results& results, const Scene& scene, const std::vector<DrawnBody>& drawn) {
   std::vector<BodyExtremes> bodies;
-  for (std::size_t b = 0; b < drawn.size(); ++b) {
-    const BodySearch search(results, drawn[b], static_cast<int>(b));
-    BodyExtremes extremes{search.whole(), {}};
-    if (b < scene.bodies.size())  // not of results that were put together without a scene (tests)
-      for (const FaceSpec& face : scene.bodies[b].faces) extremes.faces.emplace_back(face.name, search.on(face));
-    bodies.push_back(std::move(extremes));
+  for (std::size_t b = 0; b < drawn.size(); ++b) bodies.push_back(extremes_of_body(results, scene, drawn[b], b));
+  return bodies;
+}
+
+std::vector<BodyExtremes> extremes_by_ranks(const Results& results, const Scene& scene) {
+  const std::vector<int> ranks = drawing_ranks(results);
+  Packing own;
+  for (std::size_t b = 0; b < ranks.size(); ++b) {
+    if (ranks[b] != this_rank()) continue;
+    const BodyExtremes extremes = extremes_of_body(results, scene, draw_body(results.bodies[b]), b);
+    pack(extremes.body, own);
+    for (const auto& [name, of_face] : extremes.faces) pack(of_face, own);
   }
+  const std::vector<char> bytes = gather_bytes(own.bytes().data(), own.bytes().size());
+  Unpacking all(bytes);
+  std::vector<BodyExtremes> bodies(ranks.size());
+  for (int rank = 0; rank < num_ranks(); ++rank)
+    for (std::size_t b = 0; b < ranks.size(); ++b) {
+      if (ranks[b] != rank) continue;
+      unpack(all, bodies[b].body);
+      for (const FaceSpec& face : scene.bodies[b].faces)
+        unpack(all, bodies[b].faces.emplace_back(face.name, Extremes()).second);
+    }
   return bodies;
 }
 

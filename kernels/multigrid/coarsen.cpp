@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <stdexcept>
 #include <tuple>
 
+#include "core/base/parallel.hpp"
 #include "kernels/mesh/hanging_nodes.hpp"
 #include "kernels/mesh/host_copy.hpp"
 #include "kernels/mesh/sparse_rows.hpp"
@@ -34,6 +36,9 @@ constexpr double firm = 0.03;
 
 /// Points of one cell and direction; more are merged.
 constexpr int most_points = 27;
+
+/// Contact rows per chunk of the parallel loop.
+constexpr std::size_t rows_per_chunk = 32;
 
 /// Points of one cell and direction become the 27 Gauss points with the same integrals of all products of shape
 /// functions (some weights may be negative), so that coarse levels do not drag along all points of the finest.
@@ -360,80 +365,122 @@ Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
 
 namespace {
 
-/// The rows of P on the host.
-class HostParents {
+/// Numbers, each once.
+class NumberSet {
  public:
-  explicit HostParents(const Transfer& transfer)
-      : by_rows_(transfer.by_rows),
-        parents_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parents)),
-        begin_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.begin)),
-        node_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.node)),
-        weight_(Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.weight)) {}
-
-  template <class Use>
-  void each(int node, const Use& use) const {
-    if (by_rows_)
-      for (int e = begin_(node); e < begin_(node + 1); ++e) use(node_(e), weight_(e));
-    else
-      for (int a = 0; a < 8; ++a) use(parents_(node, a), 0.125);
+  explicit NumberSet(int end) : seen_(end, 0) {}
+  void add(int number) {
+    if (!seen_[number]) list.push_back(number);
+    seen_[number] = 1;
   }
+  std::vector<int> list;
 
  private:
-  bool by_rows_;
-  decltype(Transfer::parents)::HostMirror parents_;
-  IntView::HostMirror begin_, node_;
-  RealView::HostMirror weight_;
+  std::vector<char> seen_;
 };
+
+std::vector<int> nodes_of_rows(const std::vector<GroupRow>& rows, int num_nodes) {
+  NumberSet nodes(num_nodes);
+  for (const GroupRow& row : rows)
+    for (const auto& [dof, value] : row.entries) nodes.add(node_of_dof(dof));
+  return std::move(nodes.list);
+}
 
 }  // namespace
 
-CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, const Transfer& transfer,
-                       const std::vector<GroupRow>& rows, const std::vector<double>& stiffness,
-                       const std::vector<double>& full_stiffness) {
-  CoarseRows result;
+RowCoarsening::RowCoarsening(const ElasticSystem& fine, const ElasticSystem& coarse, const Transfer& transfer,
+                             const std::vector<GroupRow>& rows, const RowCoarsening* before)
+    : row_of_node_(fine.num_nodes, -1) {
+  find_members(fine, coarse, rows);
+  const auto parents = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parents);
+  const auto begin = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.begin);
+  const auto node = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.node);
+  const auto weight = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), transfer.parent_rows.weight);
+  for (const int n : before ? before->coarse_nodes_ : nodes_of_rows(rows, fine.num_nodes)) {
+    row_of_node_[n] = static_cast<int>(begin_.size()) - 1;
+    if (transfer.by_rows)
+      for (int e = begin(n); e < begin(n + 1); ++e) parents_.emplace_back(node(e), weight(e));
+    else
+      for (int a = 0; a < 8; ++a) parents_.emplace_back(parents(n, a), 0.125);
+    begin_.push_back(static_cast<int>(parents_.size()));
+  }
+  NumberSet nodes(coarse.num_nodes);  // constraints of rows are resolved: masters instead
+  for (const auto& [parent, share] : parents_) {
+    const int c = coarse.constraint_of_node.empty() ? -1 : coarse.constraint_of_node[parent];
+    if (c < 0)
+      nodes.add(parent);
+    else
+      for (const auto& [master, of_master] : coarse.constraints[c].masters) nodes.add(master);
+  }
+  coarse_nodes_ = std::move(nodes.list);
+}
+
+/// Members of one coarse row: same part, coarse cell and family, in order of first appearance.
+void RowCoarsening::find_members(const ElasticSystem& fine, const ElasticSystem& coarse,
+                                 const std::vector<GroupRow>& rows) {
   const CoarseCells cells(fine, coarse);
-  // Members of one coarse row: same part, coarse cell and family, in order of first appearance.
   std::map<std::tuple<int, int, int>, int> index;
-  std::vector<std::vector<int>> members;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const CoarseCells::Place place = cells.of(rows[r].part, rows[r].cell);
-    const double factor = place.larger ? 0.5 : 1.0;
+    factor_.push_back(place.larger ? 0.5 : 1.0);
     const auto [entry, is_new] =
-        index.emplace(std::make_tuple(place.part, place.cell, rows[r].family), static_cast<int>(members.size()));
+        index.emplace(std::make_tuple(place.part, place.cell, rows[r].family), static_cast<int>(members_.size()));
     if (is_new) {
-      members.emplace_back();
-      result.rows.push_back({{}, place.part, place.cell, rows[r].family});
-      result.stiffness.push_back(0);
-      result.full_stiffness.push_back(0);
+      members_.emplace_back();
+      places_.push_back({{}, place.part, place.cell, rows[r].family});
     }
-    members[entry->second].push_back(static_cast<int>(r));
-    result.stiffness[entry->second] += factor * stiffness[r];
-    result.full_stiffness[entry->second] += factor * full_stiffness[r];
+    members_[entry->second].push_back(static_cast<int>(r));
   }
-  const HostParents parents(transfer);
-  std::vector<std::pair<int, double>> entries;
-  for (std::size_t c = 0; c < members.size(); ++c) {
-    const bool closed = result.stiffness[c] > 0;
+}
+
+RowCoarsening::Present RowCoarsening::update(const std::vector<GroupRow>& fine, const Present& present,
+                                             const ElasticSystem& coarse, std::vector<GroupRow>& rows) {
+  const bool first = share_.empty();
+  std::vector<double> share(fine.size(), 0.0);
+  Present result{std::vector<double>(members_.size(), 0.0), std::vector<double>(members_.size(), 0.0),
+                 std::vector<char>(members_.size(), first)};
+  if (first) rows = places_;
+  for (std::size_t c = 0; c < members_.size(); ++c) {
+    for (const int r : members_[c]) {
+      result.stiffness[c] += factor_[r] * present.stiffness[r];
+      result.full_stiffness[c] += factor_[r] * present.full_stiffness[r];
+    }
+    const std::vector<double>& weight = result.stiffness[c] > 0 ? present.stiffness : present.full_stiffness;
     double sum = 0;
-    for (int r : members[c]) sum += closed ? stiffness[r] : full_stiffness[r];
-    entries.clear();
-    for (int r : members[c]) {
-      const double weight = (closed ? stiffness[r] : full_stiffness[r]) / sum;
-      if (weight == 0) continue;
-      for (const auto& [dof, value] : rows[r].entries)
-        parents.each(node_of_dof(dof), [&, dof = dof, value = value](int node, double share) {
-          entries.emplace_back(dof_of(node, component_of_dof(dof)), share * weight * value);
-        });
-    }
-    std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    for (const auto& [dof, value] : entries) {
-      auto& merged = result.rows[c].entries;
-      if (!merged.empty() && merged.back().first == dof)
-        merged.back().second += value;
-      else
-        merged.emplace_back(dof, value);
+    for (const int r : members_[c]) sum += weight[r];
+    for (const int r : members_[c]) {
+      share[r] = weight[r] / sum;
+      if (!first) result.changed[c] |= share[r] != share_[r] || (present.changed[r] && share[r] != 0);
     }
   }
+  share_ = std::move(share);
+  parallel_for("cgcontact::coarsen::rows", members_.size(), rows_per_chunk, [&](std::size_t c) {
+    if (!result.changed[c]) return;
+    rows[c].entries = merged(members_[c], fine, share_);
+    if (!coarse.constraints.empty()) resolve_constraints(coarse, rows[c].entries);
+  });
+  return result;
+}
+
+std::vector<std::pair<int, double>> RowCoarsening::merged(const std::vector<int>& members,
+                                                          const std::vector<GroupRow>& fine,
+                                                          const std::vector<double>& share) const {
+  std::vector<std::pair<int, double>> entries, result;
+  for (const int r : members) {
+    if (share[r] == 0) continue;
+    for (const auto& [dof, value] : fine[r].entries) {
+      const int row = row_of_node_[node_of_dof(dof)];
+      if (row < 0) throw std::logic_error("coarsen: a contact row at a node without parents");
+      for (int e = begin_[row]; e < begin_[row + 1]; ++e)
+        entries.emplace_back(dof_of(parents_[e].first, component_of_dof(dof)), parents_[e].second * share[r] * value);
+    }
+  }
+  std::sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [dof, value] : entries)
+    if (!result.empty() && result.back().first == dof)
+      result.back().second += value;
+    else
+      result.emplace_back(dof, value);
   return result;
 }
 

@@ -4,6 +4,10 @@
 /// the coarse h (measured in 2D: inheriting kappa E/h_fine lets the iterations grow with the number of levels).
 #pragma once
 
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "kernels/operator/system.hpp"
 
 namespace cgcontact {
@@ -58,16 +62,44 @@ struct Transfer {
 
 Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse);
 
-/// Rows restricted by P^T and merged per coarse cell of the coarser body: mean of the rows weighted with `stiffness`
-/// (with `full_stiffness` where all members are open). members: coarse row of each fine row. Stiffnesses are summed,
-/// and halved where that body has been coarsened.
-struct CoarseRows {
-  std::vector<GroupRow> rows;
-  std::vector<double> stiffness, full_stiffness;
+/// From the contact rows of a grid to those of the next: restricted by P^T and merged per coarse cell of the coarser
+/// body. Knows the rows of P at the nodes of contact rows; the grids themselves have served.
+class RowCoarsening {
+ public:
+  RowCoarsening() = default;
+  /// rows: where they are; their entries only matter on the finest grid (`before`: nullptr), where they say which nodes
+  /// contact rows have.
+  RowCoarsening(const ElasticSystem& fine, const ElasticSystem& coarse, const Transfer& transfer,
+                const std::vector<GroupRow>& rows, const RowCoarsening* before);
+
+  /// The coarse rows without entries.
+  const std::vector<GroupRow>& places() const { return places_; }
+
+  /// Of the rows of a grid: stiffness, that when closed; whether the entries have changed since the last update.
+  struct Present {
+    std::vector<double> stiffness, full_stiffness;
+    std::vector<char> changed;
+    bool any_changed() const { return std::find(changed.begin(), changed.end(), 1) != changed.end(); }
+  };
+  /// Sets the entries of those coarse rows that are no longer the same: the mean of the rows weighted with `stiffness`
+  /// (with `full_stiffness` where all members are open). Stiffnesses are summed, and halved where the coarser body has
+  /// been coarsened.
+  Present update(const std::vector<GroupRow>& fine, const Present& present, const ElasticSystem& coarse,
+                 std::vector<GroupRow>& rows);
+
+ private:
+  void find_members(const ElasticSystem& fine, const ElasticSystem& coarse, const std::vector<GroupRow>& rows);
+  std::vector<std::pair<int, double>> merged(const std::vector<int>& members, const std::vector<GroupRow>& fine,
+                                             const std::vector<double>& share) const;
+
+  std::vector<GroupRow> places_;
+  std::vector<std::vector<int>> members_;  ///< fine rows of each coarse one
+  std::vector<double> factor_;             ///< of the stiffness of each fine row
+  std::vector<double> share_;              ///< of each fine row in its coarse one, at the last update
+  std::vector<int> row_of_node_, begin_{0};
+  std::vector<std::pair<int, double>> parents_;
+  std::vector<int> coarse_nodes_;  ///< that coarse rows may have entries at
 };
-CoarseRows coarse_rows(const ElasticSystem& fine, const ElasticSystem& coarse, const Transfer& transfer,
-                       const std::vector<GroupRow>& rows, const std::vector<double>& stiffness,
-                       const std::vector<double>& full_stiffness);
 
 /// y(n) (+)= sum of weight * x(node).
 template <bool add, class Exec, class X, class Y>

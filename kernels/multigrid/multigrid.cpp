@@ -52,7 +52,8 @@ struct Level {
   std::unique_ptr<RankShare> share;       // of several ranks; where `system` is the whole, vectors are passed by it
   std::unique_ptr<FastOperator<Real>> op;
   std::unique_ptr<SurfaceSmoother<Real>> smoother;
-  Transfer whole_transfer, transfer;  // to the next coarser level; of this rank
+  Transfer transfer;             // to the next coarser level; of this rank
+  RowCoarsening row_coarsening;  // of all ranks
   double largest_eigenvalue = 0;
   LevelVector b, x, r, d;
   LevelVector passed;             // where `system` is the whole: b or x in the numbers of the share
@@ -116,8 +117,8 @@ struct Multigrid::Impl {
     }
     // The operators have what they need of the cells; the coarsest is assembled again and again.
     for (std::size_t l = 1; l + 1 < levels.size(); ++l) {
-      cgcontact::drop_moments(levels[l]->cells);
-      if (levels[l]->share) levels[l]->share->drop_moments();
+      cgcontact::drop_cells(levels[l]->cells, levels[l]->own_system);
+      if (levels[l]->share) levels[l]->share->drop_cells();
     }
     const Halo::Comm alone = num_ranks() == 1 ? comm : comm_of_this_rank();
     coarsest_map = levels.back()->whole->dofs.vector_map(alone);
@@ -142,7 +143,10 @@ struct Multigrid::Impl {
       to->own_system = make_elastic_system(cells, materials, fine.scales, settings.coarse_ghost * fine.ghost_penalty);
       to->whole = to->system = &to->own_system;
       to->own_system.supports = coarse_supports(*from.whole, to->own_system, settings.firm_holds);
-      from.transfer = from.whole_transfer = make_transfer(*from.whole, *to->whole);
+      from.transfer = make_transfer(*from.whole, *to->whole);
+      const RowCoarsening* const before = levels.size() > 1 ? &levels[levels.size() - 2]->row_coarsening : nullptr;
+      from.row_coarsening =
+          RowCoarsening(*from.whole, *to->whole, from.transfer, before ? before->places() : fine.group_rows, before);
       levels.push_back(std::move(to));
     }
   }
@@ -154,14 +158,12 @@ struct Multigrid::Impl {
     for (const auto& level : levels) {
       systems.push_back(level->whole);
       if (level->whole->num_dofs() <= settings.shared_unknowns || level == levels.back()) break;
-      transfers.push_back(level->whole_transfer);
+      transfers.push_back(level->transfer);
     }
     auto shares = make_shares(systems, transfers, columns, comm);
     for (std::size_t l = 0; l < shares.size(); ++l) {
       levels[l]->share = std::move(shares[l]);
-      if (l > 0)
-        levels[l - 1]->transfer =
-            transfer_of_rank(levels[l - 1]->whole_transfer, *levels[l - 1]->share, *levels[l]->share);
+      if (l > 0) levels[l - 1]->transfer = transfer_of_rank(transfers[l - 1], *levels[l - 1]->share, *levels[l]->share);
       if (l + 1 < shares.size())
         levels[l]->system = &levels[l]->share->system();
       else
@@ -193,23 +195,25 @@ struct Multigrid::Impl {
   }
 
   void update_groups() {
-    std::vector<double> stiffness = group_stiffness(fine), full = fine.full_group_stiffness;
-    if (full.empty()) full.assign(stiffness.size(), 1.0);
-    for (std::size_t l = 0; l < levels.size(); ++l) {
+    RowCoarsening::Present present{group_stiffness(fine), fine.full_group_stiffness, {}};
+    if (present.full_stiffness.empty()) present.full_stiffness.assign(present.stiffness.size(), 1.0);
+    const bool first = coarsest.is_null();
+    present.changed.assign(present.stiffness.size(), first);
+    for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
       Level& level = *levels[l];
-      if (l + 1 == levels.size()) break;
-      if (level.is_shared()) level.share->set_groups(*level.whole);
+      const bool same_rows = !first && !present.any_changed();
+      if (level.is_shared()) level.share->set_groups(level.whole->group_rows, present.stiffness, same_rows);
       level.op->set_groups(level.system->groups);
-      level.smoother->set_groups(level.system->group_rows, stiffness);
+      level.smoother->set_groups(level.system->group_rows, present.stiffness);
       Level& next = *levels[l + 1];
-      CoarseRows rows =
-          coarse_rows(*level.whole, *next.whole, level.whole_transfer, level.whole->group_rows, stiffness, full);
-      set_group_rows(next.own_system, std::move(rows.rows));
-      set_group_stiffness(next.own_system, rows.stiffness);
-      stiffness = std::move(rows.stiffness);
-      full = std::move(rows.full_stiffness);
+      std::vector<GroupRow>& rows = next.own_system.group_rows;
+      present = level.row_coarsening.update(level.whole->group_rows, present, next.own_system, rows);
+      if (next.is_shared()) continue;  // the whole one is not computed with
+      if (first || present.any_changed()) compress_group_rows(next.own_system);
+      set_group_stiffness(next.own_system, present.stiffness);
     }
-    if (coarsest.is_null() || changed_much(coarsest_groups, stiffness)) {
+    const std::vector<double>& stiffness = present.stiffness;
+    if (first || changed_much(coarsest_groups, stiffness)) {
       coarsest = make_muelu(*levels.back()->whole, coarsest_map);
       coarsest_groups = stiffness;
       ++report.coarsest_setups;
@@ -350,8 +354,8 @@ Multigrid::Multigrid(const ElasticSystem& system, const MultigridSettings& setti
 Multigrid::~Multigrid() = default;
 void Multigrid::update_groups() { impl_->update_groups(); }
 const MultigridReport& Multigrid::report() const { return impl_->report; }
-void Multigrid::drop_moments() {
-  if (impl_->by_ranks) impl_->levels[0]->share->drop_moments();
+void Multigrid::drop_cells() {
+  if (impl_->by_ranks) impl_->levels[0]->share->drop_cells();
 }
 const RankShare* Multigrid::share() const { return impl_->by_ranks ? impl_->levels[0]->share.get() : nullptr; }
 RCP<const TpetraMap> Multigrid::getDomainMap() const { return impl_->map; }

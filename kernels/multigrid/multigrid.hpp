@@ -52,7 +52,7 @@ class Multigrid : public TpetraOperator {
   /// every rank the same.
   const RankShare* share() const;
   /// Its cells have served: the operator of the finest grid has been made.
-  void drop_moments();
+  void drop_cells();
 
   Teuchos::RCP<const TpetraMap> getDomainMap() const override;
   Teuchos::RCP<const TpetraMap> getRangeMap() const override;

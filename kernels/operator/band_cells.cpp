@@ -158,7 +158,8 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
         "cgcontact::band::kind",
         Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(kind.size())), [&](const int e) {
           const auto& n = mesh.cell_nodes[e];
-          const bool inside = std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node]; });
+          const bool inside =
+              std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node] || !system.needs(node); });
           kind[e] = !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
         });
     SupportMoments* of_cell = nullptr;

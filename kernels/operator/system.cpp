@@ -34,6 +34,8 @@ int ElasticSystem::num_free_dofs() const {
 
 bool ElasticSystem::is_zero(int dof) const { return std::binary_search(zero_dofs.begin(), zero_dofs.end(), dof); }
 
+bool ElasticSystem::needs(int node) const { return !dofs.halo() || dofs.halo()->needs(node); }
+
 bool ElasticSystem::needs_cell(const BodyMesh& part, int cell) const {
   const Halo* halo = dofs.halo();
   return !halo || std::any_of(part.cell_nodes[cell].begin(), part.cell_nodes[cell].end(),
@@ -97,12 +99,17 @@ void add_support_terms(ElasticSystem& system, int body, const std::vector<Suppor
     if (parts[part]->cut_cells->cut_of_active[cell] < 0) throw std::logic_error("support point in an interior cell");
     system.supports[part].push_back(t);
   }
+  for (std::vector<SupportTerm>& of_part : system.supports) of_part.shrink_to_fit();
 }
 
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows) {
   system.group_rows = std::move(rows);
   if (!system.constraints.empty())
     for (GroupRow& row : system.group_rows) resolve_constraints(system, row.entries);
+  compress_group_rows(system);
+}
+
+void compress_group_rows(ElasticSystem& system) {
   const auto [rows_of_groups, rows_of_dofs] = compress_rows(
       system.group_rows.size(), [&](std::size_t g) -> const SparseRow& { return system.group_rows[g].entries; },
       [](std::size_t g) { return static_cast<int>(g); });

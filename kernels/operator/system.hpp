@@ -62,7 +62,8 @@ struct ElasticSystem {
   /// Degrees of freedom that neither constraints nor plane strain give.
   int num_free_dofs() const;
   bool is_zero(int dof) const;
-  /// Are forces on a node of this cell of a part computed by this rank?
+  /// Are forces on a node, on one of this cell of a part, computed by this rank?
+  bool needs(int node) const;
   bool needs_cell(const BodyMesh& part, int cell) const;
 };
 
@@ -79,6 +80,9 @@ void add_support_terms(ElasticSystem& system, int body, const std::vector<Suppor
 
 /// Sets the rows of the contact groups, their constraints resolved; stiffnesses start at zero.
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows);
+
+/// After changes of group_rows, with their constraints resolved: what multiplies with them. Stiffnesses start at zero.
+void compress_group_rows(ElasticSystem& system);
 
 /// Present stiffness of each group.
 std::vector<double> group_stiffness(const ElasticSystem& system);

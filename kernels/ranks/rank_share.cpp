@@ -19,6 +19,11 @@ CutCells restricted(const CutCells& cells, const std::vector<char>& keep) {
   part.grid = cells.grid;
   part.numbers = GridNumbers(cells.grid.num_cells);
   std::vector<Moments> moments;
+  std::size_t num_cut = 0;
+  for (const int active : cells.active_of_cut) num_cut += keep[active] != 0;
+  moments.reserve(num_cut);
+  part.cells.reserve(std::count_if(keep.begin(), keep.end(), [](char kept) { return kept != 0; }));
+  part.cut_of_active.reserve(part.cells.capacity());
   for (std::size_t e = 0; e < cells.cells.size(); ++e) {
     if (!keep[e]) continue;
     part.numbers.insert(cells.cells[e]);
@@ -221,9 +226,13 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
       term.cell = parts[p]->cut_cells->find(whole_parts[p]->cut_cells->cells[term.cell]);
       system_.supports[p].push_back(term);
     }
+  for (std::vector<SupportTerm>& of_part : system_.supports) of_part.shrink_to_fit();
   for (int rank = 0; rank < num_ranks(); ++rank)
     for (int n = 0; n < whole.num_nodes; ++n)
       if (owners_.of_node[n] == rank && !is_constrained(whole, n)) order_.push_back(n);
+  order_.shrink_to_fit();
+  whole_nodes_.shrink_to_fit();
+  owners_.of_cell = std::vector<std::vector<int>>();
 }
 
 void RankShare::tell_work() const {
@@ -236,9 +245,9 @@ void RankShare::tell_work() const {
     for (const int cell : part->cut_cells->active_of_cut) work.cut_cells += system_.needs_cell(*part, cell);
 }
 
-void RankShare::set_groups(const ElasticSystem& whole) {
-  set_group_rows(system_, own_entries(whole.group_rows));
-  set_group_stiffness(system_, group_stiffness(whole));
+void RankShare::set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows) {
+  if (!same_rows) set_group_rows(system_, own_entries(rows));
+  set_group_stiffness(system_, stiffness);
 }
 
 std::vector<GroupRow> RankShare::own_entries(const std::vector<GroupRow>& rows) const {
@@ -283,13 +292,37 @@ void RankShare::to_local(const SingleView& whole, const SingleView& local) const
 void RankShare::to_whole(const RealView& local, const RealView& whole) const { gather_whole(local, whole); }
 void RankShare::to_whole(const SingleView& local, const SingleView& whole) const { gather_whole(local, whole); }
 
-void RankShare::drop_moments() { cgcontact::drop_moments(cells_); }
+void RankShare::drop_cells() { cgcontact::drop_cells(cells_, system_); }
 
-void drop_moments(std::vector<CutCells>& bodies) {
-  for (CutCells& body : bodies) {
-    body.moments = {};
-    for (CutCells& part : body.parts) part.moments = {};
-  }
+namespace {
+
+void keep_grid(CutCells& cells) {
+  CutCells grid;
+  grid.grid = cells.grid;
+  for (CutCells& part : cells.parts) keep_grid(part);
+  grid.parts = std::move(cells.parts);
+  cells = std::move(grid);
+}
+
+/// v = {} would keep its memory.
+template <class Container>
+void free_memory(Container& container) {
+  container = Container();
+}
+
+void keep_places(BodyMesh& mesh) {
+  free_memory(mesh.cell_nodes);
+  free_memory(mesh.node_numbers);
+  free_memory(mesh.level_faces);
+  for (BodyMesh& part : mesh.parts) keep_places(part);
+}
+
+}  // namespace
+
+void drop_cells(std::vector<CutCells>& bodies, ElasticSystem& system) {
+  for (CutCells& body : bodies) keep_grid(body);
+  for (BodyMesh& mesh : system.meshes) keep_places(mesh);
+  for (std::vector<SupportTerm>& of_part : system.supports) free_memory(of_part);
 }
 
 }  // namespace cgcontact

@@ -26,8 +26,8 @@ class RankShare {
   /// What this rank has of the grid, told to RankWork (core/base/ranks.hpp).
   void tell_work() const;
 
-  /// Takes over the rows of the contact groups of the whole system with their stiffness.
-  void set_groups(const ElasticSystem& whole);
+  /// Takes over the rows of the contact groups of the whole system, unless it has the same, and their stiffness.
+  void set_groups(const std::vector<GroupRow>& rows, const std::vector<double>& stiffness, bool same_rows);
   /// Rows with the entries at own nodes alone, in local numbers.
   std::vector<GroupRow> own_entries(const std::vector<GroupRow>& rows) const;
 
@@ -39,7 +39,7 @@ class RankShare {
   void to_whole(const Kokkos::View<float*, MemSpace>& local, const Kokkos::View<float*, MemSpace>& whole) const;
 
   /// No operator is to be made any more.
-  void drop_moments();
+  void drop_cells();
 
  private:
   template <class View>
@@ -54,8 +54,9 @@ class RankShare {
   std::vector<int> order_;  ///< free nodes of the whole system by owner, ascending for each: as they are gathered
 };
 
-/// Forgets the moments of cut cells, of which little is needed once operators have been made.
-void drop_moments(std::vector<CutCells>& bodies);
+/// Forgets cells, their moments and nodes, and the supports: once operators have been made, nothing is needed but the
+/// places of nodes.
+void drop_cells(std::vector<CutCells>& bodies, ElasticSystem& system);
 
 /// Nodes of the whole system on which a rank computes forces: its own, and constrained ones with a master of its own.
 std::vector<char> needed_nodes(const ElasticSystem& whole, const Owners& owners, int rank);

@@ -158,7 +158,7 @@ void LinearSolver::update() {
   s.op = rcp(new ElasticityOperator(s.own_system(), s.map));
   s.projected_op = s.op;
   if (!s.rigid_bodies.empty()) s.projected_op = rcp(new OnRigidMotions(s.op, s.rigid_bodies, NodeValues::forces));
-  if (!s.multigrid.is_null()) s.multigrid->drop_moments();
+  if (!s.multigrid.is_null()) s.multigrid->drop_cells();
 }
 
 LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, double tolerance, int max_iterations) {

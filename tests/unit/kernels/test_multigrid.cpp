@@ -4,7 +4,10 @@
 
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <array>
 #include <cstdio>
+#include <map>
 
 #include "kernels/multigrid/coarsen.hpp"
 #include "kernels/multigrid/multigrid.hpp"
@@ -180,6 +183,79 @@ TEST(Coarsening, SupportsAreTheGalerkinProduct) {
   const RealView coarse = supports_only(systems[2], x);
   for (std::size_t i = 0; i < r2.extent(0); ++i) r2(i) -= 4 * coarse(i);  // kappa E / h of the coarse h
   EXPECT_LT(norm(r2), 1e-12 * norm(coarse) * 4);
+}
+
+/// One row in each cut cell, along its main diagonal.
+std::vector<GroupRow> rows_of_cut_cells(const ElasticSystem& system) {
+  const BodyMesh& mesh = system.meshes[0];
+  std::vector<GroupRow> rows;
+  for (const int cell : mesh.cut_cells->active_of_cut) {
+    GroupRow row{{}, 0, cell, cell % 2};
+    displacement_row(mesh.cell_nodes[cell], Vec3(0.2, -0.3, 0.1), Vec3(1, 2, 3).normalized(),
+                     [&](int dof, double value) { row.entries.emplace_back(dof, value); });
+    std::sort(row.entries.begin(), row.entries.end());
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+double product(const GroupRow& row, const RealView& x) {
+  double sum = 0;
+  for (const auto& [dof, value] : row.entries) sum += value * x(dof);
+  return sum;
+}
+
+/// A coarse row is the mean of its members' P^T r, weighted with their stiffness, or as if closed where all are open;
+/// what an update of some stiffnesses leaves as it is would have come out the same.
+TEST(Coarsening, ContactRowsAreWeightedMeans) {
+  const TwoLevels levels(ball(), 9, 0.3, 0.0);
+  const std::vector<GroupRow> fine = rows_of_cut_cells(levels.fine);
+  const RealView x = test::random_vector(levels.coarse.num_dofs(), 8);
+  RealView Px("Px", levels.fine.num_dofs());
+  prolongate_add(ExecSpace(), levels.transfer, levels.fine.dofs, x, Px);
+  RowCoarsening coarsening(levels.fine, levels.coarse, levels.transfer, fine, nullptr);
+  RowCoarsening::Present present;
+  for (std::size_t r = 0; r < fine.size(); ++r) {
+    present.stiffness.push_back(r % 3 == 0 || r < fine.size() / 4 ? 0 : 1 + 0.1 * (r % 7));
+    present.full_stiffness.push_back(1 + 0.1 * (r % 7));
+    present.changed.push_back(1);
+  }
+  std::vector<GroupRow> rows;
+  const auto check = [&](const RowCoarsening::Present& coarse) {
+    std::map<std::array<int, 2>, std::array<double, 4>> sums;  // cell, family: of k, k r P x, and the same closed
+    for (std::size_t r = 0; r < fine.size(); ++r) {
+      const CoarseCells::Place place = CoarseCells(levels.fine, levels.coarse).of(0, fine[r].cell);
+      auto& sum = sums[{place.cell, fine[r].family}];
+      sum[0] += present.stiffness[r];
+      sum[1] += present.stiffness[r] * product(fine[r], Px);
+      sum[2] += present.full_stiffness[r];
+      sum[3] += present.full_stiffness[r] * product(fine[r], Px);
+    }
+    ASSERT_EQ(rows.size(), sums.size());
+    int open = 0;
+    for (std::size_t c = 0; c < rows.size(); ++c) {
+      const auto& sum = sums.at({rows[c].cell, rows[c].family});
+      const int which = sum[0] > 0 ? 0 : 2;
+      open += which != 0;
+      EXPECT_NEAR(product(rows[c], x), sum[which + 1] / sum[which], 1e-13);
+      EXPECT_NEAR(coarse.stiffness[c], sum[0] / 2, 1e-13);
+      EXPECT_NEAR(coarse.full_stiffness[c], sum[2] / 2, 1e-13);
+    }
+    EXPECT_GT(open, 0);
+  };
+  check(coarsening.update(fine, present, levels.coarse, rows));
+  // Every fifth row opens or closes.
+  present.changed.assign(fine.size(), 0);
+  for (std::size_t r = 0; r < fine.size(); r += 5)
+    present.stiffness[r] = present.stiffness[r] > 0 ? 0 : present.full_stiffness[r];
+  const RowCoarsening::Present second = coarsening.update(fine, present, levels.coarse, rows);
+  check(second);
+  const auto changed = std::count(second.changed.begin(), second.changed.end(), 1);
+  EXPECT_GT(changed, 0);
+  EXPECT_LT(changed, static_cast<long>(rows.size()));
+  // Entries of fine rows that have changed are seen as well.
+  present.changed.assign(fine.size(), 1);
+  EXPECT_TRUE(coarsening.update(fine, present, levels.coarse, rows).any_changed());
 }
 
 TEST(Multigrid, VCycleIsSymmetricAndPositive) {

@@ -116,7 +116,7 @@ std::vector<Problem> problems() {
 std::unique_ptr<RankShare> share_of(const ElasticSystem& system) {
   auto share = std::make_unique<RankShare>(system, partition(system, num_ranks(), {}), std::vector<int>(),
                                            Tpetra::getDefaultComm());
-  share->set_groups(system);
+  share->set_groups(system.group_rows, group_stiffness(system), false);
   return share;
 }
 
