@@ -14,6 +14,7 @@
 
 #include "contact/adaptive_run.hpp"
 #include "contact/check.hpp"
+#include "contact/results/postprocess.hpp"
 #include "contact/simulation.hpp"
 #include "contact/study/study.hpp"
 #include "core/base/errors.hpp"
@@ -115,11 +116,7 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
     results.command = command_text(argv);
     results.backend = TrilinosScope::backend();
     results.threads = TrilinosScope::concurrency();
-    results.ranks = num_ranks();
-    if (results.ranks > 1)
-      for (const RankWork& work : gather(std::vector<RankWork>{work_of_rank()}))
-        results.rank_figures.push_back({work.unknowns, work.ghosts, work.cut_cells, work.messages, work.sent_bytes,
-                                        work.reductions, work.reduced_bytes, 0});
+    fill_rank_figures(results);
     if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
     decisive_first(results.warnings);
     for (const std::string& warning : writer.write(results, solved)) progress.message("warning: " + warning);

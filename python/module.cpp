@@ -15,9 +15,11 @@
 
 #include "contact/adaptive_run.hpp"
 #include "contact/check.hpp"
+#include "contact/results/postprocess.hpp"
 #include "contact/simulation.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "core/drawing/extremes.hpp"
 #include "core/output/output.hpp"
 #include "core/output/output_report.hpp"
@@ -156,6 +158,7 @@ class PythonResult {
     }
     results().backend = TrilinosScope::backend();
     results().threads = TrilinosScope::concurrency();
+    fill_rank_figures(results());
     decisive_first(results().warnings);
     session().results.insert(this);
   }
@@ -341,6 +344,14 @@ PYBIND11_MODULE(_cgcontact, module) {
   module.def("threads", [] {
     start(0);
     return TrilinosScope::concurrency();
+  });
+  module.def("rank", [] {
+    start(0);
+    return this_rank();
+  });
+  module.def("ranks", [] {
+    start(0);
+    return num_ranks();
   });
   module.def("stop", &stop);
   py::class_<PythonScene>(module, "Scene")

@@ -9,6 +9,7 @@
 #include "contact/results/pressure_error.hpp"
 #include "contact/results/reference.hpp"
 #include "contact/solve/active_set.hpp"
+#include "core/base/ranks.hpp"
 #include "recovery/error/error_estimate.hpp"
 
 namespace cgcontact {
@@ -79,6 +80,15 @@ double energy_of_rounding(const BodyModel& body) {
 }
 
 }  // namespace
+
+void fill_rank_figures(Results& results) {
+  results.ranks = num_ranks();
+  if (results.ranks == 1) return;
+  results.rank_figures.clear();
+  for (const RankWork& work : gather(std::vector<RankWork>{work_of_rank()}))
+    results.rank_figures.push_back({work.unknowns, work.ghosts, work.cut_cells, work.messages, work.sent_bytes,
+                                    work.reductions, work.reduced_bytes, 0});
+}
 
 void fill_fields(const SolvedState& state, Results& results) {
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {

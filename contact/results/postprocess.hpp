@@ -8,6 +8,8 @@ namespace cgcontact {
 
 /// Cells, iterations, patches; needs no other results.
 void fill_counts(const SolvedState& state, Results& results);
+/// Number of ranks and what each had to do so far. Called by all ranks.
+void fill_rank_figures(Results& results);
 /// Displacement and stress fields, error estimate and effectivity. They refer to the state.
 void fill_body_fields(const SolvedState& state, Results& results);
 /// The fields alone.

@@ -18,9 +18,9 @@ import os
 import warnings
 
 from . import _cgcontact
-from ._cgcontact import InputError, Result, Scene, set_threads, threads
+from ._cgcontact import InputError, Result, Scene, rank, ranks, set_threads, threads
 
-__all__ = ["read", "scene", "Scene", "Result", "InputError", "set_threads", "threads"]
+__all__ = ["read", "scene", "Scene", "Result", "InputError", "set_threads", "threads", "rank", "ranks"]
 
 
 def _overrides(settings, parameters):

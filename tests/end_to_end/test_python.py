@@ -5,6 +5,7 @@ program's messages as exceptions, Ctrl-C, and the scripts of examples/."""
 import json
 import os
 import pathlib
+import shutil
 import signal
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import textwrap
 import unittest
 
 import harness
-from harness import cgcontact, report, scene, settings
+from harness import SLOW_BUILD, cgcontact, largest_difference, report, scene, settings
 
 # Figures that are of one run.
 OWN = ("times_s", "peak_memory_bytes", "command", "files", "accuracy", "bodies")
@@ -42,6 +43,29 @@ class Python(unittest.TestCase):
     def setUp(self):
         if not module().is_dir():
             self.skipTest("built without the Python module")
+
+    def test_several_ranks(self):
+        """The report of two ranks is that of one to 1e-9 (test_ranks.py); one of them prints, both write one directory."""
+        if not shutil.which("mpirun") or SLOW_BUILD:
+            self.skipTest("no mpirun" if not SLOW_BUILD else "sanitizers: MPI keeps memory of its own")
+        pathlib.Path("script.py").write_text(textwrap.dedent(f"""
+            import cgcontact
+            result = cgcontact.read({str(scene('two_solids_3d'))!r}, {{"n": 6, "solver.shared_unknowns": 0}}).solve()
+            result.write("together" if cgcontact.ranks() > 1 else "alone")
+            if cgcontact.rank() == 0:
+                print(cgcontact.ranks(), result.report["contact"][0]["max_pressure"])
+            """))
+        printed = []
+        for launcher in ([], ["mpirun", "--oversubscribe", "-n", "2"]):
+            done = subprocess.run([*launcher, sys.executable, "script.py"], capture_output=True, text=True, check=False,
+                                  env={**environment(), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                                       "OMP_NUM_THREADS": "1"})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            printed.append(done.stdout.split())
+        self.assertEqual([words[0] for words in printed], ["1", "2"])
+        self.assertAlmostEqual(float(printed[1][1]) / float(printed[0][1]), 1, delta=1e-9)
+        difference, where = largest_difference("alone", "together")
+        self.assertLess(difference, 1e-9, where)
 
     def test_the_numbers_of_the_program(self):
         """Reports are equal, and contact.csv has the digits of the arrays; with [accuracy] too."""
