@@ -5,17 +5,18 @@
     perf/scaling_model.py runs.json                 # beside the measurement; strong and weak scaling to 4,096 ranks
 
 An iteration of CG (with a multigrid cycle) on P ranks and N unknowns takes
-    compute    N / P x balance / rate
+    compute    (1 - WHOLE) x N / P x load / rate
+    whole      WHOLE x N / rate: what every rank does itself between linear solves and in their set-up
     bandwidth  bytes that a rank sends / bandwidth of its link
     latency    messages x latency
     sums       reductions x (2 latency log2 P + bytes summed / bandwidth)
-    replicated what every rank computes for itself: surface unknowns of the smoother, coarse grids
-rate: of one rank, measured; messages, bytes and reductions: counted on 2 to 16 ranks, extended by N and P:
+rate: of one rank, measured; load: of the rank with most cells to compute (a cut one counts CUT_CELL), those at borders that two
+ranks compute included, over the P-th part of one rank's; WHOLE: from profiles; messages, bytes and reductions: counted on 2 to 16 ranks, extended by N and P:
 bytes per rank ~ (N / P)^(2/3), the summed surface rows ~ N^(2/3). The network is one of a cluster of 2024: InfiniBand NDR 200, 24 GB/s per
 node and 64 ranks per node share it; 1.3 us from rank to rank.
 
-This is a model of the linear solver alone. What every rank has whole (docs/parallel.md) limits a run to the memory of one rank long before:
-the last column tells how much that would be.
+Efficiency is told twice: of what is divided, and of all. What every rank has whole (docs/parallel.md) limits a run to the memory of one
+rank long before: the last column tells how much that would be.
 """
 import argparse
 import json
@@ -26,6 +27,12 @@ LATENCY = 1.3e-6  # s
 LINK = 24e9  # bytes/s of a node
 RANKS_PER_NODE = 64
 REPLICATED_PER_UNKNOWN = 100  # bytes, docs/parallel.md
+WHOLE = 0.15  # of the solve phase on one rank: `perf record` of two_solids_3d, n = 56
+CUT_CELL = 10  # interior cells, kernels/ranks/partition.cpp
+
+
+def work(unknowns, cut_cells):
+    return unknowns / 3 + (CUT_CELL - 1) * cut_cells
 
 
 class Model:
@@ -38,42 +45,48 @@ class Model:
         self.rate = self.unknowns * self.iterations / alone["times_s"]["solve"]
         several = [run for run in runs if run["ranks"] > 1]
         self.measured = {run["ranks"]: run["times_s"]["solve"] / self.iterations for run in runs}
-        self.messages, self.surface, self.balance = {}, [], {}
+        self.messages, self.surface, self.load = {}, [], {}
         for run in several:
             ranks, cycles = run["rank_figures"], sum(run["linear_iterations"])
             self.messages[run["ranks"]] = max(rank["messages"] for rank in ranks) / cycles
             sent = max(rank["sent_bytes"] for rank in ranks) / cycles
             self.surface.append(sent / (self.unknowns / run["ranks"]) ** (2 / 3))
-            self.balance[run["ranks"]] = max(rank["unknowns"] for rank in ranks) * run["ranks"] / sum(
-                rank["unknowns"] for rank in ranks)
+            self.load[run["ranks"]] = max(work(rank["unknowns"], rank["cut_cells"]) for rank in ranks) / (
+                work(alone["unknowns"], alone["cells"]["cut"]) / run["ranks"])
         last = several[-1]
         cycles = sum(last["linear_iterations"])
         self.reductions = last["rank_figures"][0]["reductions"] / cycles
         self.summed = last["rank_figures"][0]["reduced_bytes"] / cycles / self.unknowns ** (2 / 3)
 
     def parts(self, unknowns, ranks):
-        """Seconds of an iteration: compute, bandwidth, latency, sums."""
-        compute = unknowns / ranks * max(self.balance.values()) / self.rate
+        """Seconds of an iteration: compute, whole, bandwidth, latency, sums."""
+        load = 1 if ranks == 1 else self.load.get(ranks, max(self.load.values()))
+        compute, whole = (1 - WHOLE) * unknowns / ranks * load / self.rate, WHOLE * unknowns / self.rate
         if ranks == 1:
-            return unknowns / self.rate, 0, 0, 0
+            return compute, whole, 0, 0, 0
         per_rank = LINK / min(ranks, RANKS_PER_NODE)
         sent = max(self.surface) * (unknowns / ranks) ** (2 / 3)
         messages = self.messages.get(ranks, max(self.messages.values()))
         summed = self.summed * unknowns ** (2 / 3)
         sums = self.reductions * 2 * LATENCY * math.log2(ranks) + 2 * summed / per_rank
-        return compute, sent / per_rank, messages * LATENCY, sums
+        return compute, whole, sent / per_rank, messages * LATENCY, sums
 
 
 def table(title, rows):
     print(title)
-    print(f"{'ranks':>8} {'unknowns':>14} {'s/iteration':>12} {'compute':>8} {'bandw.':>7} {'latency':>8} {'sums':>7} "
-          f"{'efficiency':>11} {'GB/rank, whole':>15}")
-    for ranks, unknowns, parts, efficiency in rows:
+    print(f"{'ranks':>8} {'unknowns':>14} {'s/iteration':>12} {'compute':>8} {'whole':>7} {'bandw.':>7} {'latency':>8} {'sums':>7} "
+          f"{'efficiency':>11} {'divided':>8} {'GB/rank, whole':>15}")
+    for ranks, unknowns, parts, of_all, of_divided in rows:
         total = sum(parts)
         shares = " ".join(f"{part / total:7.1%}" for part in parts)
-        print(f"{ranks:8d} {unknowns:14.3g} {total:12.3g} {shares} {efficiency:11.2f} "
+        print(f"{ranks:8d} {unknowns:14.3g} {total:12.3g} {shares} {of_all:11.2f} {of_divided:8.2f} "
               f"{unknowns * REPLICATED_PER_UNKNOWN / 1e9:15.3g}")
     print()
+
+
+def efficiencies(one, parts, share):
+    """Of all, and of what is divided."""
+    return share * sum(one) / sum(parts), share * one[0] / (sum(parts) - parts[1])
 
 
 def main():
@@ -90,13 +103,13 @@ def main():
     print()
     counts = [1, 2, 4, 16, 64, 256, 1024, 4096]
     for unknowns in (1e9, 1e10, 1e11):
-        one = sum(model.parts(unknowns, 1))
+        one = model.parts(unknowns, 1)
         table(f"strong scaling, {unknowns:.0e} unknowns",
-              [(p, unknowns, model.parts(unknowns, p), one / p / sum(model.parts(unknowns, p))) for p in counts[3:]])
+              [(p, unknowns, model.parts(unknowns, p), *efficiencies(one, model.parts(unknowns, p), 1 / p)) for p in counts[3:]])
     per_rank = 1e6
-    one = sum(model.parts(per_rank, 1))
+    one = model.parts(per_rank, 1)
     table(f"weak scaling, {per_rank:.0e} unknowns per rank",
-          [(p, per_rank * p, model.parts(per_rank * p, p), one / sum(model.parts(per_rank * p, p))) for p in counts])
+          [(p, per_rank * p, model.parts(per_rank * p, p), *efficiencies(one, model.parts(per_rank * p, p), 1)) for p in counts])
 
 
 if __name__ == "__main__":

@@ -228,9 +228,14 @@ void write_fields(const Results& results, const std::vector<DrawnBody>& drawn, c
   if (surface.size() > 0) write_vtk_contact(surface, (directory / "contact.vtkhdf").string());
 }
 
+/// Nothing is drawn, and the ranks have found the extremes together.
+bool extremes_by_ranks_alone(const Scene& scene) {
+  return num_ranks() > 1 && !scene.output.vtk && !scene.output.plots && scene.steps.empty();
+}
+
 /// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
 /// `steps`: with all steps, or none.
-/// `fields_elsewhere`: another rank writes the files of fields. The extremes may be known already if nothing is drawn.
+/// `fields_elsewhere`: another rank writes the files of fields.
 PageParts write_files(Results& results, const Scene& scene, const TemporaryDirectory& temporary, StepFields* steps,
                       bool fields_elsewhere) {
   PageParts parts;
@@ -241,10 +246,10 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
   if (scene.output.csv && !results.contact_rows.empty()) write_contact_csv(results, temporary.file("contact.csv"));
   if (scene.output.csv && !results.path.empty()) write_pressure_csv(results, temporary.file("pressure.csv"));
   if (scene.output.csv && !results.probes.empty()) write_probes_csv(results, temporary.file("probes.csv"));
-  const bool known = !results.extremes.empty();
-  const std::vector<DrawnBody> drawn_now = steps || known ? std::vector<DrawnBody>{} : draw_bodies(results);
+  const std::vector<DrawnBody> drawn_now =
+      steps || extremes_by_ranks_alone(scene) ? std::vector<DrawnBody>{} : draw_bodies(results);
   const std::vector<DrawnBody>& drawn = steps ? steps->drawn() : drawn_now;
-  if (!known) results.extremes = extremes_of(results, scene, drawn);
+  if (!extremes_by_ranks_alone(scene)) results.extremes = extremes_of(results, scene, drawn);
   set_displacements(steps, results);
   if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
   if (scene.output.plots && steps && !results.pairs.empty()) write_force_displacement_plot(results, runs);
@@ -360,8 +365,7 @@ std::vector<std::string> ResultWriter::write(Results& results, const Scene& scen
   const std::string directory =
       text_of_first_rank(parts_->temporary ? parts_->temporary->path().string() : std::string());
   const bool apart = scene.output.vtk && rank_of_fields() > 0;
-  const bool draws = scene.output.vtk || scene.output.plots || !scene.steps.empty();
-  if (!draws && num_ranks() > 1) results.extremes = extremes_by_ranks(results, scene);
+  if (extremes_by_ranks_alone(scene)) results.extremes = extremes_by_ranks(results, scene);
   on_all_ranks([&] {
     try {
       if (is_first_rank()) {

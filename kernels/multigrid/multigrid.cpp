@@ -276,7 +276,6 @@ struct Multigrid::Impl {
     double rho = 1 / sigma;
     for (int k = 0; k < settings.smoother_degree; ++k) {
       const bool from_b = start && k == 0;
-      if (!from_b) level.op->residual(exec, level.b, level.x, level.r);
       double alpha = 1 / centre, beta = 0;
       if (k > 0) {
         const double next = 1 / (2 * sigma - rho);
@@ -284,8 +283,16 @@ struct Multigrid::Impl {
         beta = next * rho;
         rho = next;
       }
-      level.smoother->step(exec, from_b ? level.b : level.r, static_cast<Real>(alpha), static_cast<Real>(beta), level.d,
-                           level.x, from_b);
+      const Real a = static_cast<Real>(alpha), b = static_cast<Real>(beta);
+      if (from_b) {
+        level.smoother->step(exec, level.b, a, b, level.d, level.x, true);
+      } else if (level.is_shared()) {
+        level.op->begin_residual(exec, level.b, level.x, level.r);
+        level.smoother->step(exec, *level.op, level.r, a, b, level.d, level.x);
+      } else {
+        level.op->residual(exec, level.b, level.x, level.r);
+        level.smoother->step(exec, level.r, a, b, level.d, level.x, false);
+      }
       apply_constraints(exec, level.system->dofs, level.x);
     }
   }

@@ -175,13 +175,16 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
   std::vector<int> row_begin{0}, row_node, count(num_nodes_, 0);
   std::vector<Vec3> row_b, row_w;  // sqrt(k) b and D^-1 sqrt(k) b of each node of each row
   std::vector<std::pair<int, Vec3>> entries;
-  std::vector<int> row_columns;
+  std::vector<int> row_columns, group_of_row;
+  std::vector<Real> inverse_root;
   const std::size_t num_supports = supports_.rows.size();
   for (std::size_t r = 0; r < num_supports + rows.size(); ++r) {
     const GroupRow& row = r < num_supports ? supports_.rows[r] : rows[r - num_supports];
     const double k = r < num_supports ? supports_.stiffness[r] : stiffness[r - num_supports];
     if (k <= 0) continue;
     const double root = std::sqrt(k);
+    inverse_root.push_back(static_cast<Real>(1 / root));
+    group_of_row.push_back(r < num_supports ? -1 : static_cast<int>(r - num_supports));
     entries.clear();
     row_columns.clear();
     for (const auto& [dof, value] : row.entries) {
@@ -227,7 +230,7 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
     }
     row_begin.push_back(static_cast<int>(row_node.size()));
   }
-  const int num_rows = static_cast<int>(row_begin.size()) - 1;
+  const int num_rows = num_rows_ = static_cast<int>(row_begin.size()) - 1;
   std::vector<int> node_begin{0}, touched(num_nodes_, -1), touched_nodes;
   for (int n = 0; n < num_nodes_; ++n) {
     if (count[n] == 0) continue;
@@ -255,7 +258,9 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
       row_w_(e, i) = static_cast<Real>(row_w[e][i]);
       node_w_(e, i) = static_cast<Real>(row_w[node_entry[e]][i]);
     }
-  surface_ = Vector("cgcontact::smoother::surface", num_rows);
+  surface_ = Vector("cgcontact::smoother::surface", num_rows + (dofs_.halo() ? rows.size() : 0));
+  group_of_row_ = copy_to_view<IntView>("cgcontact::smoother::group_of_row", group_of_row);
+  inverse_root_ = copy_to_view<Vector>("cgcontact::smoother::inverse_root", inverse_root);
   factor_.reset();
   if (num_rows == 0) return;
   // C = 1 + sum over touched nodes b^T D^-1 b.
@@ -325,25 +330,69 @@ void SurfaceSmoother<Real>::step_columns(const ExecSpace& exec, const Vector& r,
 }
 
 template <class Real>
+void SurfaceSmoother<Real>::multiply_rows(const ExecSpace& exec, const Vector& r) const {
+  const auto row_begin = row_begin_, row_node = row_node_;
+  const auto w = row_w_;
+  const auto surface = surface_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::rows", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows_), KOKKOS_LAMBDA(const int k) {
+        Real sum = 0;
+        for (int e = row_begin(k); e < row_begin(k + 1); ++e)
+          for (int i = 0; i < 3; ++i) sum += w(e, i) * r(dof_of(row_node(e), i));
+        surface(k) = sum;
+      });
+}
+
+template <class Real>
+void SurfaceSmoother<Real>::solve_surface() const {
+  Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface_.data(), num_rows_);
+  g = factor_->llt.solve(g).eval();
+}
+
+template <class Real>
 void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
                                  const Vector& x, bool overwrite) const {
-  const int num_rows = static_cast<int>(surface_.extent(0));
-  const auto surface = surface_;
-  if (num_rows > 0) {
-    const auto row_begin = row_begin_, row_node = row_node_;
-    const auto w = row_w_;
-    Kokkos::parallel_for(
-        "cgcontact::smoother::rows", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows), KOKKOS_LAMBDA(const int k) {
-          Real sum = 0;
-          for (int e = row_begin(k); e < row_begin(k + 1); ++e)
-            for (int i = 0; i < 3; ++i) sum += w(e, i) * r(dof_of(row_node(e), i));
-          surface(k) = sum;
-        });
+  if (num_rows_ > 0) {
+    multiply_rows(exec, r);
     exec.fence();
-    if (dofs_.halo()) dofs_.halo()->sum(surface.data(), surface.extent(0));
-    Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface.data(), num_rows);
-    g = factor_->llt.solve(g).eval();
+    if (dofs_.halo()) dofs_.halo()->sum(surface_.data(), num_rows_);
+    solve_surface();
   }
+  finish_step(exec, r, alpha, beta, d, x, overwrite);
+}
+
+template <class Real>
+void SurfaceSmoother<Real>::step(const ExecSpace& exec, const FastOperator<Real>& op, const Vector& r, Real alpha,
+                                 Real beta, const Vector& d, const Vector& x) const {
+  if (num_rows_ > 0) {
+    multiply_rows(exec, r);
+    const auto forces = Kokkos::subview(surface_, std::make_pair<std::size_t>(num_rows_, surface_.extent(0)));
+    Kokkos::deep_copy(exec, forces, op.group_forces());
+    exec.fence();
+    dofs_.halo()->sum(surface_.data(), surface_.extent(0));
+    Kokkos::deep_copy(exec, op.group_forces(), forces);
+    op.finish_residual(exec, r);
+    const auto surface = surface_, inverse_root = inverse_root_;
+    const auto group_of_row = group_of_row_;
+    const auto add = [&](Real sign) {
+      Kokkos::parallel_for(
+          "cgcontact::smoother::forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows_),
+          KOKKOS_LAMBDA(const int k) {
+            if (group_of_row(k) >= 0) surface(k) += sign * inverse_root(k) * forces(group_of_row(k));
+          });
+      exec.fence();
+    };
+    add(-1);
+    solve_surface();
+    add(1);
+  }
+  finish_step(exec, r, alpha, beta, d, x, false);
+}
+
+/// The surface unknowns are known.
+template <class Real>
+void SurfaceSmoother<Real>::finish_step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
+                                        const Vector& x, bool overwrite) const {
   const int num_runs = static_cast<int>(run_.extent(0));
   const auto run = run_;
   const auto run_inverse = run_inverse_;
@@ -382,7 +431,8 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const Vector& r, Real al
   step_columns<4>(exec, r, alpha, beta, d, x, overwrite);
   step_columns<5>(exec, r, alpha, beta, d, x, overwrite);
   static_assert(NodeColumns<Real>::longest == 5);
-  if (num_rows == 0) return;
+  if (num_rows_ == 0) return;
+  const auto surface = surface_;
   const auto touched = touched_, node_begin = node_begin_, node_row = node_row_;
   const auto w = node_w_;
   Kokkos::parallel_for(

@@ -7,6 +7,7 @@
 
 #include <memory>
 
+#include "kernels/operator/fast_operator.hpp"
 #include "kernels/operator/node_columns.hpp"
 #include "kernels/operator/system.hpp"
 
@@ -40,9 +41,18 @@ class SurfaceSmoother {
   /// d = beta d + alpha M^-1 r; x += d. With beta = 0, d need not be initialised; with overwrite, x = d.
   void step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
             bool overwrite) const;
+  /// The same after begin_residual() of the operator, which is finished here: one sum over all ranks serves the forces
+  /// f of the groups and W^T r. Without them r misses B^T f, W^T B^T f = (C - 1) t with t = k^-1/2 f, so that C^-1 W^T
+  /// r = C^-1 (W^T r' - t) + t.
+  void step(const ExecSpace& exec, const FastOperator<Real>& op, const Vector& r, Real alpha, Real beta,
+            const Vector& d, const Vector& x) const;
 
  private:
   struct Factor;
+  void multiply_rows(const ExecSpace& exec, const Vector& r) const;
+  void solve_surface() const;
+  void finish_step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
+                   bool overwrite) const;
   Mat3 inverse(int node) const;
   void invert_columns(const BlocksView& blocks);
   template <int size>
@@ -61,7 +71,10 @@ class SurfaceSmoother {
   IntView node_begin_, node_row_;                              // touched node -> (row, W)
   IntView row_begin_, row_node_;                               // row -> (node, W)
   Kokkos::View<Real*[3], Kokkos::LayoutRight, MemSpace> node_w_, row_w_;
-  Vector surface_;
+  int num_rows_ = 0;
+  Vector surface_;        // of the rows; then of several ranks the forces of the groups
+  IntView group_of_row_;  // -1: of a support
+  Vector inverse_root_;   // k^-1/2 of each row
   std::shared_ptr<Factor> factor_;
 };
 

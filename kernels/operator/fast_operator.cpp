@@ -191,18 +191,29 @@ void FastOperator<Real>::band(const ExecSpace& exec, const Real* x, Real* y, boo
 
 template <class Real>
 void FastOperator<Real>::groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const {
-  const int num_groups = static_cast<int>(groups_.stiffness.extent(0));
-  if (num_groups == 0) return;
+  if (groups_.stiffness.extent(0) == 0) return;
+  find_group_forces(exec, x, sign);
+  if (dofs_.halo()) dofs_.halo()->sum(groups_.scratch.data(), groups_.scratch.extent(0));
+  add_group_forces(exec, y);
+}
+
+/// Those of this rank's part of the gaps.
+template <class Real>
+void FastOperator<Real>::find_group_forces(const ExecSpace& exec, const Real* x, Real sign) const {
   const Groups r = groups_;
   Kokkos::parallel_for(
-      "cgcontact::fast_operator::group_gaps", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_groups),
-      KOKKOS_LAMBDA(const int g) {
+      "cgcontact::fast_operator::group_gaps",
+      Kokkos::RangePolicy<ExecSpace>(exec, 0, static_cast<int>(r.stiffness.extent(0))), KOKKOS_LAMBDA(const int g) {
         Real gap = 0;
         if (r.stiffness(g) != 0)
           for (int e = r.row_begin(g); e < r.row_begin(g + 1); ++e) gap += r.row_value(e) * x[r.row_dof(e)];
         r.scratch(g) = sign * r.stiffness(g) * gap;
       });
-  if (dofs_.halo()) dofs_.halo()->sum(r.scratch.data(), r.scratch.extent(0));
+}
+
+template <class Real>
+void FastOperator<Real>::add_group_forces(const ExecSpace& exec, Real* y) const {
+  const Groups r = groups_;
   const int num_dofs = static_cast<int>(r.dof_list.extent(0));
   Kokkos::parallel_for(
       "cgcontact::fast_operator::group_forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_dofs),
@@ -229,6 +240,15 @@ void FastOperator<Real>::residual(const ExecSpace& exec, const ConstVectorView& 
   band<true>(exec, x.data(), r.data(), true, true);
   groups(exec, x.data(), r.data(), Real(-1));
   apply_constraints_transposed(exec, dofs_, r);
+}
+
+template <class Real>
+void FastOperator<Real>::begin_residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x,
+                                        const VectorView& r) const {
+  stencil<true>(exec, x.data(), b.data(), r.data());
+  band<true>(exec, x.data(), r.data(), true, true);
+  apply_constraints_transposed(exec, dofs_, r);  // groups have entries at free nodes only
+  find_group_forces(exec, x.data(), Real(-1));
 }
 
 template <class Real>

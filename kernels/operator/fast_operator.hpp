@@ -44,6 +44,13 @@ class FastOperator {
   /// r = b - A x. r may be b.
   void residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x, const VectorView& r) const;
 
+  /// The same on several ranks in two halves: r without the forces of the contact groups, of whose forces every rank
+  /// has its part in group_forces(); once these are summed over all ranks, they are added to r.
+  void begin_residual(const ExecSpace& exec, const ConstVectorView& b, const ConstVectorView& x,
+                      const VectorView& r) const;
+  const VectorView& group_forces() const { return groups_.scratch; }
+  void finish_residual(const ExecSpace& exec, const VectorView& r) const { add_group_forces(exec, r.data()); }
+
   /// The parts of y = A x: the first assigns (zero at nodes outside of the stencil), the others add.
   void apply_stencil(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y) const;
   void add_band(const ExecSpace& exec, const ConstVectorView& x, const VectorView& y, bool cells, bool ghosts) const;
@@ -63,6 +70,8 @@ class FastOperator {
   template <bool subtract>
   void band(const ExecSpace& exec, const Real* x, Real* y, bool cells, bool ghosts) const;
   void groups(const ExecSpace& exec, const Real* x, Real* y, Real sign) const;
+  void find_group_forces(const ExecSpace& exec, const Real* x, Real sign) const;
+  void add_group_forces(const ExecSpace& exec, Real* y) const;
 
   void gather_constrained_blocks(const ExecSpace& exec, const BlockView& blocks) const;
 
