@@ -1,8 +1,10 @@
 #include "kernels/ranks/partition.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 
 namespace cgcontact {
 namespace {
@@ -11,6 +13,10 @@ namespace {
 /// its blocks in the smoother. Of a linear solve it takes 10 times as long as an interior one with AVX2 (two_solids_3d,
 /// n = 56).
 constexpr double weight_of_cut_cell = 10;
+
+/// Divisions that are tried, and largest over mean of the work with which one is good enough.
+constexpr int most_attempts = 6;
+constexpr double balanced = 1.03;
 
 constexpr int block = 4;  // cells
 constexpr int bits = 20;  // of the curve, per direction
@@ -33,6 +39,8 @@ struct Blocks {
   std::vector<double> weight;
 };
 
+double weight_of(const CutCells& cells, std::size_t e) { return cells.cut_of_active[e] < 0 ? 1 : weight_of_cut_cell; }
+
 Blocks make_blocks(const BodyMesh& part) {
   const CutCells& cells = *part.cut_cells;
   const Index3& n = cells.grid.num_cells;
@@ -42,11 +50,88 @@ Blocks make_blocks(const BodyMesh& part) {
   blocks.numbers.number();
   blocks.weight.assign(blocks.numbers.size(), 0.0);
   for (std::size_t e = 0; e < cells.cells.size(); ++e)
-    blocks.weight[blocks.numbers.find(block_of(cells.cells[e]))] += cells.cut_of_active[e] < 0 ? 1 : weight_of_cut_cell;
+    blocks.weight[blocks.numbers.find(block_of(cells.cells[e]))] += weight_of(cells, e);
   blocks.numbers.each([&](const Index3& b) {
     blocks.place.push_back(cells.grid.to_global(block * (Vec3(b[0], b[1], b[2]) + Vec3::Constant(0.5))));
   });
   return blocks;
+}
+
+/// A block on the curve.
+struct Item {
+  std::uint64_t key;
+  int part, block;
+};
+
+std::vector<Item> curve_through(const std::vector<Blocks>& blocks) {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Blocks& of_part : blocks)
+    for (const Vec3& x : of_part.place) {
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    }
+  std::vector<Item> curve;
+  const double scale = ((1 << bits) - 1) / std::max((high - low).maxCoeff(), std::numeric_limits<double>::min());
+  for (std::size_t p = 0; p < blocks.size(); ++p)
+    for (std::size_t b = 0; b < blocks[p].place.size(); ++b) {
+      const Vec3 x = scale * (blocks[p].place[b] - low);
+      std::uint64_t key = 0;
+      for (int d = 0; d < 3; ++d) key |= spread(static_cast<std::uint64_t>(x[d])) << d;
+      curve.push_back({key, static_cast<int>(p), static_cast<int>(b)});
+    }
+  std::stable_sort(curve.begin(), curve.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
+  return curve;
+}
+
+/// Rank of each block of each part; share: of the whole weight, of each rank.
+std::vector<std::vector<int>> divide(const std::vector<Item>& curve, const std::vector<Blocks>& blocks,
+                                     const std::vector<double>& share) {
+  std::vector<std::vector<int>> ranks;
+  double total = 0;
+  for (const Blocks& of_part : blocks) {
+    ranks.emplace_back(of_part.weight.size());
+    for (const double weight : of_part.weight) total += weight;
+  }
+  double before = 0, end = share[0];
+  std::size_t rank = 0;
+  for (const Item& item : curve) {
+    const double weight = blocks[item.part].weight[item.block] / total;
+    while (rank + 1 < share.size() && before + 0.5 * weight >= end) end += share[++rank];
+    ranks[item.part][item.block] = static_cast<int>(rank);
+    before += weight;
+  }
+  return ranks;
+}
+
+Owners owners_of_cells(const ElasticSystem& system, const std::vector<Blocks>& blocks,
+                       const std::vector<std::vector<int>>& owner_of_block) {
+  Owners owners;
+  const std::vector<const BodyMesh*> parts = system.parts();
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    owners.of_cell.emplace_back();
+    for (const Index3& c : parts[p]->cut_cells->cells)
+      owners.of_cell.back().push_back(owner_of_block[p][blocks[p].numbers.find(block_of(c))]);
+  }
+  return owners;
+}
+
+/// Weight of the cells around the nodes of each rank; interior ones by their share of nodes.
+std::vector<double> work_of_ranks(const ElasticSystem& system, const Owners& owners, int num_ranks) {
+  std::vector<double> work(num_ranks, 0.0);
+  for (const BodyMesh* part : system.parts())
+    for (std::size_t e = 0; e < part->cell_nodes.size(); ++e) {
+      const bool interior = part->cut_cells->cut_of_active[e] < 0;
+      std::array<int, 8> ranks;
+      for (int a = 0; a < 8; ++a) ranks[a] = owners.of_node[part->cell_nodes[e][a]];
+      if (interior) {
+        for (const int rank : ranks) work[rank] += 1.0 / 8;
+        continue;
+      }
+      std::sort(ranks.begin(), ranks.end());
+      for (int a = 0; a < 8; ++a)
+        if (a == 0 || ranks[a] != ranks[a - 1]) work[ranks[a]] += weight_of(*part->cut_cells, e);
+    }
+  return work;
 }
 
 }  // namespace
@@ -65,48 +150,29 @@ void own_nodes(const ElasticSystem& system, const std::vector<std::vector<int>>&
 
 Owners partition(const ElasticSystem& system, int num_ranks, const std::vector<std::vector<int>>& together) {
   std::vector<Blocks> blocks;
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  double total = 0;
-  for (const BodyMesh* part : system.parts()) {
-    blocks.push_back(make_blocks(*part));
-    for (const Vec3& x : blocks.back().place) {
-      low = low.cwiseMin(x);
-      high = high.cwiseMax(x);
+  for (const BodyMesh* part : system.parts()) blocks.push_back(make_blocks(*part));
+  const std::vector<Item> curve = curve_through(blocks);
+  // Cells at borders are computed by several ranks: ranks that have more of them get less of the curve.
+  std::vector<double> share(num_ranks, 1.0 / num_ranks);
+  Owners best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int attempt = 0; attempt < most_attempts; ++attempt) {
+    Owners owners = owners_of_cells(system, blocks, divide(curve, blocks, share));
+    own_nodes(system, together, owners);
+    const std::vector<double> work = work_of_ranks(system, owners, num_ranks);
+    const double most = *std::max_element(work.begin(), work.end());
+    const double mean = std::accumulate(work.begin(), work.end(), 0.0) / num_ranks;
+    if (most < least) {
+      least = most;
+      best = std::move(owners);
     }
-    for (const double w : blocks.back().weight) total += w;
+    if (most <= balanced * mean) break;
+    for (int r = 0; r < num_ranks; ++r)
+      if (work[r] > 0) share[r] *= mean / work[r];
+    const double sum = std::accumulate(share.begin(), share.end(), 0.0);
+    for (double& of_rank : share) of_rank /= sum;
   }
-  struct Item {
-    std::uint64_t key;
-    int part, block;
-  };
-  std::vector<Item> curve;
-  const double scale = ((1 << bits) - 1) / std::max((high - low).maxCoeff(), std::numeric_limits<double>::min());
-  for (std::size_t p = 0; p < blocks.size(); ++p)
-    for (std::size_t b = 0; b < blocks[p].place.size(); ++b) {
-      const Vec3 x = scale * (blocks[p].place[b] - low);
-      std::uint64_t key = 0;
-      for (int d = 0; d < 3; ++d) key |= spread(static_cast<std::uint64_t>(x[d])) << d;
-      curve.push_back({key, static_cast<int>(p), static_cast<int>(b)});
-    }
-  std::stable_sort(curve.begin(), curve.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
-  std::vector<std::vector<int>> owner_of_block(blocks.size());
-  for (std::size_t p = 0; p < blocks.size(); ++p) owner_of_block[p].resize(blocks[p].weight.size());
-  double before = 0;
-  for (const Item& item : curve) {
-    const double weight = blocks[item.part].weight[item.block];
-    owner_of_block[item.part][item.block] =
-        std::min(num_ranks - 1, static_cast<int>((before + 0.5 * weight) / total * num_ranks));
-    before += weight;
-  }
-  Owners owners;
-  const std::vector<const BodyMesh*> parts = system.parts();
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    owners.of_cell.emplace_back();
-    for (const Index3& c : parts[p]->cut_cells->cells)
-      owners.of_cell.back().push_back(owner_of_block[p][blocks[p].numbers.find(block_of(c))]);
-  }
-  own_nodes(system, together, owners);
-  return owners;
+  return best;
 }
 
 }  // namespace cgcontact
