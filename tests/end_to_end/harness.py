@@ -98,7 +98,7 @@ def largest_difference(first, second):
     reports = [{name: value for name, value in each.items() if not rounded.search(name)} for each in reports]
     if set(reports[0]) != set(reports[1]):
         return float("inf"), f"parts of the reports: {sorted(set(reports[0]) ^ set(reports[1]))}"
-    parts = re.compile(r"\.(force|moment)(\.\w+)?\[\d+\]$|\.(pressure_error)\[")
+    parts = re.compile(r"\.(force|moment)s?(\.\w+)?\[\d+\]$|\.(pressure_error)\[")
     balance = re.compile(r"\.balance\[\d+\]\.(loads|supports|contact)\[")
     stresses = re.compile(r"^\.(bodies\[.*\.(max|min)_|maxima\.(min_)?)(von_mises|tresca|principal)")
 
