@@ -343,6 +343,19 @@ void SurfaceSmoother<Real>::multiply_rows(const ExecSpace& exec, const Vector& r
       });
 }
 
+/// Of the groups, which follow the rows, times a factor and k^-1/2, to their rows.
+template <class Real>
+void SurfaceSmoother<Real>::add_forces(const ExecSpace& exec, Real factor) const {
+  const auto surface = surface_, inverse_root = inverse_root_;
+  const auto group_of_row = group_of_row_;
+  const int num_rows = num_rows_;
+  Kokkos::parallel_for(
+      "cgcontact::smoother::forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows), KOKKOS_LAMBDA(const int k) {
+        if (group_of_row(k) >= 0) surface(k) += factor * inverse_root(k) * surface(num_rows + group_of_row(k));
+      });
+  exec.fence();
+}
+
 template <class Real>
 void SurfaceSmoother<Real>::solve_surface() const {
   Eigen::Map<Eigen::Matrix<Real, Eigen::Dynamic, 1>> g(surface_.data(), num_rows_);
@@ -372,19 +385,9 @@ void SurfaceSmoother<Real>::step(const ExecSpace& exec, const FastOperator<Real>
     dofs_.halo()->sum(surface_.data(), surface_.extent(0));
     Kokkos::deep_copy(exec, op.group_forces(), forces);
     op.finish_residual(exec, r);
-    const auto surface = surface_, inverse_root = inverse_root_;
-    const auto group_of_row = group_of_row_;
-    const auto add = [&](Real sign) {
-      Kokkos::parallel_for(
-          "cgcontact::smoother::forces", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_rows_),
-          KOKKOS_LAMBDA(const int k) {
-            if (group_of_row(k) >= 0) surface(k) += sign * inverse_root(k) * forces(group_of_row(k));
-          });
-      exec.fence();
-    };
-    add(-1);
+    add_forces(exec, -1);
     solve_surface();
-    add(1);
+    add_forces(exec, 1);
   }
   finish_step(exec, r, alpha, beta, d, x, false);
 }

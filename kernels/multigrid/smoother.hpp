@@ -50,6 +50,7 @@ class SurfaceSmoother {
  private:
   struct Factor;
   void multiply_rows(const ExecSpace& exec, const Vector& r) const;
+  void add_forces(const ExecSpace& exec, Real factor) const;
   void solve_surface() const;
   void finish_step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
                    bool overwrite) const;
