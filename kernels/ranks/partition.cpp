@@ -120,16 +120,15 @@ std::vector<double> work_of_ranks(const ElasticSystem& system, const Owners& own
   std::vector<double> work(num_ranks, 0.0);
   for (const BodyMesh* part : system.parts())
     for (std::size_t e = 0; e < part->cell_nodes.size(); ++e) {
-      const bool interior = part->cut_cells->cut_of_active[e] < 0;
       std::array<int, 8> ranks;
       for (int a = 0; a < 8; ++a) ranks[a] = owners.of_node[part->cell_nodes[e][a]];
-      if (interior) {
+      if (part->cut_cells->cut_of_active[e] < 0) {
         for (const int rank : ranks) work[rank] += 1.0 / 8;
         continue;
       }
       std::sort(ranks.begin(), ranks.end());
       for (int a = 0; a < 8; ++a)
-        if (a == 0 || ranks[a] != ranks[a - 1]) work[ranks[a]] += weight_of(*part->cut_cells, e);
+        if (a == 0 || ranks[a] != ranks[a - 1]) work[ranks[a]] += weight_of_cut_cell;
     }
   return work;
 }

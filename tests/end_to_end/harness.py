@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import sys
 import time
@@ -15,6 +16,8 @@ import unittest
 
 SLOW_BUILD = "CGCONTACT_SANITIZED" in os.environ  # with sanitizers: times and memory mean nothing
 THREAD_SANITIZER = os.environ.get("CGCONTACT_SANITIZED") == "thread"
+# Of mpirun, which root may use too.
+MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1"}
 PROGRAM = ""
 SOURCE = pathlib.Path()
 
@@ -40,6 +43,12 @@ def cgcontact(*arguments, cwd=None, timeout=1200 if SLOW_BUILD else 120, program
                           capture_output=True, text=True, errors="replace", check=False,
                           env={**os.environ, **(environment or {})})
     return Outcome(done.returncode, done.stdout, done.stderr, time.monotonic() - start)
+
+
+def mpirun(ranks, *arguments, program=None, environment=None, timeout=600):
+    """The program (another one: `program`) on several ranks, more of them than cores if need be. Open MPI adds lines of its own to standard error."""
+    return cgcontact("--oversubscribe", "-n", ranks, program or PROGRAM, *arguments, program=shutil.which("mpirun"),
+                     environment={**MPI, **(environment or {})}, timeout=timeout)
 
 
 def settings(**values):

@@ -58,8 +58,7 @@ class Python(unittest.TestCase):
         printed = []
         for launcher in ([], ["mpirun", "--oversubscribe", "-n", "2"]):
             done = subprocess.run([*launcher, sys.executable, "script.py"], capture_output=True, text=True, check=False,
-                                  env={**environment(), "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-                                       "OMP_NUM_THREADS": "1"})
+                                  env={**environment(), **harness.MPI})
             self.assertEqual(done.returncode, 0, done.stderr)
             printed.append(done.stdout.split())
         self.assertEqual([words[0] for words in printed], ["1", "2"])

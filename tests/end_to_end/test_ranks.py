@@ -11,7 +11,7 @@ import time
 import unittest
 
 import harness
-from harness import SLOW_BUILD, cgcontact, largest_difference, report, scene, settings, unwrapped
+from harness import SLOW_BUILD, cgcontact, largest_difference, mpirun, report, scene, settings, unwrapped
 
 FAST = {"output__plots": "false", "output__vtk": "false"}
 # All grids divided, down to the last but one: as many exchanges as there can be.
@@ -19,13 +19,6 @@ DIVIDED = {"solver__shared_unknowns": 0}
 # Plane strain, three bodies, refined grids, a body that contact alone holds, loads in steps.
 CASES = (("two_solids", {"n": 8}), ("rings", {"n": 8}), ("two_solids_3d", {"n": 8}), ("sphere_in_shell", {"n": 6}),
          ("stack", {"n": 8}), ("ball_on_plate", {"accuracy__pressure": "10%", "F": 50}))
-ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1"}
-
-
-def mpirun(ranks, *arguments):
-    """Open MPI adds lines of its own to standard error."""
-    return cgcontact("--oversubscribe", "-n", ranks, harness.PROGRAM, *arguments, program=shutil.which("mpirun"),
-                     environment=ROOT, timeout=600)
 
 
 class Ranks(unittest.TestCase):
@@ -80,7 +73,7 @@ class Ranks(unittest.TestCase):
         """A long run on two ranks, once it is at work."""
         run = subprocess.Popen([shutil.which("mpirun"), "--oversubscribe", "-n", "2", harness.PROGRAM, "run",
                                 str(scene("two_solids_3d")), "--out", directory, *settings(n=48)],
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, **ROOT})
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, **harness.MPI})
         for line in run.stderr:
             if "outer 1," in line:
                 break
