@@ -26,6 +26,7 @@
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
 #include "contact/solve/surface_wanderers.hpp"
+#include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/resources.hpp"
 
@@ -62,6 +63,7 @@ class PhaseClock {
     const auto start = std::chrono::steady_clock::now();
     work();
     Kokkos::fence();
+    return_freed_memory();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     for (auto& [name, sum] : times_)
       if (name == phase) {
@@ -108,10 +110,8 @@ void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* ear
   PhaseClock phase(results.times_s, progress);
   phase("operator", [&] { make_system(); });
   phase("solve", [&] { solve_steps(progress, earlier); });
-  phase("recovery", [&] {
-    recover();
-    state.patches.clear();
-  });
+  state.system.supports.clear();  // in the solution and the operators
+  phase("recovery", [&] { recover(); });
   phase("error estimate", [&] {
     fill_results();
     if (with_paths) fill_paths(state, results);
@@ -126,8 +126,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
   const auto make_solver = [&] {
     return std::make_unique<ContactSolver>(
-        OuterProblem{state.scene, state.bodies, state.patches, state.pairs, state.supports, state.system, state.scales},
-        earlier);
+        OuterProblem{state.scene, state.bodies, state.pairs, state.supports, state.system, state.scales}, earlier);
   };
   preload_.begin(state.bodies, state.pairs);
   bool tightened = false;
@@ -254,9 +253,6 @@ void Simulation::place_on_grids() {
 void Simulation::make_system() {
   state.scales = make_scales(state.scene);
   state.system = make_contact_system(state.scene, state.bodies, state.supports, state.pairs, state.scales);
-  state.patches.clear();
-  for (const BodyMesh& mesh : state.system.meshes)
-    state.patches.push_back(make_patches(mesh, state.scene.recovery.patch_volume));
 }
 
 /// Once, however many steps give it.
@@ -269,6 +265,7 @@ void Simulation::recover() {
   state.spr.clear();
   state.sprc.clear();
   std::vector<RecoveryBody> input;
+  const std::vector<PatchSet> patches = make_patches(state.system.meshes, state.scene.recovery.patch_volume);
   std::vector<double> group_force = state.outer.group_force;
   for (double& force : group_force) force *= state.scales.stress * state.scales.length * state.scales.length;
   update_contact_links(state.pairs, state.bodies, group_force);
@@ -279,13 +276,13 @@ void Simulation::recover() {
         CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::simulation::recovered"),
                         mesh.num_nodes)};
     if (mesh.rigid) Kokkos::deep_copy(field.values, 0.0);
-    const int singular = mesh.rigid ? 0 : recover_all(mesh, state.patches[b], state.outer.u, field);
+    const int singular = mesh.rigid ? 0 : recover_all(mesh, patches[b], state.outer.u, field);
     if (singular > 0)
       add_warning(std::to_string(singular) + " patches of body \"" + state.bodies[b].spec->name +
                   "\" were singular: constant stress used there");
     state.spr.push_back(part_of(field, nodes_near_contact(state.pairs, state.bodies, static_cast<int>(b), mesh)));
     state.sprc.push_back(field);
-    input.push_back({&mesh, &state.patches[b], &state.bodies[b].boundary, field});
+    input.push_back({&mesh, &patches[b], &state.bodies[b].boundary, field});
   }
   if (state.scene.recovery.spr_c) {
     ConstrainedRecovery recovery = recover_constrained(input, state.outer.u, state.scales, state.scene.recovery);

@@ -96,7 +96,7 @@ void run(const Scene& scene) {
   phase("boundary stress, set-up", [&] {
     const auto cells = stabilised_cells(sim.state.supports, sim.state.pairs, sim.state.bodies.size());
     for (std::size_t b = 0; b < cells.size(); ++b)
-      stress.emplace_back(sim.state.system.meshes[b], sim.state.patches[b], cells[b]);
+      stress.emplace_back(sim.state.system.meshes[b], scene.recovery.patch_volume, cells[b]);
   });
   std::vector<double> load;
   phase("load vector", [&] { load = make_load_vector(sim.state.bodies, sim.state.system, sim.state.scales); });

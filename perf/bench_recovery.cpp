@@ -175,6 +175,7 @@ class PatchBuilder {
  public:
   PatchBuilder(const SceneProblem& problem, int body, int degree)
       : p_(problem.simulation.state),
+        patches_(problem.patches),
         body_(body),
         other_(1 - body),
         degree_(degree),
@@ -182,7 +183,7 @@ class PatchBuilder {
 
   /// False if the node's patch is not of the kind asked for.
   bool build(int n, bool contact, Patch& patch) {
-    const PatchSet& set = p_.patches[body_];
+    const PatchSet& set = patches_[body_];
     const auto groups = pieces_.groups(&set.cells[set.begin[n]], set.begin[n + 1] - set.begin[n]);
     const bool touches = std::any_of(groups.begin(), groups.end(), [](const auto& g) { return g.pair >= 0; });
     if (groups.empty() || touches != contact) return false;
@@ -255,6 +256,7 @@ class PatchBuilder {
   }
 
   const SolvedState& p_;
+  const std::vector<PatchSet>& patches_;
   int body_, other_, degree_;
   BoundaryPieces pieces_;
   Vec3 centre_, other_centre_;
@@ -273,7 +275,7 @@ struct PatchBatch {
     Input in;
     for (int b = 0; b < bodies; ++b) {
       const auto [body, node] = patch.node[b];
-      patch_mass<degree>(problem.system.meshes[body], problem.simulation.state.patches[body], node, in.mass[b]);
+      patch_mass<degree>(problem.system.meshes[body], problem.patches[body], node, in.mass[b]);
       Eigen::Map<Eigen::VectorXd>(in.a[b][0], 6 * T).setRandom();
       Eigen::Map<Eigen::VectorXd>(in.interior[b], Polynomial<degree>::num_interior).setRandom();
       in.poisson_ratio[b] = 0.3;
@@ -513,9 +515,11 @@ struct RecoveryProblem {
       exact.back() << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0);
       unconstrained.emplace_back("cgcontact::perf::spr", mesh.num_nodes);
       const Subset all(mesh.num_nodes);
-      recover_all(mesh, sim.patches[b], u, {all, unconstrained.back()});
-      bodies.push_back(
-          {&mesh, &sim.patches[b], &body.boundary, {all, CoefficientView("cgcontact::perf::spr_c", mesh.num_nodes)}});
+      recover_all(mesh, problem.patches[b], u, {all, unconstrained.back()});
+      bodies.push_back({&mesh,
+                        &problem.patches[b],
+                        &body.boundary,
+                        {all, CoefficientView("cgcontact::perf::spr_c", mesh.num_nodes)}});
     }
   }
   RecoveryCounts run() {
@@ -539,7 +543,7 @@ struct RecoveryProblem {
 Cost whole_cost(const SceneProblem& problem) {
   Cost sum;
   for (std::size_t b = 0; b < problem.system.meshes.size(); ++b) {
-    const PatchSet& set = problem.simulation.state.patches[b];
+    const PatchSet& set = problem.patches[b];
     const BodyModel& model = problem.simulation.state.bodies[b];
     const BoundaryPieces pieces(model.cut_cells, model.boundary);
     for (int n = 0; n < problem.system.meshes[b].num_nodes; ++n) {

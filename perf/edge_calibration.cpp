@@ -153,9 +153,10 @@ struct Outcome {
 
 FoundEdges edges_of(const Simulation& simulation) {
   const SolvedState& state = simulation.state;
+  const std::vector<PatchSet> patches = make_patches(state.system.meshes, state.scene.recovery.patch_volume);
   std::vector<RecoveryBody> bodies;
   for (std::size_t b = 0; b < state.bodies.size(); ++b)
-    bodies.push_back({&state.system.meshes[b], &state.patches[b], &state.bodies[b].boundary, state.sprc[b]});
+    bodies.push_back({&state.system.meshes[b], &patches[b], &state.bodies[b].boundary, state.sprc[b]});
   return find_contact_edges(bodies, state.scales, state.scene.recovery);
 }
 
@@ -322,8 +323,6 @@ int main(int argc, char** argv) {
       const Scene scene = scene_of(c);
       Simulation simulation(scene);
       simulation.run({});
-      for (const BodyMesh& mesh : simulation.state.system.meshes)  // given back by run()
-        simulation.state.patches.push_back(make_patches(mesh, scene.recovery.patch_volume));
       sums[c.family][c.across].add(outcome_of(simulation, c.family.rfind("line", 0) == 0));
     }
     fmt::print(

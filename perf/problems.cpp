@@ -54,6 +54,7 @@ SceneProblem::SceneProblem(const std::string& file, const std::vector<std::strin
       system(simulation.state.system) {
   simulation.place_on_grids();
   simulation.make_system();
+  patches = make_patches(system.meshes, scene.recovery.patch_volume);
   set_group_stiffness(system, system.full_group_stiffness);
   update_contact_links(simulation.state.pairs, simulation.state.bodies);
 }

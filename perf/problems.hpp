@@ -29,7 +29,8 @@ struct BlockProblem {
 struct SceneProblem {
   Scene scene;
   Simulation simulation;
-  ElasticSystem& system;  ///< the simulation's
+  ElasticSystem& system;          ///< the simulation's
+  std::vector<PatchSet> patches;  ///< of each body
   /// Scene of the repository (path from its root) with overrides.
   SceneProblem(const std::string& file, const std::vector<std::string>& overrides);
 };

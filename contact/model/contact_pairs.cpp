@@ -586,8 +586,12 @@ std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vect
 void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
                           const std::vector<double>& group_force) {
   std::size_t first_group = 0;
+  std::vector<std::size_t> num_links(bodies.size(), 0);
+  for (const ContactPair& pair : pairs)
+    for (const int body : {pair.primary, pair.secondary}) num_links[body] += pair.num_places();
   for (BodyModel& body : bodies) {
     body.boundary.links.clear();
+    body.boundary.links.reserve(num_links[&body - bodies.data()]);
     body.boundary.bonded.clear();
     for (const ContactPair& pair : pairs) body.boundary.bonded.push_back(pair.bonded() ? 1 : 0);
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/parallel.hpp"
+#include "core/base/ranks.hpp"
 #include "kernels/mesh/hex.hpp"
 
 namespace cgcontact {
@@ -28,14 +29,16 @@ struct StrainExtremes {
   Largest strain, displacement;
 };
 
-/// At the centroid of every cell.
+/// At the centroid of every cell; of several ranks each computes some of them.
 StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
                              double length_scale) {
   const std::size_t cells = cc.cells.size();
   std::vector<StrainExtremes> found(num_chunks(cells, grain));
+  const auto [first, last] = share_out(found.size());
   parallel_chunks(
       "cgcontact::small_strain::largest_strain", cells, grain,
-      [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      [&, first = first, last = last](std::size_t chunk, std::size_t begin, std::size_t end) {
+        if (chunk < first || chunk >= last) return;
         for (std::size_t e = begin; e < end; ++e) {
           const Vec3 xi = centroid(cc, static_cast<int>(e));
           const Vec3 x = global_position(cc, static_cast<int>(e), xi);
@@ -57,6 +60,7 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
           found[chunk].displacement.add(displacement.norm(), x);
         }
       });
+  put_together(found.data(), found.size(), sizeof(StrainExtremes));
   StrainExtremes all;
   for (const StrainExtremes& part : found) {
     all.strain.add(part.strain.value, part.strain.x);

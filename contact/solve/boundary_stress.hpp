@@ -16,8 +16,8 @@ std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& 
 /// Recovered stress of one body in selected cells.
 class BoundaryStress {
  public:
-  /// `cells`: active cells in which the stress will be evaluated.
-  BoundaryStress(const BodyMesh& mesh, const PatchSet& patches, const std::vector<int>& cells);
+  /// `cells`: active cells in which the stress will be evaluated; least_volume: of the patches (make_patches).
+  BoundaryStress(const BodyMesh& mesh, double least_volume, const std::vector<int>& cells);
 
   /// Recovers from the displacements (all bodies).
   void update(const RealView& u);
@@ -27,10 +27,10 @@ class BoundaryStress {
 
  private:
   const BodyMesh& mesh_;
-  const PatchSet& patches_;
-  Subset patch_cells_;  ///< cells of the patches of the nodes of field_
-  CellStressView stress_;
   RecoveredField field_;
+  PatchSet patches_;    ///< of the nodes of field_
+  Subset patch_cells_;  ///< cells of these patches
+  CellStressView stress_;
 };
 
 }  // namespace cgcontact

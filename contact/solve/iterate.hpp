@@ -57,7 +57,6 @@ struct Iterate {
   RigidParts rigid_parts;
   FloatingBodies floating;
   SmallZones small_zones;
-  std::vector<double> load;                         ///< nodal forces, system units
   std::vector<double> support_stress;               ///< of each support point, Scales::stress
   std::vector<std::vector<double>> contact_stress;  ///< p* of each pair and point, Scales::stress
   std::vector<double> rigid_gap_change;             ///< of each contact group, m

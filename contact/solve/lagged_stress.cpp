@@ -51,7 +51,7 @@ LaggedStress::LaggedStress(const OuterProblem& problem) {
   const auto cells = stabilised_cells(problem.supports, problem.pairs, problem.bodies.size());
   stress_.reserve(cells.size());
   for (std::size_t b = 0; b < cells.size(); ++b)
-    stress_.emplace_back(problem.system.meshes[b], problem.patches[b], cells[b]);
+    stress_.emplace_back(problem.system.meshes[b], problem.scene.recovery.patch_volume, cells[b]);
 }
 
 double LaggedStress::update(Iterate& iterate) {

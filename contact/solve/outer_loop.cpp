@@ -38,6 +38,7 @@ struct ContactSolver::Impl {
   OuterResult run(const std::function<void(const OuterStep&)>& progress);
 
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress, bool held);
+  void take_loads();
   void assemble();
   LinearSolveResult solve_linear(double tolerance);
   void take_over(const Impl& other);
@@ -57,6 +58,7 @@ struct ContactSolver::Impl {
   Iterate now_;
   LaggedStress lagged_stress_;
   RightHandSide right_hand_side_;
+  std::vector<Vec3> load_of_body_;               // N
   FreeMotions unbalanced_;                       // what the loads drive without end
   bool warm_ = false;                            // is there a converged solution to start from?
   std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
@@ -74,15 +76,20 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
     wanderers_ = std::make_unique<SurfaceWanderers>(problem.bodies, problem.supports, problem.pairs);
 }
 
+void ContactSolver::Impl::take_loads() {
+  const std::vector<double> load = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
+  load_of_body_ = force_of_body(problem_.bodies, problem_.system, problem_.scales, load);
+  right_hand_side_.begin(load, warm_);
+}
+
 /// From the last solution or, without one, from few closed points.
 OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>& progress) {
-  now_.load = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
+  take_loads();
   for (std::size_t b = 0; b < problem_.bodies.size(); ++b)
     now_.rigid_parts.set_expansion(b, problem_.bodies[b].expansion);
   // Do the closed points hold all bodies? Those of another grid do; without its displacements there is no way to search
   // along.
   bool held = false;
-  right_hand_side_.begin(now_.load, warm_);
   if (!warm_) {
     now_.forget();
     held = earlier_ && start_from(*earlier_, now_);
@@ -259,7 +266,7 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
     result.small_zone_groups.push_back(now_.small_zones.count(k));
     result.small_zone_width.push_back(now_.small_zones.width(k));
   }
-  result.load_of_body = force_of_body(problem_.bodies, problem_.system, problem_.scales, now_.load);
+  result.load_of_body = load_of_body_;
   result.support_stress = now_.support_tractions();
 }
 

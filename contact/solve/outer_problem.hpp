@@ -10,7 +10,6 @@ namespace cgcontact {
 struct OuterProblem {
   const Scene& scene;
   std::vector<BodyModel>& bodies;
-  const std::vector<PatchSet>& patches;
   std::vector<ContactPair>& pairs;
   std::vector<SupportPoint>& supports;
   ElasticSystem& system;

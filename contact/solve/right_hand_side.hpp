@@ -23,8 +23,10 @@ class RightHandSide {
   double norm(const std::vector<double>& at_touched) const;
 
   RealView vector_;
-  std::vector<int> touched_;          ///< unknowns on which supports or contact act
-  std::vector<int> place_;            ///< of each unknown in touched_, or -1
+  int place_of(int dof) const { return dof_of(place_[node_of_dof(dof)], component_of_dof(dof)); }
+
+  std::vector<int> touched_;          ///< nodes on which supports or contact act
+  std::vector<int> place_;            ///< of each node in touched_, or -1
   std::vector<double> touched_load_;  ///< the loads there
   double square_elsewhere_ = 0;       ///< of the loads on all others
   double force_norm_ = 0;

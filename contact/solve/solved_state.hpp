@@ -20,7 +20,6 @@ struct SolvedState {
   std::vector<ContactPair> pairs;
   std::vector<SupportPoint> supports;
   ElasticSystem system;
-  std::vector<PatchSet> patches;     ///< by body; empty once all is recovered
   OuterResult outer;                 ///< displacements, forces, iterations
   std::vector<RecoveredField> spr;   ///< by body: near the contact faces, where it is shown
   std::vector<RecoveredField> sprc;  ///< by body: everywhere (SPR where the scene does not want SPR-C)

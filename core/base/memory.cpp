@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <cctype>
@@ -125,6 +128,12 @@ double parse_memory(const std::string& text) {
     throw InputError(SourcePlace{}, '"' + text + '"', "is no amount of memory",
                      "for example 8GB, 500MB, 16GiB, or none");
   return value * found->second;
+}
+
+void return_freed_memory() {
+#ifdef __GLIBC__
+  malloc_trim(0);
+#endif
 }
 
 bool is_out_of_memory(const std::exception& error) {

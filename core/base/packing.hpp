@@ -28,6 +28,7 @@ class Packing {
     put_bytes(values.data(), values.size() * sizeof(T));
   }
   const std::vector<char>& bytes() const { return bytes_; }
+  void reserve(std::size_t size) { bytes_.reserve(size); }
 
  private:
   void put_bytes(const void* from, std::size_t size) {
@@ -55,6 +56,7 @@ class Unpacking {
     values.resize(size);
     take_bytes(values.data(), size * sizeof(T));
   }
+  void skip(std::size_t size) { next_ += size; }
 
  private:
   void take_bytes(void* to, std::size_t size) {

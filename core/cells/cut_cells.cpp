@@ -166,6 +166,10 @@ class CutCellBuilder {
   static void exchange(std::vector<Found>& found) {
     const std::size_t ranks = num_ranks();
     Packing own;
+    std::size_t num_cut = 0;
+    for (const Found& part : found) num_cut += part.cut.size();
+    constexpr std::size_t some_points = 1024;
+    own.reserve(num_cut * (sizeof(Candidate) + some_points));
     for (std::size_t part = this_rank(); part < found.size(); part += ranks) {
       own.put(found[part].cut.size());
       for (const Candidate& c : found[part].cut) {
@@ -179,11 +183,14 @@ class CutCellBuilder {
         own.put(first);
         own.put(number);
       }
-      found[part] = {};
     }
     const std::vector<char> bytes = gather_bytes(own.bytes().data(), own.bytes().size());
     Unpacking all(bytes);
-    for (std::size_t rank = 0; rank < ranks; ++rank)
+    for (std::size_t rank = 0; rank < ranks; ++rank) {
+      if (rank == static_cast<std::size_t>(this_rank())) {
+        all.skip(own.bytes().size());
+        continue;
+      }
       for (std::size_t part = rank; part < found.size(); part += ranks) {
         std::size_t size = 0;
         all.take(size);
@@ -205,6 +212,7 @@ class CutCellBuilder {
           all.take(number);
         }
       }
+    }
   }
 
   /// Of a row of cells along x: what is in the one layer of a quadtree. False: nothing.

@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "core/base/parallel.hpp"
 #include "core/base/text.hpp"
@@ -66,7 +67,7 @@ struct Drawing {
   const Scene& scene;
   const std::vector<CheckedBody>& bodies;
   const MarkedFaces& faces;
-  std::vector<DrawnBody> drawn;
+  const std::vector<DrawnBody>& drawn;               ///< boundaries at least
   std::vector<std::vector<int>> region_of_triangle;  ///< by body
   std::vector<Rgb> region_colours;
   std::string folder;  ///< of gnuplot's data
@@ -238,13 +239,19 @@ RenderedImage draw_slice(const CutCells& cells) {
   return image;
 }
 
+void add_boundary_points(const DrawnBody& body, std::vector<Vec3>& points) {
+  std::vector<char> is_added(body.position.size(), 0);
+  for (const BoundaryTriangle& triangle : body.mesh.boundary)
+    for (const int p : triangle.points)
+      if (!std::exchange(is_added[p], char{1})) points.push_back(body.position[p]);
+}
+
 /// Both views of some bodies; `part` gives what is told apart.
 template <class Colour, class Part>
 void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, double bottom, const std::string& name,
                const Colour& colour, const Part& part, bool numbered, Sheet& sheet) {
   std::vector<Vec3> positions;
-  for (std::size_t b : bodies)
-    positions.insert(positions.end(), drawing.drawn[b].position.begin(), drawing.drawn[b].position.end());
+  for (std::size_t b : bodies) add_boundary_points(drawing.drawn[b], positions);
   for (const bool behind : {false, true}) {
     Panel view;
     view.left = gap + (behind ? panel + gap : 0);
@@ -371,17 +378,22 @@ std::vector<int> regions_of_triangles(const MarkedFaces& faces, int b, const Dra
   return regions;
 }
 
-/// Draws the bodies and ties their triangles to the regions of the boundary.
-Drawing make_drawing(const Scene& scene, const std::vector<CheckedBody>& bodies, const MarkedFaces& faces) {
-  Drawing drawing{
-      scene, bodies, faces, std::vector<DrawnBody>(bodies.size()), std::vector<std::vector<int>>(bodies.size()),
-      {},    ""};
+std::vector<DrawnBody> draw_boundaries(const std::vector<CheckedBody>& bodies) {
+  std::vector<DrawnBody> drawn(bodies.size());
   parallel_for("cgcontact::output_check::draw_bodies", bodies.size(), 1, [&](std::size_t b) {
     BodyFields fields;
     fields.cut_cells = bodies[b].cut_cells;
-    drawing.drawn[b] = draw_body(fields, clip_boundary(*fields.cut_cells));
-    drawing.region_of_triangle[b] =
-        regions_of_triangles(faces, static_cast<int>(b), drawing.drawn[b], *bodies[b].cut_cells);
+    drawn[b] = draw_body(fields, clip_boundary(*fields.cut_cells));
+  });
+  return drawn;
+}
+
+/// Ties the triangles of drawn bodies to the regions of the boundary.
+Drawing make_drawing(const Scene& scene, const std::vector<CheckedBody>& bodies, const MarkedFaces& faces,
+                     const std::vector<DrawnBody>& drawn) {
+  Drawing drawing{scene, bodies, faces, drawn, std::vector<std::vector<int>>(bodies.size()), {}, ""};
+  parallel_for("cgcontact::output_check::regions", bodies.size(), 1, [&](std::size_t b) {
+    drawing.region_of_triangle[b] = regions_of_triangles(faces, static_cast<int>(b), drawn[b], *bodies[b].cut_cells);
   });
   std::map<std::pair<int, Role>, int> shades;
   for (const FaceRegion& region : faces.regions()) {
@@ -443,9 +455,9 @@ class Workshop {
 }  // namespace
 
 std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
-                                           GnuplotRuns& runs) {
+                                           const std::vector<DrawnBody>& drawn, GnuplotRuns& runs) {
   const MarkedFaces faces(scene, bodies);
-  Drawing drawing = make_drawing(scene, bodies, faces);
+  Drawing drawing = make_drawing(scene, bodies, faces, drawn);
   drawing.folder = runs.directory() + "/plots";
   runs.start("conditions", conditions_script(drawing), {"conditions.png"});
   std::vector<ConditionFace> list;
@@ -460,7 +472,8 @@ std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector
 CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::string& directory) try {
   const Workshop workshop(directory);
   const MarkedFaces faces(scene, bodies);
-  Drawing drawing = make_drawing(scene, bodies, faces);
+  const std::vector<DrawnBody> drawn = draw_boundaries(bodies);
+  Drawing drawing = make_drawing(scene, bodies, faces, drawn);
   drawing.folder = (workshop.path() / "plots").string();
   GnuplotRuns runs(workshop.path().string());
   runs.start("check", script(drawing), {"check.png"});

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/drawing/drawn_body.hpp"
 #include "core/drawing/marked_faces.hpp"
 #include "core/output/output_gnuplot.hpp"
 
@@ -31,8 +32,8 @@ struct ConditionFace {
 };
 
 /// Starts conditions.png: each body from two sides, its faces numbered and coloured by what holds there, with arrows
-/// for loads and prescribed motions. Returns the faces on which something holds.
+/// for loads and prescribed motions. `drawn`: the same bodies. Returns the faces on which something holds.
 std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
-                                           GnuplotRuns& runs);
+                                           const std::vector<DrawnBody>& drawn, GnuplotRuns& runs);
 
 }  // namespace cgcontact

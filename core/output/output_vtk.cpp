@@ -165,7 +165,7 @@ void write_patches(const Results& results, const std::vector<DrawnBody>& bodies,
 }  // namespace
 
 void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, const std::string& file_name) {
-  HdfFile file;
+  HdfFile file(file_name);
   const BodyWriter write(bodies, file);
   write.grid();
   // An array is left out if some body lacks the field.
@@ -207,7 +207,7 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
     *row = static_cast<float>(volume > 0 ? error_of_cell(b, cell) / std::sqrt(volume) : 0);
   });
   write_patches(results, bodies, write, file);
-  file.save(file_name);
+  file.finish();
 }
 
 VtkSteps::VtkSteps(const std::vector<DrawnBody>& bodies, const std::string& file_name) : file_(file_name) {

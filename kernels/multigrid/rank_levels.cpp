@@ -98,19 +98,19 @@ std::vector<std::unique_ptr<RankShare>> make_shares(const std::vector<const Elas
     owners.push_back(l == 0 ? partition(*systems[0], num_ranks(), together)
                             : coarse_owners(*systems[l - 1], owners.back(), *systems[l], together));
   }
-  std::vector<std::vector<int>> extra(systems.size());
+  std::vector<std::vector<char>> more;
+  for (const ElasticSystem* system : systems) more.emplace_back(system->num_nodes, 0);
   for (std::size_t l = 0; l + 1 < systems.size(); ++l) {
     const Relatives relatives(transfers[l]);
     for (int n = 0; n < systems[l]->num_nodes; ++n)
-      if (owners[l].of_node[n] == this_rank())
-        relatives.each_parent(n, [&](int parent) { extra[l + 1].push_back(parent); });
+      if (owners[l].of_node[n] == this_rank()) relatives.each_parent(n, [&](int parent) { more[l + 1][parent] = 1; });
     const std::vector<char> needed = needed_nodes(*systems[l + 1], owners[l + 1], this_rank());
     for (int n = 0; n < systems[l + 1]->num_nodes; ++n)
-      if (needed[n]) relatives.each_child(n, [&](int child) { extra[l].push_back(child); });
+      if (needed[n]) relatives.each_child(n, [&](int child) { more[l][child] = 1; });
   }
   std::vector<std::unique_ptr<RankShare>> shares;
   for (std::size_t l = 0; l < systems.size(); ++l)
-    shares.push_back(std::make_unique<RankShare>(*systems[l], std::move(owners[l]), extra[l], comm));
+    shares.push_back(std::make_unique<RankShare>(*systems[l], std::move(owners[l]), more[l], comm));
   return shares;
 }
 

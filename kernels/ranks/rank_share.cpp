@@ -43,11 +43,10 @@ CutCells restricted(const CutCells& cells, const std::vector<char>& keep) {
 /// Chooses the cells of a rank, and tells which of their nodes it uses.
 class CellChoice {
  public:
-  CellChoice(const ElasticSystem& whole, const std::vector<char>& needed, const std::vector<int>& extra_nodes)
-      : whole_(whole), parts_(whole.parts()), needed_(needed), used(whole.num_nodes, 0) {
+  CellChoice(const ElasticSystem& whole, const std::vector<char>& needed, const std::vector<char>& more)
+      : whole_(whole), parts_(whole.parts()), needed_(needed), used(more) {
     for (const BodyMesh* part : parts_) keep.emplace_back(part->cell_nodes.size(), 0);
     for (std::size_t p = 0; p < parts_.size(); ++p) choose_around_needed(p);
-    for (const int node : extra_nodes) used[node] = 1;
     if (!whole.constraints.empty()) use_masters();
     keep_cells_of_used();
   }
@@ -160,11 +159,10 @@ std::vector<char> needed_nodes(const ElasticSystem& whole, const Owners& owners,
 
 bool RankShare::owns(int whole_node) const { return owners_.of_node[whole_node] == this_rank(); }
 
-RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vector<int>& extra_nodes,
-                     const Halo::Comm& comm)
+RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vector<char>& more, const Halo::Comm& comm)
     : owners_(std::move(owners)) {
   const std::vector<char> needed = needed_nodes(whole, owners_, this_rank());
-  const CellChoice choice(whole, needed, extra_nodes);
+  const CellChoice choice(whole, needed, more);
   system_.ghost_penalty = whole.ghost_penalty;
   system_.materials = whole.materials;
   system_.scales = whole.scales;
@@ -186,6 +184,7 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
   }
   // Both numberings go by body, level and place: numbers of the whole system ascend.
   local_of_whole_.assign(whole.num_nodes, -1);
+  whole_nodes_.reserve(system_.num_nodes);
   const std::vector<const BodyMesh*> parts = system_.parts(), whole_parts = whole.parts();
   for (std::size_t p = 0; p < parts.size(); ++p)
     for (int n = 0; n < parts[p]->num_nodes; ++n) {
@@ -197,6 +196,9 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
   std::vector<Halo::Role> roles;
   std::vector<int> node_owners;
   std::vector<char> local_needed;
+  roles.reserve(system_.num_nodes);
+  node_owners.reserve(system_.num_nodes);
+  local_needed.reserve(system_.num_nodes);
   if (!whole.constraints.empty()) system_.constraint_of_node.assign(system_.num_nodes, -1);
   for (int n = 0; n < system_.num_nodes; ++n) {
     const int in_whole = whole_nodes_[n];
@@ -227,11 +229,10 @@ RankShare::RankShare(const ElasticSystem& whole, Owners owners, const std::vecto
       system_.supports[p].push_back(term);
     }
   for (std::vector<SupportTerm>& of_part : system_.supports) of_part.shrink_to_fit();
+  order_.reserve(whole.num_nodes - whole.constraints.size());
   for (int rank = 0; rank < num_ranks(); ++rank)
     for (int n = 0; n < whole.num_nodes; ++n)
       if (owners_.of_node[n] == rank && !is_constrained(whole, n)) order_.push_back(n);
-  order_.shrink_to_fit();
-  whole_nodes_.shrink_to_fit();
   owners_.of_cell = std::vector<std::vector<int>>();
 }
 

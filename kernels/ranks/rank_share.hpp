@@ -14,8 +14,8 @@ namespace cgcontact {
 
 class RankShare {
  public:
-  /// extra_nodes: of the whole system, which are to be local besides. Called by all ranks.
-  RankShare(const ElasticSystem& whole, Owners owners, const std::vector<int>& extra_nodes, const Halo::Comm& comm);
+  /// more: marks nodes of the whole system that are to be local besides. Called by all ranks.
+  RankShare(const ElasticSystem& whole, Owners owners, const std::vector<char>& more, const Halo::Comm& comm);
 
   const ElasticSystem& system() const { return system_; }
   bool owns(int whole_node) const;

@@ -159,6 +159,7 @@ void LinearSolver::update() {
   s.projected_op = s.op;
   if (!s.rigid_bodies.empty()) s.projected_op = rcp(new OnRigidMotions(s.op, s.rigid_bodies, NodeValues::forces));
   if (!s.multigrid.is_null()) s.multigrid->drop_cells();
+  return_freed_memory();
 }
 
 LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, double tolerance, int max_iterations) {

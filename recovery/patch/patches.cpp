@@ -132,7 +132,7 @@ void factor_masses(const BodyMesh& mesh, PatchSet& set) {
   set.factor_of_patch.assign(mesh.num_nodes, -1);
   int count = 0;
   for (int n = 0; n < mesh.num_nodes; ++n)
-    if (!set.full[n] && mesh.is_free(n)) set.factor_of_patch[n] = count++;
+    if (!set.full[n] && set.begin[n] < set.begin[n + 1]) set.factor_of_patch[n] = count++;
   set.factors.resize(count);
   const auto arrays = host_arrays(mesh, set);
   parallel_for("cgcontact::patches::factors", mesh.num_nodes, grain, [&](std::size_t n) {
@@ -156,13 +156,13 @@ struct PatchRange {
 };
 
 PatchRange patches_of_nodes(const BodyMesh& mesh, const CornerCells& corner_cells, double least_volume,
-                            std::size_t begin, std::size_t end, PatchSet& set) {
+                            const Subset& nodes, std::size_t begin, std::size_t end, PatchSet& set) {
   const CutCells& cc = *mesh.cut_cells;
   const Vec3 middle = middle_of(cc.solid);
   PatchRange range;
   std::vector<int> patch;
   for (std::size_t n = begin; n < end; ++n) {
-    if (!mesh.is_free(static_cast<int>(n))) {
+    if (!mesh.is_free(static_cast<int>(n)) || nodes.row(static_cast<int>(n)) < 0) {
       range.size.push_back(0);
       continue;
     }
@@ -195,6 +195,10 @@ void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked) {
 }
 
 PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
+  return make_patches(mesh, least_volume, Subset(mesh.num_nodes));
+}
+
+PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& nodes) {
   const CutCells& cc = *mesh.cut_cells;
   PatchSet set;
   set.grown.assign(mesh.num_nodes, 0);
@@ -203,7 +207,7 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
   std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain));
   parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    ranges[chunk] = patches_of_nodes(mesh, corner_cells, least_volume, begin, end, set);
+                    ranges[chunk] = patches_of_nodes(mesh, corner_cells, least_volume, nodes, begin, end, set);
                   });
   std::size_t total = 0;
   for (const PatchRange& range : ranges) total += range.cells.size();
@@ -220,6 +224,12 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume) {
   for (std::size_t c = 0; c < cc.moments.size(); ++c) set.moments[1 + c] = monomial_moments(cc.moments[c]);
   factor_masses(mesh, set);
   return set;
+}
+
+std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double least_volume) {
+  std::vector<PatchSet> sets;
+  for (const BodyMesh& mesh : meshes) sets.push_back(make_patches(mesh, least_volume));
+  return sets;
 }
 
 }  // namespace cgcontact

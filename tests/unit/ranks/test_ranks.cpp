@@ -114,8 +114,8 @@ std::vector<Problem> problems() {
 
 /// The share of this rank, of the whole finest grid.
 std::unique_ptr<RankShare> share_of(const ElasticSystem& system) {
-  auto share = std::make_unique<RankShare>(system, partition(system, num_ranks(), {}), std::vector<int>(),
-                                           Tpetra::getDefaultComm());
+  auto share = std::make_unique<RankShare>(system, partition(system, num_ranks(), {}),
+                                           std::vector<char>(system.num_nodes, 0), Tpetra::getDefaultComm());
   share->set_groups(system.group_rows, group_stiffness(system), false);
   return share;
 }

@@ -92,8 +92,9 @@ TEST(PlainTwins, PatchFits) {
   const Subset some_nodes(marked), some_cells(marked_cells);
   const RecoveredField some{some_nodes, CoefficientView("some", some_nodes.size())};
   CellStressView some_stress("some", some_cells.size());
-  integrate_cell_stress(c.mesh, c.patches, some_cells, c.u, some_stress);
-  fit_patches(c.mesh, c.patches, some_stress, some_cells, some);
+  const PatchSet some_patches = make_patches(c.mesh, 1, some_nodes);
+  integrate_cell_stress(c.mesh, some_patches, some_cells, c.u, some_stress);
+  fit_patches(c.mesh, some_patches, some_stress, some_cells, some);
   const RecoveredField all{Subset(c.mesh.num_nodes), CoefficientView("all", c.mesh.num_nodes)};
   EXPECT_EQ(recover_all(c.mesh, c.patches, c.u, all, 100), 0);
   int full = 0;
@@ -114,6 +115,7 @@ TEST(PlainTwins, PatchFits) {
     }
     full += c.patches.full[n];
     EXPECT_TRUE(!marked[n] || std::equal(some.at(n), some.at(n) + 6 * num_terms, c.field.at(n)));
+    EXPECT_EQ(some_patches.begin[n + 1] - some_patches.begin[n], marked[n] ? num_cells : 0);
   }
   EXPECT_GT(full, 20);
 }
