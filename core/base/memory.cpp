@@ -132,7 +132,8 @@ double parse_memory(const std::string& text) {
 
 void return_freed_memory() {
 #ifdef __GLIBC__
-  malloc_trim(0);
+  constexpr std::size_t worth_it = std::size_t{1} << 26;  // what is taken again costs time
+  if (mallinfo2().fordblks > worth_it) malloc_trim(0);
 #endif
 }
 

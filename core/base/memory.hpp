@@ -29,8 +29,8 @@ double parse_memory(const std::string& text);
 /// "1.4 GB", "85 MB".
 std::string memory_text(double bytes);
 
-/// Gives memory that has been freed back to the system, which the C library keeps otherwise: after phases that need
-/// much for a while.
+/// Gives memory that has been freed back to the system, which the C library keeps otherwise, if it is much: after
+/// phases that need much for a while.
 void return_freed_memory();
 
 /// std::bad_alloc, or what Kokkos throws in its place.
