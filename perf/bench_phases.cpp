@@ -91,9 +91,9 @@ void run(const Scene& scene) {
   Recorder phase;
   Simulation sim(scene);
   phase("prepare (cut cells, pairs)", [&] { sim.place_on_grids(); });
-  phase("mesh, operator, patches", [&] { sim.make_system(); });
+  phase("mesh, operator", [&] { sim.make_system(); });
   std::vector<BoundaryStress> stress;
-  phase("boundary stress, set-up", [&] {
+  phase("boundary stress, patches", [&] {
     const auto cells = stabilised_cells(sim.state.supports, sim.state.pairs, sim.state.bodies.size());
     for (std::size_t b = 0; b < cells.size(); ++b)
       stress.emplace_back(sim.state.system.meshes[b], scene.recovery.patch_volume, cells[b]);

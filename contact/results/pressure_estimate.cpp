@@ -9,7 +9,7 @@
 #include "contact/results/contact_rows.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/shared_values.hpp"
 #include "recovery/patch/patches.hpp"
 
 namespace cgcontact {
@@ -137,17 +137,13 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     const double coarse =
         std::clamp((options.no_coarse_zone - across) / (options.no_coarse_zone - options.coarse_zone), 0.0, 1.0);
     std::vector<double> errors(rows.size(), 0.0);
-    const std::size_t first = share_out(rows.size()).first, last = share_out(rows.size()).second;
-    parallel_for("cgcontact::pressure_estimate::mean_difference", last - first, 128, [&](std::size_t k) {
-      const std::size_t i = first + k;
+    compute_together("cgcontact::pressure_estimate::mean_difference", 128, errors, [&](std::size_t i) {
       const ContactRow& row = rows[i];
-      if (row.pair != static_cast<int>(p)) return;
+      if (row.pair != static_cast<int>(p)) return 0.0;
       const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
       const double common = std::hypot(mean.at(row), force_error * row.pressure_sprc);
-      errors[i] =
-          std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
+      return std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
     });
-    put_together(errors);
     double error = 0, norm = 0;
     for (ContactRow& row : rows) {
       if (row.pair != static_cast<int>(p)) continue;

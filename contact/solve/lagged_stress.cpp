@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.hpp"
-#include "core/base/ranks.hpp"
+#include "core/base/shared_values.hpp"
 
 namespace cgcontact {
 namespace {
@@ -27,10 +26,8 @@ struct Change {
   void replace(std::vector<double>& values, const Points& points, const StressAt& stress_at) {
     std::vector<double> before(values.size());
     before.swap(values);
-    const std::size_t begin = share_out(points.size()).first, end = share_out(points.size()).second;
-    parallel_for("cgcontact::lagged_stress::points", end - begin, grain,
-                 [&](std::size_t i) { values[begin + i] = stress_at(points[begin + i]); });
-    put_together(values);
+    compute_together("cgcontact::lagged_stress::points", grain, values,
+                     [&](std::size_t i) { return stress_at(points[i]); });
     for (std::size_t i = 0; i < points.size(); ++i) add(points[i].weight, before[i], values[i]);
   }
 };
