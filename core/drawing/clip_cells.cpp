@@ -90,6 +90,7 @@ class Clipper {
   void drop_inner_triangles();
   void add_facets();
   void drop_unused_points();
+  void add_interior_points();
 
   const CutCells& cut_cells_;
   const BodyGeometry& body_;
@@ -125,8 +126,6 @@ Clipper::Clipper(const CutCells& cut_cells)
   inner_side_.assign(surfaces_.size() + 1, 0);
   node_numbers_ = cut_cells.numbers.corners();
   nodes_.assign(node_numbers_.size(), -1);
-  mesh_.hexahedra.reserve(cut_cells.cells.size());
-  mesh_.cell_of_hexahedron.reserve(cut_cells.cells.size());
   double curvature = 0;
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     all_surfaces_.push_back(static_cast<int>(s));
@@ -142,6 +141,7 @@ ClippedMesh Clipper::run() {
   drop_inner_triangles();
   if (has_facets_) add_facets();
   drop_unused_points();
+  add_interior_points();
   return std::move(mesh_);
 }
 
@@ -179,9 +179,13 @@ void Clipper::clip_cell(int active) {
   std::vector<int> near = surfaces_near(centre, 0.5, all_surfaces_);
   const bool endless = body_.has_endless_surfaces();
   if (!endless && near.size() > most_patches) near.assign(1, whole_);
+  const bool full = cut_cells_.cut_of_active[active] < 0;
+  if (full && near.empty() && !cut_cells_.grid.is_quadtree()) {  // a quadtree's cells end where their layer does
+    mesh_.interior.cells.push_back(active);
+    return;
+  }
   cell_surfaces_ = endless ? all_surfaces_ : near;
   set_far_sides(centre, all_surfaces_);
-  const bool full = cut_cells_.cut_of_active[active] < 0;
   const bool curved =
       std::any_of(near.begin(), near.end(), [&](int s) { return is_patch(s) || surfaces_[s].max_curvature() > 0; });
   const int parts = curved && !full ? subdivision_ : 1;
@@ -494,6 +498,24 @@ void Clipper::drop_unused_points() {
     for (int& p : t) p = number[p];
   for (auto& b : mesh_.boundary)
     for (int& p : b.points) p = number[p];
+  for (int& p : nodes_)
+    if (p >= 0) p = number[p];
+}
+
+/// Corners of interior cells that no other piece has.
+void Clipper::add_interior_points() {
+  InteriorCells& interior = mesh_.interior;
+  for (const int cell : interior.cells) {
+    const Index3& c = cut_cells_.cells[cell];
+    for (int a = 0; a < 8; ++a) {
+      int& point = nodes_[node_numbers_.find({c[0] + (a & 1), c[1] + (a >> 1 & 1), c[2] + (a >> 2)})];
+      if (point != -1) continue;
+      point = -2 - static_cast<int>(interior.cell_of_point.size());
+      interior.cell_of_point.push_back(cell);
+      interior.corner_of_point.push_back(static_cast<signed char>(a));
+    }
+  }
+  interior.levels.push_back({std::move(node_numbers_), std::move(nodes_)});
 }
 
 /// Appends the mesh of one level of a body.
@@ -511,6 +533,16 @@ void append_level(const ClippedMesh& level, int number, int first_cell, ClippedM
   for (const int cell : level.cell_of_tetrahedron) mesh.cell_of_tetrahedron.push_back(first_cell + cell);
   for (const BoundaryTriangle& t : level.boundary)
     mesh.boundary.push_back({moved(t.points), first_cell + t.cell, t.surface, number});
+  InteriorCells& interior = mesh.interior;
+  const int first_interior = static_cast<int>(interior.cell_of_point.size());
+  for (const int cell : level.interior.cells) interior.cells.push_back(first_cell + cell);
+  for (const int cell : level.interior.cell_of_point) interior.cell_of_point.push_back(first_cell + cell);
+  interior.corner_of_point.insert(interior.corner_of_point.end(), level.interior.corner_of_point.begin(),
+                                  level.interior.corner_of_point.end());
+  interior.levels.insert(interior.levels.end(), level.interior.levels.begin(), level.interior.levels.end());
+  if (level.interior.levels.empty()) interior.levels.emplace_back();
+  for (int& p : interior.levels.back().point)
+    if (p != -1) p += p >= 0 ? first_point : -first_interior;
 }
 
 /// A quadtree's cells end where their layer does, inside of the solid (of that level): these sides of the pieces are
@@ -550,8 +582,13 @@ ClippedMesh clip_levels(const CutCells& cut_cells, const Clip& clip_level) {
     if (level.grid.is_quadtree()) add_ends(level, mesh);
     return mesh;
   };
-  if (cut_cells.parts.empty()) return clip(cut_cells);
   ClippedMesh mesh;
+  if (cut_cells.parts.empty()) {
+    mesh = clip(cut_cells);
+    mesh.cut_cells = &cut_cells;
+    return mesh;
+  }
+  mesh.cut_cells = &cut_cells;
   mesh.level_of_cell = cut_cells.levels;
   for (int l = 0; l < cut_cells.num_levels(); ++l) {
     CutCells level = cut_cells.parts[l];
@@ -581,6 +618,27 @@ Vec3 clamped_cell_coordinates(const CutCells& cut_cells, int active_cell, const 
   return cell_coordinates(cut_cells, active_cell, point).cwiseMax(-1.0).cwiseMin(1.0);
 }
 
+Vec3 ClippedMesh::interior_xi(std::size_t point) const {
+  const int a = interior.corner_of_point[point];
+  return {a & 1 ? 1.0 : -1.0, a & 2 ? 1.0 : -1.0, a & 4 ? 1.0 : -1.0};
+}
+
+Vec3 ClippedMesh::interior_point(std::size_t point) const {
+  return grid_position(*cut_cells, interior.cell_of_point[point], interior_xi(point));
+}
+
+std::array<int, 8> ClippedMesh::interior_hexahedron(std::size_t i) const {
+  const int cell = interior.cells[i];
+  const InteriorCells::Nodes& nodes = interior.levels[level(cell)];
+  const Index3& c = cut_cells->cells[cell];
+  std::array<int, 8> hexahedron;
+  for (int v = 0; v < 8; ++v) {
+    const int point = nodes.point[nodes.numbers.find({c[0] + corner[v][0], c[1] + corner[v][1], c[2] + corner[v][2]})];
+    hexahedron[v] = point >= 0 ? point : static_cast<int>(points.size()) - 2 - point;
+  }
+  return hexahedron;
+}
+
 double ClippedMesh::volume() const {
   double sum = 0;
   for (const auto& h : hexahedra) {
@@ -588,6 +646,7 @@ double ClippedMesh::volume() const {
     sum += d[0] * d[1] * d[2];
   }
   for (const auto& t : tetrahedra) sum += tetrahedron_volume(points[t[0]], points[t[1]], points[t[2]], points[t[3]]);
+  for (const int cell : interior.cells) sum += std::ldexp(1.0, -3 * level(cell));
   return sum;
 }
 

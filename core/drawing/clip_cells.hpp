@@ -21,7 +21,21 @@ struct BoundaryTriangle {
 constexpr int tetrahedra_of_hexahedron[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 3, 2, 6},
                                                 {0, 3, 7, 6}, {0, 4, 5, 6}, {0, 4, 7, 6}};
 
-/// Points are shared between the cells that touch them, so that fields that are continuous in the body stay so.
+/// Full cells that no surface comes near: hexahedra as they are, of which only the numbers are kept. Points of theirs
+/// that no other piece has are interior points, numbered behind those of the mesh.
+struct InteriorCells {
+  std::vector<int> cells;                 ///< active cells, ascending
+  std::vector<int> cell_of_point;         ///< of each interior point, one that has it as a corner
+  std::vector<signed char> corner_of_point;  ///< which: bits x, y, z
+  struct Nodes {
+    GridNumbers numbers;     ///< corners of the cells of a level
+    std::vector<int> point;  ///< of each: point of the mesh, or -2 - interior point; -1: none
+  };
+  std::vector<Nodes> levels;
+};
+
+/// Points are shared between the cells that touch them, so that fields that are continuous in the body stay so. What
+/// is stored by piece grows like the boundary; what is inside of the body is made from its cells where it is needed.
 struct ClippedMesh {
   std::vector<Vec3> points;                    ///< grid coordinates
   std::vector<int> cell_of_point;              ///< an active cell whose closure contains the point
@@ -31,8 +45,20 @@ struct ClippedMesh {
   std::vector<int> cell_of_tetrahedron;        ///< active cell
   std::vector<BoundaryTriangle> boundary;
   std::vector<signed char> level_of_cell;  ///< of each active cell; empty: 0
+  const CutCells* cut_cells = nullptr;     ///< of the body, which the interior needs; nullptr: no interior
+  InteriorCells interior;
 
   int level(int cell) const { return level_of_cell.empty() ? 0 : level_of_cell[cell]; }
+  std::size_t num_interior_points() const { return interior.cell_of_point.size(); }
+  /// With the interior ones.
+  std::size_t num_points() const { return points.size() + num_interior_points(); }
+  /// Hexahedra, tetrahedra and interior cells.
+  std::size_t num_pieces() const { return hexahedra.size() + tetrahedra.size() + interior.cells.size(); }
+  /// Of an interior point: cell coordinates in its cell; grid coordinates.
+  Vec3 interior_xi(std::size_t point) const;
+  Vec3 interior_point(std::size_t point) const;
+  /// Of interior.cells[i], VTK order; interior points have numbers from points.size() on.
+  std::array<int, 8> interior_hexahedron(std::size_t i) const;
   double volume() const;         ///< in cell units cubed
   double boundary_area() const;  ///< in cell units squared
 };

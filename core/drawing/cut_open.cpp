@@ -1,9 +1,17 @@
 #include "core/drawing/cut_open.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/parallel.hpp"
 
 namespace cgcontact {
 namespace {
+
+constexpr std::size_t grain = 4096;
+/// Of the reach of a cell: more than that of its corners' places.
+constexpr double rounding = 1e-9;
 
 struct Vertex {
   Vec3 grid, position, displacement;
@@ -53,8 +61,9 @@ Polygon section(const std::array<Vertex, 4>& tetrahedron, int k) {
 
 class Opening {
  public:
-  Opening(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions)
-      : whole_(whole), directions_(directions), number_of_(whole.position.size(), -1) {
+  /// Puts what it finds behind what is in `open`.
+  Opening(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions, DrawnBody open = {})
+      : whole_(whole), directions_(directions), number_of_(whole.position.size(), -1), open_(std::move(open)) {
     height_.reserve(whole.position.size());
     for (const Vec3& x : whole.position)
       height_.push_back({(x - corner).dot(directions[0]), (x - corner).dot(directions[1])});
@@ -170,6 +179,55 @@ class Opening {
   DrawnBody open_;
 };
 
+/// The interior cells that planes meet, as pieces of a drawn body of their own.
+DrawnBody interior_at(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions) {
+  const ClippedMesh& mesh = whole.mesh;
+  DrawnBody near;
+  near.mesh.level_of_cell = mesh.level_of_cell;
+  std::vector<char> met(mesh.interior.cells.size(), 0);
+  parallel_for("cgcontact::cut_open::interior", met.size(), grain, [&](std::size_t i) {
+    const int cell = mesh.interior.cells[i];
+    const Vec3 middle = global_position(*mesh.cut_cells, cell, Vec3::Zero()) - corner;
+    const double reach = 0.5 * std::sqrt(3.0) * (1 + rounding) * mesh.cut_cells->h(cell);
+    met[i] = std::abs(middle.dot(directions[0])) <= reach || std::abs(middle.dot(directions[1])) <= reach;
+  });
+  std::vector<int> points;  // of the whole
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    if (!met[i]) continue;
+    near.mesh.hexahedra.push_back(mesh.interior_hexahedron(i));
+    near.mesh.cell_of_hexahedron.push_back(mesh.interior.cells[i]);
+    points.insert(points.end(), near.mesh.hexahedra.back().begin(), near.mesh.hexahedra.back().end());
+  }
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  for (auto& hexahedron : near.mesh.hexahedra)
+    for (int& p : hexahedron)
+      p = static_cast<int>(std::lower_bound(points.begin(), points.end(), p) - points.begin());
+  std::vector<int> interior;
+  for (const int p : points) {
+    const auto place = static_cast<std::size_t>(p);
+    if (place >= mesh.points.size()) {
+      interior.push_back(p - static_cast<int>(mesh.points.size()));
+      continue;
+    }
+    near.mesh.points.push_back(mesh.points[place]);
+    near.position.push_back(whole.position[place]);
+    near.mesh.cell_of_point.push_back(mesh.cell_of_point[place]);
+    if (!whole.displacement.empty()) near.displacement.push_back(whole.displacement[place]);
+    if (!whole.stress.empty()) near.stress.push_back(whole.stress[place]);
+  }
+  if (interior.empty()) return near;
+  const PointValues values = whole.interior(mesh, interior);
+  for (const int p : interior) {
+    near.mesh.points.push_back(mesh.interior_point(p));
+    near.position.push_back(interior_position(whole, p));
+    near.mesh.cell_of_point.push_back(mesh.interior.cell_of_point[p]);
+  }
+  near.displacement.insert(near.displacement.end(), values.displacement.begin(), values.displacement.end());
+  near.stress.insert(near.stress.end(), values.stress.begin(), values.stress.end());
+  return near;
+}
+
 }  // namespace
 
 DrawnBody boundary_of(const DrawnBody& whole) {
@@ -177,11 +235,14 @@ DrawnBody boundary_of(const DrawnBody& whole) {
 }
 
 DrawnBody section_of(const DrawnBody& whole, const Vec3& point, const Vec3& normal) {
-  return Opening(whole, point, {normal, normal}).plane();
+  const std::array<Vec3, 2> normals{normal, normal};
+  DrawnBody section = Opening(whole, point, normals).plane();
+  return Opening(interior_at(whole, point, normals), point, normals, std::move(section)).plane();
 }
 
 DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions) {
-  return Opening(whole, corner, directions).run();
+  DrawnBody open = Opening(whole, corner, directions).run();
+  return Opening(interior_at(whole, corner, directions), corner, directions, std::move(open)).run();
 }
 
 }  // namespace cgcontact

@@ -1,8 +1,10 @@
 #include "core/drawing/drawn_body.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "core/base/parallel.hpp"
@@ -166,21 +168,64 @@ double volume_of_cell(const CutCells& cut_cells, int cell) {
   return cut_cells.volume_fraction(cell) * (grid.is_quadtree() ? h * h * grid.thickness : std::pow(h, 3));
 }
 
+namespace {
+
+/// Interior points whose values are in memory at a time: 5 MB.
+constexpr std::size_t points_per_block = 1 << 16;
+constexpr std::size_t grain = 512;
+
+/// place(i): active cell and cell coordinates of the i-th of n points.
+template <class Place>
+PointValues values_at(const std::function<Vec3(int cell, const Vec3& xi)>& displacement,
+                      const std::function<Sym3(int cell, const Vec3& xi)>& stress, std::size_t n, const Place& place) {
+  PointValues values;
+  if (displacement) values.displacement.resize(n);
+  if (stress) values.stress.resize(n);
+  if (displacement || stress)
+    parallel_for("cgcontact::drawn_body::fields", n, grain, [&](std::size_t i) {
+      const auto [cell, xi] = place(i);
+      if (displacement) values.displacement[i] = displacement(cell, xi);
+      if (stress) values.stress[i] = stress(cell, xi);
+    });
+  return values;
+}
+
+}  // namespace
+
+Vec3 interior_position(const DrawnBody& drawn, std::size_t point) {
+  return drawn.mesh.cut_cells->grid.to_global(drawn.mesh.interior_point(point));
+}
+
+void each_interior_block(const DrawnBody& drawn, const std::function<void(int first, const PointValues& values)>& use) {
+  const std::size_t n = drawn.mesh.num_interior_points();
+  for (std::size_t first = 0; first < n; first += points_per_block) {
+    std::vector<int> block(std::min(points_per_block, n - first));
+    std::iota(block.begin(), block.end(), static_cast<int>(first));
+    use(block.front(), drawn.interior(drawn.mesh, block));
+  }
+}
+
 void redraw(const BodyFields& fields, DrawnBody& drawn) {
   const CutCells& cut_cells = *fields.cut_cells;
   const std::size_t n = drawn.mesh.points.size();
-  drawn.position.resize(n);
-  if (fields.displacement) drawn.displacement.resize(n);
-  if (fields.stress_recovered) drawn.stress.resize(n);
-  parallel_for("cgcontact::drawn_body::fields", n, 512, [&](std::size_t p) {
+  const auto place_of = [&](std::size_t p) {
     const int cell = drawn.mesh.cell_of_point[p];
-    const Vec3 xi = clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]);
+    return std::make_pair(cell, clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]));
+  };
+  drawn.position.resize(n);
+  parallel_for("cgcontact::drawn_body::positions", n, grain, [&](std::size_t p) {
     drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);
     if (const Grid& grid = cut_cells.grid; grid.is_quadtree())  // not the slice, but the body
-      drawn.position[p][grid.plane_strain] += 0.5 * grid.thickness * xi[grid.plane_strain];
-    if (fields.displacement) drawn.displacement[p] = fields.displacement(cell, xi);
-    if (fields.stress_recovered) drawn.stress[p] = fields.stress_recovered(cell, xi);
+      drawn.position[p][grid.plane_strain] += 0.5 * grid.thickness * place_of(p).second[grid.plane_strain];
   });
+  static_cast<PointValues&>(drawn) = values_at(fields.displacement, fields.stress_recovered, n, place_of);
+  drawn.interior = [displacement = fields.displacement, stress = fields.stress_recovered](
+                       const ClippedMesh& mesh, const std::vector<int>& points) {
+    return values_at(displacement, stress, points.size(), [&](std::size_t i) {
+      const auto point = static_cast<std::size_t>(points[i]);
+      return std::make_pair(mesh.interior.cell_of_point[point], mesh.interior_xi(point));
+    });
+  };
 }
 
 DrawnBody draw_body(const BodyFields& fields, ClippedMesh mesh) {

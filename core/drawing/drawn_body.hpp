@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "core/drawing/clip_cells.hpp"
@@ -9,13 +10,27 @@
 
 namespace cgcontact {
 
-/// One body with the fields at the points of its mesh; empty vectors where the run has no such field.
-struct DrawnBody {
-  ClippedMesh mesh;
-  std::vector<Vec3> position;      ///< m, undeformed
+/// Fields at some points; empty vectors where the run has no such field.
+struct PointValues {
   std::vector<Vec3> displacement;  ///< m
   std::vector<Sym3> stress;        ///< recovered, Pa
 };
+
+/// One body with the fields at the points of its mesh. Those at interior points, of which there are as many as nodes in
+/// the volume, are computed where they are needed.
+struct DrawnBody : PointValues {
+  ClippedMesh mesh;
+  std::vector<Vec3> position;  ///< m, undeformed
+  /// Values at some interior points of the mesh, ascending. What the fields refer to must still exist.
+  std::function<PointValues(const ClippedMesh& mesh, const std::vector<int>& points)> interior;
+};
+
+/// m, undeformed.
+Vec3 interior_position(const DrawnBody& drawn, std::size_t point);
+
+/// use(first, values) for all interior points, a block of successive ones at a time, so that their values need little
+/// memory.
+void each_interior_block(const DrawnBody& drawn, const std::function<void(int first, const PointValues& values)>& use);
 
 /// Of the material in an active cell, m^3; on a quadtree for the body's thickness.
 double volume_of_cell(const CutCells& cut_cells, int cell);

@@ -90,13 +90,14 @@ class BodySearch {
       : results_(results), fields_(results.bodies[body]), drawn_(drawn), cells_(*fields_.cut_cells), body_(body) {}
 
   Extremes whole() const {
-    std::vector<Collector> chunks(num_chunks(drawn_.position.size(), grain));
-    parallel_chunks("cgcontact::extremes::points", drawn_.position.size(), grain,
-                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                      for (std::size_t p = begin; p < end; ++p) add_point(p, chunks[chunk]);
-                    });
     Collector most;
-    for (const Collector& chunk : chunks) most.merge(chunk);
+    add_points(
+        drawn_, [&](std::size_t p) { return drawn_.position[p]; }, drawn_.position.size(), most);
+    each_interior_block(drawn_, [&](int first, const PointValues& values) {
+      const std::size_t size = std::max(values.displacement.size(), values.stress.size());
+      add_points(
+          values, [&](std::size_t i) { return interior_position(drawn_, first + i); }, size, most);
+    });
     for (const ContactRow& row : results_.contact_rows)
       if (row.body == body_) most.pressure(row.x, row.touching ? row.pressure_sprc : 0);
     return most.finish(fields_.material);
@@ -107,7 +108,7 @@ class BodySearch {
     for (const Surface& surface : cells_.solid.surfaces()) selected.push_back(face.selects(surface.names));
     Collector most;
     const std::set<int> points = drawn_points(face, selected);
-    for (const int p : points) add_point(p, most);
+    for (const int p : points) add_point(drawn_, p, drawn_.position[p], most);
     if (points.empty()) add_boundary(face, selected, most);
     for (const ContactRow& row : results_.contact_rows) {
       if (row.body != body_) continue;
@@ -120,10 +121,19 @@ class BodySearch {
   }
 
  private:
-  void add_point(std::size_t p, Collector& most) const {
-    const Vec3& x = drawn_.position[p];
-    if (!drawn_.displacement.empty()) most.displacement(x, drawn_.displacement[p]);
-    if (!drawn_.stress.empty()) most.stress(x, drawn_.stress[p]);
+  static void add_point(const PointValues& values, std::size_t p, const Vec3& x, Collector& most) {
+    if (!values.displacement.empty()) most.displacement(x, values.displacement[p]);
+    if (!values.stress.empty()) most.stress(x, values.stress[p]);
+  }
+
+  /// position(i) of the i-th of n points with values.
+  template <class Position>
+  static void add_points(const PointValues& values, const Position& position, std::size_t n, Collector& most) {
+    std::vector<Collector> chunks(num_chunks(n, grain));
+    parallel_chunks("cgcontact::extremes::points", n, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) add_point(values, p, position(p), chunks[chunk]);
+    });
+    for (const Collector& chunk : chunks) most.merge(chunk);
   }
 
   /// Corners of triangles on a surface of the face, where its box and its normals hold.

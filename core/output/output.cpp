@@ -259,7 +259,7 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
     const auto draw = [&] {  // what needs a drawing of its own first: the view, which is large, stays
       if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), drawn, runs);
       parts.pressure_maps = write_pressure_maps(results, surface, runs);
-      const SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
+      SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
       write_picture(results, drawn, scene_view, runs);
       write_grid_picture(results, drawn, scene_view, runs);
       write_sections(scene, drawn, runs);

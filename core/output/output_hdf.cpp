@@ -131,12 +131,22 @@ void HdfFile::set_attribute(const std::string& group, const std::string& name, l
 }
 
 template <class T>
-void HdfFile::create(const std::string& path, const std::vector<T>& values, int columns, bool can_grow) {
+std::size_t HdfFile::make_rows(const std::string& path, std::size_t num_rows, int columns, bool can_grow) {
   const hsize_t width = std::max(columns, 1);
-  const hsize_t size[2] = {values.size() / width, width};
-  const hsize_t limit[2] = {can_grow ? H5S_UNLIMITED : size[0], width};
   const int rank = columns > 0 ? 2 : 1;
   errno = 0;
+  if (can_grow && H5Lexists(file_, path.c_str(), H5P_DEFAULT) > 0) {
+    const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open a data set");
+    hsize_t size[2] = {0, 0};
+    const Handle space(H5Dget_space(set.id), H5Sclose, "open a space");
+    check(H5Sget_simple_extent_dims(space.id, size, nullptr), "size a data set");
+    const std::size_t first = size[0];
+    size[0] += num_rows;
+    check(H5Dset_extent(set.id, size), "extend a data set");
+    return first;
+  }
+  const hsize_t size[2] = {num_rows, width};
+  const hsize_t limit[2] = {can_grow ? H5S_UNLIMITED : size[0], width};
   const Handle space(H5Screate_simple(rank, size, limit), H5Sclose, "create a space");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "prepare a data set");
   check(H5Pset_obj_track_times(properties.id, false), "leave out the time");  // equal runs give equal files
@@ -149,36 +159,55 @@ void HdfFile::create(const std::string& path, const std::vector<T>& values, int 
     check(H5Pset_shuffle(properties.id), "set up compression");
     check(H5Pset_deflate(properties.id, 1), "set up compression");
   }
-  const Handle set(H5Dcreate2(file_, path.c_str(), type_of<T>(), space.id, H5P_DEFAULT, properties.id, H5P_DEFAULT),
-                   H5Dclose, "create a data set");
-  if (!values.empty())
-    check(H5Dwrite(set.id, type_of<T>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a data set");
+  Handle(H5Dcreate2(file_, path.c_str(), type_of<T>(), space.id, H5P_DEFAULT, properties.id, H5P_DEFAULT), H5Dclose,
+         "create a data set");
+  return 0;
+}
+
+template <class T>
+void HdfFile::write_rows(const std::string& path, std::size_t first, const T* values, std::size_t num_rows,
+                         int columns) {
+  errno = 0;
+  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open a data set");
+  const Handle space(H5Dget_space(set.id), H5Sclose, "open a space");
+  const hsize_t begin[2] = {first, 0}, count[2] = {num_rows, static_cast<hsize_t>(std::max(columns, 1))};
+  const Handle rows(H5Screate_simple(columns > 0 ? 2 : 1, count, nullptr), H5Sclose, "create a space");
+  check(H5Sselect_hyperslab(space.id, H5S_SELECT_SET, begin, nullptr, count, nullptr), "choose rows");
+  check(H5Dwrite(set.id, type_of<T>(), rows.id, space.id, H5P_DEFAULT, values), "write a data set");
 }
 
 template <class T>
 void HdfFile::write(const std::string& path, const std::vector<T>& values, int columns) {
-  create(path, values, columns, false);
+  HdfRows<T>(*this, path, values.size() / std::max(columns, 1), columns).add(values);
 }
 
 template <class T>
-void HdfFile::append(const std::string& path, const std::vector<T>& values, int columns) {
-  if (H5Lexists(file_, path.c_str(), H5P_DEFAULT) <= 0) return create(path, values, columns, true);
-  errno = 0;
-  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, "open a data set");
-  hsize_t size[2] = {0, 0}, first[2] = {0, 0};
-  {
-    const Handle space(H5Dget_space(set.id), H5Sclose, "open a space");
-    check(H5Sget_simple_extent_dims(space.id, size, nullptr), "size a data set");
+HdfRows<T>::HdfRows(HdfFile& file, const std::string& path, std::size_t num_rows, int columns, bool can_grow)
+    : file_(file),
+      path_(path),
+      columns_(columns),
+      next_(file.make_rows<T>(path, num_rows, columns, can_grow)),
+      end_(next_ + num_rows) {}
+
+/// Whole pieces of the file are written as soon as they are there: each is compressed once.
+template <class T>
+void HdfRows<T>::add(const std::vector<T>& values) {
+  const std::size_t width = std::max(columns_, 1);
+  std::size_t used = 0;
+  while (used < values.size()) {
+    const std::size_t end = std::min<std::size_t>(end_, (next_ / rows_per_chunk + 1) * rows_per_chunk);
+    const std::size_t missing = (end - next_) * width - waiting_.size();
+    const std::size_t taken = std::min(missing, values.size() - used);
+    if (taken == 0) throw std::logic_error("HdfRows: more rows than there are");
+    if (taken < missing || !waiting_.empty())
+      waiting_.insert(waiting_.end(), values.begin() + used, values.begin() + used + taken);
+    if (taken == missing) {
+      file_.write_rows(path_, next_, waiting_.empty() ? values.data() + used : waiting_.data(), end - next_, columns_);
+      waiting_.clear();
+      next_ = end;
+    }
+    used += taken;
   }
-  first[0] = size[0];
-  const hsize_t width = std::max(columns, 1);
-  const hsize_t added[2] = {values.size() / width, width};
-  size[0] += added[0];
-  check(H5Dset_extent(set.id, size), "extend a data set");
-  const Handle space(H5Dget_space(set.id), H5Sclose, "open a space");
-  const Handle rows(H5Screate_simple(columns > 0 ? 2 : 1, added, nullptr), H5Sclose, "create a space");
-  check(H5Sselect_hyperslab(space.id, H5S_SELECT_SET, first, nullptr, added, nullptr), "choose rows");
-  check(H5Dwrite(set.id, type_of<T>(), rows.id, space.id, H5P_DEFAULT, values.data()), "write a data set");
 }
 
 std::vector<float> HdfFile::read(const std::string& path, std::size_t first_row, std::size_t num_rows) {
@@ -200,10 +229,11 @@ template void HdfFile::write(const std::string&, const std::vector<int>&, int);
 template void HdfFile::write(const std::string&, const std::vector<long long>&, int);
 template void HdfFile::write(const std::string&, const std::vector<float>&, int);
 template void HdfFile::write(const std::string&, const std::vector<double>&, int);
-template void HdfFile::append(const std::string&, const std::vector<unsigned char>&, int);
-template void HdfFile::append(const std::string&, const std::vector<int>&, int);
-template void HdfFile::append(const std::string&, const std::vector<float>&, int);
-template void HdfFile::append(const std::string&, const std::vector<double>&, int);
+template class HdfRows<unsigned char>;
+template class HdfRows<int>;
+template class HdfRows<long long>;
+template class HdfRows<float>;
+template class HdfRows<double>;
 
 void HdfFile::save(const std::string& file_name) {
   check(H5Fflush(file_, H5F_SCOPE_GLOBAL), "flush a file");

@@ -25,9 +25,6 @@ class HdfFile {
   /// long long, float or double.
   template <class T>
   void write(const std::string& path, const std::vector<T>& values, int columns = 0);
-  /// The same behind the rows that are there already, if any.
-  template <class T>
-  void append(const std::string& path, const std::vector<T>& values, int columns = 0);
   /// Rows of an array of floats, one after the other.
   std::vector<float> read(const std::string& path, std::size_t first_row, std::size_t num_rows);
   /// Writes the whole file; throws InputError if that fails.
@@ -36,14 +33,37 @@ class HdfFile {
   void finish();
 
  private:
+  template <class T>
+  friend class HdfRows;
+
   template <class Id>
   Id check(Id id, const char* what);
+  /// Of an array that is there: adds rows. Returns the first new one.
   template <class T>
-  void create(const std::string& path, const std::vector<T>& values, int columns, bool can_grow);
+  std::size_t make_rows(const std::string& path, std::size_t num_rows, int columns, bool can_grow);
+  template <class T>
+  void write_rows(const std::string& path, std::size_t first, const T* values, std::size_t num_rows, int columns);
 
   const std::string on_disk_;  ///< its name; empty: in memory
   long long file_;             ///< hid_t
   bool is_broken_ = false;     ///< could not be written: closing it would try again
+};
+
+/// An array that comes piece by piece, of which no more than one compressed piece of the file is in memory.
+template <class T>
+class HdfRows {
+ public:
+  /// Creates the array; one that can grow and is there already gets num_rows more.
+  HdfRows(HdfFile& file, const std::string& path, std::size_t num_rows, int columns = 0, bool can_grow = false);
+  /// The next rows; after the last ones all are in the file.
+  void add(const std::vector<T>& values);
+
+ private:
+  HdfFile& file_;
+  std::string path_;
+  int columns_;
+  std::size_t next_, end_;  ///< row that `waiting_` begins with, and the one behind the last
+  std::vector<T> waiting_;
 };
 
 }  // namespace cgcontact

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 
@@ -32,10 +33,9 @@ struct View {
   SceneBox box;
 };
 
-double largest_displacement(const std::vector<DrawnBody>& bodies) {
+double largest_displacement(const Results& results) {
   double largest = 0;
-  for (const DrawnBody& body : bodies)
-    for (const Vec3& u : body.displacement) largest = std::max(largest, u.norm());
+  for (const BodyExtremes& extremes : results.extremes) largest = std::max(largest, extremes.body.displacement.value);
   return largest;
 }
 
@@ -48,7 +48,10 @@ double choose_exaggeration(double largest, const SceneBox& box) {
 /// The end of the range of colours for the stress on the boundary: without its highest half per cent; the picture says
 /// where it is cut. Zero: there is no stress.
 double end_of_colours(const std::vector<DrawnBody>& bodies) {
+  std::size_t num_triangles = 0;
+  for (const DrawnBody& body : bodies) num_triangles += body.mesh.boundary.size();
   std::vector<double> values;
+  values.reserve(3 * num_triangles);
   for (const DrawnBody& body : bodies)
     for (const BoundaryTriangle& triangle : body.mesh.boundary)
       for (int p : triangle.points)
@@ -270,26 +273,30 @@ std::optional<Vec3> place_of_largest(const Results& results, const std::vector<D
   const auto most = most_stressed(results);
   if (!most) return std::nullopt;
   const Vec3& place = largest_stress(results, *most).at;
-  const auto found_in = [&](const DrawnBody& body) -> std::optional<Vec3> {
+  for (const DrawnBody& body : {std::cref(drawn[*most]), std::cref(whole[*most])}) {
     for (std::size_t p = 0; p < body.position.size(); ++p)
       if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);
-    return std::nullopt;
-  };
-  const auto on_boundary = found_in(drawn[*most]);
-  return on_boundary || opened ? on_boundary : found_in(whole[*most]);
+    if (opened) return std::nullopt;
+  }
+  const DrawnBody& body = whole[*most];
+  for (int p = 0; p < static_cast<int>(body.mesh.num_interior_points()); ++p) {
+    if (interior_position(body, p) != place) continue;
+    const std::vector<Vec3> displacement = body.interior(body.mesh, {p}).displacement;
+    return displacement.empty() ? place : Vec3(place + view.exaggeration * displacement.front());
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
-                   GnuplotRuns& runs) {
+void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, GnuplotRuns& runs) {
   if (scene.shown.empty()) return;
   View view;
   view.box = scene.box;
   view.camera = scene.camera;
   view.thin_axis = scene.thin_axis;
-  view.exaggeration = choose_exaggeration(largest_displacement(bodies), view.box);
-  std::vector<DrawnBody> drawn = scene.shown;
+  view.exaggeration = choose_exaggeration(largest_displacement(results), view.box);
+  std::vector<DrawnBody>& drawn = scene.shown;
   draw_fits_closed(results, view.exaggeration, drawn);
   if (const double end = end_of_colours(drawn); end > 0) view.high = end;
   PaperBox box;

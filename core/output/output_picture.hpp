@@ -12,9 +12,9 @@
 
 namespace cgcontact {
 
-/// `scene`: look_at_scene of the bodies. Needs the folder plots of the result directory.
-void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
-                   GnuplotRuns& runs);
+/// `scene`: look_at_scene of the bodies; the displacements of what it shows become those of the picture, with fits
+/// drawn closed. Needs the folder plots of the result directory.
+void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, GnuplotRuns& runs);
 
 struct StepLook {
   std::size_t number = 0;  ///< of the step, from 0

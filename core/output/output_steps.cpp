@@ -56,8 +56,13 @@ void StepFields::add(std::size_t number, const Results& step) {
   if (number == 0 && file_) vtk_.emplace(drawn_, *file_);
   if (vtk_) vtk_->add(drawn_);
   double largest = 0;
-  for (const DrawnBody& body : drawn_)
-    for (const Vec3& u : body.displacement) largest = std::max(largest, u.norm());
+  const auto raise = [&](const PointValues& values) {
+    for (const Vec3& u : values.displacement) largest = std::max(largest, u.norm());
+  };
+  for (const DrawnBody& body : drawn_) {
+    raise(body);
+    each_interior_block(body, [&](int, const PointValues& values) { raise(values); });
+  }
   largest_.push_back(largest);
   if (has_picture(number, num_steps_))
     looks_.push_back({number, picture_name(number, num_steps_), closed_contact(step)});

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/base/parallel.hpp"
 
@@ -30,62 +32,113 @@ void write_header(const GridSizes& sizes, HdfFile& file, long long version = 1) 
   for (const char* group : {"PointData", "CellData", "FieldData"}) file.make_group(std::string("/VTKHDF/") + group);
 }
 
-/// One cell of a drawn body: hexahedra come first, then tetrahedra.
+/// One piece of a drawn body: hexahedra come first, then tetrahedra, then interior cells.
 struct DrawnCell {
-  const int* points;
+  std::array<int, 8> points;
   int num_points;
   int cell;  ///< active cell
 };
 
 DrawnCell drawn_cell(const ClippedMesh& mesh, std::size_t i) {
-  const std::size_t hexahedra = mesh.hexahedra.size();
-  if (i < hexahedra) return {mesh.hexahedra[i].data(), 8, mesh.cell_of_hexahedron[i]};
-  return {mesh.tetrahedra[i - hexahedra].data(), 4, mesh.cell_of_tetrahedron[i - hexahedra]};
+  if (i < mesh.hexahedra.size()) return {mesh.hexahedra[i], 8, mesh.cell_of_hexahedron[i]};
+  i -= mesh.hexahedra.size();
+  if (i >= mesh.tetrahedra.size()) {
+    i -= mesh.tetrahedra.size();
+    return {mesh.interior_hexahedron(i), 8, mesh.interior.cells[i]};
+  }
+  const auto& t = mesh.tetrahedra[i];
+  return {{t[0], t[1], t[2], t[3]}, 4, mesh.cell_of_tetrahedron[i]};
 }
 
-std::size_t num_cells(const ClippedMesh& mesh) { return mesh.hexahedra.size() + mesh.tetrahedra.size(); }
+int active_cell(const ClippedMesh& mesh, std::size_t i) {
+  if (i < mesh.hexahedra.size()) return mesh.cell_of_hexahedron[i];
+  i -= mesh.hexahedra.size();
+  return i < mesh.tetrahedra.size() ? mesh.cell_of_tetrahedron[i] : mesh.interior.cells[i - mesh.tetrahedra.size()];
+}
+
+bool is_tetrahedron(const ClippedMesh& mesh, std::size_t i) {
+  return i >= mesh.hexahedra.size() && i - mesh.hexahedra.size() < mesh.tetrahedra.size();
+}
 
 /// Connectivity entries before cell i.
 std::size_t offset_of_cell(const ClippedMesh& mesh, std::size_t i) {
-  return 8 * std::min(i, mesh.hexahedra.size()) + 4 * (i - std::min(i, mesh.hexahedra.size()));
+  const std::size_t before = std::min(i, mesh.hexahedra.size());
+  return 8 * i - 4 * std::min(i - before, mesh.tetrahedra.size());
 }
 
-/// Writes the bodies' arrays one after the other, so that only one of them is in memory at a time.
+Vec3 point_of(const ClippedMesh& mesh, int point) {
+  const auto p = static_cast<std::size_t>(point);
+  return p < mesh.points.size() ? mesh.points[p] : mesh.interior_point(p - mesh.points.size());
+}
+
+Vec3 position_of(const DrawnBody& body, std::size_t point) {
+  const std::size_t boundary = body.position.size();
+  return point < boundary ? body.position[point] : interior_position(body, point - boundary);
+}
+
+/// Rows that are in memory at a time.
+constexpr std::size_t rows_per_block = 1 << 16;
+
+/// Writes the bodies' arrays one after the other, block by block.
 class BodyWriter {
  public:
   BodyWriter(const std::vector<DrawnBody>& bodies, HdfFile& file) : bodies_(bodies), file_(file) {}
 
-  /// fill(body, i, row) sets the row of the body's i-th point.
-  template <class T, class Fill>
-  void points(const std::string& name, int columns, const Fill& fill) const {
-    write<T>(
-        name, columns, [](const ClippedMesh& mesh) { return mesh.points.size(); }, fill);
-  }
   /// fill(body, i, row) sets the row of the body's i-th cell.
   template <class T, class Fill>
   void cells(const std::string& name, int columns, const Fill& fill) const {
-    write<T>(name, columns, num_cells, fill);
+    write<T>(
+        name, columns, [](const ClippedMesh& mesh) { return mesh.num_pieces(); }, fill);
   }
 
-  /// An array of points gets rows behind those that it has.
-  template <class T, class Fill>
-  void more_points(const std::string& name, int columns, const Fill& fill) const {
-    const auto values = gathered<T>(
-        columns, [](const ClippedMesh& mesh) { return mesh.points.size(); }, fill);
-    file_.append("/VTKHDF/" + name, values, columns);
+  /// Displacement, stress and von Mises stress of the bodies; only those that all of them have. can_grow: behind the
+  /// rows of earlier steps.
+  void fields(bool can_grow) const {
+    const auto all = [&](const auto& has) { return std::all_of(bodies_.begin(), bodies_.end(), has); };
+    std::size_t total = 0;
+    for (const DrawnBody& body : bodies_) total += body.mesh.num_points();
+    std::optional<HdfRows<float>> displacement, stress, mises;
+    if (all([](const DrawnBody& body) { return !body.displacement.empty(); }))
+      displacement.emplace(file_, "/VTKHDF/PointData/displacement", total, 3, can_grow);
+    if (all([](const DrawnBody& body) { return !body.stress.empty(); })) {
+      stress.emplace(file_, "/VTKHDF/PointData/stress_recovered", total, 6, can_grow);
+      mises.emplace(file_, "/VTKHDF/PointData/von_mises", total, 0, can_grow);
+    }
+    const auto add = [](const auto& values, int columns, const auto& fill, HdfRows<float>& rows) {
+      for (std::size_t first = 0; first < values.size(); first += rows_per_block) {
+        std::vector<float> block(columns * std::min(rows_per_block, values.size() - first));
+        parallel_for("cgcontact::output_vtk::values", block.size() / columns, 1024,
+                     [&](std::size_t i) { fill(values[first + i], &block[columns * i]); });
+        rows.add(block);
+      }
+    };
+    const auto add_all = [&](const PointValues& values) {
+      const auto copy = [](const auto& value, float* row) { set(value, row); };
+      if (displacement) add(values.displacement, 3, copy, *displacement);
+      if (stress) add(values.stress, 6, copy, *stress);
+      if (mises)
+        add(
+            values.stress, 1, [](const Sym3& s, float* row) { *row = static_cast<float>(von_mises(s)); }, *mises);
+    };
+    for (const DrawnBody& body : bodies_) {
+      add_all(body);
+      if (displacement || stress) each_interior_block(body, [&](int, const PointValues& values) { add_all(values); });
+    }
   }
 
   void grid(long long version = 1) const {
     GridSizes sizes;
     for (const DrawnBody& body : bodies_) {
-      sizes.points += body.mesh.points.size();
-      sizes.cells += num_cells(body.mesh);
-      sizes.ids += offset_of_cell(body.mesh, num_cells(body.mesh));
+      sizes.points += body.mesh.num_points();
+      sizes.cells += body.mesh.num_pieces();
+      sizes.ids += offset_of_cell(body.mesh, body.mesh.num_pieces());
     }
     write_header(sizes, file_, version);
-    points<double>("Points", 3, [&](std::size_t b, std::size_t p, double* row) { set(bodies_[b].position[p], row); });
+    write<double>(
+        "Points", 3, [](const ClippedMesh& mesh) { return mesh.num_points(); },
+        [&](std::size_t b, std::size_t p, double* row) { set(position_of(bodies_[b], p), row); });
     cells<unsigned char>("Types", 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
-      *row = i < bodies_[b].mesh.hexahedra.size() ? vtk_hexahedron : vtk_tetrahedron;
+      *row = is_tetrahedron(bodies_[b].mesh, i) ? vtk_tetrahedron : vtk_hexahedron;
     });
     connectivity(sizes);
   }
@@ -98,46 +151,54 @@ class BodyWriter {
  private:
   template <class T, class Count, class Fill>
   void write(const std::string& name, int columns, const Count& count, const Fill& fill) const {
-    file_.write("/VTKHDF/" + name, gathered<T>(columns, count, fill), columns);
-  }
-
-  template <class T, class Count, class Fill>
-  std::vector<T> gathered(int columns, const Count& count, const Fill& fill) const {
-    std::size_t total = 0, first = 0;
+    std::size_t total = 0;
     for (const DrawnBody& body : bodies_) total += count(body.mesh);
     const std::size_t width = std::max(columns, 1);
-    std::vector<T> values(total * width);
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      const std::size_t n = count(bodies_[b].mesh);
-      parallel_for("cgcontact::output_vtk::values", n, 1024,
-                   [&](std::size_t i) { fill(b, i, &values[(first + i) * width]); });
-      first += n;
-    }
-    return values;
+    HdfRows<T> rows(file_, "/VTKHDF/" + name, total, columns);
+    each_block(count, [&](std::size_t b, std::size_t first, std::size_t end) {
+      std::vector<T> block((end - first) * width);
+      parallel_for("cgcontact::output_vtk::values", end - first, 1024,
+                   [&](std::size_t i) { fill(b, first + i, &block[i * width]); });
+      rows.add(block);
+    });
+  }
+
+  /// use(body, first, end)
+  template <class Count, class Use>
+  void each_block(const Count& count, const Use& use) const {
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      for (std::size_t first = 0, n = count(bodies_[b].mesh); first < n; first += rows_per_block)
+        use(b, first, std::min(n, first + rows_per_block));
   }
 
   void connectivity(const GridSizes& sizes) const {
-    std::vector<long long> values(sizes.ids);
-    std::size_t first_id = 0, first_point = 0;
-    for (const DrawnBody& body : bodies_) {
-      const std::size_t n = num_cells(body.mesh);
-      parallel_for("cgcontact::output_vtk::connectivity", n, 1024, [&](std::size_t i) {
-        const DrawnCell cell = drawn_cell(body.mesh, i);
-        long long* id = &values[first_id + offset_of_cell(body.mesh, i)];
-        for (int p = 0; p < cell.num_points; ++p) id[p] = static_cast<long long>(first_point) + cell.points[p];
+    const auto count = [](const ClippedMesh& mesh) { return mesh.num_pieces(); };
+    std::vector<long long> first_id(bodies_.size() + 1, 0), first_point(first_id);
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const ClippedMesh& mesh = bodies_[b].mesh;
+      first_id[b + 1] = first_id[b] + static_cast<long long>(offset_of_cell(mesh, mesh.num_pieces()));
+      first_point[b + 1] = first_point[b] + static_cast<long long>(mesh.num_points());
+    }
+    HdfRows<long long> ids(file_, "/VTKHDF/Connectivity", sizes.ids);
+    each_block(count, [&](std::size_t b, std::size_t first, std::size_t end) {
+      const ClippedMesh& mesh = bodies_[b].mesh;
+      const std::size_t offset = offset_of_cell(mesh, first);
+      std::vector<long long> block(offset_of_cell(mesh, end) - offset);
+      parallel_for("cgcontact::output_vtk::connectivity", end - first, 1024, [&](std::size_t i) {
+        const DrawnCell cell = drawn_cell(mesh, first + i);
+        long long* id = &block[offset_of_cell(mesh, first + i) - offset];
+        for (int p = 0; p < cell.num_points; ++p) id[p] = first_point[b] + cell.points[p];
       });
-      first_id += offset_of_cell(body.mesh, n);
-      first_point += body.mesh.points.size();
-    }
-    file_.write("/VTKHDF/Connectivity", values);
-    values.assign(1, 0);
-    values.reserve(sizes.cells + 1);
-    for (const DrawnBody& body : bodies_) {
-      const long long first = values.back();
-      for (std::size_t i = 1; i <= num_cells(body.mesh); ++i)
-        values.push_back(first + static_cast<long long>(offset_of_cell(body.mesh, i)));
-    }
-    file_.write("/VTKHDF/Offsets", values);
+      ids.add(block);
+    });
+    HdfRows<long long> offsets(file_, "/VTKHDF/Offsets", sizes.cells + 1);
+    offsets.add({0});
+    each_block(count, [&](std::size_t b, std::size_t first, std::size_t end) {
+      std::vector<long long> block;
+      for (std::size_t i = first + 1; i <= end; ++i)
+        block.push_back(first_id[b] + static_cast<long long>(offset_of_cell(bodies_[b].mesh, i)));
+      offsets.add(block);
+    });
   }
 
   const std::vector<DrawnBody>& bodies_;
@@ -152,7 +213,7 @@ void write_patches(const Results& results, const std::vector<DrawnBody>& bodies,
     for (const BodyFields& fields : results.bodies)
       if ((fields.*values).size() != fields.cut_cells->cells.size()) return;
     write.cells<unsigned char>("CellData/" + name, 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
-      *row = (results.bodies[b].*values)[drawn_cell(bodies[b].mesh, i).cell];
+      *row = (results.bodies[b].*values)[active_cell(bodies[b].mesh, i)];
     });
     std::string text;
     for (std::size_t k = 0; k < names.size(); ++k) text += fmt::format("{}{} {}", k ? ", " : "", k, names[k]);
@@ -168,27 +229,15 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
   HdfFile file(file_name);
   const BodyWriter write(bodies, file);
   write.grid();
-  // An array is left out if some body lacks the field.
-  const auto all = [&](const auto& has) { return std::all_of(bodies.begin(), bodies.end(), has); };
-  if (all([](const DrawnBody& body) { return !body.displacement.empty(); }))
-    write.points<float>("PointData/displacement", 3, [&](std::size_t b, std::size_t p, float* row) {
-      BodyWriter::set(bodies[b].displacement[p], row);
-    });
-  if (all([](const DrawnBody& body) { return !body.stress.empty(); })) {
-    write.points<float>("PointData/stress_recovered", 6,
-                        [&](std::size_t b, std::size_t p, float* row) { BodyWriter::set(bodies[b].stress[p], row); });
-    write.points<float>("PointData/von_mises", 0, [&](std::size_t b, std::size_t p, float* row) {
-      *row = static_cast<float>(von_mises(bodies[b].stress[p]));
-    });
-  }
+  write.fields(false);
   write.cells<int>("CellData/body", 0, [](std::size_t b, std::size_t, int* row) { *row = static_cast<int>(b); });
   write.cells<int>("CellData/cell", 0,
-                   [&](std::size_t b, std::size_t i, int* row) { *row = drawn_cell(bodies[b].mesh, i).cell; });
+                   [&](std::size_t b, std::size_t i, int* row) { *row = active_cell(bodies[b].mesh, i); });
   if (std::all_of(results.bodies.begin(), results.bodies.end(), [](const auto& fields) { return fields.stress_raw; }))
     write.cells<float>("CellData/stress_raw", 6, [&](std::size_t b, std::size_t i, float* row) {
       const DrawnCell cell = drawn_cell(bodies[b].mesh, i);
       Vec3 centroid = Vec3::Zero();
-      for (int p = 0; p < cell.num_points; ++p) centroid += bodies[b].mesh.points[cell.points[p]] / cell.num_points;
+      for (int p = 0; p < cell.num_points; ++p) centroid += point_of(bodies[b].mesh, cell.points[p]) / cell.num_points;
       const BodyFields& fields = results.bodies[b];
       BodyWriter::set(fields.stress_raw(cell.cell, clamped_cell_coordinates(*fields.cut_cells, cell.cell, centroid)),
                       row);
@@ -198,10 +247,10 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
     return static_cast<std::size_t>(cell) < errors.size() ? errors[cell] : 0.0;
   };
   write.cells<float>("CellData/estimated_error", 0, [&](std::size_t b, std::size_t i, float* row) {
-    *row = static_cast<float>(error_of_cell(b, drawn_cell(bodies[b].mesh, i).cell));
+    *row = static_cast<float>(error_of_cell(b, active_cell(bodies[b].mesh, i)));
   });
   write.cells<float>("CellData/estimated_error_density", 0, [&](std::size_t b, std::size_t i, float* row) {
-    const int cell = drawn_cell(bodies[b].mesh, i).cell;
+    const int cell = active_cell(bodies[b].mesh, i);
     const CutCells& cut_cells = *results.bodies[b].cut_cells;
     const double volume = volume_of_cell(cut_cells, cell);
     *row = static_cast<float>(volume > 0 ? error_of_cell(b, cell) / std::sqrt(volume) : 0);
@@ -215,35 +264,47 @@ VtkSteps::VtkSteps(const std::vector<DrawnBody>& bodies, const std::string& file
   write.grid(2);
   write.cells<int>("CellData/body", 0, [](std::size_t b, std::size_t, int* row) { *row = static_cast<int>(b); });
   write.cells<int>("CellData/cell", 0,
-                   [&](std::size_t b, std::size_t i, int* row) { *row = drawn_cell(bodies[b].mesh, i).cell; });
-  for (const DrawnBody& body : bodies) num_points_ += body.position.size();
+                   [&](std::size_t b, std::size_t i, int* row) { *row = active_cell(bodies[b].mesh, i); });
+  for (const DrawnBody& body : bodies) num_points_ += body.mesh.num_points();
 }
 
 void VtkSteps::add(const std::vector<DrawnBody>& bodies) {
-  const BodyWriter write(bodies, file_);
-  write.more_points<float>("PointData/displacement", 3, [&](std::size_t b, std::size_t p, float* row) {
-    BodyWriter::set(bodies[b].displacement[p], row);
-  });
-  write.more_points<float>("PointData/stress_recovered", 6, [&](std::size_t b, std::size_t p, float* row) {
-    BodyWriter::set(bodies[b].stress[p], row);
-  });
-  write.more_points<float>("PointData/von_mises", 0, [&](std::size_t b, std::size_t p, float* row) {
-    *row = static_cast<float>(von_mises(bodies[b].stress[p]));
-  });
+  BodyWriter(bodies, file_).fields(true);
   ++num_steps_;
+}
+
+PointValues VtkSteps::read_rows(std::size_t first, std::size_t n) {
+  const std::vector<float> u = file_.read("/VTKHDF/PointData/displacement", first, n);
+  const std::vector<float> s = file_.read("/VTKHDF/PointData/stress_recovered", first, n);
+  PointValues values;
+  for (std::size_t p = 0; p < n; ++p) {
+    values.displacement.emplace_back(Eigen::Map<const Eigen::Matrix<float, 3, 1>>(&u[3 * p]).cast<double>());
+    values.stress.emplace_back(Eigen::Map<const Eigen::Matrix<float, 6, 1>>(&s[6 * p]).cast<double>());
+  }
+  return values;
 }
 
 void VtkSteps::read(std::size_t step, std::vector<DrawnBody>& bodies) {
   std::size_t row = step * num_points_;
   for (DrawnBody& body : bodies) {
     const std::size_t n = body.position.size();
-    const std::vector<float> u = file_.read("/VTKHDF/PointData/displacement", row, n);
-    const std::vector<float> s = file_.read("/VTKHDF/PointData/stress_recovered", row, n);
-    for (std::size_t p = 0; p < n; ++p) {
-      body.displacement[p] = Eigen::Map<const Eigen::Matrix<float, 3, 1>>(&u[3 * p]).cast<double>();
-      body.stress[p] = Eigen::Map<const Eigen::Matrix<float, 6, 1>>(&s[6 * p]).cast<double>();
-    }
-    row += n;
+    static_cast<PointValues&>(body) = read_rows(row, n);
+    body.interior = [this, first = row + n](const ClippedMesh&, const std::vector<int>& points) {
+      PointValues values, block;
+      std::size_t begin = 0, end = 0;  // of the block
+      for (const int p : points) {
+        const auto point = static_cast<std::size_t>(p);
+        if (point >= end) {
+          begin = point;
+          end = std::min<std::size_t>(points.back() + 1, begin + rows_per_block);
+          block = read_rows(first + begin, end - begin);
+        }
+        values.displacement.push_back(block.displacement[point - begin]);
+        values.stress.push_back(block.stress[point - begin]);
+      }
+      return values;
+    };
+    row += body.mesh.num_points();
   }
 }
 
@@ -276,12 +337,12 @@ void write_vtk_cells(const std::vector<DrawnBody>& bodies, const std::vector<con
   write.grid();
   write.cells<int>("CellData/body", 0, [](std::size_t b, std::size_t, int* row) { *row = static_cast<int>(b); });
   write.cells<int>("CellData/cell", 0,
-                   [&](std::size_t b, std::size_t i, int* row) { *row = drawn_cell(bodies[b].mesh, i).cell; });
+                   [&](std::size_t b, std::size_t i, int* row) { *row = active_cell(bodies[b].mesh, i); });
   write.cells<unsigned char>("CellData/cut", 0, [&](std::size_t b, std::size_t i, unsigned char* row) {
-    *row = cut_cells[b]->cut_of_active[drawn_cell(bodies[b].mesh, i).cell] >= 0;
+    *row = cut_cells[b]->cut_of_active[active_cell(bodies[b].mesh, i)] >= 0;
   });
   write.cells<float>("CellData/volume_fraction", 0, [&](std::size_t b, std::size_t i, float* row) {
-    *row = static_cast<float>(cut_cells[b]->volume_fraction(drawn_cell(bodies[b].mesh, i).cell));
+    *row = static_cast<float>(cut_cells[b]->volume_fraction(active_cell(bodies[b].mesh, i)));
   });
   file.save(file_name);
 }

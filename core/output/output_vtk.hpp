@@ -23,12 +23,14 @@ class VtkSteps {
   VtkSteps(const std::vector<DrawnBody>& bodies, const std::string& file_name);
   /// The same bodies with the fields of the next step.
   void add(const std::vector<DrawnBody>& bodies);
-  /// Displacement and stress of a step (from 0) that has been added.
+  /// Displacement and stress of a step (from 0) that has been added; as long as this lives.
   void read(std::size_t step, std::vector<DrawnBody>& bodies);
   /// Once, after the last step.
   void finish();
 
  private:
+  PointValues read_rows(std::size_t first, std::size_t n);
+
   HdfFile file_;
   std::size_t num_points_ = 0, num_steps_ = 0;
 };
