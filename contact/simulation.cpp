@@ -110,12 +110,14 @@ void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* ear
   PhaseClock phase(results.times_s, progress);
   phase("operator", [&] { make_system(); });
   phase("solve", [&] { solve_steps(progress, earlier); });
-  state.system.supports.clear();  // in the solution and the operators
+  state.system.supports.clear();  // in the solution
   phase("recovery", [&] { recover(); });
   phase("error estimate", [&] {
     fill_results();
     if (with_paths) fill_paths(state, results);
     if (with_paths) fill_probes(state, results);
+    for (BodyModel& body : state.bodies) body.cut_cells.drop_moments();
+    state.supports = {};
   });
   results.peak_memory_bytes = peak_memory_bytes();
 }

@@ -5,19 +5,6 @@
 namespace cgcontact {
 namespace {
 
-void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
-                  const Scales& scales, ElasticSystem& system) {
-  std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
-  for (const SupportPoint& p : supports) {
-    if (p.by_plane_strain) continue;
-    const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
-    const double stiffness = support_stiffness(scene, bodies[p.body], p) * p.weight / (scales.stress * scales.length);
-    terms[p.body].push_back(
-        {p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin(p.cell), p.follows});
-  }
-  for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
-}
-
 void add_contact(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs, const Scales& scales,
                  ElasticSystem& system) {
   set_group_rows(system, make_group_rows(pairs, bodies, system));
@@ -35,6 +22,19 @@ Scales make_scales(const Scene& scene) {
     if (!body.rigid()) scales.stress = std::max(scales.stress, body.material.youngs_modulus);
   }
   return scales;
+}
+
+void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                  const Scales& scales, ElasticSystem& system) {
+  std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
+  for (const SupportPoint& p : supports) {
+    if (p.by_plane_strain) continue;
+    const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
+    const double stiffness = support_stiffness(scene, bodies[p.body], p) * p.weight / (scales.stress * scales.length);
+    terms[p.body].push_back(
+        {p.cell, p.xi, R.transpose() * p.direction, stiffness, bodies[p.body].is_thin(p.cell), p.follows});
+  }
+  for (std::size_t b = 0; b < terms.size(); ++b) add_support_terms(system, static_cast<int>(b), terms[b]);
 }
 
 ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyModel>& bodies,

@@ -13,4 +13,8 @@ ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyMode
                                   const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
                                   const Scales& scales);
 
+/// Puts the terms of the supports into a system that has none.
+void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
+                  const Scales& scales, ElasticSystem& system);
+
 }  // namespace cgcontact

@@ -70,7 +70,7 @@ BodySize estimate_size(const BodySpec& body, bool finer) {
 BodySize size_of(const CutCells& cc) {
   double nodes = cc.parts.empty() ? static_cast<double>(cc.numbers.corners().size()) : 0;
   for (const CutCells& part : cc.parts) nodes += static_cast<double>(part.numbers.corners().size());
-  return {nodes, static_cast<double>(cc.moments.size()), static_cast<double>(cc.solid.geometry().num_facets()),
+  return {nodes, static_cast<double>(cc.active_of_cut.size()), static_cast<double>(cc.solid.geometry().num_facets()),
           cc.grid.plane_strain >= 0};
 }
 

@@ -39,7 +39,7 @@ void fill_counts(const SolvedState& state, Results& results) {
   results.unknowns = state.system.num_free_dofs();
   for (const BodyModel& body : state.bodies) {
     const long long active = static_cast<long long>(body.cut_cells.cells.size());
-    const long long cut = static_cast<long long>(body.cut_cells.moments.size());
+    const long long cut = static_cast<long long>(body.cut_cells.active_of_cut.size());
     results.cells.active += active;
     results.cells.cut += cut;
     results.cells.interior += active - cut;

@@ -5,6 +5,7 @@
 #include <exception>
 #include <limits>
 
+#include "contact/model/contact_system.hpp"
 #include "contact/motions/free_pieces.hpp"
 #include "contact/solve/active_set.hpp"
 #include "contact/solve/active_set_history.hpp"
@@ -40,6 +41,7 @@ struct ContactSolver::Impl {
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress, bool held);
   void take_loads();
   void assemble();
+  void update_solver();
   LinearSolveResult solve_linear(double tolerance);
   void take_over(const Impl& other);
   bool wanders_far() const;
@@ -62,6 +64,7 @@ struct ContactSolver::Impl {
   FreeMotions unbalanced_;                       // what the loads drive without end
   bool warm_ = false;                            // is there a converged solution to start from?
   std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
+  bool has_support_terms_ = true;                // does the system have the terms of the supports?
   std::string solver_error_;                     // of Trilinos, where it gave up
 };
 
@@ -191,10 +194,20 @@ void ContactSolver::Impl::assemble() {
   right_hand_side_.assemble(now_);
 }
 
+/// Between two set-ups of the solver the terms of the supports are only memory.
+void ContactSolver::Impl::update_solver() {
+  if (!has_support_terms_ && solver_.needs_supports())
+    add_supports(problem_.scene, problem_.bodies, problem_.supports, problem_.scales, problem_.system);
+  solver_.update();
+  has_support_terms_ = solver_.needs_supports();
+  if (has_support_terms_) return;
+  for (std::vector<SupportTerm>& of_part : problem_.system.supports) of_part = std::vector<SupportTerm>();
+}
+
 /// Trilinos throws where numbers are no longer finite; its messages have many lines.
 LinearSolveResult ContactSolver::Impl::solve_linear(double tolerance) {
   try {
-    solver_.update();
+    update_solver();
     return solver_.solve(right_hand_side_.vector(), now_.u, tolerance, settings().max_linear_iterations);
   } catch (const std::exception& error) {
     if (is_out_of_memory(error)) throw;

@@ -491,6 +491,13 @@ class CutCellBuilder {
 
 }  // namespace
 
+void CutCells::drop_moments() {
+  fractions.reserve(moments.size());
+  for (const Moments& m : moments) fractions.push_back(m[0] / 8);
+  moments = {};
+  for (CutCells& part : parts) part.drop_moments();
+}
+
 int CutCells::locate(const Vec3& position) const {
   const auto cell_at = [&](int l) {
     const Vec3 x = std::ldexp(1.0, l) * position;

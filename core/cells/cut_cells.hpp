@@ -33,7 +33,8 @@ struct CutCells {
   std::vector<signed char> levels;   ///< level of each active cell; empty: 0
   std::vector<int> cut_of_active;    ///< index into moments, or -1 for an interior (full) cell
   std::vector<int> active_of_cut;    ///< cut cell -> active cell
-  MomentList moments;                ///< one per cut cell
+  MomentList moments;                ///< one per cut cell, until they are dropped
+  std::vector<double> fractions;     ///< volume fraction of each cut cell; empty as long as there are moments
   BoundaryPoints boundary;           ///< default rule, all surfaces
   std::vector<Adoption> adoptions;   ///< ascending in active
   std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/scene/face_dividers.hpp)
@@ -58,8 +59,10 @@ struct CutCells {
   }
   double volume_fraction(int active) const {
     const int cut = cut_of_active[active];
-    return cut < 0 ? 1.0 : moments[cut][0] / 8.0;
+    return cut < 0 ? 1.0 : !fractions.empty() ? fractions[cut] : moments[cut][0] / 8.0;
   }
+  /// Nothing is integrated over the cells any more: 1 kB of each cut cell becomes 8 bytes.
+  void drop_moments();
   /// Of the material for which an active cell counts, units of the grid coordinates.
   double volume(int active) const {
     const int l = level(active);

@@ -19,21 +19,49 @@ constexpr int num_moments = (moment_degree + 1) * (moment_degree + 1) * (moment_
 /// moment[0] = 8) over cell and body; index (i * (moment_degree+1) + j) * (moment_degree+1) + k.
 using Moments = std::array<double, num_moments>;
 
-/// Moments of cells one after the other. Copies and slices share what they stand for until one of them is changed.
+/// Moments of cells one after the other. Copies, slices and choices share what they stand for until one of them is
+/// changed.
 class MomentList {
  public:
+  class Iterator {
+   public:
+    Iterator(const MomentList& list, std::size_t i) : list_(list), i_(i) {}
+    const Moments& operator*() const { return list_[i_]; }
+    Iterator& operator++() {
+      ++i_;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return i_ != other.i_; }
+
+   private:
+    const MomentList& list_;
+    std::size_t i_;
+  };
+
   MomentList() = default;
   explicit MomentList(std::vector<Moments> moments)
       : all_(std::make_shared<std::vector<Moments>>(std::move(moments))), size_(all_->size()) {}
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
-  const Moments& operator[](std::size_t i) const { return (*all_)[first_ + i]; }
-  const Moments* begin() const { return all_ ? all_->data() + first_ : nullptr; }
-  const Moments* end() const { return begin() + size_; }
+  const Moments& operator[](std::size_t i) const { return (*all_)[place(i)]; }
+  Iterator begin() const { return {*this, 0}; }
+  Iterator end() const { return {*this, size_}; }
   MomentList slice(std::size_t first, std::size_t size) const {
     MomentList part = *this;
-    part.first_ += first;
+    if (chosen_)
+      part.chosen_ = std::make_shared<const std::vector<int>>(chosen_->begin() + first, chosen_->begin() + first + size);
+    else
+      part.first_ += first;
     part.size_ = size;
+    return part;
+  }
+  /// Those with these numbers.
+  MomentList chosen(std::vector<int> numbers) const {
+    for (int& number : numbers) number = static_cast<int>(place(number));
+    MomentList part;
+    part.all_ = all_;
+    part.size_ = numbers.size();
+    part.chosen_ = std::make_shared<const std::vector<int>>(std::move(numbers));
     return part;
   }
 
@@ -49,17 +77,21 @@ class MomentList {
   }
 
  private:
+  std::size_t place(std::size_t i) const { return chosen_ ? (*chosen_)[i] : first_ + i; }
   std::vector<Moments>& own() {
     if (!all_) all_ = std::make_shared<std::vector<Moments>>();
-    if (all_.use_count() > 1 || size_ != all_->size()) {
-      all_ = std::make_shared<std::vector<Moments>>(begin(), end());
-      first_ = 0;
+    if (all_.use_count() > 1 || size_ != all_->size() || chosen_) {
+      std::vector<Moments> copy;
+      copy.reserve(size_);
+      for (const Moments& moments : *this) copy.push_back(moments);
+      *this = MomentList(std::move(copy));
     }
     return *all_;
   }
 
   std::shared_ptr<std::vector<Moments>> all_;
   std::size_t first_ = 0, size_ = 0;
+  std::shared_ptr<const std::vector<int>> chosen_;  ///< numbers in all_; none: those from first_ on
 };
 
 /// Values of L_0 .. L_4 at x.

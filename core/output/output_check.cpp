@@ -278,7 +278,7 @@ void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
     const CutCells& cells = *drawing.bodies[b].cut_cells;
     legend.entry(colour_of_body(b), fmt::format("{}: {} cells of {}, {} of them cut", drawing.scene.bodies[b].name,
                                                 grouped(static_cast<long long>(cells.cells.size())), sizes_of(cells),
-                                                grouped(static_cast<long long>(cells.moments.size()))));
+                                                grouped(static_cast<long long>(cells.active_of_cut.size()))));
   }
   std::set<int> contacts;
   for (const FaceRegion& region : drawing.faces.regions())

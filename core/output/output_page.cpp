@@ -716,7 +716,7 @@ std::string bodies_section(const Results& results) {
     rows.push_back(name_cell(html_text(body.name)) + cell(rigid ? "rigid" : stress(e)) +
                    cell(rigid ? "" : short_number(body.material.poisson_ratio)) + cell(cell_sizes(cells)) +
                    cell(count(static_cast<long long>(cells.cells.size()))) +
-                   cell(count(static_cast<long long>(cells.moments.size()))) +
+                   cell(count(static_cast<long long>(cells.active_of_cut.size()))) +
                    cell(figure(std::sqrt(squared[b]), short_number(std::sqrt(squared[b]), 3) + "&#160;√J")) +
                    cell(total > 0 ? percent(squared[b] / total) : "") + bar(total > 0 ? squared[b] / total : 0));
   }

@@ -360,6 +360,7 @@ Multigrid::Multigrid(const ElasticSystem& system, const MultigridSettings& setti
     : impl_(std::make_unique<Impl>(system, settings)) {}
 Multigrid::~Multigrid() = default;
 void Multigrid::update_groups() { impl_->update_groups(); }
+bool Multigrid::is_single_grid() const { return impl_->levels.size() == 1; }
 const MultigridReport& Multigrid::report() const { return impl_->report; }
 void Multigrid::drop_cells() {
   if (impl_->by_ranks) impl_->levels[0]->share->drop_cells();

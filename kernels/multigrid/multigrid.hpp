@@ -47,6 +47,8 @@ class Multigrid : public TpetraOperator {
   void update_groups();
 
   const MultigridReport& report() const;
+  /// The system is so small that it is the coarsest grid itself: assembled again when groups change.
+  bool is_single_grid() const;
 
   /// What this rank has of the finest grid: the vectors of apply() are in its numbers. nullptr: of the whole system, on
   /// every rank the same.

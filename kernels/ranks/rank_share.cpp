@@ -18,25 +18,22 @@ CutCells restricted(const CutCells& cells, const std::vector<char>& keep) {
   CutCells part;
   part.grid = cells.grid;
   part.numbers = GridNumbers(cells.grid.num_cells);
-  std::vector<Moments> moments;
-  std::size_t num_cut = 0;
-  for (const int active : cells.active_of_cut) num_cut += keep[active] != 0;
-  moments.reserve(num_cut);
+  std::vector<int> chosen;
   part.cells.reserve(std::count_if(keep.begin(), keep.end(), [](char kept) { return kept != 0; }));
   part.cut_of_active.reserve(part.cells.capacity());
   for (std::size_t e = 0; e < cells.cells.size(); ++e) {
     if (!keep[e]) continue;
     part.numbers.insert(cells.cells[e]);
     const int cut = cells.cut_of_active[e];
-    part.cut_of_active.push_back(cut < 0 ? -1 : static_cast<int>(moments.size()));
+    part.cut_of_active.push_back(cut < 0 ? -1 : static_cast<int>(chosen.size()));
     if (cut >= 0) {
       part.active_of_cut.push_back(static_cast<int>(part.cells.size()));
-      moments.push_back(cells.moments[cut]);
+      chosen.push_back(cut);
     }
     part.cells.push_back(cells.cells[e]);
   }
   part.numbers.number();
-  part.moments = MomentList(std::move(moments));
+  part.moments = cells.moments.chosen(std::move(chosen));
   return part;
 }
 

@@ -83,6 +83,8 @@ struct LinearSolver::Impl {
   PreconditionerReport report = {};
   std::vector<double> muelu_groups = {};  ///< stiffness of the contact groups that MueLu was set up with
   bool renew = false;                     ///< another hierarchy at the next update
+  bool wants_motions = false;             ///< the next update looks for rigid motions to be kept apart
+  bool has_no_motions = false;            ///< it has looked, and there are none
 
   const RankShare* share() const { return multigrid.is_null() ? nullptr : multigrid->share(); }
   /// What this rank computes.
@@ -95,10 +97,13 @@ struct LinearSolver::Impl {
   }
 
   /// From the next update on.
-  void keep_rigid_motions_apart() {
-    if (kind == Preconditioner::muelu || rigid_motions) return;
+  void keep_rigid_motions_apart() { wants_motions = kind != Preconditioner::muelu && !rigid_motions && !has_no_motions; }
+
+  void look_for_rigid_motions() {
+    if (!std::exchange(wants_motions, false)) return;
     auto motions = std::make_unique<RigidCoarseSpace>(system);
-    if (motions->empty()) return;
+    has_no_motions = motions->empty();
+    if (has_no_motions) return;
     rigid_motions = std::move(motions);
     settings.firm_holds = true;
     renew = true;
@@ -145,6 +150,7 @@ const PreconditionerReport& LinearSolver::report() const { return impl_->report;
 
 void LinearSolver::update() {
   Impl& s = *impl_;
+  s.look_for_rigid_motions();
   if (s.kind == Preconditioner::muelu) {
     s.make_muelu_preconditioner();
   } else {
@@ -160,6 +166,10 @@ void LinearSolver::update() {
   if (!s.rigid_bodies.empty()) s.projected_op = rcp(new OnRigidMotions(s.op, s.rigid_bodies, NodeValues::forces));
   if (!s.multigrid.is_null()) s.multigrid->drop_cells();
   return_freed_memory();
+}
+
+bool LinearSolver::needs_supports() const {
+  return impl_->multigrid.is_null() || impl_->renew || impl_->wants_motions || impl_->multigrid->is_single_grid();
 }
 
 LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, double tolerance, int max_iterations) {

@@ -33,6 +33,8 @@ class LinearSolver {
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
   /// follows the changes, MueLu is set up anew when they are large).
   void update();
+  /// Does the next update read the supports of the system? Between two that do not, they may be left out.
+  bool needs_supports() const;
   const PreconditionerReport& report() const;
 
   /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.
