@@ -29,6 +29,7 @@
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/resources.hpp"
+#include "recovery/constrained/divergence.hpp"
 
 namespace cgcontact {
 namespace {
@@ -266,17 +267,30 @@ void Simulation::add_warning(const std::string& warning) {
 void Simulation::recover() {
   state.spr.clear();
   state.sprc.clear();
-  std::vector<RecoveryBody> input;
-  const std::vector<PatchSet> patches = make_patches(state.system.meshes, state.scene.recovery.patch_volume);
+  const RecoveryOptions& options = state.scene.recovery;
+  // Interior patches follow from the displacements by themselves, unless they are to have polynomials of degree 2.
+  const bool interior_apart = !options.spr_c || options.degree.interior == 1;
   std::vector<double> group_force = state.outer.group_force;
   for (double& force : group_force) force *= state.scales.stress * state.scales.length * state.scales.length;
   update_contact_links(state.pairs, state.bodies, group_force);
+  std::vector<PatchSet> patches(state.bodies.size());
+  std::vector<RecoveryBody> input;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     const BodyMesh& mesh = state.system.meshes[b];
-    const RecoveredField field{
-        Subset(mesh.num_nodes),
-        CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::simulation::recovered"),
-                        mesh.num_nodes)};
+    const BoundaryData& boundary = state.bodies[b].boundary;
+    RecoveredField field;
+    if (interior_apart && !mesh.rigid) {
+      std::vector<char> has_contact(mesh.cell_nodes.size());
+      for (std::size_t c = 0; c < has_contact.size(); ++c)
+        has_contact[c] = !boundary.links_of_cell[static_cast<int>(c)].empty();
+      field.nodes = nodes_beside_interior(mesh, has_contact);
+      field.interior = std::make_shared<InteriorFit>(mesh, state.outer.u, false);
+    } else {
+      field.nodes = Subset(mesh.num_nodes);
+    }
+    field.values = CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::simulation::recovered"),
+                                   field.nodes.size());
+    patches[b] = make_patches(mesh, options.patch_volume, field.nodes);
     if (mesh.rigid) Kokkos::deep_copy(field.values, 0.0);
     const int singular = mesh.rigid ? 0 : recover_all(mesh, patches[b], state.outer.u, field);
     if (singular > 0)
@@ -284,10 +298,10 @@ void Simulation::recover() {
                   "\" were singular: constant stress used there");
     state.spr.push_back(part_of(field, nodes_near_contact(state.pairs, state.bodies, static_cast<int>(b), mesh)));
     state.sprc.push_back(field);
-    input.push_back({&mesh, &patches[b], &state.bodies[b].boundary, field});
+    input.push_back({&mesh, &patches[b], &boundary, field});
   }
-  if (state.scene.recovery.spr_c) {
-    ConstrainedRecovery recovery = recover_constrained(input, state.outer.u, state.scales, state.scene.recovery);
+  if (options.spr_c) {
+    ConstrainedRecovery recovery = recover_constrained(input, state.outer.u, state.scales, options);
     state.recovery_counts = recovery.counts;
     state.patch_states = std::move(recovery.states);
     for (std::size_t b = 0; b < state.bodies.size(); ++b) {
@@ -295,6 +309,10 @@ void Simulation::recover() {
         state.sprc[b].quadratic = std::make_shared<QuadraticTerms>(std::move(recovery.quadratic[b]));
       if (!recovery.edges[b].terms.empty())
         state.sprc[b].edge = std::make_shared<EdgeTerms>(std::move(recovery.edges[b]));
+      if (state.sprc[b].interior)
+        state.sprc[b].interior = std::make_shared<InteriorFit>(
+            state.system.meshes[b], state.outer.u, true,
+            divergence_at_nodes(state.system.meshes[b], state.bodies[b].boundary, state.scales.stress));
     }
   }
 }

@@ -101,6 +101,9 @@ void fill_fields(const SolvedState& state, Results& results) {
     fields.stress_recovered = [&state, b](int cell, const Vec3& xi) {
       return recovered_stress(state, state.sprc[b], b, cell, xi);
     };
+    fields.stress_at_corners = [&state, b](const std::vector<int>& cells, const std::vector<signed char>& corners) {
+      return recovered_stress_at_corners(state, state.sprc[b], b, cells, corners);
+    };
     results.bodies.push_back(std::move(fields));
   }
 }

@@ -1,7 +1,11 @@
 #include "contact/solve/solved_state.hpp"
 
+#include "core/base/parallel.hpp"
+
 namespace cgcontact {
 namespace {
+
+constexpr std::size_t grain = 512;
 
 /// Stress in Pa and global axes of one of the three fields at cell coordinates.
 Sym3 to_global(const SolvedState& state, int body, const double s[6]) {
@@ -39,6 +43,32 @@ Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int
   double s[6];
   evaluate_recovered(state.system.meshes[body], field, cell, xi.data(), s);
   return to_global(state, body, s) + state.bodies[body].held_back;
+}
+
+std::vector<Sym3> recovered_stress_at_corners(const SolvedState& state, const RecoveredField& field, int body,
+                                              const std::vector<int>& cells, const std::vector<signed char>& corners) {
+  const BodyMesh& mesh = state.system.meshes[body];
+  std::vector<Sym3> stress(cells.size());
+  std::vector<int> nodes;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (const int node = mesh.cell_nodes[cells[i]][corners[i]] - mesh.first_node; field.nodes.row(node) < 0) {
+      nodes.push_back(node);
+      places.push_back(i);
+    }
+  std::vector<Coefficients> polynomials(nodes.size());
+  if (!nodes.empty()) field.interior->at_all(nodes, polynomials.front().data());
+  parallel_for("cgcontact::solved_state::interior", nodes.size(), grain, [&](std::size_t i) {
+    double s[6];  // a polynomial at its node
+    for (int k = 0; k < 6; ++k) s[k] = polynomials[i][num_terms * k];
+    stress[places[i]] = to_global(state, body, s) + state.bodies[body].held_back;
+  });
+  parallel_for("cgcontact::solved_state::stored", cells.size(), grain, [&](std::size_t i) {
+    const int a = corners[i];
+    if (field.nodes.row(mesh.cell_nodes[cells[i]][a] - mesh.first_node) < 0) return;
+    stress[i] = recovered_stress(state, field, body, cells[i], Vec3(a & 1 ? 1 : -1, a & 2 ? 1 : -1, a & 4 ? 1 : -1));
+  });
+  return stress;
 }
 
 }  // namespace cgcontact

@@ -219,12 +219,24 @@ void redraw(const BodyFields& fields, DrawnBody& drawn) {
       drawn.position[p][grid.plane_strain] += 0.5 * grid.thickness * place_of(p).second[grid.plane_strain];
   });
   static_cast<PointValues&>(drawn) = values_at(fields.displacement, fields.stress_recovered, n, place_of);
-  drawn.interior = [displacement = fields.displacement, stress = fields.stress_recovered](
-                       const ClippedMesh& mesh, const std::vector<int>& points) {
-    return values_at(displacement, stress, points.size(), [&](std::size_t i) {
-      const auto point = static_cast<std::size_t>(points[i]);
-      return std::make_pair(mesh.interior.cell_of_point[point], mesh.interior_xi(point));
-    });
+  drawn.interior = [displacement = fields.displacement, stress = fields.stress_recovered,
+                    stress_at_corners = fields.stress_at_corners](const ClippedMesh& mesh,
+                                                                  const std::vector<int>& points) {
+    const bool by_corners = stress && stress_at_corners;
+    PointValues values =
+        values_at(displacement, by_corners ? decltype(stress)() : stress, points.size(), [&](std::size_t i) {
+          const auto point = static_cast<std::size_t>(points[i]);
+          return std::make_pair(mesh.interior.cell_of_point[point], mesh.interior_xi(point));
+        });
+    if (!by_corners) return values;
+    std::vector<int> cells;
+    std::vector<signed char> corners;
+    for (const int point : points) {
+      cells.push_back(mesh.interior.cell_of_point[point]);
+      corners.push_back(mesh.interior.corner_of_point[point]);
+    }
+    values.stress = stress_at_corners(cells, corners);
+    return values;
   };
 }
 

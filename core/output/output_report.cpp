@@ -272,7 +272,7 @@ Json json_of_bodies(const Results& results) {
     if (const int levels = body.cut_cells->num_levels(); levels > 1)
       json["smallest_cell_size"] = body.cut_cells->grid.cell_size_of(levels - 1);
     json["cells"] = body.cut_cells->cells.size();
-    json["cut_cells"] = body.cut_cells->moments.size();
+    json["cut_cells"] = body.cut_cells->active_of_cut.size();
     double squared = 0;
     for (const double e : body.error_of_cell) squared += e * e;
     json["estimated_error"] = std::sqrt(squared);

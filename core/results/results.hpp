@@ -30,6 +30,9 @@ struct BodyFields {
   std::function<Vec3(int cell, const Vec3& xi)> displacement;      ///< m
   std::function<Sym3(int cell, const Vec3& xi)> stress_raw;        ///< Pa, sigma_h
   std::function<Sym3(int cell, const Vec3& xi)> stress_recovered;  ///< Pa, sigma*
+  /// The same at corners of many cells, which is faster than one by one: bits x, y, z of each corner. May be empty.
+  std::function<std::vector<Sym3>(const std::vector<int>& cells, const std::vector<signed char>& corners)>
+      stress_at_corners;
   std::vector<double> error_of_cell;   ///< estimated error, energy norm per active cell, sqrt(J)
   std::vector<double> energy_of_cell;  ///< of the solution: square of its energy norm per active cell, J
   /// Per active cell: the largest numbers of the patches of its eight nodes (Results::patch_kinds, patch_statuses).

@@ -532,7 +532,7 @@ void balance_bond(const RecoveryBody& body, int pair, const RecoveredField& fiel
   const std::vector<Vec6> stress = stresses_of_tractions(body, face[0], points, added);
   for (std::size_t n = 0; n < size; ++n) {
     if (added[0][n] == 0 && added[1][n] == 0 && added[2][n] == 0) continue;
-    double* a = &field.values(face[0].nodes[n], 0, 0);
+    double* a = &field.values(field.nodes.row(face[0].nodes[n]), 0, 0);
     for (int k = 0; k < 6; ++k) a[num_terms * k] += stress[n][k];
     PatchStatus& status = states.status[face[0].nodes[n]];
     status = std::max(status, PatchStatus::balanced);
@@ -556,7 +556,7 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
     const std::vector<Vec6> stress = pressing_stresses(body, face, pair.points, added);
     for (std::size_t n = 0; n < added.size(); ++n) {
       if (added[n] == 0) continue;
-      double* a = &field.values(face.nodes[n], 0, 0);
+      double* a = &field.values(field.nodes.row(face.nodes[n]), 0, 0);
       for (int k = 0; k < 6; ++k) a[num_terms * k] += added[n] * stress[n][k];
       PatchStatus& status = states.status[face.nodes[n]];
       status = std::max(status, PatchStatus::balanced);

@@ -1,3 +1,4 @@
+#include "recovery/constrained/divergence.hpp"
 #include "recovery/constrained/patch_assembly.hpp"
 
 #include <algorithm>
@@ -93,10 +94,7 @@ PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std:
       contact_(bodies, integrals, index, options.auxiliary_depth) {}
 
 Vec3 PatchAssembly::divergence(const RecoveryBody& body, const Vec3& centre, double unit) const {
-  if (!body.boundary->body_force_at) return Vec3::Zero();
-  const Grid& grid = body.mesh->cut_cells->grid;
-  return -unit * grid.cell_size / scales_.stress *
-         (grid.rotation.transpose() * body.boundary->body_force_at(grid.to_global(centre)));
+  return divergence_at(*body.boundary, body.mesh->cut_cells->grid, scales_.stress, centre, unit);
 }
 
 /// Centred differences over one unit: exact for forces up to degree 2.

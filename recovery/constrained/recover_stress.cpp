@@ -24,10 +24,11 @@ constexpr std::size_t patches_per_part = 1024;
 
 using Host = Kokkos::DefaultHostExecutionSpace;
 
-/// Corrects the interior patches of a body; returns the nodes of the others.
+/// Corrects the interior patches of a body's field; returns the nodes of the others.
 std::vector<int> recover_interior(const PatchAssembly& assembly, const RecoveryOptions& options) {
   const RecoveryBody& body = assembly.body();
-  const std::size_t num_nodes = body.mesh->num_nodes;
+  const Subset& nodes = body.field.nodes;
+  const std::size_t num_nodes = nodes.size();
   std::vector<char> interior(num_nodes, 0);
   if (options.degree.interior == 1) {
     std::vector<char> in_contact(body.mesh->cell_nodes.size());
@@ -36,22 +37,24 @@ std::vector<int> recover_interior(const PatchAssembly& assembly, const RecoveryO
     Kokkos::View<double* [3], Kokkos::LayoutRight, Kokkos::HostSpace> divergence;
     if (body.boundary->body_force_at) {
       divergence = decltype(divergence)("cgcontact::recover_stress::divergence", num_nodes);
-      parallel_for("cgcontact::recover_stress::divergence", num_nodes, interior_grain, [&](std::size_t n) {
-        if (!body.patches->full[n]) return;
-        const int node = static_cast<int>(n);
+      parallel_for("cgcontact::recover_stress::divergence", num_nodes, interior_grain, [&](std::size_t row) {
+        const int node = nodes.number(static_cast<int>(row));
+        if (!body.patches->full[node]) return;
         const Vec3 value = assembly.divergence(body, body.mesh->node_position(node), unit_of(*body.mesh, node));
-        for (int i = 0; i < 3; ++i) divergence(n, i) = value[i];
+        for (int i = 0; i < 3; ++i) divergence(row, i) = value[i];
       });
     }
     const Host exec;
     using Marks = Kokkos::View<char*, Kokkos::HostSpace>;
-    correct_interior(exec, host_arrays(*body.mesh, *body.patches), Marks(in_contact.data(), in_contact.size()),
-                     divergence, body.field.values, Marks(interior.data(), num_nodes));
+    correct_interior(exec, host_arrays(*body.mesh, *body.patches), host_arrays(nodes),
+                     Marks(in_contact.data(), in_contact.size()), divergence, body.field.values,
+                     Marks(interior.data(), num_nodes));
     exec.fence();
   }
   std::vector<int> others;
-  for (std::size_t n = 0; n < num_nodes; ++n)
-    if (!interior[n] && body.mesh->is_free(static_cast<int>(n))) others.push_back(static_cast<int>(n));
+  for (std::size_t row = 0; row < num_nodes; ++row)
+    if (const int node = nodes.number(static_cast<int>(row)); !interior[row] && body.mesh->is_free(node))
+      others.push_back(node);
   return others;
 }
 
@@ -327,7 +330,7 @@ void store(const PatchProblem& problem, const RecoveryBody& body, PatchStates& s
   const PatchFit& fit = problem.fit[0];
   const int num = fit.terms();
   for (int k = 0; k < 6; ++k)
-    for (int t = 0; t < num_terms; ++t) body.field.values(n, k, t) = fit.a[num * k + t];
+    for (int t = 0; t < num_terms; ++t) body.field.values(body.field.nodes.row(n), k, t) = fit.a[num * k + t];
   if (fit.degree == 1) return;
   if (quadratic.row_of_node.empty()) quadratic.row_of_node.assign(states.kind.size(), -1);
   quadratic.row_of_node[n] = static_cast<int>(quadratic.values.size());

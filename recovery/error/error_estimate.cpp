@@ -8,6 +8,8 @@ namespace cgcontact {
 namespace {
 
 constexpr std::size_t grain = 64;
+/// Chunks whose nodes' polynomials are in memory at a time, with what they are made of: some 100 MB.
+constexpr std::size_t chunks_per_block = 4096;
 
 /// What the stresses at n^3 Gauss points of a cell are made of; the points run along the rows, so that all loops over
 /// them are contiguous.
@@ -48,10 +50,10 @@ struct CellStresses {
   using Tables = GaussTables<n>;
   double raw[6][Tables::num_points], recovered[6][Tables::num_points];
 
-  CellStresses(const Tables& tables, const BodyMesh& mesh, int cell, const double u[8][3],
-               const RecoveredField& field) {
+  CellStresses(const Tables& tables, const BodyMesh& mesh, int cell, const double u[8][3], const RecoveredField& field,
+               const PolynomialBlock& block) {
     set_raw(tables, mesh, cell, u);
-    set_recovered(tables, mesh, cell, field);
+    set_recovered(tables, mesh, cell, block);
     if (field.quadratic) add_quadratic(tables, mesh, cell, *field.quadratic);
     if (field.edge) add_edge(tables, mesh, cell, field);
   }
@@ -98,10 +100,10 @@ struct CellStresses {
     }
   }
 
-  void set_recovered(const Tables& tables, const BodyMesh& mesh, int cell, const RecoveredField& field) {
+  void set_recovered(const Tables& tables, const BodyMesh& mesh, int cell, const PolynomialBlock& block) {
     for (auto& row : recovered) std::fill(std::begin(row), std::end(row), 0.0);
     for (int a = 0; a < 8; ++a) {
-      const double* A = field.at(mesh.cell_nodes[cell][a] - mesh.first_node);
+      const double* A = block.at(mesh.cell_nodes[cell][a] - mesh.first_node);
       for (int k = 0; k < 6; ++k)
         for (int q = 0; q < Tables::num_points; ++q)
           recovered[k][q] += A[4 * k] * tables.recovered[a][0][q] + A[4 * k + 1] * tables.recovered[a][1][q] +
@@ -134,11 +136,11 @@ class Estimator {
             const ExactStress& exact)
       : mesh_(mesh), scales_(scales), recovered_(recovered), u_(u), exact_(exact) {}
 
-  /// Adds one cell to the sums; returns its own error.
-  double add_cell(int cell, EnergySums& sums) const {
+  /// Adds one cell of a block to the sums; returns its own error.
+  double add_cell(int cell, const PolynomialBlock& block, EnergySums& sums) const {
     // An edge's term lies in cells with contact.
     const bool three = mesh_.cut_cells->cut_of_active[cell] < 0 && !exact_ && !is_quadratic(cell);
-    return three ? integrate<3>(cell, sums) : integrate<5>(cell, sums);
+    return three ? integrate<3>(cell, block, sums) : integrate<5>(cell, block, sums);
   }
 
  private:
@@ -150,7 +152,7 @@ class Estimator {
   }
 
   template <int n>
-  double integrate(int cell, EnergySums& sums) const {
+  double integrate(int cell, const PolynomialBlock& block, EnergySums& sums) const {
     static const GaussTables<n> tables;
     const CutCells& cc = *mesh_.cut_cells;
     const double nu = mesh_.poisson_ratio();
@@ -161,7 +163,7 @@ class Estimator {
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weights);
     for (double& w : weights) w *= volume_factor;
     corner_values(mesh_.cell_nodes[cell], u_, u);
-    const CellStresses<n> stress(tables, mesh_, cell, u, recovered_);
+    const CellStresses<n> stress(tables, mesh_, cell, u, recovered_, block);
     const double error = complementary_energy(stress.recovered, stress.raw, weights, nu);
     sums.error += error;
     sums.solution += complementary_energy<n * n * n>(stress.raw, nullptr, weights, nu);
@@ -209,16 +211,20 @@ EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const Reco
   std::vector<Sum> chunks(num_chunks(num_cells, grain));
   // Of several ranks each integrates its own chunks, so that sums are the same on any number of ranks.
   const std::size_t first = share_out(chunks.size()).first, last = share_out(chunks.size()).second;
-  dispatch_chunks("cgcontact::error_estimate::cells", last - first, [&](std::size_t own) {
-    const std::size_t chunk = first + own, end = std::min(num_cells, (chunk + 1) * grain);
-    EnergySums sum;
-    for (std::size_t e = chunk * grain; e < end; ++e) {
-      const double before = sum.solution;
-      sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), sum), 0.0);
-      sums.solution_of_cell[e] = std::max(sum.solution - before, 0.0);
-    }
-    chunks[chunk] = {sum.error, sum.solution, sum.exact_error, sum.recovered_error};
-  });
+  for (std::size_t begin = first; begin < last; begin += chunks_per_block) {
+    const std::size_t end_of_block = std::min(begin + chunks_per_block, last);
+    const PolynomialBlock block(mesh, recovered, begin * grain, std::min(num_cells, end_of_block * grain));
+    dispatch_chunks("cgcontact::error_estimate::cells", end_of_block - begin, [&](std::size_t own) {
+      const std::size_t chunk = begin + own, end = std::min(num_cells, (chunk + 1) * grain);
+      EnergySums sum;
+      for (std::size_t e = chunk * grain; e < end; ++e) {
+        const double before = sum.solution;
+        sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), block, sum), 0.0);
+        sums.solution_of_cell[e] = std::max(sum.solution - before, 0.0);
+      }
+      chunks[chunk] = {sum.error, sum.solution, sum.exact_error, sum.recovered_error};
+    });
+  }
   put_together(chunks);
   put_chunks_together(sums.error_of_cell, grain);
   put_chunks_together(sums.solution_of_cell, grain);

@@ -1,7 +1,7 @@
 /// Some of a body's cells or nodes, numbered through: arrays that are needed for those only have one row for each.
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace cgcontact {
@@ -18,13 +18,6 @@ class Subset {
         number_.push_back(static_cast<int>(n));
       }
     size_ = static_cast<int>(number_.size());
-  }
-
-  /// The numbers begin .. end of `total`.
-  static Subset range(int begin, int end, int total) {
-    std::vector<char> marked(total, 0);
-    std::fill(marked.begin() + begin, marked.begin() + end, char{1});
-    return Subset(marked);
   }
 
   int size() const { return size_; }

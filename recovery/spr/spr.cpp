@@ -35,9 +35,46 @@ RecoveredField part_of(const RecoveredField& field, Subset nodes) {
   RecoveredField part{std::move(nodes), {}};
   part.values =
       CoefficientView(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::spr::part"), part.nodes.size());
-  for (int row = 0; row < part.nodes.size(); ++row)
-    std::copy_n(field.at(part.nodes.number(row)), 6 * num_terms, &part.values(row, 0, 0));
+  std::vector<int> rows, others;
+  for (int row = 0; row < part.nodes.size(); ++row) {
+    const int node = part.nodes.number(row);
+    if (field.nodes.row(node) >= 0) {
+      std::copy_n(field.at(node), 6 * num_terms, &part.values(row, 0, 0));
+      continue;
+    }
+    rows.push_back(row);
+    others.push_back(node);
+  }
+  if (others.empty()) return part;
+  std::vector<Coefficients> made(others.size());
+  field.interior->at_all(others, made.front().data());
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    std::copy_n(made[i].data(), 6 * num_terms, &part.values(rows[i], 0, 0));
   return part;
+}
+
+PolynomialBlock::PolynomialBlock(const BodyMesh& mesh, const RecoveredField& field, std::size_t first_cell,
+                                 std::size_t end_cell)
+    : field_(field) {
+  if (!field.interior || first_cell == end_cell) return;
+  int low = mesh.cell_nodes[first_cell][0], high = low;
+  for (std::size_t c = first_cell; c < end_cell; ++c)
+    for (const int corner : mesh.cell_nodes[c]) {
+      low = std::min(low, corner);
+      high = std::max(high, corner);
+    }
+  first_ = low - mesh.first_node;
+  row_.assign(high - low + 1, -1);
+  std::vector<int> nodes;
+  for (std::size_t c = first_cell; c < end_cell; ++c)
+    for (const int corner : mesh.cell_nodes[c]) {
+      int& row = row_[corner - low];
+      if (row >= 0 || field.nodes.row(corner - mesh.first_node) >= 0) continue;
+      row = static_cast<int>(nodes.size());
+      nodes.push_back(corner - mesh.first_node);
+    }
+  values_.resize(nodes.size());
+  if (!nodes.empty()) field.interior->at_all(nodes, values_.front().data());
 }
 
 void add_edge_terms(const BodyMesh& mesh, const RecoveredField& field, int cell, const double xi[3], const double N[8],
@@ -131,12 +168,13 @@ int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u
                 int nodes_per_part) {
   int singular = 0;
   CellStressView buffer;
-  const auto [first, last] = share_out(mesh.num_nodes);
+  const auto [first, last] = share_out(field.nodes.size());
   for (int begin = static_cast<int>(first); begin < static_cast<int>(last); begin += nodes_per_part) {
     const int end = std::min(begin + nodes_per_part, static_cast<int>(last));
+    std::vector<char> marked(mesh.num_nodes, 0);
+    for (int row = begin; row < end; ++row) marked[field.nodes.number(row)] = 1;
     const RecoveredField part_of_field{
-        Subset::range(begin, end, mesh.num_nodes),
-        Kokkos::subview(field.values, std::make_pair(begin, end), Kokkos::ALL, Kokkos::ALL)};
+        Subset(marked), Kokkos::subview(field.values, std::make_pair(begin, end), Kokkos::ALL, Kokkos::ALL)};
     const Subset cells = cells_of_patches(mesh, patches, part_of_field.nodes);
     if (static_cast<int>(buffer.extent(0)) < cells.size())
       buffer =
@@ -146,7 +184,7 @@ int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u
                           host_arrays(cells), part_of_field.values);
   }
   if (num_ranks() > 1) {
-    put_together(field.values.data(), mesh.num_nodes, sizeof(double) * 6 * num_terms);
+    put_together(field.values.data(), field.nodes.size(), sizeof(double) * 6 * num_terms);
     double sum = singular;
     sum_over_ranks(&sum, 1);
     singular = static_cast<int>(sum);

@@ -8,6 +8,7 @@
 #include "recovery/patch/contact_edge.hpp"
 #include "recovery/patch/patches.hpp"
 #include "recovery/patch/subset.hpp"
+#include "recovery/spr/interior_fit.hpp"
 
 namespace cgcontact {
 
@@ -24,21 +25,48 @@ struct QuadraticTerms {
   }
 };
 
+/// The 6 x 4 coefficients of a node.
+using Coefficients = std::array<double, 6 * num_terms>;
+
 /// Polynomials of some or all nodes of one body, about their places, in units of the cells of their levels (which those
 /// of all corners of a cell are).
 struct RecoveredField {
-  Subset nodes;
+  Subset nodes;                                          ///< that are stored
   CoefficientView values;                                ///< row of the subset, component, term
   std::shared_ptr<const EdgeTerms> edge = {};            ///< beside the polynomials; may be empty
   std::shared_ptr<const QuadraticTerms> quadratic = {};  ///< of nodes with degree 2; may be empty
-  /// The 6 x 4 coefficients of a node (number within the body).
+  std::shared_ptr<const InteriorFit> interior = {};      ///< makes those of all other nodes; may be empty
+  /// The coefficients of a stored node (number within the body).
   const double* at(int node) const {
     return values.data() + 6 * num_terms * static_cast<std::ptrdiff_t>(nodes.row(node));
   }
+  /// Of any node; made in `space` if they are not stored.
+  const double* polynomial(int node, Coefficients& space) const {
+    if (nodes.row(node) >= 0) return at(node);
+    interior->at(node, space.data());
+    return space.data();
+  }
 };
 
-/// Copy of a field of all nodes, for some of them.
+/// Copy of a field for some nodes; of no others.
 RecoveredField part_of(const RecoveredField& field, Subset nodes);
+
+/// The polynomials of the nodes of successive cells, so that those that are not stored are made once. Refers to the
+/// field.
+class PolynomialBlock {
+ public:
+  PolynomialBlock(const BodyMesh& mesh, const RecoveredField& field, std::size_t first_cell, std::size_t end_cell);
+  const double* at(int node) const {
+    const int row = row_.empty() ? -1 : row_[node - first_];
+    return row < 0 ? field_.at(node) : values_[row].data();
+  }
+
+ private:
+  const RecoveredField& field_;
+  int first_ = 0;         ///< node that row_ begins with
+  std::vector<int> row_;  ///< of values_, -1: stored in the field; empty: all are
+  std::vector<Coefficients> values_;
+};
 
 /// Integrals of {1, x, y, z} sigma_h over a body's cells; one row of `out` for each. u: displacements of all bodies (3
 /// per node).
@@ -58,8 +86,8 @@ void set_constrained_nodes(const BodyMesh& mesh, const RecoveredField& field, Qu
 int fit_patches(const BodyMesh& mesh, const PatchSet& patches, const CellStressView& stress, const Subset& stressed,
                 const RecoveredField& field);
 
-/// The fit of all nodes from the displacements, a part of the body at a time: the integrals of all cells would take as
-/// much memory as the field. Returns the number of singular patches.
+/// The fit of all nodes of a field from the displacements, a part of them at a time: the integrals of all cells would
+/// take as much memory as the field. Returns the number of singular patches. Called by all ranks.
 int recover_all(const BodyMesh& mesh, const PatchSet& patches, const RealView& u, const RecoveredField& field,
                 int nodes_per_part = 200000);
 
@@ -78,7 +106,9 @@ inline void evaluate_recovered(const BodyMesh& mesh, const RecoveredField& field
   hex_shape(xi, N);
   for (int k = 0; k < 6; ++k) s[k] = 0;
   for (int a = 0; a < 8; ++a) {
-    const double* A = field.at(mesh.cell_nodes[cell][a] - mesh.first_node);
+    if (N[a] == 0) continue;  // at corners one polynomial is enough
+    Coefficients space;
+    const double* A = field.polynomial(mesh.cell_nodes[cell][a] - mesh.first_node, space);
     const double d[3] = {0.5 * (xi[0] + 1) - (a & 1), 0.5 * (xi[1] + 1) - (a >> 1 & 1), 0.5 * (xi[2] + 1) - (a >> 2)};
     for (int k = 0; k < 6; ++k)
       s[k] += N[a] * (A[4 * k] + A[4 * k + 1] * d[0] + A[4 * k + 2] * d[1] + A[4 * k + 3] * d[2]);

@@ -91,12 +91,12 @@ KOKKOS_INLINE_FUNCTION void gather_stress(const PatchArrays<Memory>& body, const
 
 /// Fit of eight full cells around a node: the mass matrix is diag(8, 8/3, 8/3, 8/3). The cells are ascending, so that
 /// the bits of their place are their offsets.
-template <class Memory, class Stress>
-KOKKOS_INLINE_FUNCTION void fit_full_patch(const int* cells, const Stress& stress, const SubsetArrays<Memory>& stressed,
-                                           double* a) {
+/// integrals(c): the 6 x 4 ones of the c-th cell.
+template <class Integrals>
+KOKKOS_INLINE_FUNCTION void fit_full_patch(const Integrals& integrals, double* a) {
   double H[6][num_terms] = {};
   for (int c = 0; c < 8; ++c) {
-    const double* s = &stress(stressed.row(cells[c]), 0, 0);
+    const double* s = integrals(c);
     const double d[num_terms] = {0, (c & 1) - 0.5, (c >> 1 & 1) - 0.5, (c >> 2) - 0.5};
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t) H[k][t] += s[num_terms * k + t] + d[t] * s[num_terms * k];
@@ -105,6 +105,27 @@ KOKKOS_INLINE_FUNCTION void fit_full_patch(const int* cells, const Stress& stres
   for (int k = 0; k < 6; ++k)
     for (int t = 0; t < num_terms; ++t) a[num_terms * k + t] = inverse[t] * H[k][t];
 }
+
+/// What an interior patch needs to be in equilibrium: the sums of slopes that make up div sigma become `divergence`
+/// (per cell unit). The mass matrix of a full patch is diagonal and the same for all slopes: each row is corrected on
+/// its own, its three terms alike (paper, equation 4).
+KOKKOS_INLINE_FUNCTION void put_in_equilibrium(const double divergence[3], double* a) {
+  constexpr int term[3][3] = {{1, 14, 23}, {13, 6, 19}, {21, 18, 11}};  // slope along j of component (i, j)
+  for (int i = 0; i < 3; ++i) {
+    const int* t = term[i];
+    const double correction = (divergence[i] - (a[t[0]] + a[t[1]] + a[t[2]])) / 3;
+    for (int j = 0; j < 3; ++j) a[t[j]] += correction;
+  }
+}
+
+/// The integrals of the cells of a patch in the rows of a subset.
+template <class Memory, class Stress>
+struct PatchIntegrals {
+  const int* cells;
+  const Stress& stress;
+  const SubsetArrays<Memory>& stressed;
+  KOKKOS_INLINE_FUNCTION const double* operator()(int c) const { return &stress(stressed.row(cells[c]), 0, 0); }
+};
 
 /// Fits the nodes of a subset; one row of `values` for each. Returns the number of singular patches.
 template <class Exec, class Memory, class Stress, class Values>
@@ -119,7 +140,7 @@ int fit_nodes(const Exec& exec, const PatchArrays<Memory>& body, const SubsetArr
         const int* cells = &body.patch_cells(begin);
         double* a = &values(row, 0, 0);
         if (body.full(n)) {
-          fit_full_patch(cells, stress, stressed, a);
+          fit_full_patch(PatchIntegrals<Memory, Stress>{cells, stress, stressed}, a);
           return;
         }
         if (body.factor_of_patch(n) < 0) return;  // a constrained node

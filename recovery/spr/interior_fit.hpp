@@ -1,0 +1,42 @@
+/// Polynomials of nodes inside of a body, whose patches are eight full cells of one size without contact: made from the
+/// displacements where they are asked for. They take a few hundred operations, and 200 bytes for each node of the volume
+/// if they were kept.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "recovery/patch/patches.hpp"
+
+namespace cgcontact {
+
+class InteriorFit {
+ public:
+  /// u: displacements of all bodies, which must stay what they are. corrected: in equilibrium (paper, equation 4), div
+  /// sigma per cell unit at a node of the body being `divergence`; empty: zero. Otherwise the plain fit (equation 1).
+  InteriorFit(const BodyMesh& mesh, const RealView& u, bool corrected, std::function<Vec3(int node)> divergence = {});
+
+  /// The 6 x 4 coefficients of a node. Throws std::logic_error if its patch is another one.
+  void at(int node, double* a) const;
+  /// Of many nodes: each cell is integrated once. values: 24 of each.
+  void at_all(const std::vector<int>& nodes, double* values) const;
+
+ private:
+  using Integrals = std::array<double, 6 * num_terms>;  ///< of {1, x, y, z} sigma_h over a full cell
+
+  void find_cells(int node, int cells[8]) const;
+  Integrals integrals_of(int cell) const;
+  template <class IntegralsOf>
+  void fit(int node, const IntegralsOf& integrals_of_cell, double* a) const;
+
+  const BodyMesh& mesh_;
+  HostVector u_;
+  bool corrected_;
+  std::function<Vec3(int node)> divergence_;
+};
+
+/// The nodes of a body that InteriorFit does not know: those of other patches, of cells with contact, and constrained
+/// ones with their masters. has_contact: marks cells.
+Subset nodes_beside_interior(const BodyMesh& mesh, const std::vector<char>& has_contact);
+
+}  // namespace cgcontact
