@@ -254,6 +254,7 @@ void Simulation::place_on_grids() {
 }
 
 void Simulation::make_system() {
+  for (BodyModel& body : state.bodies) body.cut_cells.gather_moments();
   state.scales = make_scales(state.scene);
   state.system = make_contact_system(state.scene, state.bodies, state.supports, state.pairs, state.scales);
 }
@@ -267,6 +268,7 @@ void Simulation::add_warning(const std::string& warning) {
 void Simulation::recover() {
   state.spr.clear();
   state.sprc.clear();
+  for (BodyModel& body : state.bodies) body.cut_cells.gather_moments();
   const RecoveryOptions& options = state.scene.recovery;
   // Interior patches follow from the displacements by themselves, unless they are to have polynomials of degree 2.
   const bool interior_apart = !options.spr_c || options.degree.interior == 1;

@@ -80,6 +80,8 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
 }
 
 void ContactSolver::Impl::take_loads() {
+  for (BodyModel& body : problem_.bodies)
+    if (body.boundary.body_force_at) body.cut_cells.gather_moments();
   const std::vector<double> load = make_load_vector(problem_.bodies, problem_.system, problem_.scales);
   load_of_body_ = force_of_body(problem_.bodies, problem_.system, problem_.scales, load);
   right_hand_side_.begin(load, warm_);
@@ -194,14 +196,19 @@ void ContactSolver::Impl::assemble() {
   right_hand_side_.assemble(now_);
 }
 
-/// Between two set-ups of the solver the terms of the supports are only memory.
+/// Between two set-ups of the solver the terms of the supports are only memory, and so are moments, but for body forces.
 void ContactSolver::Impl::update_solver() {
-  if (!has_support_terms_ && solver_.needs_supports())
-    add_supports(problem_.scene, problem_.bodies, problem_.supports, problem_.scales, problem_.system);
+  if (solver_.needs_supports()) {
+    for (BodyModel& body : problem_.bodies) body.cut_cells.gather_moments();
+    if (!has_support_terms_)
+      add_supports(problem_.scene, problem_.bodies, problem_.supports, problem_.scales, problem_.system);
+  }
   solver_.update();
   has_support_terms_ = solver_.needs_supports();
   if (has_support_terms_) return;
   for (std::vector<SupportTerm>& of_part : problem_.system.supports) of_part = std::vector<SupportTerm>();
+  for (BodyModel& body : problem_.bodies)
+    if (!body.boundary.body_force_at) body.cut_cells.keep_own_moments();
 }
 
 /// Trilinos throws where numbers are no longer finite; its messages have many lines.

@@ -492,10 +492,37 @@ class CutCellBuilder {
 }  // namespace
 
 void CutCells::drop_moments() {
-  fractions.reserve(moments.size());
-  for (const Moments& m : moments) fractions.push_back(m[0] / 8);
+  if (fractions.empty())
+    for (const Moments& m : moments) fractions.push_back(m[0] / 8);
   moments = {};
   for (CutCells& part : parts) part.drop_moments();
+}
+
+void CutCells::keep_own_moments() {
+  if (num_ranks() == 1 || !fractions.empty()) return;
+  const auto [begin, end] = share_out(moments.size());
+  std::vector<Moments> own;
+  own.reserve(end - begin);
+  for (std::size_t cut = begin; cut < end; ++cut) own.push_back(moments[cut]);
+  drop_moments();
+  moments = MomentList(std::move(own));
+}
+
+void CutCells::gather_moments() {
+  if (num_ranks() == 1 || fractions.empty()) return;
+  const std::size_t begin = share_out(fractions.size()).first;
+  std::vector<Moments> all(fractions.size());
+  for (std::size_t i = 0; i < moments.size(); ++i) all[begin + i] = moments[i];
+  moments = {};
+  put_together(all);
+  moments = MomentList(std::move(all));
+  fractions = {};
+  std::size_t first = 0;
+  for (CutCells& part : parts) {
+    part.fractions = {};
+    part.moments = moments.slice(first, part.active_of_cut.size());
+    first += part.active_of_cut.size();
+  }
 }
 
 int CutCells::locate(const Vec3& position) const {

@@ -34,7 +34,7 @@ struct CutCells {
   std::vector<int> cut_of_active;    ///< index into moments, or -1 for an interior (full) cell
   std::vector<int> active_of_cut;    ///< cut cell -> active cell
   MomentList moments;                ///< one per cut cell, until they are dropped
-  std::vector<double> fractions;     ///< volume fraction of each cut cell; empty as long as there are moments
+  std::vector<double> fractions;     ///< volume fraction of each cut cell; empty as long as it has all moments
   BoundaryPoints boundary;           ///< default rule, all surfaces
   std::vector<Adoption> adoptions;   ///< ascending in active
   std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/scene/face_dividers.hpp)
@@ -63,6 +63,11 @@ struct CutCells {
   }
   /// Nothing is integrated over the cells any more: 1 kB of each cut cell becomes 8 bytes.
   void drop_moments();
+  /// Of several ranks each keeps those of its part of the cut cells (share_out), until all have all again. Called by all
+  /// ranks.
+  void keep_own_moments();
+  void gather_moments();
+
   /// Of the material for which an active cell counts, units of the grid coordinates.
   double volume(int active) const {
     const int l = level(active);

@@ -84,10 +84,63 @@ TEST(clip_cells, a_body_on_grid_planes_has_no_tetrahedra) {
   const CutCells cells = cut(Solid::box({1, 2, 1}, {5, 6, 4}, "box"), 8);
   const ClippedMesh mesh = clip_cells(cells);
   EXPECT_EQ(mesh.tetrahedra.size(), 0u);
-  EXPECT_EQ(mesh.hexahedra.size(), 48u);
-  EXPECT_EQ(mesh.points.size(), 100u);
+  EXPECT_EQ(mesh.num_pieces(), 48u);
+  EXPECT_EQ(mesh.interior.cells.size(), 4u);
+  EXPECT_EQ(mesh.num_points(), 100u);
   EXPECT_EQ(mesh.volume(), 48);
   EXPECT_EQ(mesh.boundary_area(), 2 * (16 + 12 + 12));
+}
+
+/// Full cells are hexahedra with the corners that they have, away from the boundary as numbers only; points are shared:
+/// each node of the interior is one point, with its place.
+void expect_full_cells_once(const CutCells& cells) {
+  const ClippedMesh mesh = clip_cells(cells);
+  std::map<int, int> pieces;
+  for (const int cell : mesh.cell_of_hexahedron) ++pieces[cell];
+  for (const int cell : mesh.interior.cells) {
+    EXPECT_LT(cells.cut_of_active[cell], 0);
+    ++pieces[cell];
+  }
+  for (std::size_t c = 0; c < cells.cells.size(); ++c)
+    if (cells.cut_of_active[c] < 0) EXPECT_EQ(pieces[static_cast<int>(c)], 1);
+  EXPECT_GT(mesh.interior.cells.size(), 50u);
+  EXPECT_GT(mesh.num_interior_points(), 20u);
+  std::vector<int> corners_at(mesh.num_interior_points(), 0);
+  for (std::size_t i = 0; i < mesh.interior.cells.size(); ++i) {
+    const int cell = mesh.interior.cells[i];
+    const std::array<int, 8> hexahedron = mesh.interior_hexahedron(i);
+    for (int v = 0; v < 8; ++v) {
+      const bool high[3] = {v % 4 == 1 || v % 4 == 2, v % 4 >= 2, v >= 4};
+      const Vec3 place = cells.corner(cell) + cells.size(cell) * Vec3(high[0], high[1], high[2]);
+      const auto point = static_cast<std::size_t>(hexahedron[v]);
+      const bool inside = point >= mesh.points.size();
+      EXPECT_EQ(inside ? mesh.interior_point(point - mesh.points.size()) : mesh.points[point], place);
+      if (inside) ++corners_at[point - mesh.points.size()];
+    }
+  }
+  for (const int corners : corners_at) EXPECT_EQ(corners, 8);  // no other piece has the point
+}
+
+TEST(clip_cells, full_cells_away_from_the_boundary) {
+  expect_full_cells_once(cut(Solid::sphere({8.1, 7.9, 8.03}, 7.2, "ball"), 17));
+  expect_full_cells_once(cut(hollow_box(), 9));
+}
+
+TEST(clip_cells, full_cells_of_several_sizes) {
+  Grid grid;
+  grid.num_cells = {10, 10, 10};
+  const CutCells cells = make_cut_cells(Solid::box({0.3, 0.3, 0.3}, {9.6, 9.6, 9.6}, "box"), grid, {}, {},
+                                        CellTree(grid.num_cells, {{{1, 1, 1}, {1, 2, 1}, {2, 1, 1}, {1, 1, 2}}}));
+  ASSERT_EQ(cells.num_levels(), 2);
+  const ClippedMesh mesh = clip_cells(cells);
+  EXPECT_NEAR(mesh.volume(), std::pow(9.3, 3), 1e-9);
+  EXPECT_GT(mesh.interior.cells.size(), 400u);
+  for (std::size_t i = 0; i < mesh.interior.cells.size(); ++i) {
+    const int cell = mesh.interior.cells[i];
+    const int first = mesh.interior_hexahedron(i)[0];
+    const auto inside = first - static_cast<int>(mesh.points.size());
+    EXPECT_EQ(inside >= 0 ? mesh.interior_point(inside) : mesh.points[first], cells.corner(cell));
+  }
 }
 
 TEST(clip_cells, faces_near_grid_planes_are_found) {

@@ -8,19 +8,23 @@ namespace {
 
 Vec3 displacement_at(const Vec3& x) { return {0.1 * x[0] - 0.2 * x[1], 0.3, 0.4 * x[2] + 1}; }
 
-DrawnBody drawn_box(const Mat3& rotation, const Vec3& place, const Vec3& low, const Vec3& high) {
+/// A box with its cells, which its inside is drawn from.
+struct DrawnBox {
   Grid grid;
-  grid.num_cells = {12, 12, 12};
-  grid.cell_size = 0.5;
-  const CutCells cells = make_cut_cells(Solid::box(low, high, "box").transformed(rotation, place), grid);
-  BodyFields fields;
-  fields.cut_cells = &cells;
-  fields.displacement = [&](int cell, const Vec3& xi) {
-    const Index3& c = cells.cells[cell];
-    return displacement_at(grid.to_global(Vec3(c[0], c[1], c[2]) + 0.5 * (xi + Vec3::Ones())));
-  };
-  return draw_body(fields);
-}
+  CutCells cells;
+  DrawnBody body;
+
+  DrawnBox(const Mat3& rotation, const Vec3& place, const Vec3& low, const Vec3& high) {
+    grid.num_cells = {12, 12, 12};
+    grid.cell_size = 0.5;
+    cells = make_cut_cells(Solid::box(low, high, "box").transformed(rotation, place), grid);
+    BodyFields fields;
+    fields.cut_cells = &cells;
+    fields.displacement = [this](int cell, const Vec3& xi) { return displacement_at(global_position(cells, cell, xi)); };
+    body = draw_body(fields);
+  }
+  DrawnBox(const DrawnBox&) = delete;
+};
 
 /// Volume (of the positions) that the boundary encloses: right only if it is closed and turned outward.
 double enclosed_volume(const DrawnBody& body) {
@@ -35,8 +39,9 @@ double enclosed_volume(const DrawnBody& body) {
 TEST(cut_open, boundary_is_closed_and_exact) {
   const Vec3 low(1, 1, 1), high(5, 5.3, 5);  // cells
   for (const Vec3& corner : {Vec3(3.1, 2.7, 0), Vec3(3, 2, 0), Vec3(3.1, 0.3, 0), Vec3(0.2, 0.3, 0), Vec3(7, 7, 0)}) {
-    const DrawnBody whole = drawn_box(Mat3::Identity(), Vec3::Zero(), low, high);
-    const DrawnBody open = cut_open(whole, corner / 2, {Vec3::UnitX(), Vec3::UnitY()});
+    const DrawnBox whole(Mat3::Identity(), Vec3::Zero(), low, high);
+    EXPECT_GT(whole.body.mesh.num_interior_points(), 0U);
+    const DrawnBody open = cut_open(whole.body, corner / 2, {Vec3::UnitX(), Vec3::UnitY()});
     const auto removed = [&](int k) { return std::min(std::max(high[k] - corner[k], 0.0), high[k] - low[k]); };
     const double volume = (high - low).prod() - removed(0) * removed(1) * (high[2] - low[2]);
     EXPECT_NEAR(enclosed_volume(open), volume / 8, 1e-12) << corner.transpose();
@@ -49,9 +54,9 @@ TEST(cut_open, boundary_is_closed_and_exact) {
 // What a plane cuts of a box has the area of the polygon, faces the normal, lies in the plane and carries the fields;
 // planes that are those of the grid and planes beside the body too.
 TEST(cut_open, sections_are_exact) {
-  const DrawnBody whole = drawn_box(Mat3::Identity(), Vec3::Zero(), {1, 1, 1}, {5, 5.3, 5});  // cells of 0.5
+  const DrawnBox whole(Mat3::Identity(), Vec3::Zero(), {1, 1, 1}, {5, 5.3, 5});  // cells of 0.5
   const auto area_of = [&](const Vec3& point, const Vec3& normal) {
-    const DrawnBody section = section_of(whole, point, normal);
+    const DrawnBody section = section_of(whole.body, point, normal);
     double area = 0;
     for (const BoundaryTriangle& t : section.mesh.boundary) {
       const Vec3 &a = section.position[t.points[0]], &b = section.position[t.points[1]],
@@ -92,7 +97,8 @@ TEST(cut_open, sections_have_the_levels_of_their_cells) {
 }
 
 TEST(scene_view, a_zone_is_seen_from_a_side_that_it_reaches_or_cut_open) {
-  const std::vector<DrawnBody> bodies{drawn_box(Mat3::Identity(), Vec3::Zero(), {1, 1, 1}, {5, 5, 5})};
+  const DrawnBox box(Mat3::Identity(), Vec3::Zero(), {1, 1, 1}, {5, 5, 5});
+  const std::vector<DrawnBody> bodies{box.body};
   SceneView scene;
   scene.box.low = Vec3::Constant(0.5);
   scene.box.high = Vec3::Constant(2.5);
@@ -116,9 +122,9 @@ TEST(scene_view, a_zone_is_seen_from_a_side_that_it_reaches_or_cut_open) {
 TEST(cut_open, turned_bodies_and_directions) {
   const Mat3 rotation = Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   const Vec3 place(2.1, 2.2, 2.3);
-  const DrawnBody whole = drawn_box(rotation, place, {2, 2, 2}, {5, 5, 5});
+  const DrawnBox whole(rotation, place, {2, 2, 2}, {5, 5, 5});
   const Vec3 corner = (rotation * Vec3(3.2, 3.9, 0) + place) / 2;
-  const DrawnBody open = cut_open(whole, corner, {rotation * -Vec3::UnitX(), rotation * Vec3::UnitY()});
+  const DrawnBody open = cut_open(whole.body, corner, {rotation * -Vec3::UnitX(), rotation * Vec3::UnitY()});
   EXPECT_NEAR(enclosed_volume(open), (27 - 1.2 * 1.1 * 3) / 8, 1e-12);
 }
 

@@ -16,6 +16,7 @@
 #include "core/base/text.hpp"
 #include "core/drawing/clip_cells.hpp"
 #include "core/output/output.hpp"
+#include "core/output/output_hdf.hpp"
 #include "core/output/output_summary.hpp"
 
 namespace cgcontact {
@@ -343,6 +344,33 @@ int check_vtk(const std::string& arguments) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+// Rows that come in pieces of any size, also behind earlier ones, are those that come at once: across the borders of
+// the pieces that the file is compressed in.
+TEST_F(output, rows_that_come_piece_by_piece) {
+  fs::create_directory(out_);
+  HdfFile hdf(file("rows.h5"));
+  constexpr std::size_t n = 150000;  // two borders
+  std::vector<float> values;
+  for (std::size_t i = 0; i < 3 * n; ++i) values.push_back(static_cast<float>(i));
+  hdf.write("/at_once", values, 3);
+  for (const bool grows : {false, true}) {
+    const std::string path = grows ? "/growing" : "/fixed";
+    for (int step = 0; step < (grows ? 2 : 1); ++step) {
+      HdfRows<float> rows(hdf, path, n, 3, grows);
+      for (std::size_t done = 0, size = 1; done < n; size = 3 * size + 1) {
+        const std::size_t end = std::min(n, done + size);
+        rows.add({values.begin() + 3 * done, values.begin() + 3 * end});
+        done = end;
+      }
+      EXPECT_THROW(rows.add({1, 2, 3}), std::logic_error);
+      EXPECT_EQ(hdf.read(path, step * n, n), values);
+    }
+  }
+  EXPECT_EQ(hdf.read("/at_once", 0, n), values);
+  EXPECT_EQ(hdf.read("/growing", n + 65000, 2000), hdf.read("/at_once", 65000, 2000));
+  hdf.finish();
+}
+
 TEST_F(output, vtk_opens_the_bodies_and_the_contact_faces) {
   const auto blocks = make_blocks();
   blocks->scene.output.plots = false;
@@ -350,8 +378,8 @@ TEST_F(output, vtk_opens_the_bodies_and_the_contact_faces) {
   std::size_t points = 0, cells = 0;
   for (const CutCells* body : {&blocks->lower, &blocks->upper}) {
     const ClippedMesh mesh = clip_cells(*body);
-    points += mesh.points.size();
-    cells += mesh.hexahedra.size() + mesh.tetrahedra.size();
+    points += mesh.num_points();
+    cells += mesh.num_pieces();
   }
   const int status = check_vtk(fmt::format(
       "{} --points {} --cells {} --volume 48e-9 --tolerance 1e-12 --bounds 0 4e-3 0 3e-3 0 4e-3 "

@@ -107,6 +107,41 @@ TEST(extremes, of_linear_fields_are_exact) {
   EXPECT_EQ(body_with_smallest({}, &Extremes::compression), -1);
 }
 
+// Inside of a body, where nothing is stored, too: a peak at a node that no cell at the boundary has, by single values and
+// by those of many corners.
+TEST(extremes, inside_of_a_body) {
+  Grid grid;
+  grid.num_cells = {8, 8, 8};
+  const CutCells cells = make_cut_cells(Solid::box(Vec3::Constant(0.3), Vec3::Constant(7.4), "box"), grid);
+  const Vec3 peak(4, 3, 5);
+  const auto stress_at = [&](int cell, const Vec3& xi) {
+    Sym3 s = Sym3::Zero();
+    s[0] = 1 / (1 + (global_position(cells, cell, xi) - peak).squaredNorm());
+    return s;
+  };
+  for (const bool by_corners : {false, true}) {
+    Results results;
+    BodyFields fields;
+    fields.cut_cells = &cells;
+    fields.stress_recovered = stress_at;
+    int asked = 0;
+    if (by_corners)
+      fields.stress_at_corners = [&](const std::vector<int>& of, const std::vector<signed char>& corners) {
+        std::vector<Sym3> stress;
+        for (std::size_t i = 0; i < of.size(); ++i)
+          stress.push_back(stress_at(
+              of[i], Vec3(corners[i] & 1 ? 1 : -1, corners[i] & 2 ? 1 : -1, corners[i] & 4 ? 1 : -1)));
+        asked += static_cast<int>(of.size());
+        return stress;
+      };
+    results.bodies.push_back(fields);
+    const Extreme most = extremes_of(results, {}, {draw_body(results.bodies[0])})[0].body.von_mises;
+    EXPECT_NEAR(most.value, 1, 1e-15);
+    EXPECT_EQ(most.at, peak);
+    EXPECT_EQ(asked > 0, by_corners);
+  }
+}
+
 // Principal stresses are solved where they can be the largest only: the same extremes, to the last bit, as those of all
 // points, also where two or all three are nearly equal.
 TEST(extremes, leave_out_no_point) {

@@ -150,6 +150,27 @@ TEST(Ranks, SharesAreDisjointAndCoverAll) {
   EXPECT_EQ(at, all.size());
 }
 
+// Moments that each rank has kept its own part of are, gathered again, what they were, on all levels; in between their
+// volumes are known.
+TEST(Ranks, MomentsComeBack) {
+  for (const Problem& problem : problems())
+    for (const CutCells& whole : problem.cells) {
+      CutCells cells = whole;
+      cells.keep_own_moments();
+      EXPECT_LE(cells.moments.size(), whole.moments.size() / num_ranks() + 1);
+      for (std::size_t c = 0; c < whole.cells.size(); ++c)
+        EXPECT_EQ(cells.volume_fraction(static_cast<int>(c)), whole.volume_fraction(static_cast<int>(c)));
+      cells.gather_moments();
+      ASSERT_EQ(cells.moments.size(), whole.moments.size());
+      for (std::size_t cut = 0; cut < whole.moments.size(); ++cut) EXPECT_EQ(cells.moments[cut], whole.moments[cut]);
+      for (std::size_t p = 0; p < whole.parts.size(); ++p) {
+        const CutCells &part = cells.parts[p], &before = whole.parts[p];
+        ASSERT_EQ(part.moments.size(), before.moments.size());
+        for (std::size_t cut = 0; cut < before.moments.size(); ++cut) EXPECT_EQ(part.moments[cut], before.moments[cut]);
+      }
+    }
+}
+
 TEST(Ranks, AnErrorOfTheFirstRankIsAnErrorOfAll) {
   const auto fail = [] { throw InputError("no such file"); };
   if (is_first_rank())

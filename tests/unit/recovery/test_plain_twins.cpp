@@ -3,6 +3,7 @@
 
 #include "core/cells/cells_around.hpp"
 #include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/divergence.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 #include "recovery/error/error_estimate.hpp"
 #include "recovery/spr/spr_kernels.hpp"
@@ -120,6 +121,53 @@ TEST(PlainTwins, PatchFits) {
   EXPECT_GT(full, 20);
 }
 
+/// Polynomials that are made where they are asked for, one by one and many, against those of all nodes; the error
+/// estimate from them against that from a field that stores all.
+TEST(PlainTwins, InteriorFit) {
+  const Case c;
+  std::vector<char> has_contact(c.cells.size(), 0);
+  has_contact[c.cells.size() / 2] = 1;
+  const Subset beside = nodes_beside_interior(c.mesh, has_contact);
+  const InteriorFit plain(c.mesh, c.u, false);
+  std::vector<int> inside;
+  for (int n = 0; n < c.mesh.num_nodes; ++n) {
+    bool contact = false;
+    for (int p = c.patches.begin[n]; p < c.patches.begin[n + 1]; ++p) contact |= has_contact[c.patches.cells[p]] != 0;
+    EXPECT_EQ(beside.row(n) < 0, c.patches.full[n] && !contact);
+    if (beside.row(n) >= 0) continue;
+    inside.push_back(n);
+    Coefficients a;
+    plain.at(n, a.data());
+    EXPECT_TRUE(std::equal(a.begin(), a.end(), c.field.at(n)));
+  }
+  ASSERT_GT(inside.size(), 20U);
+  std::vector<Coefficients> all(inside.size());
+  plain.at_all(inside, all.front().data());
+  for (std::size_t i = 0; i < inside.size(); ++i)
+    EXPECT_TRUE(std::equal(all[i].begin(), all[i].end(), c.field.at(inside[i])));
+  Coefficients none;
+  EXPECT_THROW(plain.at(beside.number(0), none.data()), std::logic_error);
+
+  RecoveredField stored = part_of(c.field, beside);
+  stored.interior = std::make_shared<InteriorFit>(plain);
+  const Scales scales{0.5, 2};
+  const EnergySums whole = estimate_error(c.mesh, scales, c.field, c.u, nullptr),
+                   made = estimate_error(c.mesh, scales, stored, c.u, nullptr);
+  EXPECT_EQ(whole.error, made.error);
+  EXPECT_EQ(whole.error_of_cell, made.error_of_cell);
+  const RecoveredField copy = part_of(stored, Subset(c.mesh.num_nodes));
+  const double corner[3] = {1, -1, 1}, middle[3] = {0.2, -0.3, 0.7};
+  for (int cell = 0; cell < c.cells.size(); ++cell)
+    for (const double* xi : {corner, middle}) {
+      Sym3 s, t;
+      evaluate_recovered(c.mesh, stored, cell, xi, s.data());
+      evaluate_recovered(c.mesh, c.field, cell, xi, t.data());
+      EXPECT_EQ(s, t);
+      evaluate_recovered(c.mesh, copy, cell, xi, t.data());
+      EXPECT_EQ(s, t);
+    }
+}
+
 TEST(PlainTwins, ErrorEstimate) {
   const Case c;
   const double nu = 0.3, factor = std::pow(c.mesh.h(0), 3) / 8 / c.mesh.modulus;
@@ -193,6 +241,9 @@ TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
     MassMatrix mass = Eigen::Vector4d(8, 8. / 3, 8. / 3, 8. / 3).asDiagonal();
     constrain_fit_kkt({mass}, divergence_rows(), value, a);
     for (int i = 0; i < 24; ++i) EXPECT_NEAR(body.field.at(n)[i], a[i], 1e-12);
+    Coefficients made;
+    InteriorFit(c.mesh, c.u, true, divergence_at_nodes(c.mesh, boundary, 2)).at(n, made.data());
+    EXPECT_TRUE(std::equal(made.begin(), made.end(), body.field.at(n)));
   }
   EXPECT_GE(counts.kinds[static_cast<int>(PatchKind::interior)], inside);
   EXPECT_GT(inside, 20);

@@ -197,6 +197,25 @@ TEST_P(Refined, Continuous) {
   EXPECT_GT(of_two_sizes, 100);
 }
 
+/// Where cells of several sizes meet, polynomials that are made where they are asked for are those of all nodes.
+TEST_P(Refined, InteriorFit) {
+  const Body b(refined(GetParam()));
+  const RealView u = b.consistent(test::random_vector(b.system.num_dofs(), 5));
+  recover_all(b.mesh, b.patches, u, b.field);
+  const Subset beside = nodes_beside_interior(b.mesh, std::vector<char>(b.cc.cells.size(), 0));
+  const InteriorFit fit(b.mesh, u, false);
+  std::array<int, 2> inside{0, 0};  // with large cells, with small ones
+  for (int n = 0; n < b.mesh.num_nodes; ++n) {
+    if (beside.row(n) >= 0) continue;
+    ++inside[level_of(b.mesh, n) > 1];
+    Coefficients a;
+    fit.at(n, a.data());
+    EXPECT_TRUE(std::equal(a.begin(), a.end(), b.field.at(n)));
+  }
+  EXPECT_GT(inside[0] + inside[1], 10);
+  EXPECT_GT(inside[1], 0);
+}
+
 /// All cells divided once are those of a grid of half the size.
 TEST_P(Refined, AllCellsDivided) {
   Grid grid = test::odd_grid(5, 0.3);
