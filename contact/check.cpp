@@ -29,7 +29,8 @@ std::string describe_body(const BodyModel& body) {
     total_area += body.slices * body.area(p);
     for (const std::string& name : body.surface_names(p)) area[name] += body.slices * body.area(p);
   }
-  const long long cut = static_cast<long long>(cc.active_of_cut.size()), active = static_cast<long long>(cc.cells.size());
+  const long long cut = static_cast<long long>(cc.active_of_cut.size()),
+                  active = static_cast<long long>(cc.cells.size());
   std::string text = fmt::format(
       "body \"{}\": {}, volume {:.10g} m3, surface {:.10g} m2\n"
       "  grid {} x {} x {} cells of {:g} m; {} active, {} of them cut; {} unknowns\n",

@@ -58,7 +58,7 @@ struct ContactSolver::Impl {
   const SolvedState* earlier_;  // that the first run starts from, or none
   LinearSolver solver_;
   Iterate now_;
-  LaggedStress lagged_stress_;
+  std::unique_ptr<LaggedStress> lagged_stress_;  // once the solver is set up, which takes most memory
   RightHandSide right_hand_side_;
   std::vector<Vec3> load_of_body_;               // N
   FreeMotions unbalanced_;                       // what the loads drive without end
@@ -73,7 +73,6 @@ ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlie
       earlier_(earlier),
       solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns),
       now_(problem),
-      lagged_stress_(problem),
       right_hand_side_(problem) {
   if (now_.floating.any())
     wanderers_ = std::make_unique<SurfaceWanderers>(problem.bodies, problem.supports, problem.pairs);
@@ -146,7 +145,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     }
     update_active_set(now_, iteration <= settings().last_small_zone_decision);
     step.changed_points = history.record(problem_.pairs);
-    step.residual = outer_residual = std::max(lagged_stress_.update(now_), now_.small_zones.relative_change());
+    step.residual = outer_residual = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
     step.active_points = count_active(problem_.pairs);
     result.residuals.push_back(step.residual);
     result.active_points.push_back(step.active_points);
@@ -196,7 +195,8 @@ void ContactSolver::Impl::assemble() {
   right_hand_side_.assemble(now_);
 }
 
-/// Between two set-ups of the solver the terms of the supports are only memory, and so are moments, but for body forces.
+/// Between two set-ups of the solver the terms of the supports are only memory, and so are moments, but for body
+/// forces.
 void ContactSolver::Impl::update_solver() {
   if (solver_.needs_supports()) {
     for (BodyModel& body : problem_.bodies) body.cut_cells.gather_moments();
@@ -204,6 +204,7 @@ void ContactSolver::Impl::update_solver() {
       add_supports(problem_.scene, problem_.bodies, problem_.supports, problem_.scales, problem_.system);
   }
   solver_.update();
+  if (!lagged_stress_) lagged_stress_ = std::make_unique<LaggedStress>(problem_);
   has_support_terms_ = solver_.needs_supports();
   if (has_support_terms_) return;
   for (std::vector<SupportTerm>& of_part : problem_.system.supports) of_part = std::vector<SupportTerm>();

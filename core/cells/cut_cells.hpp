@@ -63,8 +63,8 @@ struct CutCells {
   }
   /// Nothing is integrated over the cells any more: 1 kB of each cut cell becomes 8 bytes.
   void drop_moments();
-  /// Of several ranks each keeps those of its part of the cut cells (share_out), until all have all again. Called by all
-  /// ranks.
+  /// Of several ranks each keeps those of its part of the cut cells (share_out), until all have all again. Called by
+  /// all ranks.
   void keep_own_moments();
   void gather_moments();
 

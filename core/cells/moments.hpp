@@ -49,7 +49,8 @@ class MomentList {
   MomentList slice(std::size_t first, std::size_t size) const {
     MomentList part = *this;
     if (chosen_)
-      part.chosen_ = std::make_shared<const std::vector<int>>(chosen_->begin() + first, chosen_->begin() + first + size);
+      part.chosen_ =
+          std::make_shared<const std::vector<int>>(chosen_->begin() + first, chosen_->begin() + first + size);
     else
       part.first_ += first;
     part.size_ = size;

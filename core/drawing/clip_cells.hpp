@@ -24,8 +24,8 @@ constexpr int tetrahedra_of_hexahedron[6][4] = {{0, 1, 2, 6}, {0, 1, 5, 6}, {0, 
 /// Full cells that no surface comes near: hexahedra as they are, of which only the numbers are kept. Points of theirs
 /// that no other piece has are interior points, numbered behind those of the mesh.
 struct InteriorCells {
-  std::vector<int> cells;                 ///< active cells, ascending
-  std::vector<int> cell_of_point;         ///< of each interior point, one that has it as a corner
+  std::vector<int> cells;                    ///< active cells, ascending
+  std::vector<int> cell_of_point;            ///< of each interior point, one that has it as a corner
   std::vector<signed char> corner_of_point;  ///< which: bits x, y, z
   struct Nodes {
     GridNumbers numbers;     ///< corners of the cells of a level

@@ -201,8 +201,7 @@ DrawnBody interior_at(const DrawnBody& whole, const Vec3& corner, const std::arr
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   for (auto& hexahedron : near.mesh.hexahedra)
-    for (int& p : hexahedron)
-      p = static_cast<int>(std::lower_bound(points.begin(), points.end(), p) - points.begin());
+    for (int& p : hexahedron) p = static_cast<int>(std::lower_bound(points.begin(), points.end(), p) - points.begin());
   std::vector<int> interior;
   for (const int p : points) {
     const auto place = static_cast<std::size_t>(p);

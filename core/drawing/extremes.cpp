@@ -130,9 +130,10 @@ class BodySearch {
   template <class Position>
   static void add_points(const PointValues& values, const Position& position, std::size_t n, Collector& most) {
     std::vector<Collector> chunks(num_chunks(n, grain));
-    parallel_chunks("cgcontact::extremes::points", n, grain, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p) add_point(values, p, position(p), chunks[chunk]);
-    });
+    parallel_chunks("cgcontact::extremes::points", n, grain,
+                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+                      for (std::size_t p = begin; p < end; ++p) add_point(values, p, position(p), chunks[chunk]);
+                    });
     for (const Collector& chunk : chunks) most.merge(chunk);
   }
 

@@ -107,18 +107,19 @@ struct Multigrid::Impl {
     std::vector<NodeColumns<Real>> columns;
     for (const auto& level : levels) columns.push_back(make_node_columns<Real>(*level->whole));
     if (by_ranks) share_levels(columns);
-    for (std::size_t l = 0; l < levels.size(); ++l) {
+    for (const auto& level : levels) report.unknowns.push_back(level->whole->num_dofs());
+    // Operators have what they need of the cells once they are made: coarse ones go before the fine ones take most
+    // memory; the coarsest is assembled again and again.
+    for (std::size_t l = levels.size(); l-- > 0;) {
       Level& level = *levels[l];
-      report.unknowns.push_back(level.whole->num_dofs());
       const int n = level.system->num_dofs();
       level.b = LevelVector("cgcontact::multigrid::b", n);
       level.x = LevelVector("cgcontact::multigrid::x", n);
-      if (l + 1 < levels.size()) make_smoother(level, columns[l]);
-    }
-    // The operators have what they need of the cells; the coarsest is assembled again and again.
-    for (std::size_t l = 1; l + 1 < levels.size(); ++l) {
-      cgcontact::drop_cells(levels[l]->cells, levels[l]->own_system);
-      if (levels[l]->share) levels[l]->share->drop_cells();
+      if (l + 1 == levels.size()) continue;
+      make_smoother(level, columns[l]);
+      if (l == 0) continue;
+      cgcontact::drop_cells(level.cells, level.own_system);
+      if (level.share) level.share->drop_cells();
     }
     const Halo::Comm alone = num_ranks() == 1 ? comm : comm_of_this_rank();
     coarsest_map = levels.back()->whole->dofs.vector_map(alone);

@@ -97,7 +97,9 @@ struct LinearSolver::Impl {
   }
 
   /// From the next update on.
-  void keep_rigid_motions_apart() { wants_motions = kind != Preconditioner::muelu && !rigid_motions && !has_no_motions; }
+  void keep_rigid_motions_apart() {
+    wants_motions = kind != Preconditioner::muelu && !rigid_motions && !has_no_motions;
+  }
 
   void look_for_rigid_motions() {
     if (!std::exchange(wants_motions, false)) return;

@@ -1,8 +1,8 @@
-#include "recovery/constrained/divergence.hpp"
 #include "recovery/constrained/patch_assembly.hpp"
 
 #include <algorithm>
 
+#include "recovery/constrained/divergence.hpp"
 #include "recovery/zone_edge/edge_moments.hpp"
 
 namespace cgcontact {

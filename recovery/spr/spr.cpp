@@ -48,8 +48,7 @@ RecoveredField part_of(const RecoveredField& field, Subset nodes) {
   if (others.empty()) return part;
   std::vector<Coefficients> made(others.size());
   field.interior->at_all(others, made.front().data());
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    std::copy_n(made[i].data(), 6 * num_terms, &part.values(rows[i], 0, 0));
+  for (std::size_t i = 0; i < rows.size(); ++i) std::copy_n(made[i].data(), 6 * num_terms, &part.values(rows[i], 0, 0));
   return part;
 }
 

@@ -121,7 +121,7 @@ class Memory(unittest.TestCase):
                 needed = float(re.search(r"about ([\d.]+) MB of memory", exact.out)[1])
                 points = sum(int(n) for n in re.findall(r"(\d+) points in", exact.out))
                 rows = int(re.search(r"contact.csv: (\d+) rows", exact.out)[1])
-                from_cells = needed - 900e-6 * points - 500e-6 * rows  # contact points and rows are not known before the cells are
+                from_cells = needed - 800e-6 * points - 300e-6 * rows  # contact points and rows are not known before the cells are
                 outcome, found = self.refused("run", scene(name), *settings(**values), "--memory-limit", f"{0.95 * from_cells:.0f}MB")
                 self.assertNotIn("cut cells", outcome.err)
                 self.assertAlmostEqual(in_bytes(found[1]) / (1e6 * from_cells), 1, delta=0.03)

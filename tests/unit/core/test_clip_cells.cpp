@@ -101,8 +101,11 @@ void expect_full_cells_once(const CutCells& cells) {
     EXPECT_LT(cells.cut_of_active[cell], 0);
     ++pieces[cell];
   }
-  for (std::size_t c = 0; c < cells.cells.size(); ++c)
-    if (cells.cut_of_active[c] < 0) EXPECT_EQ(pieces[static_cast<int>(c)], 1);
+  for (std::size_t c = 0; c < cells.cells.size(); ++c) {
+    if (cells.cut_of_active[c] < 0) {
+      EXPECT_EQ(pieces[static_cast<int>(c)], 1);
+    }
+  }
   EXPECT_GT(mesh.interior.cells.size(), 50u);
   EXPECT_GT(mesh.num_interior_points(), 20u);
   std::vector<int> corners_at(mesh.num_interior_points(), 0);

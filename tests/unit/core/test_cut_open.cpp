@@ -20,7 +20,9 @@ struct DrawnBox {
     cells = make_cut_cells(Solid::box(low, high, "box").transformed(rotation, place), grid);
     BodyFields fields;
     fields.cut_cells = &cells;
-    fields.displacement = [this](int cell, const Vec3& xi) { return displacement_at(global_position(cells, cell, xi)); };
+    fields.displacement = [this](int cell, const Vec3& xi) {
+      return displacement_at(global_position(cells, cell, xi));
+    };
     body = draw_body(fields);
   }
   DrawnBox(const DrawnBox&) = delete;

@@ -107,8 +107,8 @@ TEST(extremes, of_linear_fields_are_exact) {
   EXPECT_EQ(body_with_smallest({}, &Extremes::compression), -1);
 }
 
-// Inside of a body, where nothing is stored, too: a peak at a node that no cell at the boundary has, by single values and
-// by those of many corners.
+// Inside of a body, where nothing is stored, too: a peak at a node that no cell at the boundary has, by single values
+// and by those of many corners.
 TEST(extremes, inside_of_a_body) {
   Grid grid;
   grid.num_cells = {8, 8, 8};
@@ -129,8 +129,8 @@ TEST(extremes, inside_of_a_body) {
       fields.stress_at_corners = [&](const std::vector<int>& of, const std::vector<signed char>& corners) {
         std::vector<Sym3> stress;
         for (std::size_t i = 0; i < of.size(); ++i)
-          stress.push_back(stress_at(
-              of[i], Vec3(corners[i] & 1 ? 1 : -1, corners[i] & 2 ? 1 : -1, corners[i] & 4 ? 1 : -1)));
+          stress.push_back(
+              stress_at(of[i], Vec3(corners[i] & 1 ? 1 : -1, corners[i] & 2 ? 1 : -1, corners[i] & 4 ? 1 : -1)));
         asked += static_cast<int>(of.size());
         return stress;
       };
