@@ -210,6 +210,7 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
       break;
     }
     sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_);
+    simulation_->state.keep_fields_only();
   }
   simulation_->sample_paths(told);
   Results& results = simulation_->results;

@@ -110,7 +110,9 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   callbacks.solved = [&](int number, const SolveFigures& solve) { progress.message(describe(number, solve)); };
   ResultWriter writer(scene, directory);
   callbacks.load_step = [&](std::size_t number, const Results& step) { writer.add_step(number, step); };
-  const auto write = [&](Results& results, const Scene& solved) {
+  const auto write = [&](Simulation& simulation, const Scene& solved) {
+    Results& results = simulation.results;
+    simulation.state.keep_fields_only();
     progress.begin_phase("output");
     const ProfiledRegion region("output");
     results.command = command_text(argv);
@@ -129,11 +131,11 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
   if (scene.accuracy.any()) {
     AdaptiveRun adaptive(scene);
     adaptive.run(callbacks);
-    return write(adaptive.simulation().results, adaptive.scene());
+    return write(adaptive.simulation(), adaptive.scene());
   }
   Simulation simulation(scene);
   simulation.run(callbacks);
-  return write(simulation.results, scene);
+  return write(simulation, scene);
 }
 
 int compare(const CommandLine& options) {

@@ -117,8 +117,6 @@ void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* ear
     fill_results();
     if (with_paths) fill_paths(state, results);
     if (with_paths) fill_probes(state, results);
-    for (BodyModel& body : state.bodies) body.cut_cells.drop_moments();
-    state.supports = {};
   });
   results.peak_memory_bytes = peak_memory_bytes();
 }

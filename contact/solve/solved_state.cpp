@@ -21,6 +21,11 @@ void corner_displacements(const SolvedState& state, int body, int cell, double o
 
 }  // namespace
 
+void SolvedState::keep_fields_only() {
+  for (BodyModel& body : bodies) body.cut_cells.drop_moments();
+  supports = {};
+}
+
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi) {
   double u[8][3];
   corner_displacements(state, body, cell, u);

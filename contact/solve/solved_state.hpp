@@ -26,6 +26,9 @@ struct SolvedState {
   RecoveryCounts recovery_counts;
   std::vector<PatchStates> patch_states;  ///< by body; empty without SPR-C
   ReferenceSpec reference;                ///< what the results are compared with
+
+  /// Forgets what the fields do not need and the figures have been made of: moments of the cells, points of supports.
+  void keep_fields_only();
 };
 
 // The fields at a point of a body: active cell and cell coordinates; global axes.

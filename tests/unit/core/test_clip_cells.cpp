@@ -126,7 +126,7 @@ void expect_full_cells_once(const CutCells& cells) {
 
 TEST(clip_cells, full_cells_away_from_the_boundary) {
   expect_full_cells_once(cut(Solid::sphere({8.1, 7.9, 8.03}, 7.2, "ball"), 17));
-  expect_full_cells_once(cut(hollow_box(), 9));
+  expect_full_cells_once(cut(Solid::box({0.3, 0.41, 0.77}, {8.6, 8.3, 8.9}, "box"), 9));
 }
 
 TEST(clip_cells, full_cells_of_several_sizes) {
