@@ -280,10 +280,7 @@ void Simulation::recover() {
     const BoundaryData& boundary = state.bodies[b].boundary;
     RecoveredField field;
     if (interior_apart && !mesh.rigid) {
-      std::vector<char> has_contact(mesh.cell_nodes.size());
-      for (std::size_t c = 0; c < has_contact.size(); ++c)
-        has_contact[c] = !boundary.links_of_cell[static_cast<int>(c)].empty();
-      field.nodes = nodes_beside_interior(mesh, has_contact);
+      field.nodes = nodes_beside_interior(mesh, boundary.links_of_cell);
       field.interior = std::make_shared<InteriorFit>(mesh, state.outer.u, false);
     } else {
       field.nodes = Subset(mesh.num_nodes);

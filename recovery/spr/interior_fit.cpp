@@ -84,12 +84,12 @@ void InteriorFit::at_all(const std::vector<int>& nodes, double* values) const {
   });
 }
 
-Subset nodes_beside_interior(const BodyMesh& mesh, const std::vector<char>& has_contact) {
+Subset nodes_beside_interior(const BodyMesh& mesh, const CellLists& contacts) {
   const CutCells& cc = *mesh.cut_cells;
   std::vector<unsigned char> full_cells(mesh.num_nodes, 0);
   for (std::size_t c = 0; c < mesh.cell_nodes.size(); ++c) {
     const int cell = static_cast<int>(c);
-    if (cc.cut_of_active[cell] >= 0 || has_contact[c]) continue;
+    if (cc.cut_of_active[cell] >= 0 || !contacts[cell].empty()) continue;
     for (const int corner : mesh.cell_nodes[cell])
       full_cells[corner - mesh.first_node] += cc.level(cell) == level_of(mesh, corner - mesh.first_node);
   }

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "core/base/cell_lists.hpp"
 #include "recovery/patch/patches.hpp"
 
 namespace cgcontact {
@@ -36,7 +37,7 @@ class InteriorFit {
 };
 
 /// The nodes of a body that InteriorFit does not know: those of other patches, of cells with contact, and constrained
-/// ones with their masters. has_contact: marks cells.
-Subset nodes_beside_interior(const BodyMesh& mesh, const std::vector<char>& has_contact);
+/// ones with their masters. contacts: what touches each cell.
+Subset nodes_beside_interior(const BodyMesh& mesh, const CellLists& contacts);
 
 }  // namespace cgcontact

@@ -9,7 +9,8 @@
 
 namespace cgcontact {
 
-/// Input of one body; `field` holds the unconstrained fit of all nodes on entry, the constrained one on return.
+/// Input of one body; `field` holds the unconstrained fit of the nodes that it stores on entry, the constrained one on
+/// return.
 struct RecoveryBody {
   const BodyMesh* mesh;
   const PatchSet* patches;

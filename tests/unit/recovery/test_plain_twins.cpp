@@ -125,14 +125,13 @@ TEST(PlainTwins, PatchFits) {
 /// estimate from them against that from a field that stores all.
 TEST(PlainTwins, InteriorFit) {
   const Case c;
-  std::vector<char> has_contact(c.cells.size(), 0);
-  has_contact[c.cells.size() / 2] = 1;
-  const Subset beside = nodes_beside_interior(c.mesh, has_contact);
+  const int touched = c.cells.size() / 2;
+  const Subset beside = nodes_beside_interior(c.mesh, CellLists(c.cells.size(), {touched}));
   const InteriorFit plain(c.mesh, c.u, false);
   std::vector<int> inside;
   for (int n = 0; n < c.mesh.num_nodes; ++n) {
     bool contact = false;
-    for (int p = c.patches.begin[n]; p < c.patches.begin[n + 1]; ++p) contact |= has_contact[c.patches.cells[p]] != 0;
+    for (int p = c.patches.begin[n]; p < c.patches.begin[n + 1]; ++p) contact |= c.patches.cells[p] == touched;
     EXPECT_EQ(beside.row(n) < 0, c.patches.full[n] && !contact);
     if (beside.row(n) >= 0) continue;
     inside.push_back(n);

@@ -202,7 +202,7 @@ TEST_P(Refined, InteriorFit) {
   const Body b(refined(GetParam()));
   const RealView u = b.consistent(test::random_vector(b.system.num_dofs(), 5));
   recover_all(b.mesh, b.patches, u, b.field);
-  const Subset beside = nodes_beside_interior(b.mesh, std::vector<char>(b.cc.cells.size(), 0));
+  const Subset beside = nodes_beside_interior(b.mesh, CellLists());
   const InteriorFit fit(b.mesh, u, false);
   std::array<int, 2> inside{0, 0};  // with large cells, with small ones
   for (int n = 0; n < b.mesh.num_nodes; ++n) {
