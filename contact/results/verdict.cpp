@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "contact/results/missed_contact.hpp"
+#include "contact/results/pressure_jumps.hpp"
 #include "contact/results/thickness_at_contact.hpp"
 #include "contact/results/zone_width.hpp"
 
@@ -19,6 +20,7 @@ struct Judged {
   Verdict::Pair pair;
   double force = 0;  // N, or the largest pressure on the whole zone
   const MissedOverlap* missed = nullptr;
+  const PressureJump* jump = nullptr;
   int thin_body = -1;    // thinner than its cells where it touches, or -1
   double thickness = 0;  // of that body, its cells
 };
@@ -38,7 +40,7 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
 }
 
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
-                                const std::vector<MissedOverlap>& missed) {
+                                const std::vector<MissedOverlap>& missed, const std::vector<PressureJump>& jumps) {
   const std::vector<ZoneWidth> widths = zone_widths(state);
   std::vector<Judged> judged;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
@@ -55,6 +57,12 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       if (j.pair.state == State::not_resolved)
         j.pair.cell_size_needed = widths[p].cell * *widths[p].cells / state.scene.results.wanted_cells_across;
       judge_thickness(state, state.pairs[p], j);
+    }
+    for (const PressureJump& jump : jumps) {
+      if (jump.pair != static_cast<int>(p) || j.pair.state != State::resolved) continue;
+      j.jump = &jump;
+      j.pair.state = State::not_resolved;
+      j.pair.cell_size_needed = jump.cell / 2;
     }
     for (const MissedOverlap& overlap : missed) {
       if (overlap.pair != static_cast<int>(p)) continue;
@@ -82,6 +90,13 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
         "body \"{}\" is {:.2g} cells thick at the contact \"{}\": bending, and with it forces and pressures, is not "
         "resolved; cells of {:.2g} m or less are needed in it",
         state.scene.bodies[j.thin_body].name, j.thickness, j.pair.name, *j.pair.cell_size_needed);
+  if (j.jump)
+    return fmt::format(
+        "the recovered pressure of \"{}\" is {:.3g} Pa at ({:.4g}, {:.4g}, {:.4g}) m, where the finite element stress "
+        "and plain SPR have {:.3g} to {:.3g} Pa around: it cannot be relied on there; cells of {:.2g} m or less are "
+        "needed",
+        j.pair.name, j.jump->pressure, j.jump->x[0], j.jump->x[1], j.jump->x[2], j.jump->around_least,
+        j.jump->around_most, *j.pair.cell_size_needed);
   return fmt::format(
       "the contact zone of \"{}\" is {:.2g} cells across: its pressure, area and error estimates cannot be relied on; "
       "cells of {:.2g} m or less in both bodies are needed",
@@ -110,7 +125,12 @@ double pressing_force(const PairFigures& figures) {
 Verdict judge(const SolvedState& state, const Results& results) {
   Verdict verdict;
   const std::vector<MissedOverlap> missed = missed_overlaps(state, results);
-  const std::vector<Judged> pairs = judge_pairs(state, results, missed);
+  std::vector<double> max_pressures;
+  for (const PairFigures& pair : results.pairs) max_pressures.push_back(pair.bonded ? 0 : pair.max_pressure);
+  const std::vector<PressureJump> jumps = state.scene.recovery.spr_c
+                                              ? pressure_jumps(results.contact_rows, max_pressures, state.scene.results)
+                                              : std::vector<PressureJump>();
+  const std::vector<Judged> pairs = judge_pairs(state, results, missed, jumps);
   double largest = 0;
   for (const Judged& j : pairs) {
     verdict.pairs.push_back(j.pair);

@@ -1,6 +1,8 @@
 #include "recovery/constrained/boundary_pieces.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/base/parallel.hpp"
@@ -42,12 +44,23 @@ std::array<Eigen::Vector2d, count> points_on_circle(double radius) {
   return points;
 }
 
+/// Width (grid coordinates) of what rounding leaves of a face that another one touches tangentially, such as the bottom
+/// of the box that cuts a quarter out of a ball: where a circle of the body's size D is within its rounding of its
+/// tangent, sqrt(8 D (10 eps D)). Such a strip is no face.
+double width_of_rounding(const Solid& solid) {
+  Vec3 min, max;
+  if (!solid.bounding_box(min, max)) return 0;
+  return std::sqrt(80 * std::numeric_limits<double>::epsilon()) * (max - min).norm();
+}
+
 Vec3 project(const Surface& surface, const Vec3& x) { return x - surface.signed_distance(x) * surface.gradient(x); }
 
 }  // namespace
 
 BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary)
-    : cut_cells_(cut_cells), middle_(middle_of(cut_cells.solid)) {
+    : cut_cells_(cut_cells),
+      middle_(middle_of(cut_cells.solid)),
+      width_of_rounding_(width_of_rounding(cut_cells.solid)) {
   const std::vector<int>&cell = cut_cells.boundary.cell, &active = cut_cells.active_of_cut;  // ascending, both
   std::vector<std::vector<Piece>> chunks(num_chunks(active.size(), grain));
   begin_.assign(active.size() + 1, 0);
@@ -213,6 +226,9 @@ void BoundaryPieces::groups(const int* cells, int num_cells, int degree, std::ve
         wholes.insert(whole, part);
     }
   }
+  wholes.erase(std::remove_if(wholes.begin(), wholes.end(),
+                              [&](const Piece& piece) { return piece.area < width_of_rounding_ * unit; }),
+               wholes.end());
   join_small(wholes);
   Vec3 middle_of_patch = Vec3::Zero();  // not of the pieces: declared faces cut these
   for (int c = 0; c < num_cells; ++c) middle_of_patch += middle_of_cell(cut_cells_, cells[c]) / num_cells;

@@ -30,7 +30,8 @@ class BoundaryPieces {
  public:
   BoundaryPieces(const CutCells& cut_cells, const BoundaryData& boundary);
 
-  /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair; points for polynomials
+  /// Groups of the boundary pieces inside the cells of a patch, by surface, condition and pair, without those that
+  /// rounding leaves of tangent faces; points for polynomials
   /// of the given degree (0: one point each), which a patch with cells of size `unit` can tell apart. Of more than 12
   /// pieces those with less than an eighth of the area are joined by direction (60 degrees) into mean planes, whose
   /// `surface` is that of the largest piece.
@@ -57,7 +58,8 @@ class BoundaryPieces {
                     ConstraintGroup& group) const;
 
   const CutCells& cut_cells_;
-  const Vec3 middle_;       ///< of the body, grid coordinates
+  const Vec3 middle_;  ///< of the body, grid coordinates
+  const double width_of_rounding_;
   std::vector<int> begin_;  ///< cut cell -> first piece, and the end
   std::vector<Piece> pieces_;
 };

@@ -372,11 +372,13 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
                          problem.edge[1], problem.factor, problem.fit[1]);
   }
 
-  const auto closed_on_surface = [&](int surface) {
+  // Area on the side that a group lies on, where a pair is closed.
+  const auto closed_beside = [&](const ConstraintGroup& group) {
     double area = 0;
-    for (const ConstraintGroup& group : groups) {
-      const PairState* state = find_state(states, group.pair);
-      if (group.surface == surface && state && mode_of(*state) != ContactMode::open) area += group.area;
+    for (const ConstraintGroup& other : groups) {
+      const PairState* state = find_state(states, other.pair);
+      if (other.normal[0].dot(group.normal[0]) >= same_face && state && mode_of(*state) != ContactMode::open)
+        area += other.area;
     }
     return area;
   };
@@ -401,7 +403,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     if (group.pair < 0 && !condition.traction && !condition.is_support() &&
         bonded > options_.closed_fraction * (bonded + group.area))
       continue;
-    const double closed_part = closed_on_surface(group.surface);
+    const double closed_part = closed_beside(group);
     // Where the pair is closed in the patch (or its edge runs through it), but on another side of the body.
     const bool elsewhere =
         state && mode_of(*state) != ContactMode::open && !has_closed_points(group, cells, num_cells) &&

@@ -1,0 +1,85 @@
+/// Holes and spikes in the recovered pressure that no error in the mean tells of (docs/recovery.md, "Error figures").
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "contact/results/pressure_jumps.hpp"
+
+namespace cgcontact {
+namespace {
+
+constexpr double p0 = 2e9, a = 1e-3, h = 1e-4;
+const ResultOptions options;
+
+/// Hertz's zone on a plane, ten cells over its radius, nine rows in every cell; all three pressures alike.
+std::vector<ContactRow> round_zone() {
+  std::vector<ContactRow> rows;
+  for (double x = -1.5 * a + h / 6; x < 1.5 * a; x += h / 3)
+    for (double y = -1.5 * a + h / 6; y < 1.5 * a; y += h / 3) {
+      ContactRow row;
+      row.x = Vec3(x, y, 0);
+      row.larger_cell = h;
+      row.weight = h * h / 9;
+      row.pressure_sprc = p0 * std::sqrt(std::max(0.0, 1 - row.x.squaredNorm() / (a * a)));
+      row.pressure_raw = row.pressure_spr = row.pressure_sprc;
+      row.active = row.touching = row.pressure_sprc > 0;
+      rows.push_back(row);
+    }
+  return rows;
+}
+
+/// Multiplies the recovered pressure of the rows within a cell of a place.
+void change_near(std::vector<ContactRow>& rows, const Vec3& x, double factor) {
+  for (ContactRow& row : rows)
+    if ((row.x - x).norm() < h) row.pressure_sprc *= factor;
+}
+
+TEST(PressureJumps, NoneWhereThePressuresAgree) { EXPECT_TRUE(pressure_jumps(round_zone(), {p0}, options).empty()); }
+
+TEST(PressureJumps, FindsAHoleAndItsPlace) {
+  std::vector<ContactRow> rows = round_zone();
+  const Vec3 place(2 * h, -h, 0);
+  change_near(rows, place, 0.6);
+  const std::vector<PressureJump> jumps = pressure_jumps(rows, {p0}, options);
+  ASSERT_EQ(jumps.size(), 1u);
+  EXPECT_LE((jumps[0].x - place).norm(), h);
+  EXPECT_NEAR(jumps[0].pressure, 0.6 * p0, 0.03 * p0);  // the zone falls by 3 % within three cells of its middle
+  EXPECT_GT(jumps[0].around_least, 0.9 * p0);
+}
+
+TEST(PressureJumps, FindsASpike) {
+  std::vector<ContactRow> rows = round_zone();
+  change_near(rows, Vec3::Zero(), 1.2);
+  EXPECT_EQ(pressure_jumps(rows, {1.2 * p0}, options).size(), 1u);
+}
+
+// Where the finite element stress and plain SPR are unsure by as much themselves, nothing tells which one is right.
+TEST(PressureJumps, LeavesPlacesAloneWhereTheOthersDisagree) {
+  std::vector<ContactRow> rows = round_zone();
+  change_near(rows, Vec3::Zero(), 0.6);
+  for (ContactRow& row : rows) row.pressure_raw *= row.x.norm() < 3 * h ? 1.5 : 1;
+  EXPECT_TRUE(pressure_jumps(rows, {p0}, options).empty());
+}
+
+// The square root at the end of the zone is what SPR-C is for.
+TEST(PressureJumps, LeavesTheEdgeAlone) {
+  std::vector<ContactRow> rows = round_zone();
+  change_near(rows, Vec3(a - h / 2, 0, 0), 3.0);
+  EXPECT_TRUE(pressure_jumps(rows, {p0}, options).empty());
+}
+
+TEST(PressureJumps, KeepsPairsAndBodiesApart) {
+  std::vector<ContactRow> rows = round_zone(), others = round_zone();
+  for (ContactRow& row : others) {
+    row.pair = 1;
+    row.pressure_raw = row.pressure_spr = row.pressure_sprc = row.pressure_sprc / 4;
+  }
+  rows.insert(rows.end(), others.begin(), others.end());
+  EXPECT_TRUE(pressure_jumps(rows, {p0, p0 / 4}, options).empty());
+  change_near(rows, Vec3::Zero(), 0.5);
+  EXPECT_EQ(pressure_jumps(rows, {p0, p0 / 4}, options).size(), 2u);
+}
+
+}  // namespace
+}  // namespace cgcontact
