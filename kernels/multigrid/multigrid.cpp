@@ -6,6 +6,7 @@
 
 #include "core/base/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
+#include "kernels/mesh/dot.hpp"
 #include "kernels/multigrid/coarsen.hpp"
 #include "kernels/multigrid/rank_levels.hpp"
 #include "kernels/multigrid/smoother.hpp"
@@ -23,25 +24,6 @@ using LevelVector = Kokkos::View<Real*, MemSpace>;
 /// and an estimate that is 20 % low took twice the iterations.
 constexpr int lanczos_steps = 10;
 constexpr double eigenvalue_margin = 1.1;
-
-double dot(const ExecSpace& exec, const LevelVector& x, const LevelVector& y) {
-  constexpr int block = 4096, lanes = 16;  // independent sums: one would wait for the previous addition every time
-  const int n = static_cast<int>(x.extent(0));
-  double sum = 0;
-  Kokkos::parallel_reduce(
-      "cgcontact::multigrid::dot", Kokkos::RangePolicy<ExecSpace>(exec, 0, (n + block - 1) / block),
-      KOKKOS_LAMBDA(const int b, double& s) {
-        double part[lanes] = {};
-        const int end = n < (b + 1) * block ? n : (b + 1) * block;
-        int i = b * block;
-        for (; i + lanes <= end; i += lanes)
-          for (int l = 0; l < lanes; ++l) part[l] += static_cast<double>(x(i + l)) * y(i + l);
-        for (; i < end; ++i) s += static_cast<double>(x(i)) * y(i);
-        for (int l = 0; l < lanes; ++l) s += part[l];
-      },
-      sum);
-  return sum;
-}
 
 /// One grid of the hierarchy; the finest refers to the solver's own system.
 struct Level {
