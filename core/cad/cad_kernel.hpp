@@ -2,22 +2,28 @@
 /// CAD file: OpenCASCADE's libraries take time and memory at every start, and few scenes need them.
 #pragma once
 
+#include "core/base/packing.hpp"
 #include "core/cad/cad_model.hpp"
 
 namespace cgcontact {
 
-/// The functions of CadModel and read_cad that need OpenCASCADE.
+/// The functions of CadModel and read_cad that need OpenCASCADE, which may crash or never end on a damaged file: those
+/// that look at what a file holds are to be called in a child process (cad_loader.cpp). Solids and triangles come from
+/// there as bytes.
 struct CadKernel {
   double (*volume)(const CadModel& model);
   double (*area)(const CadModel& model);
   std::pair<Vec3, Vec3> (*box)(const CadModel& model);
-  double (*distance)(const CadModel& model, int face, const Vec3& x);
-  CurvedTriangles (*triangles)(const CadModel& model, double deflection);
+  std::vector<double> (*distances)(const CadModel& model, const std::vector<int>& faces, const Vec3& x);
+  void (*pack_triangles)(const CadModel& model, double deflection, Packing& packing);
+  CurvedTriangles (*unpack_triangles)(const CadModel& model, const std::vector<char>& bytes);
   CadModel (*combine)(CadModel::Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
                       const Similarity& place_b);
   CadModel (*inner_side)(const Surface& surface, const Vec3& centre, double radius);
   CadModel (*revolved)(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
   std::vector<CadSolid> (*read)(const std::string& file, const CadReading& reading);
+  void (*pack_solids)(const std::vector<CadSolid>& solids, Packing& packing);
+  std::vector<CadSolid> (*unpack_solids)(const std::vector<char>& bytes);
 };
 
 /// The name of the module's function that returns its kernel.

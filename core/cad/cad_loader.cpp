@@ -1,10 +1,16 @@
-/// Outside of the module with OpenCASCADE its functions are those of the module, loaded at the first call.
+/// Outside of the module with OpenCASCADE its functions are those of the module, loaded at the first call. Those that
+/// look at what comes from a file are called in child processes.
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 
+#include "core/base/child_work.hpp"
 #include "core/base/errors.hpp"
+#include "core/base/memory.hpp"
 #include "core/cad/cad_kernel.hpp"
 
 namespace cgcontact {
@@ -48,16 +54,66 @@ const CadKernel& kernel() {
   return loaded;
 }
 
+// OpenCASCADE reads, checks or divides some hundred faces a second into triangles; so many times slower is an error.
+constexpr double least_seconds = 30, seconds_per_face = 0.05;
+constexpr double least_bytes = 4e9, memory_per_face = 1e6;
+constexpr double bytes_per_face = 2500;  // of a STEP file
+
+ChildLimits limits_of(double faces) {
+  return {least_seconds + seconds_per_face * faces,
+          std::min(least_bytes + memory_per_face * faces, memory_budget().bytes)};
+}
+
+/// Loads the module here, not in the child.
+std::vector<char> guarded(const std::string& task, const ChildLimits& limits,
+                          const std::function<void(Packing&)>& work) {
+  kernel();
+  return in_child(task, limits, work);
+}
+
+/// A figure of a model, or several.
+template <class Measure>
+auto measured(const Measure& measure, const CadModel& model) {
+  auto result = decltype(measure()){};
+  const std::vector<char> bytes = guarded("OpenCASCADE cannot measure a solid", limits_of(model.faces().size()),
+                                          [&](Packing& packing) { packing.put(measure()); });
+  Unpacking(bytes).take(result);
+  return result;
+}
+
 }  // namespace
 
-double CadModel::volume() const { return kernel().volume(*this); }
-double CadModel::area() const { return kernel().area(*this); }
-std::pair<Vec3, Vec3> CadModel::box() const { return kernel().box(*this); }
-double CadModel::distance(int face, const Vec3& x) const { return kernel().distance(*this, face, x); }
-CurvedTriangles CadModel::triangles(double deflection) const { return kernel().triangles(*this, deflection); }
+double CadModel::volume() const {
+  return measured([&] { return kernel().volume(*this); }, *this);
+}
+double CadModel::area() const {
+  return measured([&] { return kernel().area(*this); }, *this);
+}
+std::pair<Vec3, Vec3> CadModel::box() const {
+  using Corners = Eigen::Matrix<double, 3, 2>;
+  const auto corners = [&] {
+    const auto [low, high] = kernel().box(*this);
+    return Corners((Corners() << low, high).finished());
+  };
+  const Corners box = measured(corners, *this);
+  return {box.col(0), box.col(1)};
+}
+std::vector<double> CadModel::distances(const std::vector<int>& faces, const Vec3& x) const {
+  return measured([&] { return kernel().distances(*this, faces, x); }, *this);
+}
+CurvedTriangles CadModel::triangles(double deflection) const {
+  const std::vector<char> bytes =
+      guarded("OpenCASCADE cannot divide the solid into triangles", limits_of(faces_.size()),
+              [&](Packing& packing) { kernel().pack_triangles(*this, deflection, packing); });
+  return kernel().unpack_triangles(*this, bytes);
+}
 CadModel CadModel::combine(Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
                            const Similarity& place_b) {
-  return kernel().combine(operation, a, place_a, b, place_b);
+  const std::vector<char> bytes = guarded(
+      "OpenCASCADE cannot combine the solids", limits_of(a.faces_.size() + b.faces_.size()), [&](Packing& packing) {
+        kernel().pack_solids({{"", kernel().combine(operation, a, place_a, b, place_b), "", ""}}, packing);
+      });
+  return kernel().unpack_solids(bytes).front().model;
 }
 CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double radius) {
   return kernel().inner_side(surface, centre, radius);
@@ -66,7 +122,16 @@ CadModel CadModel::revolved(const std::vector<ProfileEdge>& profile, const Profi
   return kernel().revolved(profile, frame);
 }
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading) {
-  return kernel().read(file, reading);
+  std::error_code missing;
+  const auto size = std::filesystem::is_regular_file(file, missing) ? std::filesystem::file_size(file, missing) : 0;
+  if (cad_format(file) == CadFormat::unknown)
+    throw InputError(file + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep)");
+  if (size == 0 || !std::ifstream(file))
+    throw InputError(file + (missing || size > 0 ? ": cannot be opened" : ": is empty or no file"));
+  const std::vector<char> bytes =
+      guarded(file + ": OpenCASCADE cannot read it", limits_of(static_cast<double>(size) / bytes_per_face),
+              [&](Packing& packing) { kernel().pack_solids(kernel().read(file, reading), packing); });
+  return kernel().unpack_solids(bytes);
 }
 
 }  // namespace cgcontact

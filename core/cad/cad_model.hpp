@@ -45,8 +45,8 @@ class CadModel {
   std::pair<Vec3, Vec3> box() const;
   /// The faces with these names, in their order.
   CadModel named(const std::vector<std::vector<std::string>>& names) const;
-  /// Distance of a point from a face, mm.
-  double distance(int face, const Vec3& x) const;
+  /// Distances of a point from faces, mm.
+  std::vector<double> distances(const std::vector<int>& faces, const Vec3& x) const;
 
   /// Triangles no farther than about `deflection` (mm) from the surface, closed. Throws InputError that names the face
   /// that could not be divided into triangles.
@@ -72,13 +72,16 @@ class CadModel {
 struct CadSolid {
   std::string name;  ///< unique in the file
   CadModel model;
-  std::string repair;  ///< "" or what was repaired on request
+  std::string repair;    ///< "" or what was repaired on request
+  std::string left_out;  ///< "" or what of the file is in no solid of it although it should be known of
 };
 
 struct CadReading {
   bool repair = false;
 };
 
+/// OpenCASCADE may crash on a damaged file or a solid from it, or never end: all that it does with them, here and in
+/// CadModel, it does in child processes with limits of time and memory; an InputError says how such a one ended.
 /// All solids of a .step, .stp, .iges, .igs or .brep file in the places that the assembly gives them, in mm (.brep: in
 /// its own units). Throws InputError: not to be read, none, open shells, invalid ones.
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading);

@@ -1,5 +1,6 @@
 /// The way into the module with OpenCASCADE.
 #include "core/cad/cad_kernel.hpp"
+#include "core/cad/cad_shape.hpp"
 
 extern "C" const cgcontact::CadKernel* cgcontact_cad_kernel() {
   using namespace cgcontact;
@@ -7,8 +8,9 @@ extern "C" const cgcontact::CadKernel* cgcontact_cad_kernel() {
       [](const CadModel& model) { return model.volume(); },
       [](const CadModel& model) { return model.area(); },
       [](const CadModel& model) { return model.box(); },
-      [](const CadModel& model, int face, const Vec3& x) { return model.distance(face, x); },
-      [](const CadModel& model, double deflection) { return model.triangles(deflection); },
+      [](const CadModel& model, const std::vector<int>& faces, const Vec3& x) { return model.distances(faces, x); },
+      pack_triangles,
+      unpack_triangles,
       [](CadModel::Operation operation, const CadModel& a, const Similarity& place_a, const CadModel& b,
          const Similarity& place_b) { return CadModel::combine(operation, a, place_a, b, place_b); },
       [](const Surface& surface, const Vec3& centre, double radius) {
@@ -17,6 +19,8 @@ extern "C" const cgcontact::CadKernel* cgcontact_cad_kernel() {
       [](const std::vector<ProfileEdge>& profile, const ProfileFrame& frame) {
         return CadModel::revolved(profile, frame);
       },
-      [](const std::string& file, const CadReading& reading) { return read_cad(file, reading); }};
+      [](const std::string& file, const CadReading& reading) { return read_cad(file, reading); },
+      pack_solids,
+      unpack_solids};
   return &kernel;
 }

@@ -2,29 +2,18 @@
 
 #include <BRepBuilderAPI_MakeSolid.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
-#include <BRepBuilderAPI_Transform.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepExtrema_DistShapeShape.hxx>
 #include <BRepGProp.hxx>
 #include <BRepLib.hxx>
-#include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
-#include <IGESCAFControl_Reader.hxx>
-#include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
 #include <Message_Printer.hxx>
-#include <Quantity_Color.hxx>
-#include <STEPCAFControl_Reader.hxx>
 #include <ShapeFix_Shape.hxx>
-#include <ShapeFix_Solid.hxx>
 #include <Standard_Failure.hxx>
-#include <TDF_ChildIterator.hxx>
-#include <TDF_LabelSequence.hxx>
-#include <TDataStd_Name.hxx>
-#include <TDocStd_Document.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
@@ -34,19 +23,15 @@
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shell.hxx>
 #include <TopoDS_Solid.hxx>
-#include <XCAFApp_Application.hxx>
-#include <XCAFDoc_ColorTool.hxx>
-#include <XCAFDoc_DocumentTool.hxx>
-#include <XCAFDoc_ShapeTool.hxx>
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <set>
 
 #include "core/base/errors.hpp"
+#include "core/cad/cad_formats.hpp"
 #include "core/cad/cad_shape.hpp"
 
 namespace cgcontact {
@@ -61,155 +46,6 @@ void be_quiet() {
     for (Message_SequenceOfPrinters::Iterator i(printers); i.More(); i.Next())
       Message::DefaultMessenger()->RemovePrinter(i.Value());
   });
-}
-
-/// A solid or what is to become one, with what the file says of it.
-struct Found {
-  std::string name;
-  TopoDS_Shape shape;
-  std::vector<std::pair<TopoDS_Face, std::string>> face_names;
-  std::vector<std::pair<TopoDS_Face, std::array<int, 3>>> colours;
-};
-
-std::string name_of(const TDF_Label& label) {
-  Handle(TDataStd_Name) name;
-  if (!label.FindAttribute(TDataStd_Name::GetID(), name)) return "";
-  const TCollection_ExtendedString& text = name->Get();
-  std::string result(static_cast<std::size_t>(text.LengthOfCString()) + 1, '\0');
-  Standard_PCharacter bytes = result.data();
-  result.resize(static_cast<std::size_t>(text.ToUTF8CString(bytes)));
-  while (!result.empty() && result.back() == '\0') result.pop_back();
-  return printable(result);
-}
-
-/// Exporters write these where a user gave no name.
-bool is_no_name(const std::string& name) {
-  std::string upper = name;
-  std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
-  return upper.empty() || upper.rfind("OPEN CASCADE STEP TRANSLATOR", 0) == 0 || upper == "NONE" ||
-         upper == "ADVANCED_FACE" || upper == "FACE" || upper == "SOLID";
-}
-
-class Document {
- public:
-  Document() {
-    XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document_);
-    shapes_ = XCAFDoc_DocumentTool::ShapeTool(document_->Main());
-    colours_ = XCAFDoc_DocumentTool::ColorTool(document_->Main());
-  }
-  ~Document() { XCAFApp_Application::GetApplication()->Close(document_); }
-  Document(const Document&) = delete;
-  Document& operator=(const Document&) = delete;
-
-  Handle(TDocStd_Document) & document() { return document_; }
-
-  std::vector<Found> parts() {
-    TDF_LabelSequence roots;
-    shapes_->GetFreeShapes(roots);
-    for (int i = 1; i <= roots.Length(); ++i) walk(roots.Value(i), TopLoc_Location(), "");
-    return std::move(parts_);
-  }
-
- private:
-  void walk(const TDF_Label& label, const TopLoc_Location& place, const std::string& instance) {
-    TDF_Label referred;
-    if (XCAFDoc_ShapeTool::GetReferredShape(label, referred)) {
-      walk(referred, place * XCAFDoc_ShapeTool::GetLocation(label), name_of(label));
-      return;
-    }
-    if (XCAFDoc_ShapeTool::IsAssembly(label)) {
-      TDF_LabelSequence components;
-      XCAFDoc_ShapeTool::GetComponents(label, components);
-      for (int i = 1; i <= components.Length(); ++i) walk(components.Value(i), place, "");
-      return;
-    }
-    const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(label);
-    std::string product = name_of(label);
-    if (is_no_name(product)) product = instance;
-    std::vector<TopoDS_Shape> bodies;
-    for (TopExp_Explorer i(shape, TopAbs_SOLID); i.More(); i.Next()) bodies.push_back(i.Current());
-    if (bodies.empty()) bodies.push_back(shape);
-    for (const TopoDS_Shape& body : bodies) {
-      Found found;
-      found.name = product;
-      found.shape = body.Moved(place);
-      TDF_Label own;
-      std::optional<std::array<int, 3>> colour_of_solid = colour(label);
-      if (bodies.size() > 1 && shapes_->FindSubShape(label, body, own)) {
-        const std::string name = name_of(own);
-        if (!is_no_name(name)) found.name = name;
-        if (const auto given = colour(own)) colour_of_solid = given;
-      }
-      for (TopExp_Explorer i(body, TopAbs_FACE); i.More(); i.Next()) {
-        const TopoDS_Face face = TopoDS::Face(i.Current());
-        TDF_Label of_face;
-        std::optional<std::array<int, 3>> given;
-        if (shapes_->FindSubShape(label, face, of_face)) {
-          const std::string name = name_of(of_face);
-          if (!is_no_name(name)) found.face_names.emplace_back(TopoDS::Face(face.Moved(place)), name);
-          given = colour(of_face);
-        }
-        if (!given) given = colour_of_solid;
-        if (given) found.colours.emplace_back(TopoDS::Face(face.Moved(place)), *given);
-      }
-      parts_.push_back(std::move(found));
-    }
-  }
-
-  std::optional<std::array<int, 3>> colour(const TDF_Label& label) const {
-    Quantity_Color value;
-    if (!colours_->GetColor(label, XCAFDoc_ColorSurf, value) && !colours_->GetColor(label, XCAFDoc_ColorGen, value))
-      return std::nullopt;
-    double red = 0, green = 0, blue = 0;
-    value.Values(red, green, blue, Quantity_TOC_sRGB);
-    const auto byte = [](double x) { return static_cast<int>(std::lround(255 * x)); };
-    return std::array<int, 3>{byte(red), byte(green), byte(blue)};
-  }
-
-  Handle(TDocStd_Document) document_;
-  Handle(XCAFDoc_ShapeTool) shapes_;
-  Handle(XCAFDoc_ColorTool) colours_;
-  std::vector<Found> parts_;
-};
-
-std::vector<Found> read_step(const std::string& file) {
-  Document document;
-  STEPCAFControl_Reader reader;
-  // After the reader is made: its constructor sets all of these to what they are by default.
-  Interface_Static::SetIVal("read.stepcaf.subshapes.name", 1);
-  reader.SetNameMode(true);
-  reader.SetColorMode(true);
-  if (reader.ReadFile(file.c_str()) != IFSelect_RetDone)
-    throw InputError(file + ": is not a STEP file that can be read (allowed: ISO 10303-21 text, AP203, AP214, AP242)");
-  if (!reader.Transfer(document.document())) throw InputError(file + ": no shape of it can be read");
-  return document.parts();
-}
-
-std::vector<Found> read_iges(const std::string& file) {
-  Document document;
-  IGESCAFControl_Reader reader;
-  reader.SetNameMode(true);
-  reader.SetColorMode(true);
-  if (reader.ReadFile(file.c_str()) != IFSelect_RetDone)
-    throw InputError(file + ": is not an IGES file that can be read");
-  if (!reader.Transfer(document.document())) throw InputError(file + ": no shape of it can be read");
-  return document.parts();
-}
-
-std::vector<Found> read_brep(const std::string& file) {
-  TopoDS_Shape shape;
-  BRep_Builder builder;
-  if (!BRepTools::Read(shape, file.c_str(), builder) || shape.IsNull())
-    throw InputError(file + ": is not a BREP file that can be read");
-  std::vector<Found> parts;
-  const auto add = [&](const TopoDS_Shape& part) {
-    Found found;
-    found.shape = part;
-    parts.push_back(found);
-  };
-  for (TopExp_Explorer i(shape, TopAbs_SOLID); i.More(); i.Next()) add(i.Current());
-  if (parts.empty()) add(shape);
-  return parts;
 }
 
 /// Names that can stand in a scene and are all different.
@@ -310,7 +146,8 @@ double diagonal(const TopoDS_Shape& shape) {
 /// The parts of the file as solids.
 class SolidMaker {
  public:
-  SolidMaker(const std::string& file, bool loose, bool repair) : file_(file), loose_(loose), repair_(repair) {}
+  SolidMaker(const std::string& file, const Remarks& remarks, bool loose, bool repair)
+      : file_(file), remarks_(remarks), loose_(loose), repair_(repair) {}
 
   void add(const Found& found) {
     if (found.shape.ShapeType() == TopAbs_SOLID) return finish(found, found.shape, "");
@@ -322,7 +159,9 @@ class SolidMaker {
   std::vector<CadSolid> take() {
     if (solids_.empty() && loose_faces_.any) close_loose_faces();
     if (solids_.empty())
-      throw InputError(file_ + ": there is no solid in it (allowed: a file with at least one solid)");
+      throw InputError(
+          file_ + ": there is no solid in it" +
+          (remarks_.other_files.empty() ? " (allowed: a file with at least one solid)" : remarks_.where_else()));
     return std::move(solids_);
   }
 
@@ -402,7 +241,7 @@ class SolidMaker {
     for (const auto& [face, colour] : found.colours)
       if (const int f = number(face); f > 0) faces[f - 1].colour = colour;
     auto shape = std::make_shared<CadModel::Shape>(model.shape());
-    solids_.push_back({name, CadModel(shape, faces), repaired});
+    solids_.push_back({name, CadModel(shape, faces), repaired, remarks_.left_out});
   }
 
   /// The first face that BRepCheck finds fault with.
@@ -438,6 +277,7 @@ class SolidMaker {
   }
 
   std::string file_;
+  Remarks remarks_;
   bool loose_, repair_;
   LooseFaces loose_faces_;
   std::vector<CadSolid> solids_;
@@ -448,15 +288,13 @@ class SolidMaker {
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading) {
   be_quiet();
   const CadFormat format = cad_format(file);
-  if (format == CadFormat::unknown)
-    throw InputError(file + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep)");
-  if (!std::ifstream(file)) throw InputError(file + ": cannot be opened");
+  Remarks remarks;
   try {
-    std::vector<Found> parts = format == CadFormat::step   ? read_step(file)
+    std::vector<Found> parts = format == CadFormat::step   ? read_step(file, remarks)
                                : format == CadFormat::iges ? read_iges(file)
                                                            : read_brep(file);
     make_names_unique(file, parts);
-    SolidMaker maker(file, format == CadFormat::iges, reading.repair);
+    SolidMaker maker(file, remarks, format == CadFormat::iges, reading.repair);
     for (const Found& part : parts) maker.add(part);
     return maker.take();
   } catch (const Standard_Failure& failure) {

@@ -4,6 +4,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS_Shape.hxx>
 
+#include "core/base/packing.hpp"
 #include "core/cad/cad_model.hpp"
 
 namespace cgcontact {
@@ -15,6 +16,14 @@ struct CadModel::Shape {
 
 /// The faces of a shape with what can be told from their geometry; names and colours are empty.
 CadModel make_cad_model(const TopoDS_Shape& solid);
+
+/// Solids as bytes, and back: the same shapes, faces in the same order.
+void pack_solids(const std::vector<CadSolid>& solids, Packing& packing);
+std::vector<CadSolid> unpack_solids(const std::vector<char>& bytes);
+
+/// CadModel::triangles as bytes, and back; surfaces and curves are those of the model.
+void pack_triangles(const CadModel& model, double deflection, Packing& packing);
+CurvedTriangles unpack_triangles(const CadModel& model, const std::vector<char>& bytes);
 
 /// "face 7 (cylinder of radius 5 mm) at (x, y, z) mm".
 std::string cad_face_text(const CadFace& face, int number);

@@ -106,8 +106,12 @@ class FaceSelector {
     if (numbers.empty()) node_.fail("selects no face of the solid", "faces that meet all selectors given");
     if (!nearest) return numbers;
     const Vec3 x = nearest->vector("m") / scale_;
-    return {*std::min_element(numbers.begin(), numbers.end(),
-                              [&](int a, int b) { return model_.distance(a, x) < model_.distance(b, x); })};
+    try {
+      const std::vector<double> distances = model_.distances(numbers, x);
+      return {numbers[std::min_element(distances.begin(), distances.end()) - distances.begin()]};
+    } catch (const InputError& error) {
+      nearest->fail(error.what());
+    }
   }
 
  private:
@@ -263,22 +267,24 @@ CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const T
   const CadSolid& chosen = choose_solid(node, file_node, *solids);
   CadShape shape;
   const CadModel model = name_cad_faces(node, name, chosen.model, scale, shape.faces);
-  const auto [low, high] = model.box();
-  const Vec3 extent = scale * (high - low);
+  Vec3 extent;
   try {
+    const auto [low, high] = model.box();
+    extent = scale * (high - low);
     shape.solid = Solid(std::make_shared<CadBody>(model, scale, cell_size_for_cad(body, extent.maxCoeff())));
+    shape.note =
+        fmt::format("{}: solid \"{}\", {} faces, {:.4g} x {:.4g} x {:.4g} m, volume {:.6g} m^3, area {:.6g} m^2", given,
+                    chosen.name, model.faces().size(), extent[0], extent[1], extent[2],
+                    model.volume() * scale * scale * scale, model.area() * scale * scale);
   } catch (const InputError& error) {
     file_node.fail(error.what());
   }
-  shape.note = fmt::format("{}: solid \"{}\", {} faces, {:.4g} x {:.4g} x {:.4g} m, volume {:.6g} m^3, area {:.6g} m^2",
-                           given, chosen.name, model.faces().size(), extent[0], extent[1], extent[2],
-                           model.volume() * scale * scale * scale, model.area() * scale * scale);
   if (!chosen.repair.empty()) {
     shape.note += "; repaired on request: " + chosen.repair;
     shape.warnings.push_back(shape.note);
   }
-  const std::string doubt = doubtful_unit(extent);
-  if (!doubt.empty()) shape.warnings.push_back(given + ": " + doubt);
+  for (const std::string& doubt : {chosen.left_out, doubtful_unit(extent)})
+    if (!doubt.empty()) shape.warnings.push_back(given + ": " + doubt);
   return shape;
 }
 

@@ -7,6 +7,7 @@
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
+#include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepBuilderAPI_Transform.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepOffsetAPI_ThruSections.hxx>
@@ -261,6 +262,26 @@ void write_assembly(const std::string& folder) {
   XCAFApp_Application::GetApplication()->Close(document);
 }
 
+/// Shapes whose faces are all B-splines, as some exporters write them: a plate on a block, skew, and a pin that fills a
+/// bore.
+void write_splines(const std::string& folder) {
+  const auto both = [](const TopoDS_Shape& a, const TopoDS_Shape& b) {
+    TopoDS_Compound compound;
+    BRep_Builder builder;
+    builder.MakeCompound(compound);
+    for (const TopoDS_Shape& shape : {a, b}) builder.Add(compound, BRepBuilderAPI_NurbsConvert(shape, true).Shape());
+    return compound;
+  };
+  const TopoDS_Shape pin = BRepPrimAPI_MakeCylinder(5, 8).Shape();
+  const TopoDS_Shape block = BRepPrimAPI_MakeBox(gp_Pnt(-10, -12, 0), gp_Pnt(10, 12, 8)).Shape();
+  write_step(both(BRepAlgoAPI_Cut(block, pin).Shape(), pin), folder + "/spline_pin.step");
+  write_step(both(skew(BRepPrimAPI_MakeBox(gp_Pnt(0, 0, 0), gp_Pnt(20, 20, 10)).Shape()),
+                  skew(BRepPrimAPI_MakeBox(gp_Pnt(-5, -5, 10), gp_Pnt(25, 25, 13)).Shape())),
+             folder + "/spline_boxes.step");
+  write_step(both(skew(BRepPrimAPI_MakeCone(4, 2, 6).Shape()), BRepPrimAPI_MakeSphere(gp_Pnt(40, 0, 0), 3).Shape()),
+             folder + "/spline_cone_and_ball.step");
+}
+
 }  // namespace
 
 std::vector<CadPart> write_cad_parts(const std::string& folder) {
@@ -293,6 +314,7 @@ std::vector<CadPart> write_cad_parts(const std::string& folder) {
   add("shell_octant", quarter(shell(700, 1000), 1100, 1100), 0, 0);
   write_bearing(folder);
   write_broken(folder);
+  write_splines(folder);
   write_assembly(folder);  // last: it leaves the unit of its file to those after it
   return parts;
 }

@@ -1,0 +1,23 @@
+/// Work that may crash, never end or need all memory, done in a child process: here it can only fail.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/packing.hpp"
+
+namespace cgcontact {
+
+struct ChildLimits {
+  double seconds = 0;  ///< of the wall clock
+  double bytes = 0;    ///< of memory beyond what this process has
+};
+
+/// What the work has packed. The child is a copy of this process with one thread and without standard input and output:
+/// the work must take no lock that another thread may hold. Throws InputError: the one that the work has thrown, or
+/// `failure` ("... cannot ...") with how the child ended.
+std::vector<char> in_child(const std::string& failure, const ChildLimits& limits,
+                           const std::function<void(Packing&)>& work);
+
+}  // namespace cgcontact
