@@ -158,11 +158,14 @@ PartOutline outline_part(const std::string& file, double scale, bool repair) {
   const BodySurface read = read_body_surface(file, scale, repair);
   const TriangleSoup& soup = read.soup;
   const TriangleSurface surface = make_surface(soup, name_faces(soup, "part", {}), default_crease_angle);
+  return outline_surface(surface, describe_surface(file, read, surface.tree().max() - surface.tree().min()));
+}
+
+PartOutline outline_surface(const TriangleSurface& surface, const std::string& note) {
   PartOutline outline;
-  const Vec3 extent = surface.tree().max() - surface.tree().min();
   outline.volume = enclosed_volume(surface);
-  outline.note = describe_surface(file, read, extent);
-  outline.doubt = doubtful_unit(extent);
+  outline.note = note;
+  outline.doubt = doubtful_unit(surface.tree().max() - surface.tree().min());
   outline.parts = find_parts(surface);
   for (const SmoothPart& part : outline.parts) outline.area += part.area;
   find_ends(surface, outline);

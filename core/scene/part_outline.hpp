@@ -1,5 +1,5 @@
-/// A first look at a part that comes as a triangle surface: its size, what lies at its top and bottom, its smooth
-/// parts. `cgcontact init --stl` lays out a scene by it.
+/// A first look at a part that is bounded by triangles: its size, what lies at its top and bottom, its smooth parts.
+/// `cgcontact init` lays out a scene by it.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/types.hpp"
+#include "core/triangles/triangle_surface.hpp"
 
 namespace cgcontact {
 
@@ -56,5 +57,8 @@ struct PartOutline {
 /// at its top is turned such that its largest flat part is there, if it has one. scale: m per unit of the file. Throws
 /// InputError that names the file.
 PartOutline outline_part(const std::string& file, double scale, bool repair = false);
+
+/// The same of a surface (m) whose patches are its smooth parts; `note` says where it comes from.
+PartOutline outline_surface(const TriangleSurface& surface, const std::string& note);
 
 }  // namespace cgcontact

@@ -133,16 +133,7 @@ material = {{E = 210e9, nu = 0.3}}   # TODO Young's modulus (Pa) and Poisson's r
 
 [body.shape]
 name = "surface"
-{turn}
-# TODO name the faces you need: remove the "#" before a line and give the face a better name. It is then
-# "part.surface.face1" in supports, loads and contact. (Triangles in none of them make up the face "rest".)
-# These are the smooth parts of the surface, largest first; edges of more than 30 degrees divide them.
-[body.shape.mesh]
-file = {surface}
-unit = "{unit}"
-{repair}faces = [
-{faces}]
-
+{turn}{shape}
 [[body]]
 name = "plate"
 shape = {{name = "block", box = {{min = [{p0:.9g}, {p1:.9g}, {z:.9g}], max = [{q0:.9g}, {q1:.9g}, {q2:.9g}]}}}}   # TODO what touches the part
@@ -164,6 +155,17 @@ displacement = {{x = 0, y = 0, z = "-push"}}
 
 [[contact]]                        # TODO which faces may touch
 faces = ["part.top", "plate.block.z-"]
+)toml";
+
+const char* const mesh_shape = R"toml(
+# TODO name the faces you need: remove the "#" before a line and give the face a better name. It is then
+# "part.surface.face1" in supports, loads and contact. (Triangles in none of them make up the face "rest".)
+# These are the smooth parts of the surface, largest first; edges of more than 30 degrees divide them.
+[body.shape.mesh]
+file = {surface}
+unit = "{unit}"
+{repair}faces = [
+{faces}]
 )toml";
 
 /// Multiples of a power of ten that is small against `size`.
@@ -354,19 +356,46 @@ AccuracyLines lines_for_accuracy(const PartOutline& part) {
   return lines;
 }
 
+/// A part of a scene: where it comes from, how it looks, the lines that say its shape.
+struct Part {
+  std::string file, shape;
+  PartOutline outline;
+};
+
+/// A name of a file as the scene has it: from the folder of the scene.
+std::string seen_from(const std::string& scene, const std::string& file) {
+  if (fs::path(file).is_absolute()) return file;
+  return fs::absolute(file).lexically_proximate(fs::absolute(scene).parent_path()).string();
+}
+
+void check_names(const std::vector<std::string>& files) {
+  for (const std::string& name : files)
+    if (printable(name) != name)
+      throw InputError(
+          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
+                      "(allowed: another name)",
+                      name));
+}
+
+Part part_of_surface(const InitOptions& options, const std::string& scene) {
+  check_names({options.surface, scene});
+  Part part{options.surface, "", outline_part(options.surface, mesh_units().at(options.unit), options.repair)};
+  part.shape = fmt::format(mesh_shape, fmt::arg("surface", toml_string(seen_from(scene, options.surface))),
+                           fmt::arg("unit", options.unit), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
+                           fmt::arg("faces", face_lines(part.outline)));
+  return part;
+}
+
 /// A scene around a part with this many cells along its longest side (none: with [accuracy]), and what to tell of it.
 /// `state`: does it run?
-std::string scene_of_part(const InitOptions& options, const PartOutline& part, std::optional<double> cells,
-                          const std::string& file, const std::string& state, std::string& told) {
+std::string scene_of_part(const Part& given, std::optional<double> cells, const std::string& file,
+                          const std::string& state, std::string& told) {
+  const PartOutline& part = given.outline;
   const Layout layout = cells ? lay_out_cells(part, *cells) : lay_out(part);
   const AccuracyLines lines = cells ? lines_for_cells(layout, part) : lines_for_accuracy(part);
   const Vec3 extent = part.max - part.min;
-  const fs::path folder = fs::absolute(file).parent_path();
-  const std::string surface = fs::path(options.surface).is_absolute()
-                                  ? options.surface
-                                  : fs::absolute(options.surface).lexically_proximate(folder).string();
   told = part.note + "\n";
-  if (!part.doubt.empty()) told += fmt::format("warning: {}: {}\n", options.surface, part.doubt);
+  if (!part.doubt.empty()) told += fmt::format("warning: {}: {}\n", given.file, part.doubt);
   if (!part.turn.isIdentity())
     told += "the part ends in a tip or a sharp edge at its top (z+): it is turned (rotate)\n";
   if (layout.is_narrow)
@@ -382,44 +411,37 @@ std::string scene_of_part(const InitOptions& options, const PartOutline& part, s
                       part.parts.size(), part.parts.size() == 1 ? "" : "s");
   return fmt::format(
       part_scene, fmt::arg("note", part.note), fmt::arg("state", state), fmt::arg("file", comment_word(file)),
-      fmt::arg("turn", rotation_line(part.turn)), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
+      fmt::arg("turn", rotation_line(part.turn)), fmt::arg("shape", given.shape),
       fmt::arg("stem", comment_word(fs::path(file).stem().string())), fmt::arg("finer", lines.finer),
-      fmt::arg("title", toml_string(fs::path(options.surface).stem().string() + " under a plate")),
+      fmt::arg("title", toml_string(fs::path(given.file).stem().string() + " under a plate")),
       fmt::arg("accuracy", lines.accuracy), fmt::arg("h", lines.h), fmt::arg("part_cells", lines.part_cells),
       fmt::arg("plate_cells", lines.plate_cells), fmt::arg("push", layout.push),
       fmt::arg("bottom", end_selector(part, part.bottom, -1)), fmt::arg("top", end_selector(part, part.top, 1)),
-      fmt::arg("surface", toml_string(surface)), fmt::arg("unit", options.unit), fmt::arg("faces", face_lines(part)),
       fmt::arg("p0", layout.plate_min[0]), fmt::arg("p1", layout.plate_min[1]), fmt::arg("z", layout.plate_min[2]),
       fmt::arg("q0", layout.plate_max[0]), fmt::arg("q1", layout.plate_max[1]), fmt::arg("q2", layout.plate_max[2]));
 }
 
 /// With [accuracy], or, if that does not pass `find_fault` or cells are asked for, with cells of the first of several
 /// sizes that passes.
-std::string passing_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
-                          std::string& told) {
-  for (const std::string& name : {options.surface, file})
-    if (printable(name) != name)
-      throw InputError(
-          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
-                      "(allowed: another name)",
-                      name));
-  const PartOutline part = outline_part(options.surface, mesh_units().at(options.unit), options.repair);
+std::string passing_scene(const Part& given, std::optional<int> asked_cells, const std::string& file,
+                          const FindFault& find_fault, std::string& told) {
+  const PartOutline& part = given.outline;
   const auto fault_of = [&](const std::string& text) { return find_fault ? find_fault(text, file) : ""; };
   std::string first_fault, refused;
-  if (!options.cells) {
+  if (!asked_cells) {
     const Layout layout = lay_out(part);
     if (layout.is_long)
       refused = "cells of one size: the contact zone is long, small cells all along it cost too much\n";
     if (!layout.is_long && !layout.is_narrow) {
-      const std::string text = scene_of_part(options, part, std::nullopt, file, runs, told);
+      const std::string text = scene_of_part(given, std::nullopt, file, runs, told);
       first_fault = fault_of(text);
       if (first_fault.empty()) return text;
       refused = fmt::format("cells of one size: the scene with [accuracy] does not pass check: {}\n", first_fault);
     }
   }
-  const double cells = options.cells.value_or(default_cells);
+  const double cells = asked_cells.value_or(default_cells);
   for (const double factor : {1.0, 0.7, 1.4, 0.5, 2.0}) {
-    const std::string text = scene_of_part(options, part, cells * factor, file, runs, told);
+    const std::string text = scene_of_part(given, cells * factor, file, runs, told);
     const std::string fault = fault_of(text);
     if (fault.empty()) {
       told += refused;
@@ -427,19 +449,27 @@ std::string passing_scene(const InitOptions& options, const std::string& file, c
     }
     if (first_fault.empty()) first_fault = fault;
   }
-  const std::string text = scene_of_part(options, part, cells, file, "It does not run yet (see `check`):", told);
+  const std::string text = scene_of_part(given, cells, file, "It does not run yet (see `check`):", told);
   told += fmt::format("warning: the scene does not pass check yet: {}\n", first_fault);
   return text;
 }
 
-/// The scene of a CAD file: it is as it is, and does it run?
+/// A single solid lies under a plate as a surface does; several are as they are. Do they run?
 std::string cad_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
                       std::string& told) {
-  const std::string text = scene_of_cad_file(options, file, "It passes check as it is.", told);
+  check_names({options.cad, file});
+  const CadTemplate cad(options, seen_from(file, options.cad));
+  if (const auto single = cad.single()) {
+    const std::string text =
+        passing_scene({options.cad, single->shape, single->outline}, options.cells, file, find_fault, told);
+    told += cad.remarks();
+    return text;
+  }
+  const std::string text = cad.scene(file, "It passes check as it is.", told);
   const std::string fault = find_fault ? find_fault(text, file) : "";
   if (fault.empty()) return text;
   told = fmt::format("warning: the scene does not pass check yet: {}\n", fault);
-  return scene_of_cad_file(options, file, "It does not pass check yet.", told);
+  return cad.scene(file, "It does not pass check yet.", told);
 }
 
 void check_cad_options(const InitOptions& options) {
@@ -483,9 +513,10 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault) 
   expect_new(file);
   std::string told;
   const std::string name = comment_word(file), stem = comment_word(fs::path(file).stem().string());
-  const std::string text = from_cad       ? cad_scene(options, file, find_fault, told)
-                           : from_surface ? passing_scene(options, file, find_fault, told)
-                                          : fmt::format(example, name, stem);
+  const std::string text = from_cad ? cad_scene(options, file, find_fault, told)
+                           : from_surface
+                               ? passing_scene(part_of_surface(options, file), options.cells, file, find_fault, told)
+                               : fmt::format(example, name, stem);
   write_new_file(file, text);
   told += fmt::format("wrote {}\nNext:\n", file);
   if (from_surface || from_cad) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";
