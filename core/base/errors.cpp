@@ -15,6 +15,11 @@ std::string printable(const std::string& text, std::size_t longest) {
                                                  : 0;
     for (std::size_t i = 1; i < length; ++i)
       if (k + i >= text.size() || (static_cast<unsigned char>(text[k + i]) & 0xc0) != 0x80) length = 0;
+    // Longer than needed, a half of a pair of UTF-16, beyond the last letter.
+    if (const auto second = static_cast<unsigned char>(length > 2 ? text[k + 1] : 0);
+        length > 2 && ((c == 0xe0 && second < 0xa0) || (c == 0xed && second >= 0xa0) || (c == 0xf0 && second < 0x90) ||
+                       (c == 0xf4 && second >= 0x90)))
+      length = 0;
     if (result.size() + length > longest) return result + "...";
     const bool shown = length > 1 || (length == 1 && c >= ' ' && c != 0x7f);
     result += shown ? text.substr(k, length) : std::string(length == 1 ? " " : "?");

@@ -38,6 +38,7 @@ constexpr char32_t drawable[][2] = {{0x20, 0x7e},     {0xa0, 0x2e9},    {0x300, 
                                     {0x3a3, 0x525},   {0x1e00, 0x1efb}, {0x2010, 0x2027}, {0x2030, 0x205e},
                                     {0x2074, 0x208e}, {0x20a0, 0x20b5}, {0x2100, 0x2109}, {0x2150, 0x2185},
                                     {0x2190, 0x2311}, {0x2500, 0x269c}};
+constexpr std::size_t most_at_once = 32;        // runs of gnuplot
 constexpr char32_t instead_of_others = 0x25a1;  // a square
 
 bool is_drawable(char32_t letter) {
@@ -89,6 +90,22 @@ int spawn_gnuplot(const std::string& folder, const std::string& script, const st
   return error;
 }
 
+/// gnuplot's SVG is no XML where a text has "]]>" or one of the two letters that XML does not allow.
+void make_well_formed(const std::string& file) {
+  const std::string text = read_text(file);
+  std::string good;
+  std::size_t from = 0;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const bool end_of_data = text.compare(k, 3, "]]>") == 0;
+    const bool forbidden = text.compare(k, 3, "\xef\xbf\xbe") == 0 || text.compare(k, 3, "\xef\xbf\xbf") == 0;
+    if (!end_of_data && !forbidden) continue;
+    good += text.substr(from, k - from) + (end_of_data ? "]]&gt;" : utf8(instead_of_others));
+    from = k + 3;
+    k += 2;
+  }
+  if (from > 0) write_text(file, good + text.substr(from));
+}
+
 /// Did the child end well? It becomes 0 at the moment from which its number may be another process'.
 bool wait_for(pid_t& child) {
   siginfo_t info{};
@@ -104,7 +121,13 @@ bool wait_for(pid_t& child) {
 
 GnuplotRuns::GnuplotRuns(const std::string& directory) : directory_(directory), clean_up_([this] { kill_all(); }) {}
 
-GnuplotRuns::~GnuplotRuns() { finish(); }
+/// Of a run that an exception ends nobody asks how its pictures are.
+GnuplotRuns::~GnuplotRuns() {
+  try {
+    finish();
+  } catch (const InputError&) {
+  }
+}
 
 void GnuplotRuns::kill_all() {
   for (const Run& run : runs_)
@@ -120,6 +143,9 @@ void GnuplotRuns::warn(const std::string& warning) {
 void GnuplotRuns::start(const std::string& name, const std::string& script, const std::vector<std::string>& pictures) {
   const fs::path folder = fs::path(directory_) / "plots";
   write_text((folder / (name + ".gp")).string(), script);
+  if (runs_.size() >= most_at_once)
+    if (Run& earlier = runs_[runs_.size() - most_at_once]; earlier.child > 0)
+      earlier.ended_well = wait_for(earlier.child);
   int error = 0;
   uninterrupted([&] {
     pid_t child = 0;
@@ -137,12 +163,15 @@ void GnuplotRuns::start(const std::string& name, const std::string& script, cons
 
 const std::vector<std::string>& GnuplotRuns::finish() {
   for (Run& run : runs_) {
-    const bool ended_well = wait_for(run.child);
+    if (run.child > 0) run.ended_well = wait_for(run.child);
     for (const std::string& name : run.pictures) {
       const fs::path picture = fs::path(directory_) / name;
       std::error_code error;
       const bool drawn = fs::exists(picture, error) && fs::file_size(picture, error) > 0;
-      if (ended_well && drawn) continue;
+      if (run.ended_well && drawn) {
+        if (picture.extension() == ".svg") make_well_formed(picture.string());
+        continue;
+      }
       fs::remove(picture, error);
       warn(fmt::format("no {0}: gnuplot failed on plots/{1}.gp, its messages are in plots/{1}.log", name, run.name));
     }

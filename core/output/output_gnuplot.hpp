@@ -29,7 +29,8 @@ class GnuplotRuns {
   struct Run {
     std::string name;
     std::vector<std::string> pictures;
-    int child;  ///< 0: it has ended
+    int child;                ///< 0: it has ended
+    bool ended_well = false;  ///< once it has ended
   };
   void kill_all();
 
