@@ -25,6 +25,8 @@ constexpr int most_key_parts = 20;
 std::string read_file(const std::string& file) {
   const SourcePlace place{file, 0, ""};
   std::error_code error;
+  if (file.find('\0') != std::string::npos)
+    throw InputError(printable(file) + ": there is no such scene file: no file has a name with a zero byte");
   if (!std::filesystem::exists(file, error))
     throw InputError(place, "",
                      error ? "the scene file cannot be read: " + error.message() : "there is no such scene file");

@@ -13,7 +13,18 @@ namespace cgcontact {
 namespace {
 
 constexpr double pi = 3.14159265358979323846;
-constexpr int most_points = 100000;
+constexpr int most_points = 100000;                             // of a probe
+constexpr std::size_t most_points_of_all = 1000000;             // of all probes: each is looked for in every body
+constexpr std::size_t most_probes = 1000, most_sections = 100;  // each has a picture
+
+/// The elements of a list that the scene may have, not too many.
+std::vector<TomlCursor> few_elements(const TomlCursor& root, const std::string& key, std::size_t most) {
+  std::vector<TomlCursor> nodes = optional_elements(root, key);
+  if (nodes.size() > most)
+    root.at(key).fail(fmt::format("has {} of them, each with a picture of its own", nodes.size()),
+                      fmt::format("at most {} [[{}]]", most, key));
+  return nodes;
+}
 
 int read_count(const TomlCursor& node, int least) {
   return node.at("points", fmt::format("{} to {}", least, most_points)).integer(least, most_points);
@@ -120,8 +131,13 @@ ProbeSpec SceneReader::read_probe(const TomlCursor& node) const {
 
 void SceneReader::read_probes(const TomlCursor& root) {
   std::set<std::string> seen;
-  for (const TomlCursor& node : optional_elements(root, "probe")) {
+  std::size_t points = 0;
+  for (const TomlCursor& node : few_elements(root, "probe", most_probes)) {
     scene_.probes.push_back(read_probe(node));
+    points += scene_.probes.back().points.size();
+    if (points > most_points_of_all)
+      node.at("name").fail("with it the probes have more points than allowed",
+                           fmt::format("at most {} points of all probes together", most_points_of_all));
     check_unique(node.at("name"), scene_.probes.back().name, seen, "probe");
   }
 }
@@ -151,7 +167,7 @@ SectionSpec SceneReader::read_section(const TomlCursor& node) const {
 
 void SceneReader::read_sections(const TomlCursor& root) {
   std::set<std::string> seen;
-  for (const TomlCursor& node : optional_elements(root, "section")) {
+  for (const TomlCursor& node : few_elements(root, "section", most_sections)) {
     scene_.sections.push_back(read_section(node));
     check_unique(node.at("name"), scene_.sections.back().name, seen, "section");
   }

@@ -198,8 +198,11 @@ void check_unique(const TomlCursor& node, const std::string& name, std::set<std:
 }
 
 std::string read_name(const TomlCursor& node) {
-  const std::string allowed = "letters, digits, \"_\" and \"-\", not starting with a digit";
+  constexpr std::size_t longest = 100;  // files have names made of up to two of them: 255 bytes at most
+  const std::string allowed =
+      fmt::format("letters, digits, \"_\" and \"-\", not starting with a digit, at most {} characters", longest);
   const std::string name = node.string(allowed);
+  if (name.size() > longest) node.fail(fmt::format("has {} characters", name.size()), allowed);
   const bool good =
       std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-'; });
   if (!good || std::isdigit(static_cast<unsigned char>(name[0])) || name[0] == '-') node.fail("is not a name", allowed);

@@ -77,7 +77,8 @@ class TomlCursor {
   const SceneText* text_;
 };
 
-/// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit.
+/// A name for bodies, faces, contact pairs and shapes: letters, digits, "_" and "-", not starting with a digit; not too
+/// long for the names of files.
 std::string read_name(const TomlCursor& node);
 
 /// Throws if the name was there before; adds it.
