@@ -17,6 +17,7 @@
 #include "contact/check.hpp"
 #include "contact/results/postprocess.hpp"
 #include "contact/simulation.hpp"
+#include "core/base/errors.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
@@ -24,6 +25,7 @@
 #include "core/output/output.hpp"
 #include "core/output/output_report.hpp"
 #include "core/output/output_summary.hpp"
+#include "core/program/study_options.hpp"
 #include "core/results/warning_order.hpp"
 #include "core/scene/read_scene.hpp"
 #include "kernels/solver/linear_solver.hpp"
@@ -53,6 +55,12 @@ void start(int threads) {
     return;
   }
   session().trilinos = std::make_unique<TrilinosScope>(threads);
+}
+
+/// Asked for by the user.
+void set_threads(int threads) {
+  parse_threads(std::to_string(threads));
+  start(threads);
 }
 
 /// Calls from C++ on what Python gave; also where Ctrl-C is seen.
@@ -337,10 +345,18 @@ PythonScene read_file(const std::string& file, const std::vector<std::string>& o
 PYBIND11_MODULE(_cgcontact, module) {
   using namespace cgcontact;
   using namespace py::literals;
-  py::register_exception<InputError>(module, "InputError", PyExc_ValueError);
+  static const py::exception<InputError> input_error(module, "InputError", PyExc_ValueError);
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const InputError& error) {  // a name of a file need not be UTF-8, but a message in Python has to be
+      const std::string message = error.what();
+      PyErr_SetString(input_error.ptr(), printable(message, message.size()).c_str());
+    }
+  });
   module.def("read", &read_file, "file"_a, "overrides"_a);
   module.def("parse", &parse_text, "text"_a, "file"_a, "overrides"_a);
-  module.def("set_threads", &start, "threads"_a);
+  module.def("set_threads", &set_threads, "threads"_a);
   module.def("threads", [] {
     start(0);
     return TrilinosScope::concurrency();
@@ -356,7 +372,12 @@ PYBIND11_MODULE(_cgcontact, module) {
   module.def("stop", &stop);
   py::class_<PythonScene>(module, "Scene")
       .def_property_readonly("title", [](const PythonScene& s) { return s.scene()->title; })
-      .def_property_readonly("file", [](const PythonScene& s) { return s.scene()->file; })
+      .def_property_readonly("file",
+                             [](const PythonScene& s) {
+                               const std::string& name = s.scene()->file;  // need not be UTF-8
+                               return py::reinterpret_steal<py::str>(PyUnicode_DecodeFSDefaultAndSize(
+                                   name.data(), static_cast<py::ssize_t>(name.size())));
+                             })
       .def_property_readonly("parameters",
                              [](const PythonScene& s) {
                                std::map<std::string, double> values;

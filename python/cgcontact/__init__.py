@@ -29,8 +29,13 @@ def _overrides(settings, parameters):
     return [f"{key}={_text(value)}" for key, value in keys.items()]
 
 
-def _text(value):
+_MOST_LEVELS = 100  # no key of a scene has more than ten
+
+
+def _text(value, level=0):
     """A value in TOML."""
+    if level > _MOST_LEVELS:
+        raise InputError(f"lists and dicts lie in each other without end (allowed: at most {_MOST_LEVELS} levels)")
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -40,9 +45,9 @@ def _text(value):
     if isinstance(value, numbers.Real):
         return repr(float(value))
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{json.dumps(str(key))} = {_text(entry)}" for key, entry in value.items()) + "}"
+        return "{" + ", ".join(f"{json.dumps(str(key))} = {_text(entry, level + 1)}" for key, entry in value.items()) + "}"
     if hasattr(value, "__iter__"):
-        return "[" + ", ".join(_text(entry) for entry in value) + "]"
+        return "[" + ", ".join(_text(entry, level + 1) for entry in value) + "]"
     raise TypeError(f"a scene holds numbers, texts, booleans, lists and dicts, not {type(value).__name__}: {value!r}")
 
 
@@ -52,7 +57,7 @@ def read(file, settings=None, **parameters):
     parameters: of the scene's [parameters] (n=16); settings: any key ({"accuracy.pressure": "2 %", "body.ball.cell_size": 1e-3}), as
     `--set` of the program. Raises InputError.
     """
-    return _cgcontact.read(os.fspath(file), _overrides(settings, parameters))
+    return _cgcontact.read(os.fsencode(file), _overrides(settings, parameters))
 
 
 def scene(keys, directory=".", settings=None, **parameters):
@@ -62,7 +67,7 @@ def scene(keys, directory=".", settings=None, **parameters):
     Raises InputError; TypeError for what a scene cannot hold.
     """
     text = "".join(f"{json.dumps(str(key))} = {_text(value)}\n" for key, value in keys.items())
-    return _cgcontact.parse(text, os.path.join(os.fspath(directory), "scene"), _overrides(settings, parameters))
+    return _cgcontact.parse(text, os.path.join(os.fsencode(directory), b"scene"), _overrides(settings, parameters))
 
 
 def _solve(self, progress=None):
