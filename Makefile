@@ -75,9 +75,10 @@ fuzz: deps
 	@scripts/install_dependencies.sh --fuzz
 	@cmake --preset fuzz --log-level=WARNING
 	@cmake --build --preset fuzz
-	@for target in scene triangles; do \
+	@for target in scene triangles step; do \
+	  limits="-max_len=4096 -timeout=20"; [ $$target = step ] && limits="-max_len=16384 -timeout=60"; \
 	  mkdir -p build/fuzz/found_$$target && \
-	  build/fuzz/tests/fuzz/fuzz_$$target -runs=$(RUNS) -max_len=4096 -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=512 \
+	  build/fuzz/tests/fuzz/fuzz_$$target -runs=$(RUNS) $$limits -rss_limit_mb=2048 -malloc_limit_mb=512 \
 	    -artifact_prefix=build/fuzz/$$target- build/fuzz/found_$$target tests/fuzz/seeds/$$target || exit 1; \
 	done
 

@@ -54,8 +54,9 @@ const CadKernel& kernel() {
   return loaded;
 }
 
-// OpenCASCADE reads, checks or divides some hundred faces a second into triangles; so many times slower is an error.
-constexpr double least_seconds = 30, seconds_per_face = 0.05;
+// OpenCASCADE reads, checks or divides a hundred faces or more a second; ten times as long is no end. The least that it
+// gets leaves a small file that it hangs on within a minute, on a busy machine too.
+constexpr double least_seconds = 25, seconds_per_face = 0.1;
 constexpr double least_bytes = 4e9, memory_per_face = 1e6;
 constexpr double bytes_per_face = 2500;  // of a STEP file
 
@@ -122,14 +123,15 @@ CadModel CadModel::revolved(const std::vector<ProfileEdge>& profile, const Profi
   return kernel().revolved(profile, frame);
 }
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading) {
-  std::error_code missing;
-  const auto size = std::filesystem::is_regular_file(file, missing) ? std::filesystem::file_size(file, missing) : 0;
   if (cad_format(file) == CadFormat::unknown)
     throw InputError(file + ": is not the name of a CAD file (allowed: .step, .stp, .iges, .igs, .brep)");
-  if (size == 0 || !std::ifstream(file))
-    throw InputError(file + (missing || size > 0 ? ": cannot be opened" : ": is empty or no file"));
+  std::error_code missing;
+  if (std::filesystem::exists(file, missing) && !std::filesystem::is_regular_file(file, missing))
+    throw InputError(file + ": is not a file but a folder or device");
+  if (!std::ifstream(file)) throw InputError(file + ": cannot be opened");
+  const auto size = static_cast<double>(std::filesystem::file_size(file, missing));
   const std::vector<char> bytes =
-      guarded(file + ": OpenCASCADE cannot read it", limits_of(static_cast<double>(size) / bytes_per_face),
+      guarded(file + ": OpenCASCADE cannot read it", limits_of(missing ? 0 : size / bytes_per_face),
               [&](Packing& packing) { kernel().pack_solids(kernel().read(file, reading), packing); });
   return kernel().unpack_solids(bytes);
 }

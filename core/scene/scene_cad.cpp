@@ -283,6 +283,7 @@ CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const T
     shape.note += "; repaired on request: " + chosen.repair;
     shape.warnings.push_back(shape.note);
   }
+  if (!chosen.left_out.empty()) shape.note += "; " + chosen.left_out;
   for (const std::string& doubt : {chosen.left_out, doubtful_unit(extent)})
     if (!doubt.empty()) shape.warnings.push_back(given + ": " + doubt);
   return shape;

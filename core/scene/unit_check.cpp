@@ -54,10 +54,11 @@ std::string unit_of_divisor(const std::string& text, const Dimension& found, con
     for (int b = 0; b < Dimension::num_bases; ++b) moved.exponents[b] += 2 * unit.dimension.exponents[b];
     if (!(wanted.is_angle() ? moved.is_angle() : moved.same_but_angle(wanted))) continue;
     const std::string divisor = text.substr(number, end - number), name = text.substr(begin, length),
-                      before = text.substr(0, slash), behind = text.substr(begin + length);
+                      before = text.substr(0, text.find_last_not_of(' ', slash - 1) + 1),
+                      behind = text.substr(begin + length);
     const std::string better = is_behind_number(text, slash) ? before + " " + name + "/" + divisor + behind
                                                              : before + "/" + divisor + "*1 " + name + behind;
-    return fmt::format(": a unit belongs to the one number before it, so that {0} {1} is divided by; write {2}",
+    return fmt::format(": a unit belongs to the one number before it, so that the divisor is {0} {1}; write {2}",
                        divisor, name, better);
   }
   return "";

@@ -1,6 +1,7 @@
-/// Runs a fuzz target without libFuzzer: all files of the given folders, then mutations of them for some time.
+/// Runs a fuzz target without libFuzzer: all files of the given folders, then mutations of them for some time or until
+/// there have been so many.
 ///
-///   fuzz_scene [--seconds N] [--random N] FILE_OR_FOLDER...
+///   fuzz_scene [--seconds N | --runs N] [--slow SECONDS] [--random N] FILE_OR_FOLDER...
 ///
 /// The input that is being run is in the file `<program>.input` while it runs, so that a crash leaves it behind.
 #include <algorithm>
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 using Bytes = std::string;
 using Clock = std::chrono::steady_clock;
 
-constexpr double slow_s = 20;  // libFuzzer's -timeout; far above what any input may take, even with sanitizers
+double slow_s = 20;  // libFuzzer's -timeout; far above what any input may take, even with sanitizers
 constexpr std::size_t longest_input = 1 << 16;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -129,12 +130,17 @@ Bytes mutate(const std::vector<Bytes>& inputs, std::mt19937& random) {
 
 int main(int argc, char** argv) {
   double seconds = 0;
+  long long runs = 0;
   unsigned start_value = 1;
   std::vector<std::string> paths;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k];
     if (word == "--seconds" && k + 1 < argc)
       seconds = std::atof(argv[++k]);
+    else if (word == "--runs" && k + 1 < argc)
+      runs = std::atoll(argv[++k]);
+    else if (word == "--slow" && k + 1 < argc)
+      slow_s = std::atof(argv[++k]);
     else if (word == "--random" && k + 1 < argc)
       start_value = static_cast<unsigned>(std::atoi(argv[++k]));
     else
@@ -142,14 +148,14 @@ int main(int argc, char** argv) {
   }
   const std::vector<Bytes> inputs = read_inputs(paths);
   if (inputs.empty()) {
-    std::fprintf(stderr, "usage: %s [--seconds N] [--random N] FILE_OR_FOLDER...\n", argv[0]);
+    std::fprintf(stderr, "usage: %s [--seconds N | --runs N] [--slow SECONDS] [--random N] FILE_OR_FOLDER...\n", argv[0]);
     return 1;
   }
   const std::string saved = fs::path(argv[0]).filename().string() + ".input";
   for (const Bytes& input : inputs) run(input, saved, "a seed");
   std::mt19937 random(start_value);
   long long mutated = 0;
-  for (const auto start = Clock::now(); seconds_since(start) < seconds; ++mutated)
+  for (const auto start = Clock::now(); mutated < runs || seconds_since(start) < seconds; ++mutated)
     run(mutate(inputs, random), saved, "a mutated input");
   fs::remove(saved);
   std::printf("%zu inputs and %lld mutations of them: no crash\n", inputs.size(), mutated);

@@ -225,6 +225,63 @@ TEST_F(Cad, AssemblyInInches) {
   EXPECT_EQ(*seat->colour, (std::array<int, 3>{255, 0, 0}));
 }
 
+// Proves that planes, cylinders and cones that a file has as B-splines are told, with radii, half angles and outward
+// normals, those of the shapes before they were made B-splines. A ball stays free-form.
+TEST_F(Cad, SplinesOfSimpleShapes) {
+  const std::vector<CadSolid> pin = read_cad(file("spline_pin.step"), {}),
+                              boxes = read_cad(file("spline_boxes.step"), {}),
+                              round = read_cad(file("spline_cone_and_ball.step"), {});
+  const auto count = [](const CadSolid& solid, const std::string& kind) {
+    const std::vector<CadFace>& faces = solid.model.faces();
+    return std::count_if(faces.begin(), faces.end(), [&](const CadFace& face) { return face.kind == kind; });
+  };
+  ASSERT_EQ(pin.size(), 2u);
+  for (const CadSolid& solid : pin)
+    for (const CadFace& face : solid.model.faces())
+      if (face.kind == "cylinder") {
+        EXPECT_NEAR(face.radius, 5, 1e-9);
+        EXPECT_NEAR(std::abs(face.axis[2]), 1, 1e-12);
+      }
+  EXPECT_EQ(count(pin[0], "cylinder"), 1);
+  EXPECT_EQ(count(pin[0], "plane"), 6);
+  EXPECT_EQ(count(pin[1], "cylinder"), 1);
+  EXPECT_EQ(count(pin[1], "plane"), 2);
+  ASSERT_EQ(boxes.size(), 2u);
+  for (const CadSolid& solid : boxes) {
+    EXPECT_EQ(count(solid, "plane"), 6);
+    Vec3 middle = Vec3::Zero();
+    for (const CadFace& face : solid.model.faces()) middle += face.middle / 6;
+    for (const CadFace& face : solid.model.faces()) {
+      EXPECT_GT(face.axis.dot((face.middle - middle).normalized()), 1 - 1e-9);
+      EXPECT_NEAR(face.axis.norm(), 1, 1e-12);
+    }
+  }
+  ASSERT_EQ(round.size(), 2u);
+  EXPECT_EQ(count(round[0], "cone"), 1);
+  EXPECT_EQ(count(round[0], "plane"), 2);
+  for (const CadFace& face : round[0].model.faces())
+    if (face.kind == "cone") {
+      EXPECT_NEAR(face.half_angle, std::atan(1.0 / 3), 1e-9);
+    }
+  EXPECT_EQ(count(round[1], "other"), 1);
+}
+
+// Proves that a solid from a child process is the file's to the last bit: read twice, it has the same figures and the
+// same triangles, whose curves and surfaces lie on each other.
+TEST_F(Cad, ReadTwiceIsTheSame) {
+  const CadModel first = model("cross_drilled"), second = model("cross_drilled");
+  ASSERT_EQ(first.faces().size(), second.faces().size());
+  EXPECT_EQ(first.volume(), second.volume());
+  const CurvedTriangles a = first.triangles(0.01), b = second.triangles(0.01);
+  ASSERT_EQ(a.corners, b.corners);
+  EXPECT_EQ(a.curves.size(), b.curves.size());
+  EXPECT_LE(a.largest_sag(), 2 * 0.01 * (1 + 1e-9));  // middles of triangles: twice that of sides
+  for (std::size_t k = 0; k < a.points.size(); ++k) ASSERT_EQ(a.points[k], b.points[k]);
+  const std::vector<double> distances = first.distances({0, 1}, Vec3(100, 0, 0));
+  ASSERT_EQ(distances.size(), 2u);
+  for (const double distance : distances) EXPECT_GT(distance, 50);
+}
+
 // Proves that IGES and BREP files give the same box.
 TEST_F(Cad, OtherFormats) {
   for (const std::string name : {"box.igs", "box.brep"}) {
