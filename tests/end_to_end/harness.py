@@ -16,6 +16,7 @@ import unittest
 
 SLOW_BUILD = "CGCONTACT_SANITIZED" in os.environ  # with sanitizers: times and memory mean nothing
 THREAD_SANITIZER = os.environ.get("CGCONTACT_SANITIZED") == "thread"
+PATIENCE = 5  # limits of time are those of an idle machine, so many times: others may use it too
 # Of mpirun, which root may use too.
 MPI = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMP_NUM_THREADS": "1"}
 PROGRAM = ""
@@ -37,9 +38,9 @@ class Outcome:
 
 
 def cgcontact(*arguments, cwd=None, timeout=1200 if SLOW_BUILD else 120, program=None, environment=None):
-    """Runs the program to its end; environment: variables on top of our own."""
+    """Runs the program to its end; timeout: s, on an idle machine; environment: variables on top of our own."""
     start = time.monotonic()
-    done = subprocess.run([program or PROGRAM, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL, timeout=timeout,
+    done = subprocess.run([program or PROGRAM, *map(str, arguments)], cwd=cwd, stdin=subprocess.DEVNULL, timeout=PATIENCE * timeout,
                           capture_output=True, text=True, errors="replace", check=False,
                           env={**os.environ, **(environment or {})})
     return Outcome(done.returncode, done.stdout, done.stderr, time.monotonic() - start)

@@ -209,7 +209,7 @@ class Scene:
 def run(program, file, scale):
     out = file.with_suffix("")
     done = subprocess.run([program, "run", str(file), "--out", str(out), "--set", f"s={scale}", "--set", "output.plots=false", "--set",
-                           "output.vtk=false"], capture_output=True, text=True, errors="replace", check=False, timeout=300)
+                           "output.vtk=false"], capture_output=True, text=True, errors="replace", check=False, timeout=1500)
     report = json.loads((out / "report.json").read_text()) if done.returncode in (0, 2) else None
     rows = []
     if report and (out / "contact.csv").exists():

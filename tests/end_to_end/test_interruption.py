@@ -84,7 +84,7 @@ class Interrupted(unittest.TestCase):
                 with start(command("stopped/results"), stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
                     time.sleep(seconds * math.sqrt((moment % (3 * MOMENTS) + random.random()) / (3 * MOMENTS)))
                     process.send_signal(number)
-                    out, err = process.communicate(timeout=60)
+                    out, err = process.communicate(timeout=60 * harness.PATIENCE)
                 errors = [line for line in err.splitlines() if line.startswith("cgcontact:")]
                 self.assertEqual(processes_in_session(process.pid), [], "gnuplot is gone as well")
                 self.assertEqual(os.listdir("stopped"), ["results"])
@@ -160,7 +160,7 @@ class Interrupted(unittest.TestCase):
                     shown += part
             except OSError:  # the other end is closed
                 pass
-            process.wait(timeout=60)
+            process.wait(timeout=60 * harness.PATIENCE)
         os.close(master)
         self.assertEqual(process.returncode, 130, shown)
         text = shown.decode()
@@ -177,12 +177,12 @@ class Interrupted(unittest.TestCase):
         with ignoring as process:
             time.sleep(0.2)
             process.send_signal(signal.SIGHUP)
-            self.assertEqual(process.wait(timeout=100), 0)
+            self.assertEqual(process.wait(timeout=100 * harness.PATIENCE), 0)
         with start([harness.PROGRAM, "check", str(scene("two_solids_3d")), *settings(n=150)], stdout=subprocess.PIPE,
                    stderr=subprocess.PIPE) as process:
             time.sleep(0.5)
             process.send_signal(signal.SIGTERM)
-            out, err = process.communicate(timeout=60)
+            out, err = process.communicate(timeout=60 * harness.PATIENCE)
         self.assertEqual((process.returncode, out, err), (143, "", "cgcontact: stopped by SIGTERM\n"))
 
 

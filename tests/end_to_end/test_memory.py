@@ -47,7 +47,7 @@ def limit_address_space(size):
 def limited(arguments, size):
     """The program with an address space of so many bytes."""
     return subprocess.run([harness.PROGRAM, *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                          preexec_fn=lambda: limit_address_space(size), check=False, timeout=200)
+                          preexec_fn=lambda: limit_address_space(size), check=False, timeout=200 * harness.PATIENCE)
 
 
 def in_bytes(text):
@@ -77,7 +77,7 @@ class Memory(unittest.TestCase):
                 self.assertGreater(in_bytes(found[1]), 20 * GB)
                 self.assertIn("--memory-limit", found[3])
                 self.assertEqual(len(re.findall(r'[\d.e-]+ m for "(?:lower|upper)"', found[5])), 2)
-                self.assertLess(outcome.seconds, 30 if harness.SLOW_BUILD else 5)
+                self.assertLess(outcome.seconds, harness.PATIENCE * (30 if harness.SLOW_BUILD else 5))
                 self.assertEqual(outcome.out, "")
         self.assertFalse(os.path.exists("results"))
         fits = int(400 / float(found[4]))

@@ -108,6 +108,21 @@ SCENES = {
     "reference_without_a_value": (GOOD + '[reference]\npressure = "sqrt(-1-y)"\n', ["reference.pressure"]),
     "body_force_infinite": (changed('name = "lower"', 'name = "lower"\nbody_force = ["1/x", 0, 0]\ngrid = {offset = [0, 0, 0]}'),
                             ["body_force", "1/x"]),
+    # Names, pictures and points that are too many or too long: told before the solve.
+    "name_of_a_probe_too_long": (GOOD + f'[[probe]]\nname = "{"p" * 101}"\npoint = [0.5, 0.5, 0.5]\n',
+                                 ["probe[0].name", "has 101 characters", "at most 100 characters"]),
+    "name_of_a_section_too_long": (GOOD + f'[[section]]\nname = "{"s" * 300}"\npoint = [0.5, 0.5, 0.5]\nnormal = [1, 0, 0]\n',
+                                   ["section[0].name", "has 300 characters", "at most 100 characters"]),
+    "name_of_a_body_too_long": (GOOD.replace('"lower', f'"{"b" * 101}'), ["body[0].name", "at most 100 characters"]),
+    "too_many_sections": (GOOD + "".join(f'[[section]]\nname = "s{k}"\npoint = [0.5, 0.5, 0.5]\nnormal = [1, 0, 0]\n' for k in range(1000)),
+                          ["section", "has 1000 of them", "at most 100 [[section]]"]),
+    "too_many_probes": (GOOD + "".join(f'[[probe]]\nname = "p{k}"\npoint = [0.5, 0.5, 0.5]\n' for k in range(1001)),
+                        ["probe", "has 1001 of them", "at most 1000 [[probe]]"]),
+    "too_many_points_of_probes": (
+        GOOD + "".join(f'[[probe]]\nname = "p{k}"\nline = {{from = [0, 0, 0], to = [1, 1, 1], points = 100000}}\n' for k in range(11)),
+        ['probe[10].name = "p10"', "more points than allowed", "at most 1000000 points of all probes together"]),
+    "edge_named_as_an_end": (lower_shape('{extrude = {profile = [[0, 0], {to = [1, 0], name = "top"}, [1, 1]], height = 1}}'),
+                             ["profile", '"top" is the name of an end', "another name for the edge"]),
     "reference_is_a_folder": (GOOD + '[reference]\npressure_file = "."\n', ["reference.pressure_file", "no such file"]),
     # Free motions.
     "slides": (changed('[[support]]\nface = "upper.block.y-"\nsymmetry = true\n', ""),

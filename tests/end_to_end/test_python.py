@@ -143,6 +143,33 @@ class Python(unittest.TestCase):
         self.assertIn("cell_sise", printed[0])
         self.assertIn('"nobody" (allowed: "lower", "upper")', printed[2])
 
+    def test_messages_of_its_own(self):
+        """Names of files that are not UTF-8, numbers of threads, dicts and lists that lie in each other without end: InputErrors with a
+        message that names what is wrong. A file with such a name is read."""
+        shutil.copy(scene("two_solids"), b"\xfe.toml")
+        printed = python("""
+            deep = 1
+            for _ in range(5000):
+                deep = dict(a=deep)
+            ring = []
+            ring.append(ring)
+            calls = [lambda: cgcontact.read(b"\\xff.toml"), lambda: cgcontact.read("\\udcff.toml"), lambda: cgcontact.read("a\\0b"),
+                     lambda: cgcontact.set_threads(-1), lambda: cgcontact.set_threads(0), lambda: cgcontact.set_threads(1000000),
+                     lambda: cgcontact.scene(deep), lambda: cgcontact.scene(dict(body=ring)),
+                     lambda: cgcontact.read({file!r}, dict(body=deep))]
+            for call in calls:
+                try:
+                    call()
+                    print("nothing")
+                except cgcontact.InputError as error:
+                    print(error)
+            print(ascii(cgcontact.read(b"\\xfe.toml", n=4).file))
+            """, file=str(scene("two_solids"))).splitlines()
+        for line, expected in zip(printed, ["?.toml: there is no such scene file", "?.toml: there is no such scene file", "zero byte",
+                                            '"-1" is not a number of threads', '"0" is not', '"1000000" is not', "at most 100 levels",
+                                            "at most 100 levels", "at most 100 levels", r"'\udcfe.toml'"], strict=True):
+            self.assertIn(expected, line)
+
     def test_progress_and_interruption(self):
         """Events come in order; what progress raises ends the solve, and so does Ctrl-C."""
         printed = python("""

@@ -7,6 +7,7 @@ import pathlib
 import re
 import subprocess
 import sys
+import textwrap
 import unittest
 import xml.etree.ElementTree
 
@@ -225,6 +226,25 @@ class Pictures(unittest.TestCase):
         for file in ("pressure.svg", "stress_error.svg"):
             self.assertIn(title, " ".join(self.texts(f"titled/{file}").split("\n")), "lines of the title end between words")
         self.assertFalse(list(pathlib.Path(".").rglob("run")))
+
+    def test_titles_that_are_no_xml(self):
+        """Every SVG of a run in steps and of a probe is XML, also with an end of character data and letters that XML does not have."""
+        title = "a ]]> b ]]]]>> c \\uffff \\ufffe <!-- & --> <![CDATA["
+        scene_file = pathlib.Path("steps.toml")
+        scene_file.write_text(scene("two_solids").read_text() + textwrap.dedent("""
+            [steps]
+            factors = [0.5, 1]
+            [[probe]]
+            name = "line"
+            line = {from = [0, 0, -0.1], to = [0, 0, 0.1], points = 5}
+            """))
+        outcome = cgcontact("run", scene_file, "--out", "xml", "--set", "n=4", "--set", f'title="{title}"')
+        self.assertEqual(outcome.code, 0, outcome.err)
+        pictures = sorted(pathlib.Path("xml").glob("*.svg"))
+        self.assertGreaterEqual(len(pictures), 3)
+        for file in pictures:
+            xml.etree.ElementTree.parse(file)
+        self.assertIn("a ]]> b ]]]]>> c \u25a1 \u25a1", " ".join(self.texts("xml/pressure.svg").split("\n")))
 
     def test_letters_that_no_font_has(self):
         """In the PNGs they are squares (gnuplot would blacken the picture)."""

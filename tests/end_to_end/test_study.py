@@ -243,7 +243,7 @@ class Stopping(unittest.TestCase):
                         os.killpg(process.pid, number)  # as a terminal does
                     else:
                         process.send_signal(number)
-                    out, err = process.communicate(timeout=20)
+                    out, err = process.communicate(timeout=20 * harness.PATIENCE)
                 self.assertEqual(process.returncode, 128 + number, err)
                 self.assertFalse(os.path.exists(f"/proc/{child}"), "the child has ended")
                 self.assertIn("1 of 2 runs solved, 1 not run", out)

@@ -148,7 +148,8 @@ int main(int argc, char** argv) {
   }
   const std::vector<Bytes> inputs = read_inputs(paths);
   if (inputs.empty()) {
-    std::fprintf(stderr, "usage: %s [--seconds N | --runs N] [--slow SECONDS] [--random N] FILE_OR_FOLDER...\n", argv[0]);
+    std::fprintf(stderr, "usage: %s [--seconds N | --runs N] [--slow SECONDS] [--random N] FILE_OR_FOLDER...\n",
+                 argv[0]);
     return 1;
   }
   const std::string saved = fs::path(argv[0]).filename().string() + ".input";

@@ -1,5 +1,5 @@
-/// Fuzz target: any bytes as a STEP file. Either it is refused with an InputError, or it holds solids that can be measured
-/// and divided into triangles. OpenCASCADE may crash on it, or find no end, in a child process only.
+/// Fuzz target: any bytes as a STEP file. Either it is refused with an InputError, or it holds solids that can be
+/// measured and divided into triangles. OpenCASCADE may crash on it, or find no end, in a child process only.
 #include <unistd.h>
 
 #include <cstdint>
