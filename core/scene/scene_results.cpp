@@ -14,7 +14,7 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 constexpr int most_points = 100000;                             // of a probe
-constexpr std::size_t most_points_of_all = 1000000;             // of all probes: each is looked for in every body
+constexpr int most_points_of_all = 1000000;                     // of all probes: each is looked for in every body
 constexpr std::size_t most_probes = 1000, most_sections = 100;  // each has a picture
 
 /// The elements of a list that the scene may have, not too many.
@@ -28,6 +28,13 @@ std::vector<TomlCursor> few_elements(const TomlCursor& root, const std::string& 
 
 int read_count(const TomlCursor& node, int least) {
   return node.at("points", fmt::format("{} to {}", least, most_points)).integer(least, most_points);
+}
+
+/// Points of a probe, those of a face aside.
+int count_points(const TomlCursor& probe) {
+  const auto line = probe.find("line"), circle = probe.find("circle");
+  if (line && line->is_table()) return read_count(*line, 2);
+  return circle && circle->is_table() ? read_count(*circle, 3) : 1;
 }
 
 void read_line(const TomlCursor& node, ProbeSpec& probe) {
@@ -130,14 +137,15 @@ ProbeSpec SceneReader::read_probe(const TomlCursor& node) const {
 }
 
 void SceneReader::read_probes(const TomlCursor& root) {
-  std::set<std::string> seen;
-  std::size_t points = 0;
-  for (const TomlCursor& node : few_elements(root, "probe", most_probes)) {
-    scene_.probes.push_back(read_probe(node));
-    points += scene_.probes.back().points.size();
-    if (points > most_points_of_all)
+  const std::vector<TomlCursor> nodes = few_elements(root, "probe", most_probes);
+  int points = 0;
+  for (const TomlCursor& node : nodes)
+    if ((points += count_points(node)) > most_points_of_all)
       node.at("name").fail("with it the probes have more points than allowed",
                            fmt::format("at most {} points of all probes together", most_points_of_all));
+  std::set<std::string> seen;
+  for (const TomlCursor& node : nodes) {
+    scene_.probes.push_back(read_probe(node));
     check_unique(node.at("name"), scene_.probes.back().name, seen, "probe");
   }
 }
