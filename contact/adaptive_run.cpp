@@ -9,6 +9,7 @@
 #include "contact/results/peak_estimate.hpp"
 #include "core/base/ranks.hpp"
 #include "core/base/text.hpp"
+#include "core/results/answer.hpp"
 
 namespace cgcontact {
 namespace {
@@ -71,6 +72,11 @@ AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes
   figures_.stress = scene.accuracy.stress;
   figures_.stress_of_body = scene.accuracy.stress_of_body;
 }
+
+bool AdaptiveRun::has_solution() const { return simulation_ && simulation_->results.converged; }
+
+/// What is to be said of a limit first: a limit that keeps the run from a grid on which it might converge.
+std::string AdaptiveRun::after_failure() const { return figures_.solves.back().converged ? "" : figures_.text + "; "; }
 
 /// The same on all ranks: limits depend on it.
 double AdaptiveRun::seconds() const {
@@ -137,13 +143,14 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
   return false;
 }
 
-/// Solves on the next grid, which becomes the present one, and estimates its errors.
+/// Solves on the next grid and estimates its errors. It becomes the present one, unless that has a solution and the
+/// next one has not.
 ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   const double before = figures_.solves.empty() ? 0 : seconds();
   EarlierSolution earlier;
   if (resolved_) earlier.state = &simulation_->state;
   for (const ZoneState& zone : zones_) earlier.cell.push_back(zone.cell);
-  if (simulation_) next_->start_preloads_from(*simulation_);
+  if (has_solution()) next_->start_preloads_from(*simulation_);
   next_->solve(callbacks, earlier.state, false);
   if (!next_->results.converged && earlier.state) {  // once more, from nothing
     next_ = std::make_unique<Simulation>(*next_scene_);
@@ -153,15 +160,21 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   }
   SolvedState& state = next_->state;
   Results& results = next_->results;
-  search_ = seconds();
-  zones_ = zone_states(state, results);
-  search_ = seconds() - search_;
   SolveFigures solve;
-  solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
-  const ErrorFigures errors = error_figures(*next_scene_, zones_, results);
-  if (!resolved_) energies_.clear();  // the stress of a zone grows like 1/h until it is resolved
-  resolved_ = errors.pressure.has_value() || zones_.empty();
-  energies_.push_back(cell_energies(results));
+  ErrorFigures errors;
+  if (results.converged) {
+    search_ = seconds();
+    zones_ = zone_states(state, results);
+    search_ = seconds() - search_;
+    solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
+    errors = error_figures(*next_scene_, zones_, results);
+    if (!resolved_) energies_.clear();  // the stress of a zone grows like 1/h until it is resolved
+    resolved_ = errors.pressure.has_value() || zones_.empty();
+    energies_.push_back(cell_energies(results));
+  } else {
+    figures_.text = fmt::format("solve {} did not converge: {}", figures_.solves.size() + 1, results.diagnosis);
+    may_converge_when_finer_ = state.outer.ran_out;
+  }
   solve.unknowns = results.unknowns;
   solve.outer_iterations = results.outer_iterations;
   solve.converged = results.converged;
@@ -175,8 +188,10 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   solve.force = errors.force;
   solve.stress = errors.stress;
   solve.stress_of_body = errors.stress_of_body;
-  simulation_ = std::move(next_);
-  scene_ = std::move(next_scene_);
+  if (solve.converged || !has_solution()) {
+    simulation_ = std::move(next_);
+    scene_ = std::move(next_scene_);
+  }
   solve.seconds = seconds() - before;
   figures_.solves.push_back(solve);
   callbacks.solved(static_cast<int>(figures_.solves.size()), solve);
@@ -191,32 +206,38 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
   };
   for (;;) {
     if (!place(callbacks)) {
-      figures_.text = refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",
-                                                     limit_, number(needed_))
-                                       : "the next grid was refused: " + refused_;
+      figures_.text = after_failure() +
+                      (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",
+                                                      limit_, number(needed_))
+                                        : "the next grid was refused: " + refused_);
       break;
     }
     const ErrorFigures errors = solve(callbacks);
-    if (!figures_.solves.back().converged) {
-      figures_.text = "a solve did not converge";
-      break;
-    }
+    const bool converged = figures_.solves.back().converged;
+    if (!converged && (has_solution() || !may_converge_when_finer_)) break;
     if (errors.met) {
       figures_.reached = true;
       break;
     }
     if (static_cast<int>(figures_.solves.size()) >= options.max_solves) {
-      figures_.text = fmt::format("accuracy.max_solves = {} stopped the refinement", options.max_solves);
+      figures_.text =
+          after_failure() + fmt::format("accuracy.max_solves = {} stopped the refinement", options.max_solves);
       break;
     }
-    sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_);
+    if (converged)
+      sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_);
+    else
+      halve(sizes_);
     simulation_->state.keep_fields_only();
   }
   simulation_->sample_paths(told);
   Results& results = simulation_->results;
-  double earlier = 0;
-  for (std::size_t k = 0; k + 1 < figures_.solves.size(); ++k) earlier += figures_.solves[k].seconds;
-  if (earlier > 0) results.times_s.insert(results.times_s.begin(), {"earlier solves", earlier});
+  const std::size_t answer = answer_of(figures_);
+  if (results.converged && answer + 1 < figures_.solves.size())
+    figures_.text += fmt::format("; the results are those of solve {}", answer + 1);
+  double others = 0;
+  for (std::size_t k = 0; k < figures_.solves.size(); ++k) others += k == answer ? 0 : figures_.solves[k].seconds;
+  if (others > 0) results.times_s.insert(results.times_s.begin(), {"other solves", others});
   if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
   if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular place
   for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));

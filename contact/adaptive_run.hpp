@@ -31,7 +31,7 @@ class AdaptiveRun {
   /// Throws InputError for what a single run would refuse on the first grid.
   void run(const AdaptiveCallbacks& callbacks);
 
-  /// The last solve; Results::accuracy tells of all.
+  /// The last solve that converged, or the last one if none did; Results::accuracy tells of all.
   Simulation& simulation() { return *simulation_; }
   /// Its scene: with its grids.
   const Scene& scene() const { return *scene_; }
@@ -42,6 +42,8 @@ class AdaptiveRun {
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
   double allowed_unknowns();
   double seconds() const;
+  bool has_solution() const;
+  std::string after_failure() const;
 
   const Scene& given_;
   GridSizes sizes_;
@@ -52,6 +54,7 @@ class AdaptiveRun {
   std::vector<ZoneState> zones_;                     // of the last solve
   std::vector<std::vector<CellEnergies>> energies_;  // of the solves since the zones are resolved
   bool resolved_ = false;                            // are they all?
+  bool may_converge_when_finer_ = false;             // the last solve, if it has not
   std::string refused_;                              // why a next grid could not be made
   double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns
   const char* limit_ = "";  // that binds the next grid

@@ -124,8 +124,12 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
     for (const std::string& warning : writer.write(results, solved)) progress.message("warning: " + warning);
     progress.finish();
     if (is_first_rank()) fmt::print("{}", summary(results, directory));
-    if (results.converged) return 0;
-    if (is_first_rank()) fmt::print(stderr, "cgcontact: not converged: {}\n", results.diagnosis);
+    const bool last_converged = results.accuracy.solves.empty() || results.accuracy.solves.back().converged;
+    if (results.converged && last_converged) return 0;
+    if (is_first_rank())
+      fmt::print(
+          stderr, "cgcontact: {}\n",
+          results.converged ? "accuracy not reached: " + results.accuracy.text : "not converged: " + results.diagnosis);
     return 2;
   };
   if (scene.accuracy.any()) {

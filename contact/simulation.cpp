@@ -167,6 +167,9 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), state.outer.diagnosis);
     ++k;
   }
+  if (state.outer.fallbacks > 0)
+    add_warning(fmt::format("multigrid gave up ({}): MueLu preconditioned {} linear solves in its place",
+                            state.outer.why_fallback, state.outer.fallbacks));
   for (std::size_t k = 0; k < state.pairs.size() && k < state.outer.small_zone_groups.size(); ++k)
     if (state.outer.small_zone_groups[k] > 0)
       add_warning(

@@ -59,6 +59,11 @@ GridSizes first_sizes(const Scene& scene) {
   return sizes;
 }
 
+void halve(GridSizes& sizes) {
+  for (double& size : sizes.first) size /= 2;
+  sizes.change = 0.5;
+}
+
 std::unique_ptr<Scene> scene_on_grids(const Scene& given, const GridSizes& sizes, double factor, double most_cells) {
   const AccuracyOptions& options = given.accuracy;
   auto scene = std::make_unique<Scene>(given);

@@ -18,6 +18,9 @@ struct GridSizes {
 /// Those of the first grids: cell_size, or from the shape.
 GridSizes first_sizes(const Scene& scene);
 
+/// All first cells half as large.
+void halve(GridSizes& sizes);
+
 /// The scene on grids of these sizes; cells smaller than the first become larger by a factor. most_cells: of each body,
 /// surely more are refused (BodySpec).
 std::unique_ptr<Scene> scene_on_grids(const Scene& scene, const GridSizes& sizes, double factor = 1,

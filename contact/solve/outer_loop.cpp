@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <utility>
 
 #include "contact/model/contact_system.hpp"
 #include "contact/motions/free_pieces.hpp"
@@ -66,6 +67,8 @@ struct ContactSolver::Impl {
   std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
   bool has_support_terms_ = true;                // does the system have the terms of the supports?
   std::string solver_error_;                     // of Trilinos, where it gave up
+  std::string why_fallback_;                     // what multigrid gave up with
+  int fallbacks_ = 0;                            // linear solves since then
 };
 
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
@@ -165,6 +168,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     }
   }
   polish(result);
+  result.ran_out = true;
   result.diagnosis =
       history.cycles() ? history.describe(problem_.pairs) : describe_residual(settings(), result.residuals);
   return result;
@@ -212,15 +216,21 @@ void ContactSolver::Impl::update_solver() {
     if (!body.boundary.body_force_at) body.cut_cells.keep_own_moments();
 }
 
-/// Trilinos throws where numbers are no longer finite; its messages have many lines.
+/// Trilinos throws where numbers are no longer finite; its messages have many lines. Where multigrid cannot be set up
+/// MueLu takes over.
 LinearSolveResult ContactSolver::Impl::solve_linear(double tolerance) {
   try {
     update_solver();
+    fallbacks_ += !why_fallback_.empty();
     return solver_.solve(right_hand_side_.vector(), now_.u, tolerance, settings().max_linear_iterations);
   } catch (const std::exception& error) {
     if (is_out_of_memory(error)) throw;
     solver_error_ = error.what();
     std::replace(solver_error_.begin(), solver_error_.end(), '\n', ' ');
+  }
+  if (solver_.fall_back()) {
+    why_fallback_ = std::exchange(solver_error_, "");
+    return solve_linear(tolerance);
   }
   LinearSolveResult failed;
   failed.residual = std::numeric_limits<double>::quiet_NaN();
@@ -281,6 +291,8 @@ OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, Out
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.rigid_parts = now_.rigid_parts.of_bodies();
   result.group_force = now_.group_force(true);
+  result.fallbacks = fallbacks_;
+  result.why_fallback = why_fallback_;
   result.small_zone_groups.clear();
   result.small_zone_width.clear();
   for (int k = 0; k < static_cast<int>(problem_.pairs.size()); ++k) {

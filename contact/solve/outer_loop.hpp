@@ -31,11 +31,14 @@ struct OuterResult {
   std::vector<long long> active_points;  ///< closed, after each iteration
   std::vector<Vec3> load_of_body;        ///< resultant of loads and body forces, N
   int preconditioner_setups = 0;
+  int fallbacks = 0;                                ///< linear solves preconditioned by MueLu because multigrid gave up
+  std::string why_fallback;                         ///< what it gave up with
   std::vector<double> support_stress;               ///< lambda of each support point, Pa
   std::vector<double> group_force;                  ///< force of each contact group, Scales::stress * Scales::length^2
   std::vector<int> small_zone_groups;               ///< of each pair: that press by a zone smaller than the cells
   std::vector<SmallZones::Width> small_zone_width;  ///< of each pair: of such zones
   bool converged = false;
+  bool ran_out = false;  ///< of iterations: on other cells it may converge
   /// Stopped because a body wanders along surfaces: to be held (surface_wanderers.hpp), and solved again.
   bool wanders = false;
   std::string diagnosis;

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include "core/base/text.hpp"
+#include "core/results/answer.hpp"
 
 namespace cgcontact {
 
 std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy) {
-  const SolveFigures last = accuracy.solves.empty() ? SolveFigures() : accuracy.solves.back();
+  const SolveFigures last = accuracy.solves.empty() ? SolveFigures() : accuracy.solves[answer_of(accuracy)];
   std::vector<AskedError> errors;
   if (accuracy.pressure) errors.push_back({"pressure", *accuracy.pressure, last.pressure});
   if (accuracy.force) errors.push_back({"force", *accuracy.force, last.force});

@@ -13,7 +13,7 @@ namespace cgcontact {
 struct AskedError {
   std::string name;  ///< "pressure", "force", "stress", "stress in NAME"
   double target;
-  std::optional<double> estimate;  ///< of the last solve; none: the contact zone is not resolved
+  std::optional<double> estimate;  ///< of answer_of(accuracy); none: the contact zone is not resolved
 };
 
 std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy);

@@ -171,6 +171,10 @@ struct Multigrid::Impl {
       columns = columns_of_rank(whole_columns, system.num_nodes,
                                 [&](int node) { return share.owns(node) ? share.local(node) : -1; });
       supports.rows = share.own_entries(supports.rows);
+      std::vector<std::pair<int, Mat3>> blocks;
+      for (const auto& [node, block] : supports.blocks)
+        if (share.owns(node)) blocks.emplace_back(share.local(node), block);
+      supports.blocks = std::move(blocks);
     }
     FastOperator<Real>::BlockView blocks("cgcontact::multigrid::blocks", system.num_nodes);
     level.op->diagonal_blocks(exec, blocks, columns);

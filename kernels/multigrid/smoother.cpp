@@ -1,9 +1,11 @@
 #include "kernels/multigrid/smoother.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Sparse>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "core/base/ranks.hpp"
@@ -15,6 +17,9 @@ namespace {
 
 constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 
+/// Terms that a node's block is the sum of, each with its rounding: eight cells, as many ghost faces.
+constexpr double sums_of_a_block = 16;
+
 constexpr int longest_run = 512;  // nodes
 constexpr int runs_at_once = 16;
 
@@ -23,6 +28,12 @@ constexpr int runs_at_once = 16;
 template <class Real>
 SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Real>& columns) {
   SupportRows result;
+  const auto add_block = [&](int node, const Mat3& block) {
+    const int c = system.constraint_of_node.empty() ? -1 : system.constraint_of_node[node];
+    if (c < 0) return result.blocks.emplace_back(node, block), void();
+    for (const auto& [master, weight] : system.constraints[c].masters)
+      result.blocks.emplace_back(master, weight * weight * block);
+  };
   const std::vector<const BodyMesh*> parts = system.parts();
   for (std::size_t b = 0; b < parts.size(); ++b) {
     const BodyMesh& mesh = *parts[b];
@@ -57,10 +68,13 @@ SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Rea
         GroupRow row;
         row.part = static_cast<int>(b);
         row.cell = terms[first].cell;
-        for (int a = 0; a < 8; ++a)
+        for (int a = 0; a < 8; ++a) {
+          const int node = mesh.cell_nodes[row.cell][a];
+          const Vec3 mean = Eigen::Map<const Vec3>(&sum[r][dof_of(a, 0)]) / stiffness[r];
           for (int i = 0; i < 3; ++i)
-            if (sum[r][dof_of(a, i)] != 0)
-              row.entries.emplace_back(dof_of(mesh.cell_nodes[row.cell][a], i), sum[r][dof_of(a, i)] / stiffness[r]);
+            if (mean[i] != 0) row.entries.emplace_back(dof_of(node, i), mean[i]);
+          add_block(node, stiffness[r] * mean * mean.transpose());
+        }
         resolve_constraints(system, row.entries);
         result.rows.push_back(std::move(row));
         result.stiffness.push_back(stiffness[r]);
@@ -106,16 +120,31 @@ void SurfaceSmoother<Real>::invert_columns(const BlocksView& blocks) {
       });
 }
 
+/// Takes the support rows out of the node blocks, but where rounding leaves nothing definite: what is counted twice
+/// there makes M larger, not indefinite.
+template <class Real>
+void SurfaceSmoother<Real>::take_out_supports(const BlocksView& blocks) {
+  std::vector<std::pair<int, Mat3>>& taken = supports_.blocks;
+  std::stable_sort(taken.begin(), taken.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t first = 0, last; first < taken.size(); first = last) {
+    const int node = taken[first].first;
+    Mat3 rest;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) rest(i, j) = blocks(node, at[i][j]);
+    const double rounding = sums_of_a_block * std::numeric_limits<Real>::epsilon() * rest.trace();
+    for (last = first; last < taken.size() && taken[last].first == node; ++last) rest -= taken[last].second;
+    if (!(Eigen::SelfAdjointEigenSolver<Mat3>(rest, Eigen::EigenvaluesOnly).eigenvalues()[0] > rounding)) continue;
+    for (int i = 0; i < 3; ++i)
+      for (int j = i; j < 3; ++j) blocks(node, at[i][j]) = static_cast<Real>(rest(i, j));
+  }
+  taken = {};
+}
+
 template <class Real>
 SurfaceSmoother<Real>::SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks,
                                        const NodeColumns<Real>& columns, SupportRows supports)
     : num_nodes_(system.num_nodes), dofs_(system.dofs), columns_(columns), supports_(std::move(supports)) {
-  for (std::size_t r = 0; r < supports_.rows.size(); ++r)
-    for (const auto& [p, vp] : supports_.rows[r].entries)
-      for (const auto& [q, vq] : supports_.rows[r].entries)
-        if (node_of_dof(p) == node_of_dof(q) && p <= q)
-          blocks(node_of_dof(p), at[component_of_dof(p)][component_of_dof(q)]) -=
-              static_cast<Real>(supports_.stiffness[r] * vp * vq);
+  take_out_supports(blocks);
   // The blocks of the stencil are multiples of the identity: most nodes need no matrix.
   std::vector<std::array<int, 3>> runs;
   std::vector<Real> run_inverse;

@@ -18,6 +18,9 @@ namespace cgcontact {
 struct SupportRows {
   std::vector<GroupRow> rows;
   std::vector<double> stiffness;
+  /// What they have in the node blocks (node, block), where masters get of a constrained node its own block alone
+  /// (FastOperator::diagonal_blocks): the rows on the masters themselves would be more than is there.
+  std::vector<std::pair<int, Mat3>> blocks;
 };
 template <class Real>
 SupportRows make_support_rows(const ElasticSystem& system, const NodeColumns<Real>& columns);
@@ -29,7 +32,7 @@ class SurfaceSmoother {
   using Vector = Kokkos::View<Real*, MemSpace>;
   using BlocksView = Kokkos::View<Real* [6], Kokkos::LayoutRight, MemSpace>;  ///< xx, yy, zz, xy, yz, zx
 
-  /// blocks: node blocks of the operator without contact groups; the support rows' own blocks are taken out here.
+  /// blocks: node blocks of the operator without contact groups; what the support rows have in them is taken out.
   /// columns: with the blocks between their nodes. The matrices of the columns become their inverses. supports:
   /// make_support_rows. Of several ranks: rows have entries at own nodes only, and what follows is called by all ranks.
   SurfaceSmoother(const ElasticSystem& system, const BlocksView& blocks, const NodeColumns<Real>& columns,
@@ -55,6 +58,7 @@ class SurfaceSmoother {
   void finish_step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
                    bool overwrite) const;
   Mat3 inverse(int node) const;
+  void take_out_supports(const BlocksView& blocks);
   void invert_columns(const BlocksView& blocks);
   template <int size>
   void step_columns(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,

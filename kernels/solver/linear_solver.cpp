@@ -170,6 +170,18 @@ void LinearSolver::update() {
   return_freed_memory();
 }
 
+bool LinearSolver::fall_back() {
+  Impl& s = *impl_;
+  if (s.kind == Preconditioner::muelu) return false;
+  s.kind = Preconditioner::muelu;
+  s.projected_op = s.op = Teuchos::null;
+  s.preconditioner = s.multigrid = Teuchos::null;
+  s.rigid_motions.reset();
+  s.wants_motions = s.renew = false;
+  s.map = Teuchos::null;
+  return true;
+}
+
 bool LinearSolver::needs_supports() const {
   return impl_->multigrid.is_null() || impl_->renew || impl_->wants_motions || impl_->multigrid->is_single_grid();
 }

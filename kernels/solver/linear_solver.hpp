@@ -33,6 +33,8 @@ class LinearSolver {
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
   /// follows the changes, MueLu is set up anew when they are large).
   void update();
+  /// From the next update on MueLu, if the preconditioner is multigrid; false: it is MueLu already.
+  bool fall_back();
   /// Does the next update read the supports of the system? Between two that do not, they may be left out.
   bool needs_supports() const;
   const PreconditionerReport& report() const;

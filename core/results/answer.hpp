@@ -1,0 +1,15 @@
+/// Which of the solves of a run to an accuracy has the run's results.
+#pragma once
+
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// Its number, from 0: the last solve that converged, or the last one if none did.
+inline std::size_t answer_of(const AccuracyFigures& accuracy) {
+  for (std::size_t k = accuracy.solves.size(); k-- > 0;)
+    if (accuracy.solves[k].converged) return k;
+  return accuracy.solves.empty() ? 0 : accuracy.solves.size() - 1;
+}
+
+}  // namespace cgcontact
