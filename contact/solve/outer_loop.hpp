@@ -19,6 +19,7 @@ struct OuterStep {
   int iteration = 0;
   long long active_points = 0, changed_points = 0;
   double residual = 1;
+  double length = 1;  ///< part of the step that a line search left
   int linear_iterations = 0;
 };
 

@@ -1,0 +1,32 @@
+/// Contact that is softer for a while. With many cells across a zone kappa E/h is far stiffer than the bodies there are
+/// as a whole: from a wrong active set each linear solve then finds another wrong one, and an exact line search goes a
+/// hundredth of each step. With a smaller kappa the same iteration finds the zone in few steps; what presses is in p*,
+/// so that kappa can become what it is again.
+#pragma once
+
+#include <vector>
+
+#include "contact/model/contact_pairs.hpp"
+#include "contact/solve/outer_loop.hpp"
+
+namespace cgcontact {
+
+class SoftContact {
+ public:
+  /// The pairs must outlive this, which leaves them as stiff as they were. Bonded ones stay as they are.
+  explicit SoftContact(std::vector<ContactPair>& pairs) : pairs_(pairs) {}
+  ~SoftContact() { become(1); }
+  SoftContact(const SoftContact&) = delete;
+
+  /// After an iteration: softer where a line search cut the step short, as before once a whole step changes little.
+  void follow(const OuterStep& step);
+  bool is_soft() const { return factor_ < 1; }
+
+ private:
+  void become(double factor);
+
+  std::vector<ContactPair>& pairs_;
+  double factor_ = 1;  // of kappa
+};
+
+}  // namespace cgcontact
