@@ -11,8 +11,6 @@
 namespace cgcontact {
 namespace {
 
-/// Part of the largest pressure.
-constexpr double largest_jump = 0.1;
 /// Rows per chunk of the parallel loop.
 constexpr std::size_t grain = 128;
 
@@ -59,7 +57,7 @@ std::vector<PressureJump> pressure_jumps(const std::vector<ContactRow>& rows, co
     });
     if (!around[i].closed) return;
     const double outside = std::max(around[i].least - row.pressure_sprc, row.pressure_sprc - around[i].most);
-    excess[i] = outside - around[i].difference - largest_jump * largest;
+    excess[i] = outside - around[i].difference - options.largest_jump * largest;
   });
 
   std::vector<PressureJump> jumps;

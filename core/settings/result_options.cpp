@@ -19,7 +19,8 @@ std::vector<Setting> ResultOptions::settings() {
           method_constant("spoilt_at_edge", spoilt_at_edge, Range::not_negative("cells")),
           method_constant("edge_factor", edge_factor, Range::not_negative()),
           method_constant("coarse_zone", coarse_zone, Range::positive("cells")),
-          method_constant("no_coarse_zone", no_coarse_zone, Range::positive("cells"))};
+          method_constant("no_coarse_zone", no_coarse_zone, Range::positive("cells")),
+          method_constant("largest_jump", largest_jump, Range::fraction())};
 }
 
 void ResultOptions::check() const {

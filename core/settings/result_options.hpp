@@ -35,6 +35,9 @@ struct ResultOptions {
   /// The difference to plain SPR counts in full on zones of that many cells across and less, on wider ones less and
   /// less.
   double coarse_zone = 3, no_coarse_zone = 4;
+  /// Part of the largest pressure by which the recovered pressure may leave the range of the others around it
+  /// (docs/recovery.md, "Error figures": 0.05 at most in contacts that are right, 0.4 in a hole).
+  double largest_jump = 0.1;
 
   std::vector<Setting> settings();
   void check() const;
