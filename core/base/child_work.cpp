@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstring>
@@ -53,13 +54,20 @@ bool write_all(const void* from, std::size_t size) {
   _exit(write_all(&header, sizeof header) && write_all(bytes, size) ? 0 : 1);
 }
 
+void lower(int resource, double most) {
+  rlimit limit{};
+  getrlimit(resource, &limit);
+  limit.rlim_cur = static_cast<rlim_t>(std::min(static_cast<double>(limit.rlim_cur), most));
+  setrlimit(resource, &limit);
+}
+
 /// Nothing of the child reaches the user but what it packs: no core file, no words of a C library on its way down, no
 /// handler of MPI or a sanitizer.
-void become_child(pid_t parent, int pipe, double bytes) {
+void become_child(pid_t parent, int pipe, const ChildLimits& limits) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   for (const int signal :
-       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGPROF, SIGPIPE})
+       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGPROF, SIGPIPE, SIGXCPU})
     std::signal(signal, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
@@ -68,15 +76,11 @@ void become_child(pid_t parent, int pipe, double bytes) {
   close_range(pipe_of_child + 1, ~0U, 0);
   const int nowhere = open("/dev/null", O_RDWR);
   for (int descriptor = 0; descriptor < pipe_of_child; ++descriptor) dup2(nowhere, descriptor);
-  const rlimit no_core{0, 0};
-  setrlimit(RLIMIT_CORE, &no_core);
+  lower(RLIMIT_CORE, 0);
+  lower(RLIMIT_CPU, std::ceil(limits.cpu_seconds));
   double pages = 0;
   std::ifstream("/proc/self/statm") >> pages;
-  rlimit memory{};
-  getrlimit(RLIMIT_AS, &memory);
-  memory.rlim_cur = static_cast<rlim_t>(
-      std::min(static_cast<double>(memory.rlim_cur), pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + bytes));
-  setrlimit(RLIMIT_AS, &memory);
+  lower(RLIMIT_AS, pages * static_cast<double>(sysconf(_SC_PAGESIZE)) + limits.bytes);
 }
 
 [[noreturn]] void run_child(const std::function<void(Packing&)>& work) {
@@ -128,7 +132,7 @@ std::vector<char> in_child(const std::string& failure, const ChildLimits& limits
                                       std::chrono::duration<double>(std::min(limits.seconds, 1e8)));
   const pid_t parent = getpid(), child = fork();
   if (child == 0) {
-    become_child(parent, pipe[1], limits.bytes);
+    become_child(parent, pipe[1], limits);
     run_child(work);
   }
   const int error = errno;
@@ -150,6 +154,9 @@ std::vector<char> in_child(const std::string& failure, const ChildLimits& limits
   Header header;
   if (bytes.size() >= sizeof header) std::memcpy(&header, bytes.data(), sizeof header);
   if (bytes.size() < sizeof header || header.size != bytes.size() - sizeof header) {
+    if (ended == child && WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
+      fail(fmt::format("it has not come to an end within {:.0f} s of computing (the file may be damaged)",
+                       std::ceil(limits.cpu_seconds)));
     if (ended == child && WIFSIGNALED(status))
       fail(fmt::format("it ends in SIG{} (the file may be damaged)", sigabbrev_np(WTERMSIG(status))));
     fail("it ends without a result (the file may be damaged)");

@@ -10,8 +10,9 @@
 namespace cgcontact {
 
 struct ChildLimits {
-  double seconds = 0;  ///< of the wall clock
-  double bytes = 0;    ///< of memory beyond what this process has
+  double seconds = 0;      ///< of the wall clock
+  double cpu_seconds = 0;  ///< of the processor: whole ones
+  double bytes = 0;        ///< of memory beyond what this process has
 };
 
 /// What the work has packed. The child is a copy of this process with one thread and without standard input and output:

@@ -54,14 +54,15 @@ const CadKernel& kernel() {
   return loaded;
 }
 
-// OpenCASCADE reads, checks or divides a hundred faces or more a second; ten times as long is no end. The least that it
-// gets leaves a small file that it hangs on within a minute, on a busy machine too.
-constexpr double least_seconds = 25, seconds_per_face = 0.1;
+// OpenCASCADE reads, checks or divides a hundred faces or more in a second of the processor; ten times as long is no
+// end. Beside others it may take longer, but a small file on which it hangs is given up within a minute all the same.
+constexpr double least_cpu_seconds = 20, cpu_seconds_per_face = 0.1;
+constexpr double least_seconds = 50, seconds_per_face = 0.5;
 constexpr double least_bytes = 4e9, memory_per_face = 1e6;
 constexpr double bytes_per_face = 2500;  // of a STEP file
 
 ChildLimits limits_of(double faces) {
-  return {least_seconds + seconds_per_face * faces,
+  return {least_seconds + seconds_per_face * faces, least_cpu_seconds + cpu_seconds_per_face * faces,
           std::min(least_bytes + memory_per_face * faces, memory_budget().bytes)};
 }
 

@@ -14,7 +14,8 @@ import harness
 import step_files
 from harness import cgcontact
 
-# Limit of the program for small files: 25 s and 0.1 s per face; what is beyond is a machine that others use too.
+# Limit of the program for small files: 50 s and 0.5 s per face (20 s and 0.1 s of computing); what is beyond is a machine that
+# others use too.
 LONGEST = 120
 
 

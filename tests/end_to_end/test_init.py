@@ -67,10 +67,10 @@ class Init(unittest.TestCase):
         self.assertEqual((outcome.code, outcome.err), (0, ""))
         return outcome.out
 
-    def solved(self, file):
+    def solved(self, file, *options):
         """check accepts the scene and a run solves it; its report."""
         for arguments in (["check", file], ["run", file, "--out", "result", "--set", "output.plots=false", "--set", "output.vtk=false"]):
-            outcome = cgcontact(*arguments)
+            outcome = cgcontact(*arguments, *options)
             self.assertEqual(outcome.code, 0, outcome.err)
         return report("result")
 
@@ -147,7 +147,9 @@ class Parts(Init):
                 self.assertIn(f'file = "parts/{file}.stl"', text)
                 self.assertRegex(text, rf'(?m)^\[accuracy\].*\n{target} = "5 %"')
                 self.assertNotRegex(text, r"(?m)^ *cell_size|^h = ")
-                done = self.solved(f"{file}.toml")
+                self.assertRegex(text, r"(?m)^max_time = 60 ")
+                # A minute on an idle machine.
+                done = self.solved(f"{file}.toml", "--set", f"accuracy.max_time={60 * harness.PATIENCE}")
                 accuracy = done["accuracy"]
                 self.assertTrue(accuracy["reached"] or (name.startswith("tip") and "accuracy.max_" in accuracy["text"]), accuracy)
                 self.assertEqual(done["verdict"]["state"], "resolved")

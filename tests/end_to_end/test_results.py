@@ -231,14 +231,32 @@ class Pictures(unittest.TestCase):
         """Every SVG of a run in steps and of a probe is XML, also with an end of character data and letters that XML does not have."""
         title = "a ]]> b ]]]]>> c \\uffff \\ufffe <!-- & --> <![CDATA["
         scene_file = pathlib.Path("steps.toml")
-        scene_file.write_text(scene("two_solids").read_text() + textwrap.dedent("""
+        scene_file.write_text(textwrap.dedent("""
+            [[body]]
+            name = "lower"
+            shape = {box = {min = [0, 0, 0], max = [1, 1, 1]}}
+            material = "steel"
+            cell_size = 0.31
+            [[body]]
+            name = "upper"
+            shape = {box = {min = [0, 0, 1], max = [1, 1, 2]}}
+            material = "steel"
+            cell_size = 0.28
+            [[support]]
+            face = "lower.z-"
+            displacement = {x = 0, y = 0, z = 0}
+            [[support]]
+            face = "upper.z+"
+            displacement = {x = 0, y = 0, z = -1e-5}
+            [[contact]]
+            automatic = true
             [steps]
             factors = [0.5, 1]
             [[probe]]
             name = "line"
-            line = {from = [0, 0, -0.1], to = [0, 0, 0.1], points = 5}
+            line = {from = [0.5, 0.5, 0.1], to = [0.5, 0.5, 0.9], points = 5}
             """))
-        outcome = cgcontact("run", scene_file, "--out", "xml", "--set", "n=4", "--set", f'title="{title}"')
+        outcome = cgcontact("run", scene_file, "--out", "xml", "--set", f'title="{title}"')
         self.assertEqual(outcome.code, 0, outcome.err)
         pictures = sorted(pathlib.Path("xml").glob("*.svg"))
         self.assertGreaterEqual(len(pictures), 3)

@@ -16,7 +16,7 @@
 namespace cgcontact {
 namespace {
 
-constexpr ChildLimits ample{300, 4e9};
+constexpr ChildLimits ample{300, 300, 4e9};
 /// Not known to the optimizer, which may do with undefined behaviour what it likes.
 volatile int zero = 0;
 
@@ -56,23 +56,28 @@ TEST(ChildWork, failures_are_input_errors) {
   EXPECT_EQ(failure_of(ample, [](Packing&) { _exit(0); }),
             "it fails: it ends without a result (the file may be damaged)");
   if (std::getenv("ASAN_OPTIONS")) return;  // there a lack of memory is the end of the child
-  const std::string message = failure_of({300, 5e8}, [](Packing&) {
+  const std::string message = failure_of({300, 300, 5e8}, [](Packing&) {
     std::vector<char> much(static_cast<std::size_t>(2000000000 + zero), 1);
     zero = much[static_cast<std::size_t>(zero)];
   });
   EXPECT_EQ(message, "it fails: it needs more than 500 MB of memory (the file may be damaged)");
 }
 
-// Proves that work without an end is ended, here after a second (a minute is what a busy machine may need to notice).
+// Proves that work without an end is ended, whether it computes or waits, here after a second (a minute is what a busy
+// machine may need to notice).
 TEST(ChildWork, time_is_limited) {
   const auto start = std::chrono::steady_clock::now();
-  EXPECT_EQ(failure_of({1, 4e9},
-                       [](Packing&) {
-                         while (zero == 0) {
-                         }
-                       }),
+  const auto compute = [](Packing&) {
+    while (zero == 0) {
+    }
+  };
+  EXPECT_EQ(failure_of({1, 300, 4e9}, compute),
             "it fails: it has not come to an end within 1 s (the file may be damaged)");
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::minutes(1));
+  EXPECT_EQ(failure_of({300, 1, 4e9}, compute),
+            "it fails: it has not come to an end within 1 s of computing (the file may be damaged)");
+  EXPECT_EQ(failure_of({1, 1, 4e9}, [](Packing&) { std::this_thread::sleep_for(std::chrono::minutes(10)); }),
+            "it fails: it has not come to an end within 1 s (the file may be damaged)");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::minutes(2));
 }
 
 // Proves that no child stays behind, that ignored ends of children are no hindrance, and that threads may have children
