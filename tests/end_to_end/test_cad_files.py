@@ -14,7 +14,7 @@ import harness
 import step_files
 from harness import cgcontact
 
-# Limit of the program for small files: 50 s and 0.5 s per face (20 s and 0.1 s of computing); what is beyond is a machine that
+# Limit of the program for small files: 45 s and 0.25 s per face (15 s and 0.1 s of computing); what is beyond is a machine that
 # others use too.
 LONGEST = 120
 
