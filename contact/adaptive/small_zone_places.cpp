@@ -22,6 +22,8 @@ constexpr double fills = 0.8;
 /// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
 constexpr double line_indentation = 0.75 * M_PI;
 constexpr int most_doublings = 30, bisections = 40;
+/// Of the depth that the force of a round zone goes with; that of other zones goes with a smaller one.
+constexpr double force_power = 1.5;
 
 struct Group {
   const ContactGroup* group;
@@ -56,6 +58,7 @@ class Overlap {
     const BodyModel &a = state.bodies[pair_.primary], &b = state.bodies[pair_.secondary];
     common_planes_ = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
                                    a.cut_cells.grid.cell_size);
+    for (const Group& g : groups_) samplers_.emplace_back(state.bodies, pair_, *g.group);
     slice_ = a.cut_cells.grid.slice;
     modulus_ =
         effective_modulus(state.scene.bodies[pair_.primary].material, state.scene.bodies[pair_.secondary].material);
@@ -64,16 +67,17 @@ class Overlap {
   /// Samples of the overlap under the zone's force; empty: it fills the groups, or there is no force.
   std::vector<GapSample> samples() {
     if (!(force_ > 0)) return {};
-    double depth = 0.01 * force_ / (modulus_ * cell_), limit = 0;
+    double depth = 0.01 * force_ / (modulus_ * cell_), limit = 0, force = 0;
     std::vector<GapSample> found;
-    for (int k = 0;; ++k, depth *= 2) {
+    for (int k = 0;; ++k, depth *= force > 0 ? std::max(2.0, std::pow(force_ / force, 1 / force_power)) : 2) {
       limit = nearest_ + depth;
       found = sampled(limit);
       double area = 0;
       for (const GapSample& s : found)
         if (s.distance < limit) area += s.area;
       if (area > fills * area_ || k == most_doublings) return {};
-      if (force_at(found, limit) >= force_) break;
+      force = force_at(found, limit);
+      if (force >= force_) break;
     }
     double low = limit, high = limit;
     for (const GapSample& s : found) low = std::min(low, s.distance);  // nearer than any contact point
@@ -100,7 +104,7 @@ class Overlap {
   std::vector<GapSample> sampled(double limit) {
     std::vector<std::vector<GapSample>> parts(groups_.size());
     parallel_for("cgcontact::small_zone_places::sample", parts.size(), 1,
-                 [&](std::size_t g) { parts[g] = sample_gap(state_.bodies, pair_, *groups_[g].group, limit); });
+                 [&](std::size_t g) { parts[g] = samplers_[g].samples(limit); });
     std::vector<GapSample> all;
     for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
     choose_planes(all);
@@ -167,6 +171,7 @@ class Overlap {
   const SolvedState& state_;
   const ContactPair& pair_;
   std::vector<Group> groups_;
+  std::vector<GapSampler> samplers_;
   std::vector<SymmetryPlane> common_planes_, planes_;  // of both bodies; those of them that cut the overlap
   double area_ = 0, force_ = 0, cell_ = 0, nearest_ = 1e300, modulus_ = 0;
   double slice_ = 0;  // of a quadtree, m

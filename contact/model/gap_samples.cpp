@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <unordered_map>
 
 namespace cgcontact {
 namespace {
@@ -153,50 +155,88 @@ class Sampler {
 
 }  // namespace
 
-std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
-                                  const ContactGroup& group, double limit) {
-  const Sampler sampler(bodies, pair, group);
-  std::vector<Leaf> leaves;
-  const double first = sampler.side() / first_leaves;
+class GapSampler::Impl {
+ public:
+  Impl(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
+      : sampler_(bodies, pair, group), group_(group) {}
+
+  std::vector<GapSample> samples(double limit);
+
+ private:
+  /// A square of the grid of a level; the first has first_leaves of them along a side.
+  struct Place {
+    int level, i, j;
+    std::uint64_t key() const {
+      return std::uint64_t(level) << 56 | std::uint64_t(i) << 28 | static_cast<std::uint64_t>(j);
+    }
+  };
+
+  const Leaf& leaf(const Place& place) {
+    const auto [found, is_new] = leaves_.try_emplace(place.key());
+    if (is_new) {
+      const double size = std::ldexp(sampler_.side() / first_leaves, -place.level);
+      found->second = sampler_.leaf((place.i + 0.5) * size - 0.5 * sampler_.side(),
+                                    (place.j + 0.5) * size - 0.5 * sampler_.side(), size);
+    }
+    return found->second;
+  }
+
+  Sampler sampler_;
+  const ContactGroup& group_;
+  std::unordered_map<std::uint64_t, Leaf> leaves_;
+};
+
+std::vector<GapSample> GapSampler::Impl::samples(double limit) {
+  std::vector<Place> places;
   for (int i = 0; i < first_leaves; ++i)
-    for (int j = 0; j < first_leaves; ++j)
-      leaves.push_back(
-          sampler.leaf((i + 0.5) * first - 0.5 * sampler.side(), (j + 0.5) * first - 0.5 * sampler.side(), first));
+    for (int j = 0; j < first_leaves; ++j) places.push_back({0, i, j});
   double smallest = 1e300;
   const auto look = [&](const Leaf& leaf) {
     for (const Leaf::Sample& sample : leaf.samples)
       if (sample.inside) smallest = std::min(smallest, sample.distance);
   };
-  for (const Leaf& leaf : leaves) look(leaf);
+  for (const Place& place : places) look(leaf(place));
   for (int level = 0; level < most_levels; ++level) {
-    const double depth = std::max(limit - smallest, least_depth * group.larger_cell);
-    const auto fine = [&](const Leaf& leaf) {
-      return leaf.lower_bound >= limit || !sampler.may_hold(leaf) || leaf.change <= resolved_part * depth;
+    const double depth = std::max(limit - smallest, least_depth * group_.larger_cell);
+    const auto fine = [&](const Place& place) {
+      const Leaf& square = leaf(place);
+      return square.lower_bound >= limit || !sampler_.may_hold(square) || square.change <= resolved_part * depth;
     };
-    const std::size_t coarse = leaves.size() - std::count_if(leaves.begin(), leaves.end(), fine);
+    const std::size_t coarse = places.size() - std::count_if(places.begin(), places.end(), fine);
     // All or none: a strip that is finer on one part of it would count for less on the other.
-    if (coarse == 0 || leaves.size() + 3 * coarse > most_leaves) break;
-    std::vector<Leaf> finer;
-    for (const Leaf& leaf : leaves) {
-      if (fine(leaf)) {
-        finer.push_back(leaf);
+    if (coarse == 0 || places.size() + 3 * coarse > most_leaves) break;
+    std::vector<Place> finer;
+    for (const Place& place : places) {
+      if (fine(place)) {
+        finer.push_back(place);
         continue;
       }
       for (int k = 0; k < 4; ++k) {
-        const double quarter = 0.25 * leaf.size;
-        finer.push_back(sampler.leaf(leaf.s + (k & 1 ? quarter : -quarter), leaf.t + (k & 2 ? quarter : -quarter),
-                                     0.5 * leaf.size));
-        look(finer.back());
+        finer.push_back({place.level + 1, 2 * place.i + (k & 1), 2 * place.j + (k >> 1)});
+        look(leaf(finer.back()));
       }
     }
-    leaves.swap(finer);
+    places.swap(finer);
   }
   std::vector<GapSample> samples;
   if (!(smallest < limit)) return samples;
-  for (const Leaf& leaf : leaves)
-    for (const Leaf::Sample& sample : leaf.samples)
-      if (sample.inside) samples.push_back({sample.x, sampler.area(leaf), sample.distance});
+  for (const Place& place : places) {
+    const Leaf& square = leaf(place);
+    for (const Leaf::Sample& sample : square.samples)
+      if (sample.inside) samples.push_back({sample.x, sampler_.area(square), sample.distance});
+  }
   return samples;
+}
+
+GapSampler::GapSampler(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group)
+    : impl_(std::make_unique<Impl>(bodies, pair, group)) {}
+GapSampler::GapSampler(GapSampler&&) noexcept = default;
+GapSampler::~GapSampler() = default;
+std::vector<GapSample> GapSampler::samples(double limit) { return impl_->samples(limit); }
+
+std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
+                                  const ContactGroup& group, double limit) {
+  return GapSampler(bodies, pair, group).samples(limit);
 }
 
 }  // namespace cgcontact

@@ -2,6 +2,7 @@
 /// corners and triangles of either body that lie between these are found.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "contact/model/contact_pairs.hpp"
@@ -14,8 +15,24 @@ struct GapSample {
   double distance = 0;  ///< m, before deformation, along the group's mean normal
 };
 
-/// A square grid over the group, refined where distances below `limit` (m) may lie until they are known to a part of
-/// the depth below `limit`. Empty, if no distance below `limit` is found.
+/// Samples one group. What was sampled for one limit is kept for the next ones.
+class GapSampler {
+ public:
+  /// Bodies, pair and group must outlive this.
+  GapSampler(const std::vector<BodyModel>& bodies, const ContactPair& pair, const ContactGroup& group);
+  GapSampler(GapSampler&&) noexcept;
+  ~GapSampler();
+
+  /// A square grid over the group, refined where distances below `limit` (m) may lie until they are known to a part of
+  /// the depth below `limit`. Empty, if no distance below `limit` is found. Not for several threads at once.
+  std::vector<GapSample> samples(double limit);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// For one limit.
 std::vector<GapSample> sample_gap(const std::vector<BodyModel>& bodies, const ContactPair& pair,
                                   const ContactGroup& group, double limit);
 
