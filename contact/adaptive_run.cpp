@@ -28,8 +28,27 @@ constexpr double least_unknowns_per_cell = 3, least_in_plane_strain = 2;
 constexpr double refused_growth = 1.5;
 /// Grids that are too large for a limit are made so much coarser beyond what the power says.
 constexpr double step = 1.03;
+/// So many times as many unknowns must make the estimated errors smaller: in three dimensions less than half of the
+/// size of all cells.
+constexpr double worth_a_fall = 10;
 /// A last solve with fields and pictures takes longer per unknown than those before it.
 constexpr double dearer = 1.2;
+
+/// Of the closed pieces of contact surfaces: how many times as many on other grids.
+double more_closed_pieces(const SolvedState& state, const std::vector<BodyModel>& next) {
+  double now = 0, then = 0;
+  for (const ContactPair& pair : state.pairs)
+    for (std::size_t g = 0; g < pair.num_pieces(); ++g) {
+      const ContactGroup& group = pair.groups[g];
+      if (!is_closed(pair, group)) continue;
+      const CutCells& from = state.bodies[group.body].cut_cells;
+      const CutCells& to = next[group.body].cut_cells;
+      const int cell = to.locate(to.grid.to_grid(centre_of(pair, group)));
+      ++now;
+      then += cell < 0 ? 1 : std::pow(from.h(group.cell) / to.h(cell), from.grid.is_quadtree() ? 1 : 2);
+    }
+  return now > 0 ? then / now : 1;
+}
 
 double count_unknowns(const std::vector<BodyModel>& bodies) {
   double nodes = 0;
@@ -43,6 +62,18 @@ double most_cells(const Scene& scene, double unknowns) {
   const bool plane = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                  [](const BodySpec& body) { return body.plane_strain.has_value(); });
   return unknowns / (plane ? least_in_plane_strain : least_unknowns_per_cell);
+}
+
+/// The largest of the estimated errors over their targets; none: the zones are not resolved.
+std::optional<double> missing_factor(const AccuracyOptions& options, const SolveFigures& solve) {
+  if (!solve.converged || ((options.pressure || options.force) && !solve.pressure)) return std::nullopt;
+  double largest = 0;
+  if (options.pressure) largest = std::max(largest, *solve.pressure / *options.pressure);
+  if (options.force) largest = std::max(largest, solve.force.value_or(0) / *options.force);
+  if (options.stress) largest = std::max(largest, solve.stress / *options.stress);
+  for (std::size_t k = 0; k < solve.stress_of_body.size(); ++k)
+    largest = std::max(largest, solve.stress_of_body[k] / options.stress_of_body[k].error);
+  return largest;
 }
 
 std::string number(double unknowns) { return grouped(static_cast<long long>(std::round(unknowns))); }
@@ -73,6 +104,23 @@ AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes
   figures_.stress_of_body = scene.accuracy.stress_of_body;
 }
 
+/// "", or that the errors of the last solve are no smaller than those of one with a tenth of its unknowns.
+std::string AdaptiveRun::standstill() const {
+  const SolveFigures& last = figures_.solves.back();
+  const auto now = missing_factor(given_.accuracy, last);
+  for (std::size_t k = 0; now && k < figures_.solves.size(); ++k) {
+    const SolveFigures& solve = figures_.solves[k];
+    const auto then = missing_factor(given_.accuracy, solve);
+    if (then && *now >= *then &&
+        static_cast<double>(last.unknowns) >= worth_a_fall * static_cast<double>(solve.unknowns))
+      return fmt::format(
+          "the estimated errors no longer fall: {:.2g} times the target in solve {} ({} unknowns), {:.2g} "
+          "times in solve {} ({} unknowns)",
+          *then, k + 1, grouped(solve.unknowns), *now, figures_.solves.size(), grouped(last.unknowns));
+  }
+  return "";
+}
+
 bool AdaptiveRun::has_solution() const { return simulation_ && simulation_->results.converged; }
 
 /// What is to be said of a limit first: a limit that keeps the run from a grid on which it might converge.
@@ -83,16 +131,39 @@ double AdaptiveRun::seconds() const {
   return of_first_rank(std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
 }
 
-/// Of the next solve; sets which limit it is.
-double AdaptiveRun::allowed_unknowns() {
+/// Of the next solve, if everything goes with the unknowns.
+double AdaptiveRun::allowed_unknowns() const {
   const AccuracyOptions& options = given_.accuracy;
-  limit_ = "max_unknowns";
   if (figures_.solves.empty()) return options.max_unknowns;
   const SolveFigures& last = figures_.solves.back();
   const double in_time =
       (options.max_time - seconds()) / (dearer * (last.seconds - search_)) * static_cast<double>(last.unknowns);
-  if (in_time < options.max_unknowns) limit_ = "max_time";
   return std::min(in_time, options.max_unknowns);
+}
+
+/// s, of a solve on the next grid, from the phases of the last one: the system goes with the unknowns, recovery and
+/// estimates with the patches of the contact, which take by far most of their time.
+double AdaptiveRun::forecast() const {
+  const SolveFigures& last = figures_.solves.back();
+  const double unknowns = count_unknowns(next_->state.bodies) / static_cast<double>(last.unknowns);
+  if (!last.converged) return dearer * last.seconds * unknowns;
+  double system = 0;
+  for (const auto& [phase, s] : simulation_->results.times_s)
+    if (phase == "cut cells" || phase == "operator" || phase == "solve") system += s;
+  const double rest = std::max(0.0, last.seconds - search_ - system);
+  const double pieces = more_closed_pieces(simulation_->state, next_->state.bodies);
+  return dearer * (system * unknowns + rest * std::max(unknowns, pieces));
+}
+
+/// How many times too large the next grid is; sets which limit it is. No more than 1: it is not.
+double AdaptiveRun::excess(double allowed) {
+  const double unknowns = count_unknowns(next_->state.bodies) / std::max(allowed, 1.0);
+  limit_ = allowed < given_.accuracy.max_unknowns ? "max_time" : "max_unknowns";
+  if (figures_.solves.empty()) return unknowns;
+  const double time = forecast() / std::max(given_.accuracy.max_time - seconds(), 1e-3);
+  if (time <= unknowns) return unknowns;
+  limit_ = "max_time";
+  return time;
 }
 
 /// Cells of the first grid, or of the next one; beyond a limit they become larger. False: they would be hardly smaller
@@ -134,10 +205,10 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
       factor *= refused_growth;
       continue;
     }
-    const double unknowns = count_unknowns(next_->state.bodies);
-    if (factor == 1) needed_ = unknowns;
-    if (unknowns <= allowed) return true;
-    factor *= step * std::pow(std::max(allowed, 1.0) / unknowns, 1 / coarsening_power);
+    if (factor == 1) needed_ = count_unknowns(next_->state.bodies);
+    const double times = excess(allowed);
+    if (times <= 1) return true;
+    factor *= step * std::pow(1 / times, 1 / coarsening_power);
   }
   next_.reset();
   return false;
@@ -217,6 +288,10 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
     if (!converged && (has_solution() || !may_converge_when_finer_)) break;
     if (errors.met) {
       figures_.reached = true;
+      break;
+    }
+    if (const std::string text = standstill(); !text.empty()) {
+      figures_.text = text;
       break;
     }
     if (static_cast<int>(figures_.solves.size()) >= options.max_solves) {

@@ -40,10 +40,13 @@ class AdaptiveRun {
   bool place(const AdaptiveCallbacks& callbacks);
   bool place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks);
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
-  double allowed_unknowns();
+  double allowed_unknowns() const;
+  double forecast() const;
+  double excess(double allowed);
   double seconds() const;
   bool has_solution() const;
   std::string after_failure() const;
+  std::string standstill() const;
 
   const Scene& given_;
   GridSizes sizes_;
