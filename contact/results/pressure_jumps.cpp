@@ -14,15 +14,19 @@ namespace {
 /// Rows per chunk of the parallel loop.
 constexpr std::size_t grain = 128;
 
-/// Values of the finite element stress and of plain SPR around a row.
+/// Values of the finite element stress, of plain SPR and of the transmitted pressure around a row.
 struct Around {
   double least = 1e300, most = -1e300;
-  double difference = 0;  ///< largest between the two
+  double difference = 0;  ///< largest between the first two
   bool closed = true;     ///< all of it
 
   void add(const ContactRow& row) {
     least = std::min({least, row.pressure_raw, row.pressure_spr});
     most = std::max({most, row.pressure_raw, row.pressure_spr});
+    if (std::isfinite(row.pressure_transmitted)) {
+      least = std::min(least, row.pressure_transmitted);
+      most = std::max(most, row.pressure_transmitted);
+    }
     difference = std::max(difference, std::abs(row.pressure_raw - row.pressure_spr));
     closed = closed && row.active;
   }

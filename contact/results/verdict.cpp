@@ -92,8 +92,9 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
         state.scene.bodies[j.thin_body].name, j.thickness, j.pair.name, *j.pair.cell_size_needed);
   if (j.jump)
     return fmt::format(
-        "the recovered pressure of \"{}\" is {:.3g} Pa at ({:.4g}, {:.4g}, {:.4g}) m, where the finite element stress "
-        "and plain SPR have {:.3g} to {:.3g} Pa around: it cannot be relied on there; cells of {:.2g} m or less are "
+        "the recovered pressure of \"{}\" is {:.3g} Pa at ({:.4g}, {:.4g}, {:.4g}) m, where the finite element stress, "
+        "plain SPR and the transmitted forces have {:.3g} to {:.3g} Pa around: it cannot be relied on there; cells of "
+        "{:.2g} m or less are "
         "needed",
         j.pair.name, j.jump->pressure, j.jump->x[0], j.jump->x[1], j.jump->x[2], j.jump->around_least,
         j.jump->around_most, *j.pair.cell_size_needed);
