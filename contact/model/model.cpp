@@ -227,6 +227,16 @@ struct PlacedBody {
   CellTree tree;
 };
 
+/// Planes at which loads of a body jump.
+void add_jumps_of_loads(const Scene& scene, int body, PlacedBody& placed) {
+  Vec3 min, max;
+  scene.bodies[body].solid.bounding_box(min, max);
+  for (const LoadSpec& load : scene.loads)
+    if (load.face.body == body)
+      for (const Expression* field : {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]})
+        add_jump_dividers(load.face.face, jump_planes(*field, min, max), placed.solid, placed.grid, placed.dividers);
+}
+
 /// All but the grid.
 void place_body(const Scene& scene, int body, PlacedBody& placed) {
   const BodySpec& spec = scene.bodies[body];
@@ -236,6 +246,7 @@ void place_body(const Scene& scene, int body, PlacedBody& placed) {
   // Longer on both sides than the one layer of cells: they have no ends.
   if (grid.is_quadtree()) placed.solid = stretched_to(spec, placed.solid, -1, 2);
   placed.dividers = face_dividers(faces_in_use(scene, body), placed.solid, grid);
+  add_jumps_of_loads(scene, body, placed);
   placed.tree = refined_tree(spec, placed.solid, grid, placed.dividers, scene.geometry);
 }
 

@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "core/base/suggest.hpp"
+#include "core/scene/expression_dimension.hpp"
 
 namespace cgcontact {
 
@@ -218,57 +219,41 @@ TextWithoutUnits without_units(const std::string& text, const SourcePlace& place
   return result;
 }
 
-/// Evaluates a text in other units; never moved.
-class ParserInUnits {
- public:
-  ParserInUnits(const TextWithoutUnits& text, const Vec3& x) : x_(x) {
-    parser_ = make_parser({});
-    for (const auto& [name, quantity] : text.constants) {
-      Variable& variable = variables_[name];
-      variable = {quantity.value, quantity.value, quantity.dimension.value_or(Dimension{})};
-      parser_.DefineVar(name, &variable.value);
-    }
-    for (int k = 0; k < 3; ++k) parser_.DefineVar(axis_names[k], &scaled_x_[k]);
-    parser_.SetExpr(text.text);
+/// Value of a text that depends on nothing but constants.
+std::optional<double> constant_value(const std::string& text, const Constants& constants) {
+  try {
+    mu::Parser parser = make_parser(constants);
+    parser.SetExpr(text);
+    return parser.Eval();
+  } catch (const mu::ParserError&) {  // of x, y, z
+    return std::nullopt;
   }
-  ParserInUnits(const ParserInUnits&) = delete;
-  double operator()(const UnitScales& scales) {
-    for (auto& [name, variable] : variables_) variable.value = variable.in_si * scale_of(variable.dimension, scales);
-    for (int k = 0; k < 3; ++k) scaled_x_[k] = x_[k] * scales[Dimension::length];
-    return parser_.Eval();
-  }
-
- private:
-  struct Variable {
-    double value = 0, in_si = 0;
-    Dimension dimension;
-  };
-  std::map<std::string, Variable> variables_;
-  const Vec3 x_;
-  double scaled_x_[3] = {0, 0, 0};
-  mu::Parser parser_;
-};
-
-/// Dimension of the text's value at x. Throws InputError if its parts have units that do not fit.
-FoundDimension dimension_at(const TextWithoutUnits& plain, const std::string& text, const SourcePlace& place,
-                            const Constants& constants, const Vec3& x) {
-  ParserInUnits parser(plain, x);
-  FoundDimension found = find_dimension([&parser](const UnitScales& scales) { return parser(scales); });
-  if (!found.mixed.empty() && plain.has_units)
-    throw InputError(place, in_quotes(text),
-                     "mixes quantities of different dimensions: its parts do not have the same power of " +
-                         found.mixed + used_constants(text, constants),
-                     "quantities of one dimension in sums, comparisons, min and max; beside units, a number without "
-                     "one is a pure number");
-  return found;
 }
 
-/// Places at which the units of a field are looked at, m: where it is zero nothing is seen.
-std::vector<Vec3> places_for_units() {
-  std::vector<Vec3> places;
-  for (const double size : {1e-3, 0.02, 1.0, 30.0})
-    for (const double sign : {1.0, -1.0}) places.push_back(sign * size * Vec3(0.31, 0.47, 0.83));
-  return places;
+/// Dimension of the text's value, none: zero whatever its parts are. Throws InputError if it has units and its parts do
+/// not fit.
+std::optional<Dimension> dimension_of(const TextWithoutUnits& plain, const std::string& text, const SourcePlace& place,
+                                      const Constants& constants) {
+  NamesAndPowers names;
+  names.dimension_of = [&](const std::string& name) -> std::optional<Dimension> {
+    if (std::find(std::begin(axis_names), std::end(axis_names), name) != std::end(axis_names))
+      return Dimension{{1, 0, 0, 0, 0}};
+    const auto found = plain.constants.find(name);
+    if (found == plain.constants.end()) return Dimension{};
+    if (!found->second.dimension && found->second.value == 0) return std::nullopt;
+    return found->second.dimension.value_or(Dimension{});
+  };
+  names.value_of = [&](const std::string& part) { return constant_value(part, plain.constants); };
+  try {
+    return find_dimension(plain.text, names);
+  } catch (const MixedDimensions& mixed) {
+    if (!plain.has_units) return std::nullopt;
+    throw InputError(
+        place, in_quotes(text),
+        "mixes quantities of different dimensions: " + std::string(mixed.what()) + used_constants(text, constants),
+        "quantities of one dimension in sums, comparisons, conditions, min and max; beside units, a number "
+        "without one is a pure number");
+  }
 }
 
 /// A parser with the variables it is bound to; never moved.
@@ -354,14 +339,12 @@ Expression::Expression(const std::string& text, const SourcePlace& place, const 
   check_text(text, place);
   const TextWithoutUnits plain = without_units(text, place, constants);
   auto compiled = std::make_unique<Compiled>(plain, text, place, constants);
+  if (compiled->is_constant) constant_ = compiled->evaluate(Vec3::Zero());
+  const bool zero = compiled->is_constant && constant_ == 0;
   if (plain.has_units)
-    for (const Vec3& x : places_for_units())
-      if (const FoundDimension found = dimension_at(plain, text, place, constants, x); found.dimension && wanted)
-        value_in(*wanted, Quantity(0, *found.dimension, true), place, in_quotes(text), "an expression");
-  if (compiled->is_constant)
-    constant_ = compiled->evaluate(Vec3::Zero());
-  else
-    compiled_ = std::move(compiled);
+    if (const auto found = dimension_of(plain, text, place, constants); found && wanted && !zero)
+      value_in(*wanted, Quantity(0, *found, true), place, in_quotes(text), "an expression");
+  if (!compiled->is_constant) compiled_ = std::move(compiled);
 }
 
 Expression::~Expression() = default;
@@ -382,6 +365,16 @@ bool Expression::is_zero() const { return is_constant() && constant_ == 0; }
 
 bool Expression::is_constant() const { return compiled_ == nullptr; }
 
+std::vector<Expression> Expression::compared() const {
+  std::vector<Expression> differences;
+  if (is_constant()) return differences;
+  for (const auto& [left, right] : find_comparisons(compiled_->plain.text)) {
+    Expression difference("(" + left + ")-(" + right + ")", compiled_->place, compiled_->plain.constants);
+    if (!difference.is_constant()) differences.push_back(std::move(difference));
+  }
+  return differences;
+}
+
 Quantity evaluate_constant(const std::string& text, const SourcePlace& place, const Constants& constants) {
   check_text(text, place);
   const TextWithoutUnits plain = without_units(text, place, constants);
@@ -399,7 +392,8 @@ Quantity evaluate_constant(const std::string& text, const SourcePlace& place, co
                      "a finite number");
   Quantity quantity(value);
   if (plain.has_dimensions) {
-    quantity.dimension = dimension_at(plain, text, place, constants, Vec3::Zero()).dimension;
+    const std::optional<Dimension> found = dimension_of(plain, text, place, constants);
+    if (value != 0) quantity.dimension = found;
     quantity.has_units = plain.has_units;
   }
   return quantity;

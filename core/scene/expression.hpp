@@ -38,6 +38,9 @@ class Expression {
   /// True if it is the constant zero.
   bool is_zero() const;
   bool is_constant() const;
+  /// Differences of what is compared by size in it (of `sign`: what it takes), but for constants: where one changes its
+  /// sign the value may jump.
+  std::vector<Expression> compared() const;
 
  private:
   struct Compiled;

@@ -44,21 +44,28 @@ void settle(const Solid& solid, Plane& plane) {
   }
 }
 
-void add_box_dividers(const Solid& solid, std::vector<char> selected, const Grid& grid,
-                      const std::pair<Vec3, Vec3>& box, std::vector<Plane>& dividers) {
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 normal = grid.rotation.row(k).transpose();
-    std::vector<char> divided = selected;
-    for (std::size_t i = 0; i < divided.size(); ++i) {
-      const Surface& s = solid.surfaces()[i];
-      if (s.kind == Surface::Kind::plane && s.direction.cross(normal).norm() < same_plane) divided[i] = 0;
-    }
-    for (const double position : {box.first[k], box.second[k]}) {
-      Plane plane{normal, (position - grid.origin[k]) / grid.cell_size};
-      settle(solid, plane);
-      add_once(plane, divided, dividers);
-    }
+/// Divides the selected surfaces but for planes along the divider.
+void add_plane_divider(const Solid& solid, std::vector<char> selected, Plane plane, std::vector<Plane>& dividers) {
+  for (std::size_t i = 0; i < selected.size(); ++i) {
+    const Surface& s = solid.surfaces()[i];
+    if (s.kind == Surface::Kind::plane && s.direction.cross(plane.normal).norm() < same_plane) selected[i] = 0;
   }
+  settle(solid, plane);
+  add_once(plane, selected, dividers);
+}
+
+void add_box_dividers(const Solid& solid, const std::vector<char>& selected, const Grid& grid,
+                      const std::pair<Vec3, Vec3>& box, std::vector<Plane>& dividers) {
+  for (int k = 0; k < 3; ++k)
+    for (const double position : {box.first[k], box.second[k]})
+      add_plane_divider(solid, selected,
+                        {grid.rotation.row(k).transpose(), (position - grid.origin[k]) / grid.cell_size}, dividers);
+}
+
+std::vector<char> surfaces_of(const FaceSpec& face, const Solid& solid) {
+  std::vector<char> selected;
+  for (const Surface& s : solid.surfaces()) selected.push_back(face.selects(s.names));
+  return selected;
 }
 
 /// The normals of a cone leave a cone of normals along straight lines through its tip: two for each of its sides.
@@ -93,12 +100,21 @@ void add_cone_dividers(const Solid& solid, int surface, const Vec3& axis, double
     add_once({across, across.dot(s.point) + side * s.radius * cosine / length}, divided, dividers);
 }
 
+void add_jump_dividers(const FaceSpec& face, const std::vector<JumpPlane>& jumps, const Solid& solid, const Grid& grid,
+                       std::vector<Plane>& dividers) {
+  const std::vector<char> selected = surfaces_of(face, solid);
+  for (const JumpPlane& jump : jumps)
+    add_plane_divider(
+        solid, selected,
+        {grid.rotation.transpose() * jump.normal, (jump.offset - jump.normal.dot(grid.origin)) / grid.cell_size},
+        dividers);
+}
+
 std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, const Solid& solid, const Grid& grid) {
   std::vector<Plane> dividers;
   for (const FaceSpec* face : faces) {
     if (!face->box && !face->normal_cone) continue;
-    std::vector<char> selected;
-    for (const Surface& s : solid.surfaces()) selected.push_back(face->selects(s.names));
+    std::vector<char> selected = surfaces_of(*face, solid);
     if (face->box) add_box_dividers(solid, selected, grid, *face->box, dividers);
     if (!face->normal_cone) continue;
     const Vec3 axis = grid.rotation.transpose() * face->normal_cone->first;

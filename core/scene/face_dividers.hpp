@@ -7,6 +7,7 @@
 
 #include "core/cells/boundary_points.hpp"
 #include "core/cells/grid.hpp"
+#include "core/scene/jump_planes.hpp"
 #include "core/scene/scene.hpp"
 
 namespace cgcontact {
@@ -15,6 +16,10 @@ namespace cgcontact {
 /// borders of faces. Plane faces and facets of triangle surfaces lie in a normal cone or outside as a whole (facets are
 /// parted by their normals, Plane::of_normals); plane surfaces that lie in a side of a box are on its rim.
 std::vector<Plane> face_dividers(const std::vector<const FaceSpec*>& faces, const Solid& solid, const Grid& grid);
+
+/// Appends planes at which a load on the face jumps; surfaces along a plane are not divided.
+void add_jump_dividers(const FaceSpec& face, const std::vector<JumpPlane>& jumps, const Solid& solid, const Grid& grid,
+                       std::vector<Plane>& dividers);
 
 /// Appends the planes where the normals of a sphere or a cylinder leave the cone about `axis` (unit, grid axes); of
 /// both of its sides, since a body may lie on either.

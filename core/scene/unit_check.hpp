@@ -1,8 +1,6 @@
-/// The dimension of an expression, found by changing the units: a value of the dimension length doubles with every
-/// length in it, and what adds a length to a force follows no power.
+/// Quantities: numbers with what is known about their dimension, and whether they fit a key.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -22,18 +20,6 @@ struct Quantity {
   std::optional<Dimension> dimension;  ///< none: a number without a unit, or zero
   bool has_units = false;              ///< units are written in the scene; else x, y, z or a computed force are meant
 };
-
-/// By how much the units of the bases are changed.
-using UnitScales = std::array<double, Dimension::num_bases>;
-/// The factor for a quantity of this dimension. An angle that is no power any more (the sine of one) counts as none.
-double scale_of(const Dimension& dimension, const UnitScales& scales);
-
-struct FoundDimension {
-  std::optional<Dimension> dimension;  ///< none: the value is zero or not finite, or `mixed` says why
-  std::string mixed;                   ///< the base that different numbers have to different powers: "length", ...
-};
-/// Of the value that `evaluate` returns. The angle is NaN where a value is no power of it.
-FoundDimension find_dimension(const std::function<double(const UnitScales&)>& evaluate);
 
 /// The value in the unit of a key. Throws InputError if the quantity has units and another dimension; `allowed`: what
 /// the key takes.

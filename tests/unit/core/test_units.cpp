@@ -103,10 +103,37 @@ TEST(Units, expressions_have_dimensions) {
 TEST(Units, what_does_not_fit_is_refused) {
   const Constants constants{{"d", evaluate_constant("20 mm", place)}, {"t", 3}};
   const auto message = [&](const char* text) { return message_of([&] { evaluate_constant(text, place, constants); }); };
-  expect_contains(message("d + 3 N"), {"scene.toml:7: key = \"d + 3 N\"", "different dimensions", "power of mass"});
+  expect_contains(message("d + 3 N"), {"scene.toml:7: key = \"d + 3 N\"", "different dimensions: a length + a force"});
   expect_contains(message("d + 0.001"),
                   {"different dimensions", "with d = 0.02", "a number without one is a pure number"});
   expect_contains(message("sqrt(1 - d)"), {"different dimensions"});
+  // Whatever the values are: nothing compares a length with a force, in a branch that is not taken either.
+  const std::pair<const char*, const char*> mixed[] = {
+      {"1 bar*(1 m > 1 N)", "a length > a force"},
+      {"1 bar*(1 km >= 1 mN)", "a length >= a force"},
+      {"1 bar*(2 m == 2 N)", "a length == a force"},
+      {"1 bar*(2 m != 2 N)", "a length != a force"},
+      {"1 bar*(1 m > 0 N)", "a length > a force"},
+      {"1 bar*(d < 1)", "a length < a pure number"},
+      {"1 > 2 ? 1 m : 1 N", "a length : a force"},
+      {"1 > 2 ? 1 m > 1 N : 3", "a length > a force"},
+      {"d ? 1 : 2 m", "a length in place of a condition beside ?"},
+      {"1 bar*(1 > 2 && 1 m)", "a length in place of a condition beside &&"},
+      {"1 bar*(1 N || 2 > 1)", "a force in place of a condition beside ||"},
+      {"max(1 km, 1 mN)", "a length beside a force"},
+      {"min(1 mm, 3, 1 km)", "a length beside a pure number"},
+      {"abs(1 m + 1 N)", "a length + a force"},
+      {"sum(1 m, 2 N)", "a length beside a force"},
+      {"2^(1 m)", "an exponent that is a length"},
+      {"sin(1 m)", "sin of a length"},
+      {"1 bar*(-(1 m) - -(2 N) > 0)", "a length - a force"}};
+  for (const auto& [text, why] : mixed) expect_contains(message(text), {"different dimensions: ", why});
+  const char* const fitting[] = {"1 bar*(1 m > d)",         "max(0, d - 1 mm)",   "d > 0 ? d : 0",
+                                 "1 bar*(d > 1 mm && 1)",   "-d^2 + 2^-1*1 mm^2", "d^(4/2) - 1 mm^2",
+                                 "sqrt(d*1 mm) + d",        "exp(-d/(1 mm))*d",   "sign(1 N)*d",
+                                 "atan2(d, 1 mm)*d",        "1e-3 + d/1 m",       "sin(30 deg + 1)",
+                                 "d > 1 mm == (1 N > 2 N)", "0*1 N + d",          "(d)^-.5e0*1 N"};
+  for (const char* text : fitting) EXPECT_EQ(message(text), "") << text;
   expect_contains(message("20 mmm"), {"\"mmm\" is no unit (did you mean \"mm\"?)", "one of m, km, dm"});
   expect_contains(message("20 C"), {"\"C\" is no unit: temperatures are differences, in K"});
   expect_contains(message("5 N/t"), {"\"t\" is a parameter and a unit"});

@@ -1,0 +1,36 @@
+/// The dimension of an expression, by the rules of algebra: parts of a sum, of a comparison, of `min` and `max` and
+/// both values of a condition have the same one, powers multiply it, other functions take pure numbers and angles.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/scene/units.hpp"
+
+namespace cgcontact {
+
+/// Says which parts of an expression do not fit together: "a length > a force".
+struct MixedDimensions : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// What the names and exponents of an expression are.
+struct NamesAndPowers {
+  /// Dimension of a variable or constant; none: it is zero and fits everything.
+  std::function<std::optional<Dimension>(const std::string& name)> dimension_of;
+  /// Value of an exponent; none: it is not constant.
+  std::function<std::optional<double>(const std::string& text)> value_of;
+};
+
+/// None: the value is zero whatever its parts are. An angle that is no power any more (an angle plus a number) is NaN.
+/// `text`: without units, of valid syntax. Throws MixedDimensions.
+std::optional<Dimension> find_dimension(const std::string& text, const NamesAndPowers& names);
+
+/// Both sides of every comparison by size in an expression; what `sign` takes is compared with 0.
+std::vector<std::pair<std::string, std::string>> find_comparisons(const std::string& text);
+
+}  // namespace cgcontact
