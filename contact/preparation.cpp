@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 
 #include "contact/model/condition_checks.hpp"
+#include "contact/model/load_checks.hpp"
 #include "contact/model/memory.hpp"
 #include "contact/model/plane_strain.hpp"
 #include "contact/model/rigid_supports.hpp"
@@ -91,6 +93,23 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   p.supports.insert(p.supports.end(), held.begin(), held.end());
 }
 
+/// A rigid body needs no density under gravity if its supports alone hold it: its mass moves nothing then.
+void check_masses(const Preparation& p) {
+  const std::vector<RigidPiece> pieces = whole_bodies(p.bodies).list;
+  std::vector<int> itself(p.bodies.size());
+  std::iota(itself.begin(), itself.end(), 0);
+  std::vector<Resistance> held(p.bodies.size(), Resistance::Zero());
+  for (const SupportPoint& point : p.supports)
+    if (point.support >= 0 && point.spring == 0) add_resistance(point, pieces, p.bodies, itself, held);
+  for (std::size_t b = 0; b < p.bodies.size(); ++b) {
+    const BodySpec& body = *p.bodies[b].spec;
+    if (body.inertia.unknown && motions_not_resisted(held[b]).cols() > 0)
+      throw InputError(body.place, "\"" + body.name + "\"",
+                       "it has no density, which gravity and rotation act on, and its supports leave it free to move",
+                       "material = {density = 7850} in kg/m^3, or supports that hold the rigid body wholly");
+  }
+}
+
 /// The recovery takes the body force at nodes, which may lie on a singular plane or outside of the body.
 void check_body_forces(const std::vector<BodyModel>& bodies) {
   for (const BodyModel& body : bodies) {
@@ -165,6 +184,9 @@ void complete(const Scene& scene, Preparation& preparation) {
   check_plane_strain(scene, preparation.bodies, preparation.supports, preparation.pairs);
   for (std::string& warning : bonded_gap_warnings(scene, preparation.pairs))
     preparation.warnings.push_back(std::move(warning));
+  for (std::string& warning : load_resolution_warnings(scene, preparation.bodies))
+    preparation.warnings.push_back(std::move(warning));
+  check_masses(preparation);
   check_free_motions(scene, preparation);
   check_body_forces(preparation.bodies);
   check_reference(scene, preparation.pairs);

@@ -48,6 +48,7 @@ struct Inertia {
   Vec3 weight = Vec3::Zero();                        ///< N/m^3: density times acceleration of gravity
   double spin = 0;                                   ///< N/m^4: density times the square of the angular speed
   Vec3 centre = Vec3::Zero(), axis = Vec3::UnitZ();  ///< m, unit: the axis of rotation
+  bool unknown = false;  ///< of a rigid body without a density: it acts on the supports that must hold the body
   bool any() const { return !weight.isZero(0) || spin != 0; }
   /// N/m^3
   Vec3 force(const Vec3& x) const {

@@ -535,6 +535,10 @@ void SceneReader::read_inertia(const TomlCursor& root) {
     speed = rotation->at("speed", range.text).number(range);
   }
   for (BodySpec& body : scene_.bodies) {
+    if (!body.material.density && body.rigid()) {
+      body.inertia.unknown = true;
+      continue;
+    }
     if (!body.material.density)
       throw InputError(body.place, "\"" + body.name + "\"",
                        "its material has no density, which gravity and rotation act on",

@@ -16,6 +16,13 @@ struct ResultOptions {
   double least_thickness = 1.75, wanted_thickness = 3;
   /// Part of the transmitted force by which the integral of the recovered pressure may be off without a word.
   double lost_force = 0.15;
+  /// Part of the loads on a face or a body by which the quadrature of their expressions may be off without a word: a
+  /// tenth of the smallest accuracy that is asked for in general, 1 %.
+  double lost_load = 1e-3;
+  /// Of the force of a contact by which the forces on its bodies may not balance, and by which what holds motions that
+  /// nothing resists may replace it, before the result is marked: the accuracy of what is called known, and one that is
+  /// coarse.
+  double largest_imbalance = 0.01, largest_hold = 0.05;
   /// Strain whose terms of second order, which the theory leaves out, are some 5 % of those that it keeps.
   double largest_strain = 0.05;
   /// Of the body's longest side: contact is looked for where the bodies were before the deformation.

@@ -1,0 +1,17 @@
+/// Do the quadrature points of the loads see what their expressions do?
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "contact/model/model.hpp"
+
+namespace cgcontact {
+
+/// A sentence for each load whose resultant, or its moment about the centroid of the face, changes by more than
+/// ResultOptions::lost_load of what acts on the face when the pieces of the face in the cells are divided: a jump that
+/// the planes of core/scene/jump_planes.hpp do not cut, or a peak, inside a cell. The same of body forces, with fewer
+/// points in place of more.
+std::vector<std::string> load_resolution_warnings(const Scene& scene, const std::vector<BodyModel>& bodies);
+
+}  // namespace cgcontact
