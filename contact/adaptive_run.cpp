@@ -286,6 +286,10 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
     const ErrorFigures errors = solve(callbacks);
     const bool converged = figures_.solves.back().converged;
     if (!converged && (has_solution() || !may_converge_when_finer_)) break;
+    if (converged && !errors.finite) {
+      figures_.text = "an estimated error is not a number";
+      break;
+    }
     if (errors.met) {
       figures_.reached = true;
       break;

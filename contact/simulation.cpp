@@ -12,7 +12,9 @@
 #include "contact/results/coarse_facets.hpp"
 #include "contact/results/conditions.hpp"
 #include "contact/results/contact_rows.hpp"
+#include "contact/results/holding.hpp"
 #include "contact/results/missed_contact.hpp"
+#include "contact/results/open_gaps.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/peak_estimate.hpp"
 #include "contact/results/postprocess.hpp"
@@ -36,6 +38,8 @@ namespace {
 
 /// Cells; bodies one cell thick are meant to be so. Those held on both sides (plane strain) may be thinner.
 constexpr double nearly_one = 0.99;
+/// Cells: a motion along surfaces that is less is rounding.
+constexpr double at_rest = 1e-6;
 /// A pair that has to see farther is solved again; so many times at most.
 constexpr int most_extensions = 5;
 
@@ -154,6 +158,16 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       tightened = true;
       continue;
     }
+    const std::string fault = state.outer.converged ? contact_fault(state) : "";
+    if (state.outer.converged && lost_by_wandering(fault)) {
+      hold_wanderers();
+      solver = make_solver();
+      continue;
+    }
+    if (!fault.empty()) {
+      state.outer.converged = false;
+      state.outer.diagnosis = fault;
+    }
     if (std::exchange(tightened, false) && !state.outer.converged) continue;  // once more, from nothing
     if (!state.scene.steps.empty()) record_step(k, progress);
     if (!state.scene.steps.empty() && state.outer.converged && is_at_rest(state.outer))
@@ -216,6 +230,13 @@ void Simulation::hold_wanderers() {
   for (const SupportPoint& point : SurfaceWanderers(state.bodies, state.supports, state.pairs).hold(state.bodies))
     state.supports.push_back(point);
   make_system();
+}
+
+/// Has a body that nothing drives slid or spun along surfaces until its contact let go of it? Points of a few cells
+/// push it along, which exact contact does not.
+bool Simulation::lost_by_wandering(const std::string& fault) const {
+  if (fault.empty() && contact_carries(state)) return false;
+  return SurfaceWanderers(state.bodies, state.supports, state.pairs).farthest(state.outer.rigid_parts) > at_rest;
 }
 
 /// Figures of a step; the pairs of the last one are those of the results.
@@ -344,19 +365,20 @@ void Simulation::fill_results() {
   fill_pair_figures(state, results);
   fill_support_figures(state, results);
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;
-  results.verdict = judge(state, results);
   fill_balance(state, results);
-  if (const std::string warning = place_keeping_warning(state, results); !warning.empty()) add_warning(warning);
+  if (const std::string warning = place_keeping_warning(state); !warning.empty()) add_warning(warning);
   choose_reference();
   fill_body_fields(state, results);
   fill_rigid_figures(state, results);
+  estimate_gap_errors(state, results);
+  results.verdict = judge(state, results);
   estimate_contact_errors(state, results);
   estimate_peak_errors(results);
   fill_conditions(state, results);
   fill_pressure_errors(state, results);
   if (state.outer.converged)
-    for (const auto& warnings :
-         {small_strain_warnings(state, results), lost_force_warnings(state, results), coarse_facet_warnings(state)})
+    for (const auto& warnings : {small_strain_warnings(state, results), lost_force_warnings(state, results),
+                                 unclear_gap_warnings(state, results), coarse_facet_warnings(state)})
       for (const std::string& warning : warnings) add_warning(warning);
   scale_to_thickness(state, results);
   fill_zone_figures(state, results);

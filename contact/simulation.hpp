@@ -50,6 +50,7 @@ class Simulation {
   void set_step(const StepSpec& step);
   bool see_farther();
   void hold_wanderers();
+  bool lost_by_wandering(const std::string& fault) const;
   void record_step(std::size_t number, const ProgressCallbacks& progress);
   void add_warning(const std::string& warning);
   bool tighten();

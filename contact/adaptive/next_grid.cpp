@@ -9,9 +9,20 @@
 namespace cgcontact {
 namespace {
 
+/// Of the gap's error to a gap that is next to nothing: what the next grid is to make of it.
+constexpr double least_ratio = 0.1;
+
 /// Halvings of a cell of at most `largest` that end with `smallest`.
 int halvings(double largest, double smallest) {
   return std::max(0, static_cast<int>(std::floor(std::log2(largest / smallest) + 1e-9)));
+}
+
+/// The larger one; what is no number is worse than any.
+double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+
+/// May the faces of a pair without a force touch all the same, for all that is known?
+bool is_unclear(const Results& results, std::size_t pair) {
+  return results.pairs[pair].least_gap && results.verdict.pairs[pair].state == Verdict::State::not_resolved;
 }
 
 /// The largest error of the energy norm that the targets allow, relative; infinite: any.
@@ -20,8 +31,12 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
   double allowed = std::numeric_limits<double>::infinity();
   if (options.stress) allowed = *options.stress;
   for (std::size_t p = 0; p < zones.size(); ++p) {
-    if (!zones[p].relevant || !zones[p].resolved) continue;
     const PairFigures& figures = results.pairs[p];
+    // The gap's error is a multiple of that square, too (open_gaps.hpp).
+    if (is_unclear(results, p))
+      allowed = std::min(allowed, results.estimated_error_relative *
+                                      std::sqrt(std::max(*figures.least_gap / *figures.least_gap_error, least_ratio)));
+    if (!zones[p].relevant || !zones[p].resolved) continue;
     const double by_energy = std::pow(results.estimated_error_relative, 2);
     // The force's error is some multiple of the square of the energy norm's (pressure_estimate.hpp).
     const double factor = figures.force_error_estimate && by_energy > 0 ? *figures.force_error_estimate / by_energy : 0;
@@ -97,11 +112,12 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
   bool known = true, any = false;
   double pressure = 0, force = 0;
   for (std::size_t p = 0; p < zones.size(); ++p) {
+    known &= !is_unclear(results, p);
     if (!zones[p].relevant) continue;
     any = true;
     known &= zones[p].resolved && results.pairs[p].force_error_estimate.has_value();
-    pressure = std::max(pressure, results.pairs[p].pressure_error_estimate);
-    force = std::max(force, results.pairs[p].force_error_estimate.value_or(0));
+    pressure = worse(pressure, results.pairs[p].pressure_error_estimate);
+    force = worse(force, results.pairs[p].force_error_estimate.value_or(0));
   }
   if (known && any) {
     errors.pressure = pressure;
@@ -114,6 +130,7 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
   }
   errors.met = known && bodies_met && (!options.pressure || pressure <= *options.pressure) &&
                (!options.force || force <= *options.force) && (!options.stress || errors.stress <= *options.stress);
+  errors.finite = std::isfinite(pressure) && std::isfinite(force) && std::isfinite(errors.stress);
   return errors;
 }
 

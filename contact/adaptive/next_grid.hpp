@@ -35,6 +35,7 @@ struct ErrorFigures {
   double stress = 0;
   std::vector<double> stress_of_body;  ///< of those that the scene asks for
   bool met = false;                    ///< all that the scene asks for
+  bool finite = true;                  ///< are they numbers?
 };
 ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results);
 

@@ -70,18 +70,20 @@ void check_support_on_contact(const Scene& scene, int s, const BodyModel& body, 
     all[pair] += body.area(p);
     if (!face.contains(p)) continue;
     for (const HeldDirection& h : held_at(scene, body, s, body.point(p), body.normal(p)))
-      if (pairs[pair].bonded() || std::abs(h.direction.dot(body.normal(p))) > parallel) {
+      if (pairs[pair].bonded() || std::abs(h.direction.dot(body.normal(p))) > holds_normal) {
         held[pair] += body.area(p);
         break;
       }
   }
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (held[k] > rim * all[k])
-      throw InputError(support.place, face_name(scene, support.face),
-                       fmt::format("holds {:.3g} m2 of a face of {} \"{}\"{}: contact cannot act there", held[k],
-                                   pairs[k].bonded() ? "the bonded contact" : "contact", pairs[k].spec->name,
-                                   pairs[k].bonded() ? "" : " along its normal"),
-                       "a support or a contact on every face");
+      throw InputError(
+          support.place, face_name(scene, support.face),
+          fmt::format("holds {:.3g} m2 of a face of {} \"{}\"{}: contact cannot act there", held[k],
+                      pairs[k].bonded() ? "the bonded contact" : "contact", pairs[k].spec->name,
+                      pairs[k].bonded() ? "" : " along its normal"),
+          "a support or a contact on every part of a face: faces = [{name = \"low\", surfaces = [..], box = {..}}] "
+          "of the body declares a part away from the contact, which can be held");
 }
 
 /// A load on tied faces would be a jump of the traction, which nothing tells from one body to the other.

@@ -5,8 +5,12 @@
 
 namespace cgcontact {
 
+/// A direction with a larger cosine with the normal of a face holds that normal: what acts along the normal there is no
+/// contact pressure (the results use the same).
+constexpr double holds_normal = 1e-3;
+
 /// Throws InputError if two supports prescribe different displacements in one direction at one point, or if a support
-/// holds the normal of a named contact face.
+/// holds the normal of a named contact face: on a curved one any direction does that does not lie in the face.
 void check_conditions(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs);
 
 }  // namespace cgcontact

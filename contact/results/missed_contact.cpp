@@ -1,6 +1,7 @@
 #include "contact/results/missed_contact.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "contact/model/gap_samples.hpp"
@@ -11,6 +12,9 @@ namespace {
 
 constexpr std::size_t grain = 512;
 
+/// Looks between the boundary points for ever smaller gaps, and the part of a gap to which the smallest is known then.
+constexpr int most_looks = 10;
+constexpr double close_enough = 0.1;
 /// Overlap that is more than rounding, cells.
 constexpr double least_overlap = 1e-6;
 
@@ -66,23 +70,31 @@ double gap_change(const SolvedState& state, const ContactPair& pair, const Conta
   return change;
 }
 
-/// The deepest overlap of the deformed faces that no boundary point of theirs lies in: at an edge or a tip.
-std::optional<MissedOverlap> overlap_between_points(const SolvedState& state, std::size_t p) {
-  const ContactPair& pair = state.pairs[p];
-  std::vector<std::optional<MissedOverlap>> deepest(pair.groups.size());
-  parallel_for("cgcontact::missed_contact::between_points", deepest.size(), 1, [&](std::size_t g) {
+/// The smallest gap at the faces' boundary points.
+std::optional<LeastGap> gap_at_points(const Results& results, int pair) {
+  std::optional<LeastGap> least;
+  for (const ContactRow& row : results.contact_rows)
+    if (row.pair == pair && std::isfinite(row.gap) && (!least || row.gap < least->gap))
+      least = LeastGap{row.gap, row.x, row.larger_cell};
+  return least;
+}
+
+/// The smallest gap of the deformed faces below `enough` that lies between their boundary points: at an edge or a tip.
+std::optional<LeastGap> gap_between_points(const SolvedState& state, const ContactPair& pair, double enough) {
+  std::vector<std::optional<LeastGap>> least(pair.groups.size());
+  parallel_for("cgcontact::missed_contact::between_points", least.size(), 1, [&](std::size_t g) {
     const ContactGroup& group = pair.groups[g];
     double nearest = pair.points[group.first_point].distance;
     for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points[q].distance);
-    const double limit = pair.interference - gap_change(state, pair, group);
+    const double closer = pair.interference - gap_change(state, pair, group), limit = enough + closer;
     if (nearest > limit + group.larger_cell) return;
     for (const GapSample& sample : sample_gap(state.bodies, pair, group, limit))
-      if (!deepest[g] || limit - sample.distance > deepest[g]->depth)
-        deepest[g] = MissedOverlap{static_cast<int>(p), limit - sample.distance, sample.x, group.larger_cell};
+      if (!least[g] || sample.distance - closer < least[g]->gap)
+        least[g] = LeastGap{sample.distance - closer, sample.x, group.larger_cell};
   });
-  std::optional<MissedOverlap> all;
-  for (const auto& found : deepest)
-    if (found && (!all || found->depth > all->depth)) all = found;
+  std::optional<LeastGap> all;
+  for (const auto& found : least)
+    if (found && (!all || found->gap < all->gap)) all = found;
   return all;
 }
 
@@ -105,19 +117,27 @@ std::vector<double> missed_contact(const SolvedState& state) {
   return any ? reach : std::vector<double>();
 }
 
+std::optional<LeastGap> least_gap(const SolvedState& state, const Results& results, std::size_t pair) {
+  const std::optional<LeastGap> at_points = gap_at_points(results, static_cast<int>(pair));
+  if (at_points && at_points->gap < 0) return at_points;
+  std::optional<LeastGap> least = at_points;
+  double enough = at_points ? at_points->gap : 0.0;
+  for (int k = 0; k < most_looks; ++k) {  // each time to a tenth of what the last time found
+    const auto between = gap_between_points(state, state.pairs[pair], enough);
+    if (!between) break;
+    least = between;
+    if (between->gap < 0 || enough - between->gap < close_enough * between->gap) break;
+    enough = between->gap;
+  }
+  return least;
+}
+
 std::vector<MissedOverlap> missed_overlaps(const SolvedState& state, const Results& results) {
   std::vector<MissedOverlap> overlaps;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     if (results.pairs[p].active_points > 0) continue;
-    const ContactRow* deepest = nullptr;
-    for (const ContactRow& row : results.contact_rows)
-      if (row.pair == static_cast<int>(p) && row.gap < (deepest ? deepest->gap : -least_overlap * row.larger_cell))
-        deepest = &row;
-    if (deepest)
-      overlaps.push_back({static_cast<int>(p), -deepest->gap, deepest->x, deepest->larger_cell});
-    else if (const auto between = overlap_between_points(state, p);
-             between && between->depth > least_overlap * between->cell)
-      overlaps.push_back(*between);
+    if (const auto least = least_gap(state, results, p); least && least->gap < -least_overlap * least->cell)
+      overlaps.push_back({static_cast<int>(p), -least->gap, least->x, least->cell});
   }
   return overlaps;
 }

@@ -1,6 +1,8 @@
 /// After the solve: have faces met that no contact pair sees, or that no closed contact point tells of?
 #pragma once
 
+#include <optional>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
@@ -13,6 +15,15 @@ double gap_change(const SolvedState& state, const ContactPair& pair, const Conta
 /// deformation belong to it. Empty if there are none. Contacts with a search_distance of their own are left alone.
 std::vector<double> missed_contact(const SolvedState& state);
 
+/// The smallest gap between the deformed faces of a pair, negative where they overlap: at the faces' boundary points
+/// or, unless they overlap there, between them (edges, corners, tips). Empty: nothing lies opposite.
+struct LeastGap {
+  double gap = 0;         ///< m
+  Vec3 x = Vec3::Zero();  ///< m
+  double cell = 0;        ///< m, size of the larger cell there
+};
+std::optional<LeastGap> least_gap(const SolvedState& state, const Results& results, std::size_t pair);
+
 /// The deepest overlap of a pair that transmits no force.
 struct MissedOverlap {
   int pair = 0;
@@ -22,8 +33,7 @@ struct MissedOverlap {
 };
 
 /// One for each pair of the results without a closed point whose faces overlap all the same: contact is decided by the
-/// mean gap of pieces of cells, so that a zone smaller than these may be lost. Looked for at the faces' boundary points
-/// and, without any, between them (edges, corners, tips).
+/// mean gap of pieces of cells, so that a zone smaller than these may be lost.
 std::vector<MissedOverlap> missed_overlaps(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

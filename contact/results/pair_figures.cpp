@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "contact/model/condition_checks.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
@@ -14,8 +15,6 @@ namespace {
 /// Of all forces in the scene: what a pair transmits below that is rounding. So is a resultant below that part of the
 /// forces that add up to it (a shrink fit).
 constexpr double no_force = 1e-9;
-/// A support holds the normal direction if its own has that cosine with it.
-constexpr double holds_normal = 1e-3;
 /// Of the largest pressure: less than that is the end of a zone, or where the pressure is that small by itself (a zone
 /// pressed less than another of the same pair), less than `rounding` nothing. Of the transmitted pressure: that is so.
 constexpr double end_of_zone = 0.01, rounding = 1e-9, little_by_itself = 0.5;
@@ -157,6 +156,17 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     results.pairs.push_back(figures);
     first_group += pair.groups.size();
   }
+}
+
+std::vector<double> normal_forces(const SolvedState& state) {
+  std::vector<double> forces;
+  std::size_t group = 0;
+  for (const ContactPair& pair : state.pairs) {
+    double sum = 0;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g) sum += state.outer.group_force[group++];
+    forces.push_back(force_unit(state) * sum);
+  }
+  return forces;
 }
 
 std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results) {

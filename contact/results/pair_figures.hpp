@@ -20,6 +20,10 @@ bool is_pressed(const ContactRow& row, double largest);
 /// scene, has no force, area, pressure and centre: all are exactly zero.
 void fill_pair_figures(const SolvedState& state, Results& results);
 
+/// Of each pair the sum of its groups' forces, N, compression positive; of a shrink fit too, whose resultant is
+/// nothing.
+std::vector<double> normal_forces(const SolvedState& state);
+
 /// A sentence for each pair whose recovered pressure, over the rows that touch, does not add up to the force that the
 /// solution transmits.
 std::vector<std::string> lost_force_warnings(const SolvedState& state, const Results& results);

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
+#include "contact/results/holding.hpp"
 #include "contact/results/pressure_error.hpp"
 #include "contact/results/reference.hpp"
 #include "contact/solve/active_set.hpp"
@@ -170,26 +170,43 @@ Vec3 force_on_end(const SolvedState& state, const FaceRef& reference) {
   return force;
 }
 
-/// Of what holds a body along surfaces, N.
-Vec3 place_keeping_force(const SolvedState& state, int body) {
-  Vec3 force = Vec3::Zero();
-  for (std::size_t s = 0; s < state.supports.size(); ++s)
-    if (const SupportPoint& p = state.supports[s]; p.keeps_place && p.body == body)
-      force += p.weight * state.outer.support_stress[s] * p.direction;
-  return force;
+/// Of a face, m; of an end in plane strain without points zero.
+Vec3 centroid_of(const SolvedState& state, const FaceRef& reference) {
+  const BodyModel& body = state.bodies[reference.body];
+  Vec3 first = Vec3::Zero();
+  double area = 0;
+  for (const int p : BodyFace(reference.face, body).points()) {
+    first += body.area(p) * body.point(p);
+    area += body.area(p);
+  }
+  return area > 0 ? Vec3(first / area) : Vec3(Vec3::Zero());
 }
 
 }  // namespace
 
 void fill_support_figures(const SolvedState& state, Results& results) {
-  for (const SupportSpec& support : state.scene.supports)
-    results.supports.push_back({state.scene.bodies[support.face.body].name + "." + support.face.face.name,
-                                support.by_plane_strain ? force_on_end(state, support.face) : Vec3(Vec3::Zero()), "",
-                                0});
-  for (std::size_t s = 0; s < state.supports.size(); ++s)
-    if (state.supports[s].support >= 0 && !state.supports[s].by_plane_strain)
-      results.supports[state.supports[s].support].force +=
-          state.supports[s].weight * state.outer.support_stress[s] * state.supports[s].direction;
+  for (const SupportSpec& support : state.scene.supports) {
+    SupportFigures figures;
+    figures.face = state.scene.bodies[support.face.body].name + "." + support.face.face.name;
+    if (support.by_plane_strain) figures.force = force_on_end(state, support.face);
+    figures.about = centroid_of(state, support.face);
+    results.supports.push_back(figures);
+  }
+  for (std::size_t s = 0; s < state.supports.size(); ++s) {
+    const SupportPoint& p = state.supports[s];
+    if (p.support < 0 || p.by_plane_strain) continue;
+    SupportFigures& figures = results.supports[p.support];
+    const Vec3 force = p.weight * state.outer.support_stress[s] * p.direction;
+    const Vec3 x = global_position(state.bodies[p.body].cut_cells, p.cell, p.xi);
+    figures.force += force;
+    figures.moment += (x - figures.about).cross(force);
+  }
+  for (std::size_t s = 0; s < state.scene.supports.size(); ++s) {
+    const BodySpec& body = state.scene.bodies[state.scene.supports[s].face.body];
+    if (!body.plane_strain) continue;  // there the ends hold the body against moments about other axes
+    const Vec3 axis = Vec3::Unit(static_cast<int>(*body.plane_strain));
+    results.supports[s].moment = results.supports[s].moment.dot(axis) * axis;
+  }
 }
 
 void fill_balance(const SolvedState& state, Results& results) {
@@ -199,33 +216,14 @@ void fill_balance(const SolvedState& state, Results& results) {
     balance.loads = state.outer.load_of_body[b];
     for (std::size_t s = 0; s < results.supports.size(); ++s)
       if (state.scene.supports[s].face.body == static_cast<int>(b)) balance.supports += results.supports[s].force;
-    balance.supports += place_keeping_force(state, static_cast<int>(b));
+    balance.holds = holding_force(state, static_cast<int>(b));
+    balance.supports += balance.holds;
     for (std::size_t k = 0; k < results.pairs.size(); ++k) {
       if (state.pairs[k].spec->first.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_first;
       if (state.pairs[k].spec->second.body == static_cast<int>(b)) balance.contact += results.pairs[k].force_on_second;
     }
     results.balance.push_back(balance);
   }
-}
-
-std::string place_keeping_warning(const SolvedState& state, const Results& results) {
-  std::vector<double> contact(state.bodies.size(), 0.0);  // of each body, N: the largest pair
-  for (std::size_t k = 0; k < results.pairs.size(); ++k)
-    for (const int b : {state.pairs[k].primary, state.pairs[k].secondary})
-      contact[b] = std::max(contact[b], results.pairs[k].force_on_first.norm());
-  const double largest = *std::max_element(contact.begin(), contact.end());
-  std::set<int> held;
-  for (const SupportPoint& p : state.supports)
-    if (p.keeps_place) held.insert(p.body);
-  if (held.empty()) return "";
-  const auto part = [&](int b) { return largest > 0 ? place_keeping_force(state, b).norm() / largest : 0.0; };
-  const int most = *std::max_element(held.begin(), held.end(), [&](int a, int b) { return part(a) < part(b); });
-  return fmt::format(
-      "{} that contact alone holds would slide and spin along the surfaces that they touch for many cells, which no "
-      "load drives: held where they are, which takes {:.2g} % of the largest contact force at most (body \"{}\"); "
-      "smaller cells at the contact make it less",
-      held.size() == 1 ? "a body" : fmt::format("{} bodies", held.size()), 100 * part(most),
-      state.bodies[most].spec->name);
 }
 
 void fill_pressure_errors(const SolvedState& state, Results& results) {

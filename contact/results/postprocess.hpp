@@ -17,8 +17,6 @@ void fill_fields(const SolvedState& state, Results& results);
 void fill_support_figures(const SolvedState& state, Results& results);
 /// Resultants on every body; needs the pair figures.
 void fill_balance(const SolvedState& state, Results& results);
-/// Where bodies are held along surfaces: what that takes; needs the balance. Empty: none are.
-std::string place_keeping_warning(const SolvedState& state, const Results& results);
 /// Relative L2 errors of the pressure per zone (norm of the reference over the whole face) and stress errors.
 void fill_pressure_errors(const SolvedState& state, Results& results);
 

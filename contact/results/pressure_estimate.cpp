@@ -7,6 +7,8 @@
 
 #include "contact/motions/statics.hpp"
 #include "contact/results/contact_rows.hpp"
+#include "contact/results/holding.hpp"
+#include "contact/results/pair_figures.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "core/base/shared_values.hpp"
@@ -17,6 +19,9 @@ namespace {
 
 /// Widths of the Gaussian of the local mean beyond which nothing counts.
 constexpr double mean_reach = 3;
+
+/// Of a pair's force: less than that is the tolerance of the solver.
+constexpr double solved_part = 1e-4;
 
 /// The edge's square-root term around a row.
 struct EdgeAtRow {
@@ -123,6 +128,7 @@ EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
 void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
   const ResultOptions& options = state.scene.results;
+  const std::vector<double> normal = normal_forces(state);
   const Statics statics(state.scene, state.bodies, state.supports, state.pairs);
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     std::vector<EdgeAtRow> edges(rows.size());
@@ -162,6 +168,16 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
       figures.force_error_estimate = 0;
     else if (resolved)
       figures.force_error_estimate = (verdict.cells_across ? options.edge_factor : 1) * force_error;
+    // What holds bodies that nothing else holds, and what the solver leaves, are no part of the exact equilibrium.
+    double unbalanced = 0;
+    for (const int body : {state.pairs[p].primary, state.pairs[p].secondary})
+      unbalanced = std::max(unbalanced, imbalance(results.balance[body]));
+    const double wrong = normal[p] > 0 && figures.area > 0 && !state.pairs[p].bonded()
+                             ? held_part(state, state.pairs[p]) + unbalanced / normal[p]
+                             : 0;
+    if (wrong < solved_part) continue;
+    figures.pressure_error_estimate = std::hypot(figures.pressure_error_estimate, wrong);
+    if (figures.force_error_estimate) figures.force_error_estimate = std::max(*figures.force_error_estimate, wrong);
   }
 }
 

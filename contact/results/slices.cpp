@@ -23,10 +23,11 @@ void scale_to_thickness(const SolvedState& state, Results& results) {
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
     if (state.scene.supports[s].by_plane_strain) continue;
     results.supports[s].force *= factor;
+    results.supports[s].moment *= factor;
     results.supports[s].area *= factor;
   }
   for (BodyBalance& balance : results.balance)
-    for (Vec3* v : {&balance.loads, &balance.supports, &balance.contact}) *v *= factor;
+    for (Vec3* v : {&balance.loads, &balance.supports, &balance.contact, &balance.holds}) *v *= factor;
   for (ContactRow& row : results.contact_rows) row.weight *= factor;
   const double of_norms = std::sqrt(factor);
   results.estimated_error *= of_norms;

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "contact/results/holding.hpp"
 #include "contact/results/missed_contact.hpp"
+#include "contact/results/open_gaps.hpp"
 #include "contact/results/pressure_jumps.hpp"
 #include "contact/results/thickness_at_contact.hpp"
 #include "contact/results/zone_width.hpp"
@@ -16,11 +19,16 @@ using State = Verdict::State;
 
 /// Of a zone of which nothing is known but that it is smaller than a cell.
 constexpr double cells_of_missed_zone = 1;
+/// Of a gap's error to the gap, where the gap is next to nothing: cells a third as large are worth a try.
+constexpr double least_ratio = 0.1;
+
 struct Judged {
   Verdict::Pair pair;
   double force = 0;  // N, or the largest pressure on the whole zone
   const MissedOverlap* missed = nullptr;
   const PressureJump* jump = nullptr;
+  const UnclearGap* unclear = nullptr;
+  double held_part = 0;  // of its force, taken by what holds the bodies
   int thin_body = -1;    // thinner than its cells where it touches, or -1
   double thickness = 0;  // of that body, its cells
 };
@@ -40,7 +48,8 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
 }
 
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
-                                const std::vector<MissedOverlap>& missed, const std::vector<PressureJump>& jumps) {
+                                const std::vector<MissedOverlap>& missed, const std::vector<UnclearGap>& unclear,
+                                const std::vector<PressureJump>& jumps) {
   const std::vector<ZoneWidth> widths = zone_widths(state);
   std::vector<Judged> judged;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
@@ -57,6 +66,15 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       if (j.pair.state == State::not_resolved)
         j.pair.cell_size_needed = widths[p].cell * *widths[p].cells / state.scene.results.wanted_cells_across;
       judge_thickness(state, state.pairs[p], j);
+      if (j.force > 0) j.held_part = held_part(state, state.pairs[p]);
+      if (j.held_part > state.scene.results.largest_hold) j.pair.state = State::not_resolved;
+    }
+    for (const UnclearGap& gap : unclear) {
+      if (gap.pair != static_cast<int>(p)) continue;
+      j.unclear = &gap;
+      j.force = gap.force;
+      j.pair.state = State::not_resolved;
+      j.pair.cell_size_needed = gap.cell * std::sqrt(std::max(gap.gap, least_ratio * gap.error) / gap.error);
     }
     for (const PressureJump& jump : jumps) {
       if (jump.pair != static_cast<int>(p) || j.pair.state != State::resolved) continue;
@@ -84,7 +102,23 @@ std::string missed_text(const Judged& j) {
       j.pair.name, j.missed->depth, x[0], x[1], x[2], j.missed->cell, *j.pair.cell_size_needed);
 }
 
+std::string unclear_text(const std::string& name, const UnclearGap& gap) {
+  return fmt::format(
+      "contact \"{}\": whether the faces touch is not resolved: no force is transmitted, but the smallest gap left, "
+      "{:.2g} m at ({:.4g}, {:.4g}, {:.4g}) m, is within the estimated error of the displacements, {:.2g} m",
+      name, gap.gap, gap.x[0], gap.x[1], gap.x[2], gap.error);
+}
+
 std::string unresolved_text(const SolvedState& state, const Judged& j) {
+  if (j.unclear)
+    return fmt::format("{}: cells of {:.2g} m or less are needed", unclear_text(j.pair.name, *j.unclear),
+                       *j.pair.cell_size_needed);
+  if (j.held_part > state.scene.results.largest_hold)
+    return fmt::format(
+        "contact \"{}\": what holds its bodies in motions that nothing else resists takes {:.2g} % of its force, which "
+        "is "
+        "wrong by about as much; smaller cells at the contact, or supports that hold the bodies, are needed",
+        j.pair.name, 100 * j.held_part);
   if (j.thin_body >= 0)
     return fmt::format(
         "body \"{}\" is {:.2g} cells thick at the contact \"{}\": bending, and with it forces and pressures, is not "
@@ -123,6 +157,13 @@ double pressing_force(const PairFigures& figures) {
   return std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
 }
 
+std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results) {
+  std::vector<std::string> warnings;
+  for (const UnclearGap& gap : unclear_gaps(state, results))
+    warnings.push_back(unclear_text(results.pairs[gap.pair].name, gap));
+  return warnings;
+}
+
 Verdict judge(const SolvedState& state, const Results& results) {
   Verdict verdict;
   const std::vector<MissedOverlap> missed = missed_overlaps(state, results);
@@ -131,11 +172,16 @@ Verdict judge(const SolvedState& state, const Results& results) {
   const std::vector<PressureJump> jumps = state.scene.recovery.spr_c
                                               ? pressure_jumps(results.contact_rows, max_pressures, state.scene.results)
                                               : std::vector<PressureJump>();
-  const std::vector<Judged> pairs = judge_pairs(state, results, missed, jumps);
+  const std::vector<UnclearGap> unclear = unclear_gaps(state, results);
+  std::vector<Judged> pairs = judge_pairs(state, results, missed, unclear, jumps);
   double largest = 0;
-  for (const Judged& j : pairs) {
+  for (const Judged& j : pairs) largest = std::max(largest, j.unclear ? 0 : j.force);
+  for (Judged& j : pairs) {
+    if (j.unclear && j.force < relevant_part_of_force * largest) {  // next to nothing, if they do
+      j.pair.state = State::no_contact;
+      j.pair.cell_size_needed.reset();
+    }
     verdict.pairs.push_back(j.pair);
-    largest = std::max(largest, j.force);
   }
   const auto find = [&](State wanted, double least_force) {
     return std::find_if(pairs.begin(), pairs.end(),

@@ -12,7 +12,10 @@ constexpr double relevant_part_of_force = 0.01;
 /// N, of a pair; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
 double pressing_force(const PairFigures& figures);
 
-/// Needs the pair figures, contact rows and contact links of the last recovery.
+/// A sentence for each pair without a force whose faces may touch all the same.
+std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results);
+
+/// Needs the pair figures with their gaps, contact rows and contact links of the last recovery.
 Verdict judge(const SolvedState& state, const Results& results);
 
 }  // namespace cgcontact

@@ -21,8 +21,15 @@ constexpr double nearly_flat = 0.9;
 constexpr double of_ellipse = 4 * pi, of_rectangle = 12, near_shape = 0.25;
 /// Cosine between planes of symmetry that are across each other; of curvatures, the larger one: no curvature.
 constexpr double across = 1e-6, no_curvature = 1e-6;
+/// Part of a body's size that is rounding; cells by which a face may miss its mirror image.
+constexpr double same_place = 1e-6, same_face = 0.01;
 /// Half the width of the zone over the smallest radius of curvature up to which Hertz's half-spaces stand for bodies.
 constexpr double largest_width = 0.5;
+
+/// Turns a direction to z.
+Mat3 rotation_to(const Vec3& direction) {
+  return Eigen::Quaterniond::FromTwoVectors(direction, Vec3::UnitZ()).toRotationMatrix();
+}
 
 /// The zone of one pair, and how it goes on behind planes of symmetry.
 class Zone {
@@ -80,16 +87,38 @@ class Zone {
   }
 
  private:
-  /// Those that both bodies have and the zone reaches, across each other; the two sides of a slice are none.
+  /// Those of the elastic body, if the other one is rigid and mirrored by them; else those that both bodies have.
+  std::vector<SymmetryPlane> planes_of_pair() const {
+    const BodyModel &a = state_.bodies[pair_.primary], &b = state_.bodies[pair_.secondary];
+    std::vector<SymmetryPlane> of_a = symmetry_planes(a.cut_cells, a.boundary),
+                               of_b = symmetry_planes(b.cut_cells, b.boundary);
+    if (a.spec->rigid() == b.spec->rigid()) return common_planes(of_a, of_b, a.cut_cells.grid.cell_size);
+    const BodyModel& rigid = a.spec->rigid() ? a : b;
+    std::vector<SymmetryPlane> planes = a.spec->rigid() ? std::move(of_b) : std::move(of_a);
+    planes.erase(std::remove_if(planes.begin(), planes.end(),
+                                [&](const SymmetryPlane& plane) { return !mirrors(plane, rigid); }),
+                 planes.end());
+    return planes;
+  }
+
+  /// Does a plane of symmetry of the elastic body make a whole of the rigid one too? That one has no stress that would
+  /// need a support: it ends at the plane, or goes on behind it as the zone's mirror image.
+  bool mirrors(const SymmetryPlane& plane, const BodyModel& rigid) const {
+    const double size = longest_extent(rigid);
+    Vec3 low, high;
+    rigid.spec->solid.transformed(rotation_to(plane.normal), Vec3::Zero()).bounding_box(low, high);
+    if (high[2] - plane.normal.dot(plane.point) <= same_place * size) return true;
+    return std::all_of(rows_.begin(), rows_.end(), [&](const ContactRow* row) {
+      if (&state_.bodies[row->body] != &rigid) return true;
+      const Vec3 x = plane.image(row->x), aside = same_face * row->larger_cell * plane.turned(row->normal);
+      return rigid.spec->holds(x - aside) && !rigid.spec->holds(x + aside);
+    });
+  }
+
+  /// Those that the zone reaches, across each other; the two sides of a slice are none.
   void find_planes() {
-    std::vector<SymmetryPlane> all[2];
-    for (int side = 0; side < 2; ++side) {
-      const BodyModel& body = state_.bodies[side == 0 ? pair_.primary : pair_.secondary];
-      all[side] = symmetry_planes(body.cut_cells, body.boundary);
-    }
-    const double cell = state_.bodies[pair_.primary].cut_cells.grid.cell_size;
     std::vector<SymmetryPlane> reached;
-    for (const SymmetryPlane& plane : common_planes(all[0], all[1], cell))
+    for (const SymmetryPlane& plane : planes_of_pair())
       if (std::any_of(rows_.begin(), rows_.end(),
                       [&](const ContactRow* row) { return std::abs(plane.distance(row->x)) < row->larger_cell; }))
         reached.push_back(plane);

@@ -77,6 +77,8 @@ Json json_of(const PairFigures& pair) {
   json["force_error_estimate"] = json_of(pair.force_error_estimate);
   json["max_pressure_error_estimate"] = json_of(pair.max_pressure_error_estimate);
   json["force_given_by_loads"] = pair.force_given_by_loads;
+  json["least_gap"] = pair.least_gap ? Json(*pair.least_gap) : Json();
+  json["least_gap_error"] = pair.least_gap_error ? Json(*pair.least_gap_error) : Json();
   add_zone(pair, json);
   return json;
 }
@@ -189,7 +191,9 @@ void add_solution(const Results& results, Json& json) {
     json["supports"].push_back({{"face", support.face},
                                 {"condition", support.condition},
                                 {"area", support.area},
-                                {"force", json_of(support.force)}});
+                                {"force", json_of(support.force)},
+                                {"moment", json_of(support.moment)},
+                                {"about", json_of(support.about)}});
   json["loads"] = Json::array();
   for (const LoadFigures& load : results.loads)
     json["loads"].push_back({{load.of_body ? "body" : "face", load.face},
@@ -203,7 +207,8 @@ void add_solution(const Results& results, Json& json) {
     json["balance"].push_back({{"body", body.body},
                                {"loads", json_of(body.loads)},
                                {"supports", json_of(body.supports)},
-                               {"contact", json_of(body.contact)}});
+                               {"contact", json_of(body.contact)},
+                               {"holds", json_of(body.holds)}});
 }
 
 Json json_of(const SingularPlace& place) {

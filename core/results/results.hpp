@@ -147,6 +147,11 @@ struct PairFigures {
   std::optional<double> force_error_estimate;
   std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there
   bool force_given_by_loads = false;                  ///< by equilibrium alone
+  /// Of faces that nothing presses: the smallest gap left between them, and its estimated error, m; none: contact, or
+  /// nothing opposite.
+  std::optional<double> least_gap, least_gap_error;
+  Vec3 least_gap_at = Vec3::Zero();  ///< m
+  double least_gap_cell = 0;         ///< m, size of the larger cell there
   ZoneFigures zone;                                   ///< of the last step
 };
 
@@ -174,9 +179,11 @@ inline const char* name_of(Verdict::State state) {
 /// Reaction of one support.
 struct SupportFigures {
   std::string face;           ///< "body.face"
-  Vec3 force = Vec3::Zero();  ///< N, acts on the body
-  std::string condition;      ///< "symmetry", "x = 0, z = -1.6e-06 m"
-  double area = 0;            ///< m^2
+  Vec3 force = Vec3::Zero();   ///< N, acts on the body
+  std::string condition;       ///< "symmetry", "x = 0, z = -1.6e-06 m"
+  double area = 0;             ///< m^2
+  Vec3 moment = Vec3::Zero();  ///< N m, about the next; in plane strain about the axis alone
+  Vec3 about = Vec3::Zero();   ///< m: the centroid of the face
 };
 
 /// Resultant of one load, as it acts in the last step.
@@ -194,6 +201,9 @@ struct LoadFigures {
 struct BodyBalance {
   std::string body;
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
+  /// N, that part of `supports` which is none of the scene's: it holds motions that the scene leaves free, exactly zero
+  /// but for the cells.
+  Vec3 holds = Vec3::Zero();
 };
 
 /// One step of several: what was on, how it was solved, its contact pairs (without estimated errors).

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
@@ -113,6 +114,34 @@ TEST(TwoGridEstimate, OfOneSolutionTwice) {
   const double across = *first.zones[0].width / first.zones[0].cell;
   EXPECT_NEAR(simulation.results.pairs[0].pressure_error_estimate / before,
               first.scene.accuracy.safety * (1 + std::pow(first.scene.accuracy.doubtful_width / across, 2)), 1e-9);
+}
+
+/// An error that is no number is worse than any: not reached, whichever figure it is of and whichever pair it comes
+/// with.
+TEST(ErrorFigures, WhatIsNoNumberIsNotReached) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Scene scene;
+  scene.accuracy.pressure = scene.accuracy.force = scene.accuracy.stress = 0.5;
+  std::vector<ZoneState> zones(2);
+  for (ZoneState& zone : zones) zone.relevant = zone.resolved = true;
+  Results good;
+  good.pairs.resize(2);
+  good.verdict.pairs.resize(2);
+  for (PairFigures& pair : good.pairs) {
+    pair.pressure_error_estimate = 0.1;
+    pair.force_error_estimate = 0.1;
+  }
+  good.estimated_error_relative = 0.1;
+  EXPECT_TRUE(error_figures(scene, zones, good).met);
+  EXPECT_TRUE(error_figures(scene, zones, good).finite);
+  for (int which = 0; which < 5; ++which) {
+    Results results = good;
+    if (which < 2) results.pairs[which].pressure_error_estimate = nan;
+    if (which == 2 || which == 3) results.pairs[which - 2].force_error_estimate = nan;
+    if (which == 4) results.estimated_error_relative = nan;
+    EXPECT_FALSE(error_figures(scene, zones, results).met) << which;
+    EXPECT_FALSE(error_figures(scene, zones, results).finite) << which;
+  }
 }
 
 }  // namespace

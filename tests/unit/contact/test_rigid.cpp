@@ -227,5 +227,68 @@ cell_size = 0.0021
                   {"upper.block.z+", "would deform the rigid body \"upper\""});
 }
 
+/// Under gravity a rigid body that supports hold wholly needs no density; one that is left a motion does.
+TEST(Rigid, NeedsADensityOnlyToMove) {
+  const auto text = [](const std::string& held) {
+    std::string scene = blocks("", foot + held);
+    scene.replace(scene.find("material = {E = 200e9"), 21, "material = {density = 7800, E = 200e9");
+    return "gravity = [0, 0, -9.81]\n" + scene;
+  };
+  const auto solved = test::run_text(text(support("upper.block.z+", "displacement = {x = 0, y = 0, z = -1e-6}")), {});
+  EXPECT_TRUE(solved->results().converged) << solved->results().diagnosis;
+  for (const char* free :
+       {"displacement = {x = 0, y = 0}", "displacement = {z = -1e-6}", "stiffness = [1e9, 1e9, 1e9]"})
+    expect_contains(message_of([&] { test::run_text(text(support("upper.block.z+", free))); }),
+                    {"\"upper\": it has no density", "leave it free to move", "density = 7850"});
+}
+
+/// A quarter of an elastic ball on a rigid plate that is whole, cut at the planes, or cut and held there: the same
+/// zone, round, and Hertz's figures for the whole force. On a plate that leans to one side there is no image behind the
+/// plane across which it leans.
+TEST(Rigid, PartnerOfAQuarterNeedsNoCut) {
+  const auto text = [](const std::string& plate, const std::string& more) {
+    return R"(
+[[body]]
+name = "ball"
+material = {E = 1e9, nu = 0.3}
+cell_size = 1.2e-3
+grid = {offset = [0.3, 0.2, 0.4]}
+refine = [{sphere = {center = [0, 0, 0], radius = 1.2e-3}, size = 0.2e-3, grading = 0.4}]
+shape = {intersection = [{name = "q", box = {min = [0, 0, 0], max = [8e-3, 8e-3, 8e-3]}},
+                         {name = "ball", sphere = {center = [0, 0, 8e-3], radius = 8e-3}}]}
+[[body]]
+name = "plate"
+rigid = true
+shape = )" +
+           plate + symmetry({"ball.q.x-", "ball.q.y-"}) + support("plate.z-", "displacement = {x = 0, y = 0, z = 0}") +
+           more +
+           "[[load]]\nface = \"ball.q.z+\"\nforce = [0, 0, -47.125]\n"
+           "[[contact]]\nfaces = [\"ball.ball.surface\", \"plate.z+\"]\n";
+  };
+  const std::string whole = "{box = {min = [-8e-3, -9e-3, -2e-3], max = [8e-3, 7e-3, 0]}}\n",
+                    cut = "{box = {min = [0, 0, -2e-3], max = [8e-3, 8e-3, 0]}}\n";
+  for (const auto& [plate, more] :
+       {std::pair<std::string, std::string>{whole, ""}, {cut, ""}, {cut, symmetry({"plate.x-", "plate.y-"})}}) {
+    const auto solved = test::run_text(text(plate, more), {});
+    ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
+    const ZoneFigures& zone = solved->results().pairs[0].zone;
+    ASSERT_TRUE(zone.extent && zone.hertz);
+    EXPECT_EQ(zone.extent->shape, ZoneExtent::Shape::round);
+    const double a = std::cbrt(3 * 188.5 * 8e-3 / (4 * 1e9 / 0.91));
+    // The normal force is a third of a per cent more than the load: the ball's normals lean by up to a/R = 0.13.
+    EXPECT_NEAR(*zone.hertz->a / a, 1, 3e-3);
+    EXPECT_NEAR(zone.hertz->p0 / (1.5 * 188.5 / (M_PI * a * a)), 1, 3e-3);
+    for (const double half_axis : zone.extent->half_axes) EXPECT_NEAR(half_axis / a, 1, 0.08) << "six cells";
+  }
+  // It goes up along x by 3 degrees, so that its image behind x = 0 would go down: two halves, not four quarters.
+  const std::string leaning =
+      "{box = {min = [-8e-3, -9e-3, -2e-3], max = [8e-3, 7e-3, 0]}, rotate = {axis = [0, 1, 0], angle = -3}}\n";
+  const auto solved = test::run_text(text(leaning, ""), {});
+  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
+  const ZoneFigures& zone = solved->results().pairs[0].zone;
+  ASSERT_TRUE(zone.hertz);
+  EXPECT_NEAR(*zone.hertz->a / std::cbrt(3 * 2 * zone.normal_force * 8e-3 / (4 * 1e9 / 0.91)), 1, 1e-6);
+}
+
 }  // namespace
 }  // namespace cgcontact

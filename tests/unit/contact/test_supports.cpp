@@ -1,6 +1,7 @@
 /// Supports about an axis, springs to the ground and rotated faces, held to states that the elements have exactly.
 #include <gtest/gtest.h>
 
+#include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 
 namespace cgcontact {
@@ -186,6 +187,84 @@ TEST(FaceMoments, FindTheAxisOfACylinder) {
   FaceMoments plane;
   for (int i = 0; i < 9; ++i) plane.add(Vec3(i % 3, i / 3, 0), Vec3::UnitZ(), 1);
   EXPECT_FALSE(plane.axis());
+}
+
+/// A block above a roller that is held by its side. `roller`: its material.
+std::string block_on_roller(const std::string& roller, const std::string& held, const std::string& more) {
+  return R"(
+[[body]]
+name = "block"
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.0021
+shape = {box = {min = [0, 0, 0], max = [0.005, 0.01, 0.01]}}
+[[body]]
+name = "roller"
+cell_size = 0.0023
+)" + roller +
+         R"(
+shape = {cylinder = {base = [0, 0, -0.01], top = [0.005, 0, -0.01], radius = 0.01}}
+faces = [{name = "low", surfaces = ["cylinder.side"], box = {min = [-1, -1, -1], max = [1, 1, -0.012]}}]
+[[support]]
+face = "block.y-"
+symmetry = true
+[[support]]
+face = "block.x-"
+symmetry = true
+[[load]]
+face = "block.z+"
+force = [0, 0, -1000]
+[[contact]]
+faces = ["block.z-", "roller.side"]
+[[support]]
+)" + held +
+         more;
+}
+
+/// On a curved face whatever does not lie in the face holds its normal: alone, two together, radially, by springs.
+TEST(Supports, AreRefusedOnACurvedFaceOfContact) {
+  for (const char* roller : {"rigid = true", "material = {E = 200e9, nu = 0.3}"}) {
+    for (const char* held :
+         {"face = \"roller.side\"\ndisplacement = {x = 0, y = 0, z = 0}\n",
+          "face = \"roller.side\"\ndisplacement = {y = 0, z = 0}\n", "face = \"roller.side\"\ndisplacement = {y = 0}\n",
+          "face = \"roller.side\"\ndisplacement = {normal = 0}\n",
+          "face = \"roller.side\"\ncylindrical = {radial = 0, tangential = 0}\n",
+          "face = \"roller.side\"\nstiffness = [0, 0, 1e12]\n"})
+      expect_contains(message_of([&] { test::run_text(block_on_roller(roller, held, "")); }),
+                      {"\"roller.side\"", "of a face of contact", "along its normal", "box = {..}"});
+  }
+}
+
+/// The part of the side away from the contact may be held: the force of the load goes through the contact.
+TEST(Supports, HoldAPartOfACurvedFace) {
+  const auto solved = test::run_text(
+      block_on_roller("rigid = true", "face = \"roller.low\"\ndisplacement = {x = 0, y = 0, z = 0}\n", ""), {});
+  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
+  EXPECT_NEAR(solved->results().pairs[0].force_on_first[2], 1000, 1);
+  EXPECT_GT(solved->results().pairs[0].max_pressure, 0);
+}
+
+/// A cantilever under a force at its end: the moment of its support is that of the force about the held face's
+/// centroid.
+TEST(Supports, TellTheirMoments) {
+  const auto solved = test::run_text(R"(
+[[body]]
+name = "beam"
+shape = {box = {min = [0, 0, 0], max = [0.5, 0.1, 0.06]}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.043
+grid = {offset = [0.3, 0.6, 0.2], rotation = {axis = [1, 2, 3], angle = 20}}
+[[support]]
+face = "beam.x-"
+displacement = {x = 0, y = 0, z = 0}
+[[load]]
+face = "beam.x+"
+force = [100, 200, -300]
+)");
+  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
+  const SupportFigures& support = solved->results().supports[0];
+  EXPECT_LT((support.about - Vec3(0, 0.05, 0.03)).norm(), 1e-12);
+  const Vec3 expected = -Vec3(0.5, 0, 0).cross(Vec3(100, 200, -300));
+  EXPECT_LT((support.moment - expected).norm(), 1e-8 * expected.norm());
 }
 
 }  // namespace

@@ -1,0 +1,112 @@
+#include "contact/results/holding.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "contact/results/pair_figures.hpp"
+#include "contact/results/postprocess.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Force (N) and moment about the middle of the body (N m) of what holds it.
+std::pair<Vec3, Vec3> holding_resultants(const SolvedState& state, int body) {
+  const BodyModel& model = state.bodies[body];
+  const Vec3 middle = 0.5 * (model.low + model.high);
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  for (std::size_t s = 0; s < state.supports.size(); ++s) {
+    const SupportPoint& p = state.supports[s];
+    if (p.support >= 0 || p.body != body) continue;
+    const Vec3 f = p.weight * state.outer.support_stress[s] * p.direction;
+    force += f;
+    moment += (global_position(model.cut_cells, p.cell, p.xi) - middle).cross(f);
+  }
+  return {force, moment};
+}
+
+double largest_contact(const SolvedState& state, int body) {
+  const std::vector<double> forces = normal_forces(state);
+  double largest = 0;
+  for (std::size_t k = 0; k < forces.size(); ++k)
+    if (state.pairs[k].primary == body || state.pairs[k].secondary == body)
+      largest = std::max(largest, std::abs(forces[k]));
+  return largest;
+}
+
+std::string pair_fault(const SolvedState& state, const Results& figures, std::size_t k, double normal) {
+  const ContactPair& pair = state.pairs[k];
+  double worst = 0;
+  int body = pair.primary;
+  for (const int b : {pair.primary, pair.secondary})
+    if (const double here = imbalance(figures.balance[b]); here > worst) {
+      worst = here;
+      body = b;
+    }
+  const double allowed = state.scene.results.largest_imbalance * std::abs(normal);
+  const bool pulls = normal < 0;
+  if (!pulls && worst <= allowed) return "";
+  const double slices = state.bodies[pair.primary].slices;
+  return fmt::format(
+      "contact \"{}\": its force of {:.3g} N {}: the forces on \"{}\" balance to {:.3g} N only (solver.tolerance, "
+      "solver.linear_tolerance); it carries next to nothing beside what else acts on the bodies, or has been lost",
+      pair.spec->name, slices * normal, pulls ? "pulls" : "is none that is known", state.scene.bodies[body].name,
+      slices * worst);
+}
+
+}  // namespace
+
+Vec3 holding_force(const SolvedState& state, int body) { return holding_resultants(state, body).first; }
+
+double held_part(const SolvedState& state, int body) {
+  const double contact = largest_contact(state, body);
+  if (!(contact > 0)) return 0;
+  const auto [force, moment] = holding_resultants(state, body);
+  return std::max(force.norm(), 2 * moment.norm() / longest_extent(state.bodies[body])) / contact;
+}
+
+double held_part(const SolvedState& state, const ContactPair& pair) {
+  return std::max(held_part(state, pair.primary), held_part(state, pair.secondary));
+}
+
+std::string place_keeping_warning(const SolvedState& state) {
+  std::set<int> held;
+  for (const SupportPoint& p : state.supports)
+    if (p.keeps_place) held.insert(p.body);
+  if (held.empty()) return "";
+  const auto part = [&](int b) { return held_part(state, b); };
+  const int most = *std::max_element(held.begin(), held.end(), [&](int a, int b) { return part(a) < part(b); });
+  return fmt::format(
+      "{} that contact alone holds would slide and spin along the surfaces that they touch for many cells, which no "
+      "load drives: held where they are, which takes {:.2g} % of the largest contact force at most (body \"{}\"); "
+      "smaller cells at the contact make it less",
+      held.size() == 1 ? "a body" : fmt::format("{} bodies", held.size()), 100 * part(most),
+      state.bodies[most].spec->name);
+}
+
+double imbalance(const BodyBalance& balance) { return (balance.loads + balance.supports + balance.contact).norm(); }
+
+bool contact_carries(const SolvedState& state) {
+  Results figures;
+  fill_pair_figures(state, figures);
+  return std::any_of(figures.pairs.begin(), figures.pairs.end(),
+                     [](const PairFigures& pair) { return pair.force_on_first.norm() > 0; });
+}
+
+std::string contact_fault(const SolvedState& state) {
+  Results figures;
+  fill_pair_figures(state, figures);
+  fill_support_figures(state, figures);
+  fill_balance(state, figures);
+  const std::vector<double> forces = normal_forces(state);
+  for (std::size_t k = 0; k < state.pairs.size(); ++k) {
+    const double normal = forces[k];
+    if (state.pairs[k].bonded() || !(figures.pairs[k].force_on_first.norm() > 0)) continue;
+    if (const std::string fault = pair_fault(state, figures, k, normal); !fault.empty()) return fault;
+  }
+  return "";
+}
+
+}  // namespace cgcontact

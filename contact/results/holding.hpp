@@ -1,0 +1,34 @@
+/// Motions that the scene leaves free are held (contact/motions, contact/solve/surface_wanderers.hpp): exact contact
+/// does no work on them, so that what holds them takes no force. What it takes all the same is an error of the cells.
+#pragma once
+
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// What holds a body although no support of the scene does, N.
+Vec3 holding_force(const SolvedState& state, int body);
+
+/// The same, or its moment about the body's middle over half its length where that is more, of the largest contact
+/// force on the body: by so much the contact forces on it may be wrong. Zero: nothing holds it, or no contact acts on
+/// it.
+double held_part(const SolvedState& state, int body);
+/// The larger one of the two bodies of a pair.
+double held_part(const SolvedState& state, const ContactPair& pair);
+
+/// Where bodies are held along surfaces: what that takes. Empty: none are.
+std::string place_keeping_warning(const SolvedState& state);
+
+/// Does any pair carry more than rounding beside all that acts on the bodies?
+bool contact_carries(const SolvedState& state);
+
+/// N, sum of all that acts on a body: what the linear solver leaves.
+double imbalance(const BodyBalance& balance);
+
+/// Says which pair's force is no contact force, although the iteration converged: it pulls, or the forces on a body do
+/// not balance by more than ResultOptions::largest_imbalance of it, as where the contact carries next to nothing beside
+/// prescribed displacements. Empty: none.
+std::string contact_fault(const SolvedState& state);
+
+}  // namespace cgcontact

@@ -1,0 +1,29 @@
+/// Faces that nothing presses: is the gap that is left one, or an error of the displacements?
+#pragma once
+
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// Sets the smallest gap and its estimated error of every pair without contact; needs contact rows and body fields.
+///
+/// The error of a displacement goes with the square of that of the energy norm: both are that of the work of a load,
+/// for the load itself exactly, for that of a unit force at the gap as far as the cells resolve both equally well. So
+/// the gap is as wrong as the sum over both bodies of eta^2 times the largest displacement by which they deform, times
+/// a factor for safety.
+void estimate_gap_errors(const SolvedState& state, Results& results);
+
+/// A pair that nothing presses although its faces may touch, as far as the displacements are known.
+struct UnclearGap {
+  int pair = 0;
+  double gap = 0, error = 0;  ///< m
+  Vec3 x = Vec3::Zero();      ///< m: where it is smallest
+  double cell = 0;            ///< m, size of the larger cell there
+  double force = 0;           ///< N: of a flat punch as wide as a cell under an overlap of the error less the gap
+};
+
+/// One for each pair without contact whose smallest gap is not larger than its estimated error.
+std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& results);
+
+}  // namespace cgcontact
