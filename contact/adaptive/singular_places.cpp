@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace cgcontact {
@@ -31,6 +32,9 @@ constexpr double least_refinement = 2;
 /// Does it grow to the end? Told from cells so many times as large as those of the last solve: where an edge lies in
 /// its cells changes the measure by up to 1.3.
 constexpr double end_refinement = 2.5;
+
+/// Cosine of the angle by which a surface may turn in the ball: 45 degrees in three cells, a radius of four cells.
+constexpr double least_cosine = 0.7;
 
 struct Ball {
   double energy = 0, error = 0, volume = 0;
@@ -72,7 +76,7 @@ std::vector<std::size_t> candidates(const CellEnergies& cells) {
   std::vector<std::size_t> order(cells.x.size());
   std::iota(order.begin(), order.end(), 0);
   const auto density = [&](std::size_t c) {
-    return cells.volume[c] < least_volume * std::pow(cells.h[c], 3) ? 0 : cells.error[c] / cells.volume[c];
+    return cells.fraction[c] < least_volume ? 0 : cells.error[c] / cells.volume[c];
   };
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return density(a) > density(b); });
   Vec3 low = Vec3::Constant(1e300), high = -low;
@@ -93,9 +97,13 @@ std::vector<std::size_t> candidates(const CellEnergies& cells) {
   return found;
 }
 
-/// Exponent of the growth from solve to solve; none: it does not grow enough, or not to the end.
-std::optional<double> growth_exponent(const std::vector<std::vector<CellEnergies>>& solves, std::size_t body,
-                                      const Vec3& x) {
+/// From solve to solve, and the largest cells between which the end of it is seen.
+struct Growth {
+  double exponent, cell;
+};
+
+/// None: it does not grow enough, or not to the end.
+std::optional<Growth> growth_at(const std::vector<std::vector<CellEnergies>>& solves, std::size_t body, const Vec3& x) {
   std::vector<std::pair<double, double>> points;  // logarithms of cell and stress
   double last = 0;
   for (auto solve = solves.rbegin(); solve != solves.rend(); ++solve) {
@@ -113,7 +121,7 @@ std::optional<double> growth_exponent(const std::vector<std::vector<CellEnergies
   if (coarser == points.end()) --coarser;
   const double at_the_end = -slope({points.front(), *coarser});
   if (std::min(growth, at_the_end) < least_growth) return std::nullopt;
-  return growth;
+  return Growth{growth, std::exp(coarser->first)};
 }
 
 /// Exponent of the fall with the distance on one grid.
@@ -149,6 +157,19 @@ std::vector<std::string> faces_near(const SolvedState& state, std::size_t b, con
   return names;
 }
 
+/// Does one surface turn so much within the ball that cells of that size do not see its curvature? A fillet looks to
+/// them like the notch that it rounds off, and the stress grows from solve to solve until they see it.
+bool has_unseen_fillet(const BodyModel& body, const Vec3& x, double radius) {
+  const BoundaryPoints& boundary = body.cut_cells.boundary;
+  std::map<int, Vec3> first;  // normal of each surface
+  for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
+    if ((body.point(p) - x).norm() > radius) continue;
+    const auto [surface, is_new] = first.try_emplace(boundary.surface[p], boundary.normal[p]);
+    if (!is_new && surface->second.dot(boundary.normal[p]) < least_cosine) return true;
+  }
+  return false;
+}
+
 /// Without the ends of singular edges, where further faces meet them.
 std::vector<SingularPlace> without_ends(const std::vector<SingularPlace>& places) {
   std::vector<SingularPlace> kept;
@@ -173,7 +194,9 @@ std::vector<CellEnergies> cell_energies(const Results& results) {
       const double h = body.cut_cells->h(c);
       cells.x.push_back(global_position(*body.cut_cells, c, Vec3::Zero()));
       cells.h.push_back(h);
-      cells.volume.push_back(body.cut_cells->volume_fraction(c) * h * h * h);
+      cells.fraction.push_back(body.cut_cells->volume_fraction(c));
+      // Figures of a quadtree are those of the whole thickness, whatever the slice.
+      cells.volume.push_back(cells.fraction.back() * std::pow(h, body.cut_cells->grid.is_quadtree() ? 2 : 3));
       cells.error.push_back(body.error_of_cell[c] * body.error_of_cell[c]);
     }
   }
@@ -192,9 +215,9 @@ std::vector<SingularPlace> singular_places(const SolvedState& state,
       place.cell = last.h[c];
       if (ball_at(last, place.x, ball * place.cell).relative_error() < least_error) continue;
       if (fall_exponent(last, place.x, place.cell) < least_fall) continue;
-      const auto growth = growth_exponent(solves, b, place.x);
-      if (!growth) continue;
-      place.exponent = *growth;
+      const auto growth = growth_at(solves, b, place.x);
+      if (!growth || has_unseen_fillet(state.bodies[b], place.x, ball * growth->cell)) continue;
+      place.exponent = growth->exponent;
       place.body = state.bodies[b].spec->name;
       place.faces = faces_near(state, b, place.x, ball * place.cell);
       const bool is_new = std::none_of(places.begin(), places.end(), [&](const SingularPlace& other) {

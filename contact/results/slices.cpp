@@ -32,8 +32,10 @@ void scale_to_thickness(const SolvedState& state, Results& results) {
   const double of_norms = std::sqrt(factor);
   results.estimated_error *= of_norms;
   results.exact_error *= of_norms;
-  for (BodyFields& body : results.bodies)
+  for (BodyFields& body : results.bodies) {
     for (double& error : body.error_of_cell) error *= of_norms;
+    for (double& energy : body.energy_of_cell) energy *= factor;
+  }
 }
 
 }  // namespace cgcontact
