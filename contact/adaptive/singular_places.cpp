@@ -33,8 +33,8 @@ constexpr double least_refinement = 2;
 /// its cells changes the measure by up to 1.3.
 constexpr double end_refinement = 2.5;
 
-/// Cosine of the angle by which a surface may turn in the ball: 45 degrees in three cells, a radius of four cells.
-constexpr double least_cosine = 0.7;
+/// Cosine of the angle by which a surface may turn in the ball: 30 degrees in three cells, a radius of six cells.
+constexpr double least_cosine = 0.87;
 
 struct Ball {
   double energy = 0, error = 0, volume = 0;
@@ -161,13 +161,17 @@ std::vector<std::string> faces_near(const SolvedState& state, std::size_t b, con
 /// them like the notch that it rounds off, and the stress grows from solve to solve until they see it.
 bool has_unseen_fillet(const BodyModel& body, const Vec3& x, double radius) {
   const BoundaryPoints& boundary = body.cut_cells.boundary;
-  std::map<int, Vec3> first;  // normal of each surface
-  for (int p = 0; p < static_cast<int>(boundary.size()); ++p) {
-    if ((body.point(p) - x).norm() > radius) continue;
-    const auto [surface, is_new] = first.try_emplace(boundary.surface[p], boundary.normal[p]);
-    if (!is_new && surface->second.dot(boundary.normal[p]) < least_cosine) return true;
-  }
-  return false;
+  std::map<int, std::vector<Vec3>> normals;  // of each surface
+  for (int p = 0; p < static_cast<int>(boundary.size()); ++p)
+    if ((body.point(p) - x).norm() <= radius) normals[boundary.surface[p]].push_back(boundary.normal[p]);
+  const auto farthest = [](const std::vector<Vec3>& all, const Vec3& from) {
+    return *std::min_element(all.begin(), all.end(),
+                             [&](const Vec3& a, const Vec3& b) { return a.dot(from) < b.dot(from); });
+  };
+  return std::any_of(normals.begin(), normals.end(), [&](const auto& surface) {
+    const Vec3 end = farthest(surface.second, surface.second.front());
+    return farthest(surface.second, end).dot(end) < least_cosine;
+  });
 }
 
 /// Without the ends of singular edges, where further faces meet them.
