@@ -362,6 +362,10 @@ void Simulation::choose_reference() {
 void Simulation::fill_results() {
   fill_counts(state, results);
   fill_contact_rows(state, results);
+  if (const std::string held = held_contact(state, results); state.outer.converged && !held.empty()) {
+    results.converged = state.outer.converged = false;
+    results.diagnosis = state.outer.diagnosis = held;
+  }
   fill_pair_figures(state, results);
   fill_support_figures(state, results);
   if (!results.steps.empty()) results.steps.back().pairs = results.pairs;

@@ -12,8 +12,6 @@ namespace {
 constexpr double parallel = 1 - 1e-9;
 /// Relative difference of displacements that is rounding.
 constexpr double equal = 1e-9;
-/// Part of a contact face on which a support may lie by the rim of a declared face.
-constexpr double rim = 0.01;
 
 struct HeldBy {
   int support;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "contact/model/condition_checks.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/postprocess.hpp"
 
@@ -106,6 +107,23 @@ std::string contact_fault(const SolvedState& state) {
     if (state.pairs[k].bonded() || !(figures.pairs[k].force_on_first.norm() > 0)) continue;
     if (const std::string fault = pair_fault(state, figures, k, normal); !fault.empty()) return fault;
   }
+  return "";
+}
+
+std::string held_contact(const SolvedState& state, const Results& results) {
+  std::vector<double> closed(state.pairs.size(), 0.0), held(state.pairs.size(), 0.0);
+  for (const ContactRow& row : results.contact_rows) {
+    if (!row.active || state.pairs[row.pair].bonded()) continue;
+    closed[row.pair] += row.weight;
+    if (!row.touching) held[row.pair] += row.weight;
+  }
+  for (std::size_t k = 0; k < state.pairs.size(); ++k)
+    if (held[k] > rim * closed[k])
+      return fmt::format(
+          "contact \"{}\" acts on {:.3g} m2 whose normal a support holds: hold another face, or a part of this one "
+          "away "
+          "from the contact (faces = [{{.., box = {{..}}}}])",
+          state.pairs[k].spec->name, state.bodies[state.pairs[k].primary].slices * held[k]);
   return "";
 }
 

@@ -234,6 +234,17 @@ TEST(Supports, AreRefusedOnACurvedFaceOfContact) {
   }
 }
 
+/// An automatic pair finds the held face itself: no result is given then.
+TEST(Supports, UnderAutomaticContactAreNoResult) {
+  std::string text =
+      block_on_roller("rigid = true", "face = \"roller.side\"\ndisplacement = {x = 0, y = 0, z = 0}\n", "");
+  const std::string named = "faces = [\"block.z-\", \"roller.side\"]";
+  text.replace(text.find(named), named.size(), "automatic = true");
+  const auto solved = test::run_text(text, {});
+  EXPECT_FALSE(solved->results().converged);
+  expect_contains(solved->results().verdict.text, {"whose normal a support holds", "block-roller"});
+}
+
 /// The part of the side away from the contact may be held: the force of the load goes through the contact.
 TEST(Supports, HoldAPartOfACurvedFace) {
   const auto solved = test::run_text(
