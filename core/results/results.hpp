@@ -152,7 +152,7 @@ struct PairFigures {
   std::optional<double> least_gap, least_gap_error;
   Vec3 least_gap_at = Vec3::Zero();  ///< m
   double least_gap_cell = 0;         ///< m, size of the larger cell there
-  ZoneFigures zone;                                   ///< of the last step
+  ZoneFigures zone;                  ///< of the last step
 };
 
 /// What a run says of itself before anything else: can its contact be used, and if not, what would help?
@@ -178,7 +178,7 @@ inline const char* name_of(Verdict::State state) {
 
 /// Reaction of one support.
 struct SupportFigures {
-  std::string face;           ///< "body.face"
+  std::string face;            ///< "body.face"
   Vec3 force = Vec3::Zero();   ///< N, acts on the body
   std::string condition;       ///< "symmetry", "x = 0, z = -1.6e-06 m"
   double area = 0;             ///< m^2
