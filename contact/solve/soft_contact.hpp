@@ -14,11 +14,12 @@ namespace cgcontact {
 class SoftContact {
  public:
   /// The pairs must outlive this, which leaves them as stiff as they were. Bonded ones stay as they are.
-  explicit SoftContact(std::vector<ContactPair>& pairs) : pairs_(pairs) {}
+  explicit SoftContact(std::vector<ContactPair>& pairs);
   ~SoftContact() { become(1); }
   SoftContact(const SoftContact&) = delete;
 
-  /// After an iteration: softer where a line search cut the step short, as before once a whole step changes little.
+  /// After an iteration: softer where a line search cut the step short, stiffer again where a whole step changes
+  /// little.
   void follow(const OuterStep& step);
   bool is_soft() const { return factor_ < 1; }
 
@@ -26,7 +27,8 @@ class SoftContact {
   void become(double factor);
 
   std::vector<ContactPair>& pairs_;
-  double factor_ = 1;  // of kappa
+  std::vector<double> modulus_;  // of the pairs, as it was
+  double factor_ = 1;            // of kappa
 };
 
 }  // namespace cgcontact

@@ -59,7 +59,7 @@ fields = ["displacement"]
 
 
 def plate_between_blocks(seed):
-    """Two blocks with a rigid plate between them under 1 MPa, all of it turned in space, grids turned once more."""
+    """Two blocks with a rigid plate between them under 1 MPa and pressed aside, all of it turned in space, grids turned once more."""
     rng = random.Random(seed)
     axis = [rng.uniform(-1, 1) for _ in range(3)]
     turn = f"rotate = {{axis = {axis}, angle = {rng.uniform(0, 360)}}}"
@@ -77,30 +77,39 @@ def plate_between_blocks(seed):
         for side in "xy":
             text += f'[[support]]\nface = "{name}.{side}-"\nsymmetry = true\n'
     text += '[[support]]\nface = "a.z-"\nsymmetry = true\n[[load]]\nface = "b.z+"\npressure = 1e6\n'
+    text += '[[load]]\nface = "p.x+"\npressure = 6e7\n'
     return text + "[[contact]]\nautomatic = true\n", 1e6 * width * depth
 
 
-# A ball above a plate, with nothing that holds it; another block is pushed far from both of them.
+# A ball is moved towards a block that lies loose above another one: for a few iterations they seem to touch.
 NOTHING_TOUCHES = """
 [[body]]
-name = "plate"
-shape = {box = {min = [0, 0, -0.4], max = [1, 1, 0]}}
+name = "a"
+shape = {box = {min = [-4e-3, -5e-3, -4e-3], max = [4e-3, 5e-3, 0]}}
 material = {E = 3e7, nu = 0.3}
-cell_size = 0.21
+cell_size = 1.1e-3
+grid = {offset = [0.32, 0.31, 0.11], rotation = {axis = [-0.92, 0.54, 0.77], angle = 38}}
 [[body]]
-name = "ball"
-shape = {sphere = {center = [0.5, 0.5, 0.33], radius = 0.3}}
+name = "b"
+shape = {box = {min = [-3e-3, -3e-3, 6e-5], max = [3e-3, 3e-3, 6e-3]}}
 material = {E = 7e6, nu = 0.3}
-cell_size = 0.13
+cell_size = 1e-3
 grid = {offset = [0.35, 0.53, 0.97]}
+[[body]]
+name = "c"
+shape = {sphere = {center = [-1e-3, 0, 10.2e-3], radius = 4.2e-3}}
+material = {E = 1e7, nu = 0.495}
+cell_size = 0.8e-3
+grid = {offset = [0.45, 0.58, 0.06]}
+faces = [{name = "held", normal = {axis = [0, 0, 1], angle = 40}}]
 [[support]]
-face = "plate.z-"
+face = "a.z-"
 displacement = {x = 0, y = 0, z = 0}
-[[load]]
-face = "plate.x+"
-pressure = 1e4
+[[support]]
+face = "c.held"
+displacement = {normal = -2.4e-5}
 [[contact]]
-faces = ["plate.z+", "ball.surface"]
+automatic = true
 """
 
 # Rigid indenter of radius 0.5 m in a block of 1 by 2 m, plane strain: the first grid has 51 unknowns.
@@ -189,7 +198,7 @@ pressure = "3 %"
 t = 0.001
 [[body]]
 name = "tyre"
-material = {E = 1.4e6, nu = 0.489}
+material = {E = 1.4e6, nu = 0.49}
 [body.shape]
 intersection = [{name = "q", box = {min = [0, 0, -0.05], max = ["t", 0.05, 0.05]}},
                 {difference = [{name = "o", cylinder = {base = [-1, 0, 0], top = [1, 0, 0], radius = 0.04}},
