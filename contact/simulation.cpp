@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 #include "contact/model/contact_system.hpp"
@@ -138,6 +140,9 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   auto solver = make_solver();
   std::string first_failure;
   int extensions = 0;
+  // The solution before bodies were held for having let go of their contact, and its closed points.
+  std::optional<std::pair<OuterResult, std::vector<ContactPair>>> not_held;
+  std::size_t supports_not_held = 0;
   for (std::size_t k = 0; k < steps.size();) {
     set_step(steps[k]);
     state.outer = solver->solve(progress.step);
@@ -158,8 +163,15 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       tightened = true;
       continue;
     }
+    if (not_held && !state.outer.converged) {  // they touch nothing, held or not
+      std::tie(state.outer, state.pairs) = *not_held;
+      state.supports.resize(supports_not_held);
+      make_system();
+    }
     const std::string fault = state.outer.converged ? contact_fault(state) : "";
-    if (state.outer.converged && lost_by_wandering(fault)) {
+    if (!not_held && state.outer.converged && lost_by_wandering(fault)) {
+      not_held = {state.outer, state.pairs};
+      supports_not_held = state.supports.size();
       hold_wanderers();
       solver = make_solver();
       continue;
@@ -179,6 +191,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       first_failure = state.scene.steps.empty()
                           ? state.outer.diagnosis
                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), state.outer.diagnosis);
+    not_held.reset();
     ++k;
   }
   if (state.outer.fallbacks > 0)

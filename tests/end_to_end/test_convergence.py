@@ -299,7 +299,9 @@ class Convergence(unittest.TestCase):
     def test_nothing_touches(self):
         """What the springs of a body that hangs free carry is rounding: against no contact force it is never small."""
         run, _ = self.run_text(NOTHING_TOUCHES)
-        self.assertEqual(run["verdict"]["state"], "no_contact")
+        # No force; whether that is sure depends on the gap that is left and its estimated error.
+        self.assertIn(run["verdict"]["state"], ("no_contact", "not_resolved"))
+        self.assertEqual([pair["normal_force"] for pair in run["contact"]], [0] * len(run["contact"]))
         self.assertLessEqual(run["outer_iterations"], 15)
 
     def test_first_grid_that_does_not_converge(self):
