@@ -6,6 +6,7 @@ import os
 import pathlib
 import pty
 import random
+import re
 import signal
 import subprocess
 import time
@@ -43,6 +44,16 @@ def processes_in_session(session):
         except (FileNotFoundError, ProcessLookupError):
             pass
     return found
+
+
+def wait_for_handler(process, number):
+    """Until the program catches a signal, however long its start takes; before, the signal's default ends it."""
+    status = pathlib.Path(f"/proc/{process.pid}/status")
+    while process.poll() is None:
+        caught = re.search(r"^SigCgt:\s*(\w+)", status.read_text(), re.M)
+        if caught and int(caught.group(1), 16) >> (number - 1) & 1:
+            return
+        time.sleep(0.01)
 
 
 class Interrupted(unittest.TestCase):
@@ -180,7 +191,7 @@ class Interrupted(unittest.TestCase):
             self.assertEqual(process.wait(timeout=100 * harness.PATIENCE), 0)
         with start([harness.PROGRAM, "check", str(scene("two_solids_3d")), *settings(n=150)], stdout=subprocess.PIPE,
                    stderr=subprocess.PIPE) as process:
-            time.sleep(0.5)
+            wait_for_handler(process, signal.SIGTERM)
             process.send_signal(signal.SIGTERM)
             out, err = process.communicate(timeout=60 * harness.PATIENCE)
         self.assertEqual((process.returncode, out, err), (143, "", "cgcontact: stopped by SIGTERM\n"))
