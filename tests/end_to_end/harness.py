@@ -109,7 +109,7 @@ def largest_difference(first, second):
     if set(reports[0]) != set(reports[1]):
         return float("inf"), f"parts of the reports: {sorted(set(reports[0]) ^ set(reports[1]))}"
     parts = re.compile(r"\.(force|moment)s?(\.\w+)?\[\d+\]$|\.(pressure_error)\[")
-    balance = re.compile(r"\.balance\[\d+\]\.(loads|supports|contact)\[")
+    balance = re.compile(r"\.balance\[\d+\]\.(loads|supports|contact|holds)\[")
     stresses = re.compile(r"^\.(bodies\[.*\.(max|min)_|maxima\.(min_)?)(von_mises|tresca|principal)")
 
     def kind_of(name):
