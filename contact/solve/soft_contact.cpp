@@ -7,9 +7,9 @@ namespace {
 
 /// Each time it becomes softer or stiffer; at most two times: a layer of kappa = 0.1 gives way like ten cells or more.
 constexpr double step_of_kappa = 10, softest = 0.01;
-/// Parts: of a step that a line search leaves, less than which the active set swings; of the closed points that a
-/// whole step changes, less than which it has come to rest.
-constexpr double short_step = 0.5, few = 0.1;
+/// Parts of a step that a line search leaves: after two of less than the first the active set swings (one is common at
+/// the start), at more than the second it has come to rest, if no more than a tenth of the closed points change.
+constexpr double short_step = 0.5, whole_step = 0.9, few = 0.1;
 
 }  // namespace
 
@@ -18,9 +18,10 @@ SoftContact::SoftContact(std::vector<ContactPair>& pairs) : pairs_(pairs) {
 }
 
 void SoftContact::follow(const OuterStep& step) {
-  if (step.length < short_step)
+  short_steps_ = step.length < short_step ? short_steps_ + 1 : 0;
+  if (short_steps_ > 1)
     become(std::max(softest, factor_ / step_of_kappa));
-  else if (step.length == 1 && step.changed_points <= few * static_cast<double>(step.active_points))
+  else if (step.length > whole_step && step.changed_points <= few * static_cast<double>(step.active_points))
     become(std::min(1.0, factor_ * step_of_kappa));
 }
 

@@ -18,8 +18,8 @@ class SoftContact {
   ~SoftContact() { become(1); }
   SoftContact(const SoftContact&) = delete;
 
-  /// After an iteration: softer where a line search cut the step short, stiffer again where a whole step changes
-  /// little.
+  /// After an iteration: softer where a line search cut two steps short, stiffer again where one of nearly its whole
+  /// length changes little.
   void follow(const OuterStep& step);
   bool is_soft() const { return factor_ < 1; }
 
@@ -28,6 +28,7 @@ class SoftContact {
 
   std::vector<ContactPair>& pairs_;
   std::vector<double> modulus_;  // of the pairs, as it was
+  int short_steps_ = 0;          // one after the other
   double factor_ = 1;            // of kappa
 };
 
