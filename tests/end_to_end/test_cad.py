@@ -3,27 +3,13 @@
 """CAD bodies: contact from STEP files as from primitives, planes of symmetry cut out of them, init of an assembly, bad files."""
 import pathlib
 import re
-import subprocess
 import unittest
 
 import harness
+from cad_parts import WithCad, maker
 from harness import cgcontact, report, scene
 
 QUIET = ["--set", "output.plots=false", "--set", "output.vtk=false"]
-
-
-def maker():
-    """The program that writes the parts; only a build with OpenCASCADE has it."""
-    return pathlib.Path(harness.PROGRAM).parent / "tests" / "write_cad_parts"
-
-
-class WithCad(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        if not maker().exists():
-            raise unittest.SkipTest("built without CAD")
-        pathlib.Path("parts").mkdir(exist_ok=True)
-        subprocess.run([maker(), "parts"], check=True)
 
 
 def symmetry_planes():

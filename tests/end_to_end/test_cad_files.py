@@ -12,6 +12,7 @@ import unittest
 
 import harness
 import step_files
+from cad_parts import WithCad
 from harness import cgcontact
 
 # Limit of the program for small files: 45 s and 0.25 s per face (15 s and 0.1 s of computing); what is beyond is a machine that
@@ -19,19 +20,7 @@ from harness import cgcontact
 LONGEST = 120
 
 
-def maker():
-    """The program that writes the parts; only a build with OpenCASCADE has it."""
-    return pathlib.Path(harness.PROGRAM).parent / "tests" / "write_cad_parts"
-
-
-class WithCad(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        if not maker().exists():
-            raise unittest.SkipTest("built without CAD")
-        pathlib.Path("parts").mkdir(exist_ok=True)
-        subprocess.run([maker(), "parts"], check=True)
-
+class Inspected(WithCad):
     def told(self, outcome, file):
         """An error is one message that names the file, and nothing is written; anything else is a scene."""
         self.assertIn(outcome.code, (0, 1), f"{file}: {outcome.err}")
@@ -85,7 +74,7 @@ def changed(text, chance):
     return text or " "
 
 
-class Damaged(WithCad):
+class Damaged(Inspected):
     def test_random_faults_of_step_files(self):
         """300 files with faults: none ends the program, hangs it or writes two messages. OpenCASCADE crashes on some of them, else
         the test proves nothing."""
@@ -180,7 +169,7 @@ class Damaged(WithCad):
         self.assertLess(time.monotonic(), end)
 
 
-class ReadInPart(WithCad):
+class ReadInPart(Inspected):
     def test_annotations(self):
         """A leader line among the solids: these are read as without it, and a warning counts what is left out."""
         size = ((0, 0, 0), (20, 30, 40))
@@ -207,7 +196,7 @@ class ReadInPart(WithCad):
         self.refused(file.text(), "left_wheel.stp", "other files", "one file")
 
 
-class Init(WithCad):
+class Init(Inspected):
     def scene_of(self, name, text=None):
         if text:
             pathlib.Path(f"{name}.step").write_text(text)
