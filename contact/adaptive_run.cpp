@@ -34,7 +34,7 @@ constexpr double worth_a_fall = 10;
 /// A last solve with fields and pictures takes longer per unknown than those before it.
 constexpr double dearer = 1.2;
 
-/// Of the closed pieces of contact surfaces: how many times as many on other grids.
+/// Counts the closed pieces of contact surfaces: how many times as many there are on other grids.
 double more_closed_pieces(const SolvedState& state, const std::vector<BodyModel>& next) {
   double now = 0, then = 0;
   for (const ContactPair& pair : state.pairs)
@@ -123,7 +123,7 @@ std::string AdaptiveRun::standstill() const {
 
 bool AdaptiveRun::has_solution() const { return simulation_ && simulation_->results.converged; }
 
-/// What is to be said of a limit first: a limit that keeps the run from a grid on which it might converge.
+/// Returns what is to be said before a limit that keeps the run from a grid on which it might converge.
 std::string AdaptiveRun::after_failure() const { return figures_.solves.back().converged ? "" : figures_.text + "; "; }
 
 /// The same on all ranks: limits depend on it.
@@ -131,7 +131,7 @@ double AdaptiveRun::seconds() const {
   return of_first_rank(std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count());
 }
 
-/// Of the next solve, if everything goes with the unknowns.
+/// Returns those of the next solve, if everything goes with the unknowns.
 double AdaptiveRun::allowed_unknowns() const {
   const AccuracyOptions& options = given_.accuracy;
   if (figures_.solves.empty()) return options.max_unknowns;
@@ -155,7 +155,7 @@ double AdaptiveRun::forecast() const {
   return dearer * (system * unknowns + rest * std::max(unknowns, pieces));
 }
 
-/// How many times too large the next grid is; sets which limit it is. No more than 1: it is not.
+/// Returns how many times too large the next grid is, at most 1 if it is not; sets which limit it is.
 double AdaptiveRun::excess(double allowed) {
   const double unknowns = count_unknowns(next_->state.bodies) / std::max(allowed, 1.0);
   limit_ = allowed < given_.accuracy.max_unknowns ? "max_time" : "max_unknowns";

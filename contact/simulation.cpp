@@ -219,14 +219,8 @@ void Simulation::set_step(const StepSpec& step) {
 /// False: all pairs have the forces that they are to be tightened to.
 bool Simulation::tighten() {
   if (!preload_.any()) return false;
-  const double unit = state.scales.stress * state.scales.length * state.scales.length;
-  std::vector<double> forces;
-  auto group_force = state.outer.group_force.begin();
-  for (const ContactPair& pair : state.pairs) {
-    double sum = 0;
-    for (std::size_t g = 0; g < pair.groups.size(); ++g) sum += *group_force++;
-    forces.push_back(unit * state.bodies[pair.primary].slices * sum);
-  }
+  std::vector<double> forces = normal_forces(state);
+  for (std::size_t k = 0; k < forces.size(); ++k) forces[k] *= state.bodies[state.pairs[k].primary].slices;
   return preload_.tighten(state.pairs, forces);
 }
 
@@ -245,7 +239,7 @@ void Simulation::hold_wanderers() {
   make_system();
 }
 
-/// Has a body that nothing drives slid or spun along surfaces until its contact let go of it? Points of a few cells
+/// Tells whether a body that nothing drives slid or spun along surfaces until its contact let go. Points of few cells
 /// push it along, which exact contact does not.
 bool Simulation::lost_by_wandering(const std::string& fault) const {
   if (fault.empty() && contact_carries(state)) return false;

@@ -5,12 +5,10 @@
 
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
+#include "contact/results/open_gaps.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// Of the gap's error to a gap that is next to nothing: what the next grid is to make of it.
-constexpr double least_ratio = 0.1;
 
 /// Halvings of a cell of at most `largest` that end with `smallest`.
 int halvings(double largest, double smallest) {
@@ -34,8 +32,8 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
     const PairFigures& figures = results.pairs[p];
     // The gap's error is a multiple of that square, too (open_gaps.hpp).
     if (is_unclear(results, p))
-      allowed = std::min(allowed, results.estimated_error_relative *
-                                      std::sqrt(std::max(*figures.least_gap / *figures.least_gap_error, least_ratio)));
+      allowed = std::min(
+          allowed, results.estimated_error_relative * refinement_to_tell(*figures.least_gap, *figures.least_gap_error));
     if (!zones[p].relevant || !zones[p].resolved) continue;
     const double by_energy = std::pow(results.estimated_error_relative, 2);
     // The force's error is some multiple of the square of the energy norm's (pressure_estimate.hpp).

@@ -97,7 +97,7 @@ std::vector<std::size_t> candidates(const CellEnergies& cells) {
   return found;
 }
 
-/// From solve to solve, and the largest cells between which the end of it is seen.
+/// Growth from solve to solve, and the largest cells between which the end of it is seen.
 struct Growth {
   double exponent, cell;
 };
@@ -157,8 +157,8 @@ std::vector<std::string> faces_near(const SolvedState& state, std::size_t b, con
   return names;
 }
 
-/// Does one surface turn so much within the ball that cells of that size do not see its curvature? A fillet looks to
-/// them like the notch that it rounds off, and the stress grows from solve to solve until they see it.
+/// Tells whether one surface turns so much within the ball that cells of that size do not see its curvature. A fillet
+/// looks to them like the notch that it rounds off, and the stress grows from solve to solve until they see it.
 bool has_unseen_fillet(const BodyModel& body, const Vec3& x, double radius) {
   const BoundaryPoints& boundary = body.cut_cells.boundary;
   std::map<int, std::vector<Vec3>> normals;  // of each surface

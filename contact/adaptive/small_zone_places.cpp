@@ -22,7 +22,7 @@ constexpr double fills = 0.8;
 /// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
 constexpr double line_indentation = 0.75 * M_PI;
 constexpr int most_doublings = 30, bisections = 40;
-/// Of the depth that the force of a round zone goes with; that of other zones goes with a smaller one.
+/// Power of the depth that the force of a round zone goes with; that of other zones goes with a smaller one.
 constexpr double force_power = 1.5;
 
 struct Group {

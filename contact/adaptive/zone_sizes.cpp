@@ -71,7 +71,7 @@ std::vector<ZoneState> zone_states(const SolvedState& state, const Results& resu
   double largest = 0;
   for (const PairFigures& figures : results.pairs) largest = std::max(largest, pressing_force(figures));
   const std::vector<ZoneWidth> widths = zone_widths(state);
-  const std::vector<MissedOverlap> missed = missed_overlaps(state, results);
+  const std::vector<MissedOverlap> missed = missed_overlaps(results);
   for (std::size_t p = 0; p < zones.size(); ++p) {
     ZoneState& zone = zones[p];
     const ContactPair& pair = state.pairs[p];

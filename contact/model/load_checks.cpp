@@ -14,9 +14,9 @@ namespace {
 
 /// Parts along each side of a cell: at first, and where these differ from the whole.
 constexpr int few_parts = 2, many_parts = 8;
-/// Of what acts in a cell: a difference that is rounding, or that of a smooth load.
+/// Part of what acts in a cell: a difference that is rounding, or that of a smooth load.
 constexpr double no_difference = 1e-6;
-/// Of the area of a face in a cell: pieces that divided ones do not make up are not compared.
+/// Part of the area of a face in a cell: pieces that divided ones do not make up are not compared.
 constexpr double same_area = 1e-6;
 
 /// Resultants of what acts on a part of a face, and the integral of the magnitudes.
@@ -55,7 +55,7 @@ std::vector<Plane> planes_in(const CutCells& cells, int cell, int parts) {
   return planes;
 }
 
-/// What a load's expressions do on one face, the force and moment of the face as a whole aside.
+/// Resultants of a load's expressions on one face, the force and moment of the face as a whole aside.
 class LoadOnFace {
  public:
   LoadOnFace(const LoadSpec& load, const BodyModel& body, int order)

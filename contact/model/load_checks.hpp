@@ -1,4 +1,4 @@
-/// Do the quadrature points of the loads see what their expressions do?
+/// Check that the quadrature points of the loads see what their expressions do.
 #pragma once
 
 #include <string>

@@ -121,8 +121,7 @@ std::string held_contact(const SolvedState& state, const Results& results) {
     if (held[k] > rim * closed[k])
       return fmt::format(
           "contact \"{}\" acts on {:.3g} m2 whose normal a support holds: hold another face, or a part of this one "
-          "away "
-          "from the contact (faces = [{{.., box = {{..}}}}])",
+          "away from the contact (faces = [{{.., box = {{..}}}}])",
           state.pairs[k].spec->name, state.bodies[state.pairs[k].primary].slices * held[k]);
   return "";
 }

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// What holds a body although no support of the scene does, N.
+/// Adds up what holds a body although no support of the scene does, N.
 Vec3 holding_force(const SolvedState& state, int body);
 
 /// The same, or its moment about the body's middle over half its length where that is more, of the largest contact
@@ -20,7 +20,7 @@ double held_part(const SolvedState& state, const ContactPair& pair);
 /// Where bodies are held along surfaces: what that takes. Empty: none are.
 std::string place_keeping_warning(const SolvedState& state);
 
-/// Does any pair carry more than rounding beside all that acts on the bodies?
+/// Tells whether any pair carries more than rounding beside all that acts on the bodies.
 bool contact_carries(const SolvedState& state);
 
 /// N, sum of all that acts on a body: what the linear solver leaves.

@@ -132,12 +132,12 @@ std::optional<LeastGap> least_gap(const SolvedState& state, const Results& resul
   return least;
 }
 
-std::vector<MissedOverlap> missed_overlaps(const SolvedState& state, const Results& results) {
+std::vector<MissedOverlap> missed_overlaps(const Results& results) {
   std::vector<MissedOverlap> overlaps;
-  for (std::size_t p = 0; p < state.pairs.size(); ++p) {
-    if (results.pairs[p].active_points > 0) continue;
-    if (const auto least = least_gap(state, results, p); least && least->gap < -least_overlap * least->cell)
-      overlaps.push_back({static_cast<int>(p), -least->gap, least->x, least->cell});
+  for (std::size_t p = 0; p < results.pairs.size(); ++p) {
+    const PairFigures& figures = results.pairs[p];
+    if (figures.least_gap && *figures.least_gap < -least_overlap * figures.least_gap_cell)
+      overlaps.push_back({static_cast<int>(p), -*figures.least_gap, figures.least_gap_at, figures.least_gap_cell});
   }
   return overlaps;
 }

@@ -33,7 +33,7 @@ struct MissedOverlap {
 };
 
 /// One for each pair of the results without a closed point whose faces overlap all the same: contact is decided by the
-/// mean gap of pieces of cells, so that a zone smaller than these may be lost.
-std::vector<MissedOverlap> missed_overlaps(const SolvedState& state, const Results& results);
+/// mean gap of pieces of cells, so that a zone smaller than these may be lost. Needs the smallest gaps (open_gaps.hpp).
+std::vector<MissedOverlap> missed_overlaps(const Results& results);
 
 }  // namespace cgcontact

@@ -10,12 +10,14 @@
 namespace cgcontact {
 namespace {
 
-/// What the error of the displacements is taken times. The change of the gap from one grid to another with cells 2.5
-/// times smaller, over eta^2 times the deformation: 0.3 in the median of 50 random scenes, 1.7 and 3.4 at the upper
-/// quarter and tenth, 5.8 at most (docs/decisions.md).
+/// Factor that the error of the displacements is taken times. The change of the gap from one grid to another with
+/// cells 2.5 times smaller, over eta^2 times the deformation: 0.3 in the median of 50 random scenes, 1.7 and 3.4 at the
+/// upper quarter and tenth, 5.8 at most (docs/decisions.md).
 constexpr double safety = 3;
-/// Of the motion of a body: a deformation that is less is none.
+/// Part of a body's motion: a deformation that is less is none.
 constexpr double rounding = 1e-9;
+/// Part of the error that a gap counts as, where it is next to nothing.
+constexpr double least_ratio = 0.1;
 
 /// The largest displacement by which each body deforms, its rigid motion aside, m.
 std::vector<double> deformations(const SolvedState& state) {
@@ -62,6 +64,8 @@ void estimate_gap_errors(const SolvedState& state, Results& results) {
       *figures.least_gap_error += safety * squared_error(results.bodies[body]) * deformation[body];
   }
 }
+
+double refinement_to_tell(double gap, double error) { return std::sqrt(std::max(gap / error, least_ratio)); }
 
 std::vector<UnclearGap> unclear_gaps(const SolvedState& state, const Results& results) {
   std::vector<UnclearGap> unclear;

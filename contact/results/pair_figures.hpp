@@ -20,7 +20,7 @@ bool is_pressed(const ContactRow& row, double largest);
 /// scene, has no force, area, pressure and centre: all are exactly zero.
 void fill_pair_figures(const SolvedState& state, Results& results);
 
-/// Of each pair the sum of its groups' forces, N, compression positive; of a shrink fit too, whose resultant is
+/// Sums the forces of each pair's groups, N, compression positive; of a shrink fit too, whose resultant is
 /// nothing.
 std::vector<double> normal_forces(const SolvedState& state);
 

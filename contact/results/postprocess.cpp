@@ -170,7 +170,7 @@ Vec3 force_on_end(const SolvedState& state, const FaceRef& reference) {
   return force;
 }
 
-/// Of a face, m; of an end in plane strain without points zero.
+/// Returns that of a face, m; zero for an end in plane strain without points.
 Vec3 centroid_of(const SolvedState& state, const FaceRef& reference) {
   const BodyModel& body = state.bodies[reference.body];
   Vec3 first = Vec3::Zero();

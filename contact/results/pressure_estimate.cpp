@@ -20,7 +20,7 @@ namespace {
 /// Widths of the Gaussian of the local mean beyond which nothing counts.
 constexpr double mean_reach = 3;
 
-/// Of a pair's force: less than that is the tolerance of the solver.
+/// Part of a pair's force: less than that is the tolerance of the solver.
 constexpr double solved_part = 1e-4;
 
 /// The edge's square-root term around a row.

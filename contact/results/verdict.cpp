@@ -19,8 +19,6 @@ using State = Verdict::State;
 
 /// Of a zone of which nothing is known but that it is smaller than a cell.
 constexpr double cells_of_missed_zone = 1;
-/// Of a gap's error to the gap, where the gap is next to nothing: cells a third as large are worth a try.
-constexpr double least_ratio = 0.1;
 
 struct Judged {
   Verdict::Pair pair;
@@ -74,7 +72,7 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       j.unclear = &gap;
       j.force = gap.force;
       j.pair.state = State::not_resolved;
-      j.pair.cell_size_needed = gap.cell * std::sqrt(std::max(gap.gap, least_ratio * gap.error) / gap.error);
+      j.pair.cell_size_needed = gap.cell * refinement_to_tell(gap.gap, gap.error);
     }
     for (const PressureJump& jump : jumps) {
       if (jump.pair != static_cast<int>(p) || j.pair.state != State::resolved) continue;
@@ -116,8 +114,7 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
   if (j.held_part > state.scene.results.largest_hold)
     return fmt::format(
         "contact \"{}\": what holds its bodies in motions that nothing else resists takes {:.2g} % of its force, which "
-        "is "
-        "wrong by about as much; smaller cells at the contact, or supports that hold the bodies, are needed",
+        "is wrong by about as much; smaller cells at the contact, or supports that hold the bodies, are needed",
         j.pair.name, 100 * j.held_part);
   if (j.thin_body >= 0)
     return fmt::format(
@@ -128,8 +125,7 @@ std::string unresolved_text(const SolvedState& state, const Judged& j) {
     return fmt::format(
         "the recovered pressure of \"{}\" is {:.3g} Pa at ({:.4g}, {:.4g}, {:.4g}) m, where the finite element stress, "
         "plain SPR and the transmitted forces have {:.3g} to {:.3g} Pa around: it cannot be relied on there; cells of "
-        "{:.2g} m or less are "
-        "needed",
+        "{:.2g} m or less are needed",
         j.pair.name, j.jump->pressure, j.jump->x[0], j.jump->x[1], j.jump->x[2], j.jump->around_least,
         j.jump->around_most, *j.pair.cell_size_needed);
   return fmt::format(
@@ -166,7 +162,7 @@ std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Re
 
 Verdict judge(const SolvedState& state, const Results& results) {
   Verdict verdict;
-  const std::vector<MissedOverlap> missed = missed_overlaps(state, results);
+  const std::vector<MissedOverlap> missed = missed_overlaps(results);
   std::vector<double> max_pressures;
   for (const PairFigures& pair : results.pairs) max_pressures.push_back(pair.bonded ? 0 : pair.max_pressure);
   const std::vector<PressureJump> jumps = state.scene.recovery.spr_c

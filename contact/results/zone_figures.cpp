@@ -101,7 +101,7 @@ class Zone {
     return planes;
   }
 
-  /// Does a plane of symmetry of the elastic body make a whole of the rigid one too? That one has no stress that would
+  /// Tells whether a plane of symmetry of the elastic body completes the rigid one too, which has no stress that would
   /// need a support: it ends at the plane, or goes on behind it as the zone's mirror image.
   bool mirrors(const SymmetryPlane& plane, const BodyModel& rigid) const {
     const double size = longest_extent(rigid);

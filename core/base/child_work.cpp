@@ -26,7 +26,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// How the work ended, the first byte that the child writes.
+/// End of the work, the first byte that the child writes.
 enum class Ended : char { well, refused, out_of_memory, threw };
 
 /// Before the bytes, so that a child that ends early is told from one that has written all.

@@ -19,7 +19,7 @@ struct Found {
   std::vector<std::pair<TopoDS_Face, std::array<int, 3>>> colours;
 };
 
-/// What is to be said of a file beside its shapes.
+/// Remarks on a file beside its shapes.
 struct Remarks {
   std::string left_out;     ///< CadSolid::left_out
   std::string other_files;  ///< "" or names of files that it refers to

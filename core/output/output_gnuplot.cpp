@@ -121,7 +121,7 @@ bool wait_for(pid_t& child) {
 
 GnuplotRuns::GnuplotRuns(const std::string& directory) : directory_(directory), clean_up_([this] { kill_all(); }) {}
 
-/// Of a run that an exception ends nobody asks how its pictures are.
+/// Waits for the runs, without a word of what fails: nobody asks for the pictures of a run that an exception ends.
 GnuplotRuns::~GnuplotRuns() {
   try {
     finish();

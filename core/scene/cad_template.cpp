@@ -53,7 +53,7 @@ double area_of(const TriangleSurface& surface, int t) {
   return (surface.corner(t, 1) - a).cross(surface.corner(t, 2) - a).norm() / 2;
 }
 
-/// Of two CAD bodies; gaps are those of the exact surfaces, which the triangles miss by a part of a cell.
+/// Finds where two CAD bodies touch by the exact surfaces, which the triangles miss by a part of a cell.
 Touching find_touching(const CadBody& a, const CadBody& b) {
   Vec3 a_min, a_max, b_min, b_max;
   a.bounding_box(a_min, a_max);

@@ -18,7 +18,7 @@ struct MixedDimensions : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What the names and exponents of an expression are.
+/// Values of the names and exponents of an expression.
 struct NamesAndPowers {
   /// Dimension of a variable or constant; none: it is zero and fits everything.
   std::function<std::optional<Dimension>(const std::string& name)> dimension_of;

@@ -11,7 +11,8 @@ namespace {
 /// the box's sides.
 constexpr int samples = 4;
 constexpr double around = 1e-3;
-/// Of the change over that distance: what is left of a linear function by rounding. A curved one has about `around`.
+/// Part of the change over that distance: what is left of a linear function by rounding. A curved one has about
+/// `around`.
 constexpr double linear = 1e-8;
 
 /// The plane f = 0 of the linear function that f is around a point.

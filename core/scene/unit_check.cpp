@@ -23,7 +23,7 @@ std::size_t end_of_number(const std::string& text, std::size_t k) {
   return error == std::errc() ? static_cast<std::size_t>(end - text.data()) : k;
 }
 
-/// Does a number end before k, which is no part of a quotient or a power itself?
+/// Tells whether a number ends before k, which is no part of a quotient or a power itself.
 bool is_behind_number(const std::string& text, std::size_t k) {
   while (k > 0 && text[k - 1] == ' ') --k;
   const std::size_t end = k;

@@ -14,7 +14,7 @@ std::vector<JumpPlane> planes_of(const std::string& text, const Constants& const
   return jump_planes(Expression(text, place, constants), Vec3(-0.02, -0.03, 0), Vec3(0.04, 0.02, 0.05));
 }
 
-/// Is the plane normal . x = offset among them, either way round?
+/// Tells whether the plane normal . x = offset is among them, either way round.
 bool has(const std::vector<JumpPlane>& planes, const Vec3& normal, double offset) {
   return std::any_of(planes.begin(), planes.end(), [&](const JumpPlane& p) {
     const double sign = p.normal.dot(normal) < 0 ? -1 : 1;
