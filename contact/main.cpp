@@ -14,6 +14,7 @@
 
 #include "contact/adaptive_run.hpp"
 #include "contact/check.hpp"
+#include "contact/nested_run.hpp"
 #include "contact/results/postprocess.hpp"
 #include "contact/simulation.hpp"
 #include "contact/study/study.hpp"
@@ -137,9 +138,9 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
     adaptive.run(callbacks);
     return write(adaptive.simulation(), adaptive.scene());
   }
-  Simulation simulation(scene);
-  simulation.run(callbacks);
-  return write(simulation, scene);
+  NestedRun nested(scene);
+  nested.run(callbacks);
+  return write(nested.simulation(), scene);
 }
 
 int compare(const CommandLine& options) {

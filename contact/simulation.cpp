@@ -114,10 +114,19 @@ void Simulation::place(const ProgressCallbacks& progress) {
 }
 
 void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier, bool with_paths) {
+  solve_system(progress, earlier);
+  finish(progress, with_paths);
+}
+
+void Simulation::solve_system(const ProgressCallbacks& progress, const SolvedState* earlier) {
   PhaseClock phase(results.times_s, progress);
   phase("operator", [&] { make_system(); });
   phase("solve", [&] { solve_steps(progress, earlier); });
   state.system.supports.clear();  // in the solution
+}
+
+void Simulation::finish(const ProgressCallbacks& progress, bool with_paths) {
+  PhaseClock phase(results.times_s, progress);
   phase("recovery", [&] { recover(); });
   phase("error estimate", [&] {
     fill_results();

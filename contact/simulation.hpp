@@ -35,6 +35,9 @@ class Simulation {
   /// earlier: a solution on other grids to start from, or none.
   void place(const ProgressCallbacks& progress);
   void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
+  /// The halves of solve: up to the displacements, and what follows from them.
+  void solve_system(const ProgressCallbacks& progress, const SolvedState* earlier);
+  void finish(const ProgressCallbacks& progress, bool with_paths);
   void sample_paths(const ProgressCallbacks& progress);
   /// Preloads begin with what the same scene has on other grids.
   void start_preloads_from(const Simulation& earlier) { preload_.start_from(earlier.preload_); }

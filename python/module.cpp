@@ -15,8 +15,8 @@
 
 #include "contact/adaptive_run.hpp"
 #include "contact/check.hpp"
+#include "contact/nested_run.hpp"
 #include "contact/results/postprocess.hpp"
-#include "contact/simulation.hpp"
 #include "core/base/errors.hpp"
 #include "core/base/memory.hpp"
 #include "core/base/parallel.hpp"
@@ -161,8 +161,8 @@ class PythonResult {
       adaptive_ = std::make_unique<AdaptiveRun>(*given_);
       adaptive_->run(callbacks);
     } else {
-      simulation_ = std::make_unique<Simulation>(*given_);
-      simulation_->run(callbacks);
+      nested_ = std::make_unique<NestedRun>(*given_);
+      nested_->run(callbacks);
     }
     results().backend = TrilinosScope::backend();
     results().threads = TrilinosScope::concurrency();
@@ -176,12 +176,12 @@ class PythonResult {
   /// Before Trilinos stops.
   void release() {
     adaptive_.reset();
-    simulation_.reset();
+    nested_.reset();
   }
 
   Results& results() {
-    if (!adaptive_ && !simulation_) throw std::logic_error("cgcontact has ended");
-    return adaptive_ ? adaptive_->simulation().results : simulation_->results;
+    if (!adaptive_ && !nested_) throw std::logic_error("cgcontact has ended");
+    return adaptive_ ? adaptive_->simulation().results : nested_->simulation().results;
   }
   /// With the grids of the last solve.
   const Scene& solved_scene() const { return adaptive_ ? adaptive_->scene() : *given_; }
@@ -318,7 +318,7 @@ class PythonResult {
  private:
   std::shared_ptr<const Scene> given_;
   std::unique_ptr<AdaptiveRun> adaptive_;
-  std::unique_ptr<Simulation> simulation_;
+  std::unique_ptr<NestedRun> nested_;
 };
 
 void stop() {

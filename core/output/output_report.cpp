@@ -173,6 +173,9 @@ void add_errors(const Results& results, Json& json) {
 }
 
 void add_solution(const Results& results, Json& json) {
+  for (const CoarseSolve& solve : results.coarse_solves)
+    json["coarse_solves"].push_back(
+        {{"unknowns", solve.unknowns}, {"outer_iterations", solve.outer_iterations}, {"converged", solve.converged}});
   json["outer_iterations"] = results.outer_iterations;
   json["linear_iterations"] = results.linear_iterations;
   json["outer_residuals"] = results.outer_residuals;

@@ -215,6 +215,13 @@ struct StepFigures {
   std::optional<double> displacement;  ///< m, the largest at the points of the drawn meshes; set when it is written
 };
 
+/// One solve on larger cells that a run on given ones starts from (NestedRun).
+struct CoarseSolve {
+  long long unknowns = 0;
+  int outer_iterations = 0;
+  bool converged = false;
+};
+
 /// One solve of a run to an accuracy (AdaptiveRun).
 struct SolveFigures {
   long long unknowns = 0;
@@ -265,6 +272,7 @@ struct Results {
   struct CellCounts {
     long long active = 0, cut = 0, interior = 0;
   } cells;
+  std::vector<CoarseSolve> coarse_solves;  ///< before it, coarsest first
   int outer_iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> outer_residuals;

@@ -17,6 +17,7 @@ std::vector<Setting> SolverOptions::settings() {
           {"max_outer_iterations", &max_outer_iterations, Range::integers(1, 1000)},
           {"linear_tolerance", &linear_tolerance, Range::tolerance()},
           {"max_linear_iterations", &max_linear_iterations, Range::integers(1, 1000000)},
+          {"nested", &nested},
           {"kappa", &kappa, Range::from_to(1e-3, 1e6, "1e-3 to 1e6")},
           {"ghost_penalty", &ghost_penalty, Range::from_to(0, 1e3, "0 to 1000")},
           {"shared_unknowns", &shared_unknowns, Range::integers(0, 2000000000)},

@@ -19,6 +19,7 @@ struct SolverOptions {
   int max_outer_iterations = 30;
   double linear_tolerance = 1e-10;   ///< relative residual of the last linear solve
   int max_linear_iterations = 1000;  ///< of one linear solve
+  bool nested = true;                ///< large grids start from solutions on coarser ones
   double kappa = 10;                 ///< stabilisation of supports and contact, times E / h
   double ghost_penalty = 0.01;       ///< gamma, stabilisation of small cut cells
   /// Of several ranks (docs/parallel.md): grids of more unknowns are divided, the others every rank solves by itself.

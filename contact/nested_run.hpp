@@ -1,0 +1,36 @@
+/// A run on given cells whose outer iteration starts from solutions on cells of two, four, ... times the size (nested
+/// iteration): closed points recede by a row of cells in each outer iteration, however small the cells are, so that the
+/// coarsest grid finds the zone in few steps and each finer one corrects it by few rows. Figures: docs/decisions.md,
+/// "Nested iteration".
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "contact/simulation.hpp"
+
+namespace cgcontact {
+
+class NestedRun {
+ public:
+  /// The scene must outlive this.
+  explicit NestedRun(const Scene& scene);
+
+  /// Throws InputError for what the given grid refuses; what a coarser one refuses only means that the run starts
+  /// without it.
+  void run(const ProgressCallbacks& progress);
+
+  /// On the given cells.
+  Simulation& simulation() { return *simulation_; }
+
+ private:
+  struct Coarse;
+
+  std::unique_ptr<Coarse> solve_coarser(const ProgressCallbacks& progress);
+
+  const Scene& scene_;
+  std::unique_ptr<Simulation> simulation_;
+  std::vector<CoarseSolve> coarse_;
+};
+
+}  // namespace cgcontact
