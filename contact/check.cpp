@@ -102,7 +102,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   for (const ContactPair& pair : preparation.pairs) {
     double area = 0, smallest = 1e300, largest = -1e300;
     for (std::size_t place = 0; place < pair.num_places(); ++place) {
-      const ContactPoint& q = pair.points[place];
+      const ContactPoint q = pair.points[place];
       area += preparation.bodies[pair.primary].slices * q.weight;
       smallest = std::min(smallest, q.distance);
       largest = std::max(largest, q.distance);

@@ -83,7 +83,7 @@ void made_up_contact(Simulation& sim) {
     const auto place = [](const ContactPoint& q) { return q.x.dot(Vec3(0.1, 1, 0.2)); };
     double mean = 0;
     for (const ContactPoint& q : pair.points) mean += place(q) / static_cast<double>(pair.points.size());
-    for (ContactPoint& q : pair.points) q.active = place(q) < mean;
+    for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points.set_active(q, place(pair.points[q]) < mean);
   }
 }
 

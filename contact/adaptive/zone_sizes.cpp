@@ -45,7 +45,7 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double p
   for (const ContactGroup& group : pair.groups) {
     double gap = 1e300;
     for (int q = group.first_point; q < group.last_point; ++q)
-      gap = std::min(gap, pair.points[q].distance - pair.interference + gap_change(state, pair, pair.points[q]));
+      gap = std::min(gap, pair.points.distance(q) - pair.interference + gap_change(state, pair, pair.points[q]));
     if (gap > part * group.larger_cell) continue;
     zone.places.push_back(ball_of(pair, group));
     zone.cell = std::max(zone.cell, group.larger_cell);
@@ -56,13 +56,13 @@ void add_near_groups(const SolvedState& state, const ContactPair& pair, double p
 
 Vec3 centre_of(const ContactPair& pair, const ContactGroup& group) {
   Vec3 sum = Vec3::Zero();
-  for (int q = group.first_point; q < group.last_point; ++q) sum += pair.points[q].weight * pair.points[q].x;
+  for (int q = group.first_point; q < group.last_point; ++q) sum += pair.points.weight(q) * pair.points.x(q);
   return sum / group.area;
 }
 
 bool is_closed(const ContactPair& pair, const ContactGroup& group) {
   for (int q = group.first_point; q < group.last_point; ++q)
-    if (pair.points[q].active) return true;
+    if (pair.points.active(q)) return true;
   return false;
 }
 

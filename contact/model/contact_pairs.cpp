@@ -182,10 +182,10 @@ SurfacePoints find_points(const std::vector<BodyModel>& bodies, const ContactPai
   return found;
 }
 
-/// Appends the points of a group that has any area.
+/// Appends a group that has any area, and its points to those of the pair.
 void add_group(const std::vector<BodyModel>& bodies, ContactGroup group, const std::vector<const ContactPoint*>& points,
-               ContactPair& pair) {
-  group.first_point = static_cast<int>(pair.points.size());
+               ContactPair& pair, std::vector<ContactPoint>& points_of_pair) {
+  group.first_point = static_cast<int>(points_of_pair.size());
   group.last_point = group.first_point + static_cast<int>(points.size());
   group.larger_cell = bodies[group.body].cut_cells.h(group.cell);
   group.h = 1e300;
@@ -198,8 +198,8 @@ void add_group(const std::vector<BodyModel>& bodies, ContactGroup group, const s
   if (!(group.area > 0)) return;
   group.distance /= group.area;
   for (const ContactPoint* point : points) {
-    pair.points.push_back(*point);
-    pair.points.back().group = static_cast<int>(pair.groups.size());
+    points_of_pair.push_back(*point);
+    points_of_pair.back().group = static_cast<int>(pair.groups.size());
   }
   pair.groups.push_back(group);
 }
@@ -230,27 +230,29 @@ void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfaceP
     }
   std::size_t num_points = 0;
   for (const auto& of_group : points) num_points += of_group.size();
-  pair.points.reserve(num_points);
-  for (std::size_t g = 0; g < groups.size(); ++g) add_group(bodies, groups[g], points[g], pair);
+  std::vector<ContactPoint> points_of_pair;
+  points_of_pair.reserve(num_points);
+  for (std::size_t g = 0; g < groups.size(); ++g) add_group(bodies, groups[g], points[g], pair, points_of_pair);
+  pair.points = ContactPoints(points_of_pair);
 }
 
 /// Bonded faces: the points and groups once for every axis along which one of the bodies moves.
 void copy_for_all_axes(const std::vector<BodyModel>& bodies, ContactPair& pair) {
   const auto &first = bodies[pair.primary].spec->plane_strain, &second = bodies[pair.secondary].spec->plane_strain;
   const int fixed = first && second && *first == *second ? static_cast<int>(*first) : -1;
-  const std::vector<ContactPoint> points = std::move(pair.points);
   const std::vector<ContactGroup> groups = std::move(pair.groups);
-  pair.points.clear();
+  const std::size_t num_points = pair.points.size();
+  std::vector<ContactPoint> points;
   pair.groups.clear();
   pair.copies = 0;
   for (int axis = 0; axis < 3; ++axis) {
     if (axis == fixed) continue;
-    const int first_point = static_cast<int>(pair.copies * points.size());
+    const int first_point = static_cast<int>(pair.copies * num_points);
     const int first_group = static_cast<int>(pair.copies * groups.size());
-    for (ContactPoint point : points) {
+    for (ContactPoint point : pair.points) {
       point.direction = Vec3::Unit(axis);
       point.group += first_group;
-      pair.points.push_back(point);
+      points.push_back(point);
     }
     for (ContactGroup group : groups) {
       group.first_point += first_point;
@@ -259,6 +261,7 @@ void copy_for_all_axes(const std::vector<BodyModel>& bodies, ContactPair& pair) 
     }
     ++pair.copies;
   }
+  pair.points = ContactPoints(points);
 }
 
 /// Size of the largest cells of a body on a face, m; 0: it has none.
@@ -546,7 +549,7 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
         });
       };
       for (int q = group.first_point; q < group.last_point; ++q) {
-        const ContactPoint& point = pair.points[q];
+        const ContactPoint point = pair.points[q];
         const Vec3 direction = point.weight / group.area * point.direction;
         add(pair.primary, point.primary_cell, point.primary_xi, -direction);
         add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
@@ -564,7 +567,7 @@ std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, con
 Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece) {
   Vec3 force = Vec3::Zero();
   for (std::size_t g = piece; g < pair.groups.size(); g += pair.num_pieces())
-    force += group_force[g] * pair.points[pair.groups[g].first_point].direction;
+    force += group_force[g] * pair.points.direction(pair.groups[g].first_point);
   return force;
 }
 
@@ -573,7 +576,7 @@ std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vect
   for (const ContactPair& pair : pairs) {
     if (!pair.bonded()) continue;
     double apart = 0;
-    for (std::size_t q = 0; q < pair.num_places(); ++q) apart = std::max(apart, std::abs(pair.points[q].distance));
+    for (std::size_t q = 0; q < pair.num_places(); ++q) apart = std::max(apart, std::abs(pair.points.distance(q)));
     if (apart > scene.contact.bond_gap * pair.largest_cell)
       warnings.push_back(fmt::format(
           "bonded contact \"{}\": its faces are apart, or overlap, by up to {:.3g} m where they are tied, as if by "
@@ -604,7 +607,7 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
     for (const ContactPoint& q : pair.points)
       if (q.active) closed_area[q.group] += q.weight;
     for (std::size_t place = 0; place < pair.num_places(); ++place) {
-      const ContactPoint& q = pair.points[place];
+      const ContactPoint q = pair.points[place];
       const int index = static_cast<int>(p);
       const ContactGroup& group = pair.groups[q.group];
       Vec3 on_secondary = Vec3::Zero();

@@ -1,24 +1,12 @@
 /// Contact pairs: quadrature points on the coarser body's surface, their opposite points, groups of projected gaps.
 #pragma once
 
+#include "contact/kernels/contact_law.hpp"
+#include "contact/kernels/contact_points.hpp"
 #include "contact/model/opposite_points.hpp"
 #include "recovery/patch/subset.hpp"
 
 namespace cgcontact {
-
-/// A quadrature point of a pair, on the surface of the primary body, split at both grids.
-struct ContactPoint {
-  int group = 0;
-  int primary_cell = 0, secondary_cell = 0;
-  Vec3 primary_xi, secondary_xi;              ///< cell coordinates
-  Vec3 primary_position, secondary_position;  ///< grid coordinates
-  Vec3 normal;                                ///< outward of the primary body, or press_direction.hpp; global axes
-  Vec3 direction;                             ///< along which the gap counts: the normal; bonded: an axis; global axes
-  Vec3 x;                                     ///< m
-  double weight = 0;                          ///< m^2
-  double distance = 0;                        ///< m, before deformation, along the normal
-  bool active = true;
-};
 
 /// Points of one surface of the primary body in one cell, the larger one of the two that meet there: the gap is
 /// projected on one constant per group (docs/theory.md).
@@ -41,7 +29,7 @@ struct ContactPair {
   double largest_cell = 0;  ///< m, at the faces; where a point sees nothing opposite, a cell is at most that
   double interference = 0;  ///< m, in the present step
   /// Bonded pairs have all points, and all groups, once for every axis that they hold: one copy after the other.
-  std::vector<ContactPoint> points;
+  ContactPoints points;
   std::vector<ContactGroup> groups;
   int copies = 1;
   /// Points and groups of one copy: those of the surface.
@@ -49,6 +37,7 @@ struct ContactPair {
   std::size_t num_pieces() const { return groups.size() / copies; }
   bool bonded() const { return spec->bonded; }
   double stiffness(const ContactGroup& group) const { return modulus / group.h; }  ///< kappa E/h, Pa/m
+  NormalContact law(const ContactGroup& group) const { return {stiffness(group), bonded()}; }
   int other(int body) const { return primary == body ? secondary : primary; }
   const FaceSpec& face(int body) const { return spec->first.body == body ? spec->first.face : spec->second.face; }
 };

@@ -55,8 +55,8 @@ class Sampler {
     const Grid& grid = cells_.grid;
     Vec3 normal = Vec3::Zero(), mean = Vec3::Zero();
     for (int q = group.first_point; q < group.last_point; ++q) {
-      normal += pair.points[q].weight * pair.points[q].normal;
-      mean += pair.points[q].weight / group.area * pair.points[q].x;
+      normal += pair.points.weight(q) * pair.points.normal(q);
+      mean += pair.points.weight(q) / group.area * pair.points.x(q);
     }
     normal_ = normal.normalized();
     const Vec3 middle = global_position(cells_, group.cell, Vec3::Zero());

@@ -66,7 +66,7 @@ double missed_distance(const SolvedState& state, const ContactPair& seen) {
 double gap_change(const SolvedState& state, const ContactPair& pair, const ContactGroup& group) {
   double change = 0;
   for (int q = group.first_point; q < group.last_point; ++q)
-    change += pair.points[q].weight / group.area * cgcontact::gap_change(state, pair, pair.points[q]);
+    change += pair.points.weight(q) / group.area * cgcontact::gap_change(state, pair, pair.points[q]);
   return change;
 }
 
@@ -84,8 +84,8 @@ std::optional<LeastGap> gap_between_points(const SolvedState& state, const Conta
   std::vector<std::optional<LeastGap>> least(pair.groups.size());
   parallel_for("cgcontact::missed_contact::between_points", least.size(), 1, [&](std::size_t g) {
     const ContactGroup& group = pair.groups[g];
-    double nearest = pair.points[group.first_point].distance;
-    for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points[q].distance);
+    double nearest = pair.points.distance(group.first_point);
+    for (int q = group.first_point; q < group.last_point; ++q) nearest = std::min(nearest, pair.points.distance(q));
     const double closer = pair.interference - gap_change(state, pair, group), limit = enough + closer;
     if (nearest > limit + group.larger_cell) return;
     for (const GapSample& sample : sample_gap(state.bodies, pair, group, limit))

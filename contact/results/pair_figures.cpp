@@ -79,7 +79,7 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
       moment[side] += grid.to_global(mesh.node_position(node - mesh.first_node)).cross(f);
     }
     for (int q = group.first_point; q < group.last_point; ++q)
-      centre += (pair.bonded() ? group.area : group_force) * pair.points[q].weight / group.area * pair.points[q].x;
+      centre += (pair.bonded() ? group.area : group_force) * pair.points.weight(q) / group.area * pair.points.x(q);
     total += pair.bonded() ? group.area : group_force;
     ++row;
   }
@@ -109,7 +109,7 @@ void add_zone(const SolvedState& state, int k, const Results& results, PairFigur
       if (r.pair == k && r.touching && is_pressed(r, figures.max_pressure)) figures.area += 0.5 * r.weight;
   } else {
     for (std::size_t q = 0; q < pair.num_places(); ++q)
-      if (pair.points[q].active) figures.area += pair.points[q].weight;
+      if (pair.points.active(q)) figures.area += pair.points.weight(q);
   }
 }
 
@@ -148,7 +148,7 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     figures.body_second = state.scene.bodies[pair.spec->second.body].name;
     figures.bonded = pair.bonded();
     figures.points = static_cast<int>(pair.num_places());
-    for (int q = 0; q < figures.points; ++q) figures.active_points += pair.points[q].active;
+    for (int q = 0; q < figures.points; ++q) figures.active_points += pair.points.active(q);
     if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
       add_forces(state, pair, first_group, forces[k], figures);
       add_zone(state, static_cast<int>(k), results, figures);

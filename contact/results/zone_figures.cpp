@@ -235,7 +235,7 @@ Vec3 mean_normal(const ContactPair& pair, std::size_t piece) {
   const ContactGroup& group = pair.groups[piece];
   Vec3 normal = Vec3::Zero();
   for (int q = group.first_point; q < group.last_point; ++q)
-    normal += pair.points[q].weight / group.area * pair.points[q].normal;
+    normal += pair.points.weight(q) / group.area * pair.points.normal(q);
   return normal;
 }
 

@@ -21,7 +21,11 @@ bool close_near_the_smallest_gap(const OuterProblem& problem, double allowance) 
       h = std::min(h, g.h);
     }
     const double limit = std::max(smallest + allowance * h, 1e-9 * h);
-    for (ContactPoint& q : pair.points) all &= q.active = pair.groups[q.group].initial_gap <= limit;
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      const bool closed = pair.groups[pair.points.group(q)].initial_gap <= limit;
+      pair.points.set_active(q, closed);
+      all &= closed;
+    }
   }
   return all;
 }
@@ -44,15 +48,16 @@ void close_pressing_points(Iterate& iterate) {
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     ContactPair& pair = problem.pairs[k];
     const auto pressure = [&](std::size_t q) {
-      const int g = pair.points[q].group;
-      return iterate.contact_stress[k][q] * problem.scales.stress -
-             pair.stiffness(pair.groups[g]) * (pair.groups[g].initial_gap + change[first_group + g]);
+      const int g = pair.points.group(q);
+      const ContactGroup& group = pair.groups[g];
+      return pair.law(group).closed_pressure(iterate.contact_stress[k][q] * problem.scales.stress,
+                                             group.initial_gap + change[first_group + g]);
     };
     double largest = 0, stiffest = 0;
     for (std::size_t q = 0; q < pair.points.size(); ++q) largest = std::max(largest, std::abs(pressure(q)));
     for (const ContactGroup& g : pair.groups) stiffest = std::max(stiffest, pair.stiffness(g));
     if (!pair.bonded() && !(largest < no_force * stiffest * moved))
-      for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points[q].active = pressure(q) > 0;
+      for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points.set_active(q, pressure(q) > 0);
     first_group += pair.groups.size();
   }
 }
@@ -70,7 +75,8 @@ std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& un
   for (std::size_t k = 0; k < open.size(); ++k) {
     if (!open[k]) continue;
     names.push_back('"' + iterate.problem.pairs[k].spec->name + '"');
-    for (ContactPoint& q : iterate.problem.pairs[k].points) q.active = false;
+    ContactPoints& points = iterate.problem.pairs[k].points;
+    for (std::size_t q = 0; q < points.size(); ++q) points.set_active(q, false);
   }
   return names;
 }
@@ -78,7 +84,7 @@ std::vector<std::string> open_what_parts(Iterate& iterate, const FreeMotions& un
 long long count_active(const std::vector<ContactPair>& pairs) {
   long long active = 0;
   for (const ContactPair& pair : pairs)
-    for (std::size_t q = 0; q < pair.num_places(); ++q) active += pair.points[q].active;
+    for (std::size_t q = 0; q < pair.num_places(); ++q) active += pair.points.active(q);
   return active;
 }
 

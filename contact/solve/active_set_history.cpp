@@ -11,7 +11,7 @@ std::vector<std::vector<bool>> state_of(const std::vector<ContactPair>& pairs) {
   std::vector<std::vector<bool>> state;
   for (const ContactPair& pair : pairs) {
     state.emplace_back();
-    for (const ContactPoint& q : pair.points) state.back().push_back(q.active);
+    for (std::size_t q = 0; q < pair.points.size(); ++q) state.back().push_back(pair.points.active(q));
   }
   return state;
 }
@@ -45,8 +45,8 @@ std::string ActiveSetHistory::describe(const std::vector<ContactPair>& pairs) co
   Vec3 low = Vec3::Constant(1e300), high = -low;
   for (std::size_t q = 0; q < pair.points.size(); ++q) {
     if (!keeps_changing(unrest_[worst][q])) continue;
-    low = low.cwiseMin(pair.points[q].x);
-    high = high.cwiseMax(pair.points[q].x);
+    low = low.cwiseMin(pair.points.x(q));
+    high = high.cwiseMax(pair.points.x(q));
   }
   return fmt::format(
       "the active set cycles ({} repeated states): {} of {} points of contact \"{}\" between ({:.4g}, {:.4g}, {:.4g}) "

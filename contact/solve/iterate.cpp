@@ -107,23 +107,22 @@ std::vector<double> Iterate::group_gap_change() const {
 
 std::vector<double> Iterate::group_force(bool with_displacement) const {
   std::vector<double> forces;
-  const double length = problem.scales.length, area_scale = length * length;
   const std::vector<double> change = with_displacement ? group_gap_change() : rigid_gap_change;
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     const ContactPair& pair = problem.pairs[k];
     for (const ContactGroup& g : pair.groups) {
       if (small_zones.has(forces.size())) {
         const double force = small_zones.force(forces.size(), g.initial_gap + change[forces.size()]);
-        forces.push_back(force / (problem.scales.stress * area_scale));
+        forces.push_back(force / force_unit());
         continue;
       }
-      const double gap = (g.initial_gap + change[forces.size()]) / length;
+      const double gap = g.initial_gap + change[forces.size()];
       double force = 0;
       for (int q = g.first_point; q < g.last_point; ++q)
-        if (pair.points[q].active)
-          force += contact_stress[k][q] * pair.points[q].weight / area_scale -
-                   to_stiffness(pair.stiffness(g), pair.points[q].weight) * gap;
-      forces.push_back(force);
+        if (pair.points.active(q))
+          force +=
+              pair.points.weight(q) * pair.law(g).closed_pressure(contact_stress[k][q] * problem.scales.stress, gap);
+      forces.push_back(force / force_unit());
     }
   }
   return forces;
@@ -139,7 +138,7 @@ std::vector<double> Iterate::group_stiffness() const {
       }
       double area = 0;
       for (int q = g.first_point; q < g.last_point; ++q)
-        if (pair.points[q].active) area += pair.points[q].weight;
+        if (pair.points.active(q)) area += pair.points.weight(q);
       stiffness.push_back(to_stiffness(pair.stiffness(g), area));
     }
   return stiffness;

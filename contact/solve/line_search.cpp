@@ -42,19 +42,18 @@ std::vector<GroupOnStep> groups_on_step(const Iterate& iterate, const RealView& 
 
 /// Of the energy along the step, at its part t; system units. curvature: of the energy with the closed contact.
 double slope_of_energy(const Iterate& iterate, const std::vector<GroupOnStep>& groups, double curvature, double t) {
-  const double length = iterate.problem.scales.length, area_scale = length * length;
   double sum = -curvature * (1 - t);
   for (const GroupOnStep& g : groups) {
     if (g.gap_change == 0) continue;
+    const NormalContact law = g.pair->law(*g.group);
     double more = 0;  // force of all points that press less that of those taken for closed
     for (int q = g.group->first_point; q < g.group->last_point; ++q) {
-      const ContactPoint& point = g.pair->points[q];
-      const double force =
-          iterate.contact_stress[g.pair_number][q] * point.weight / area_scale -
-          iterate.to_stiffness(g.pair->stiffness(*g.group), point.weight) * (g.gap + t * g.gap_change) / length;
-      more += std::max(force, 0.0) - (point.active ? force : 0.0);
+      const double closed = law.closed_pressure(
+          iterate.contact_stress[g.pair_number][q] * iterate.problem.scales.stress, g.gap + t * g.gap_change);
+      more +=
+          g.pair->points.weight(q) * ((law.is_closed(closed) ? closed : 0) - (g.pair->points.active(q) ? closed : 0));
     }
-    sum -= more * g.gap_change / length;
+    sum -= more / iterate.force_unit() * g.gap_change / iterate.problem.scales.length;
   }
   return sum;
 }

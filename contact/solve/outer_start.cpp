@@ -29,7 +29,7 @@ double earlier_traction(const SolvedState& earlier, int body, const Vec3& x, con
 std::vector<double> earlier_pressure(const SolvedState& earlier, const ContactPair& pair) {
   std::vector<double> pressure(pair.points.size());
   parallel_for("cgcontact::outer_start::contact", pressure.size(), grain, [&](std::size_t q) {
-    const ContactPoint& point = pair.points[q];
+    const ContactPoint point = pair.points[q];
     double sum = 0;
     int elastic = 0;
     for (const int body : {pair.primary, pair.secondary}) {
@@ -58,7 +58,7 @@ bool start_from(const SolvedState& earlier, Iterate& iterate) {
     ContactPair& pair = problem.pairs[k];
     const double largest = *std::max_element(pressures[k].begin(), pressures[k].end());
     for (std::size_t q = 0; q < pair.points.size(); ++q) {
-      pair.points[q].active = pair.bonded() || pressures[k][q] > presses * std::max(largest, 0.0);
+      pair.points.set_active(q, pair.bonded() || pressures[k][q] > presses * std::max(largest, 0.0));
       iterate.contact_stress[k][q] = pressures[k][q] / problem.scales.stress;
     }
   }

@@ -23,17 +23,14 @@ constexpr double little_load = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
 constexpr int most_steps = 100, many_steps = 30, most_bisections = 80;
 
-/// A spring that presses at points: force = sum w [stress - stiffness gap]_+, gap = distance + row . motion. second =
-/// -1: a support. Springs of supports and of bonded faces also pull.
+/// A spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
 struct Spring {
   int first = 0, second = -1;
-  bool bonded = false;
+  NormalContact law;
   RigidMotion row_first = RigidMotion::Zero(), row_second = RigidMotion::Zero();
-  double distance = 0;   ///< m
-  double stiffness = 0;  ///< Pa/m
+  double distance = 0;  ///< m
   int first_point = 0, last_point = 0;
 
-  bool one_sided() const { return second >= 0 && !bonded; }
   double change(const Eigen::VectorXd& motion) const {
     double sum = row_first.dot(motion.segment<6>(6 * first));
     if (second >= 0) sum += row_second.dot(motion.segment<6>(6 * second));
@@ -55,8 +52,8 @@ struct RigidBodies {
   std::pair<double, double> press(const Spring& s, double gap) const {
     double force = 0, area = 0;
     for (int q = s.first_point; q < s.last_point; ++q) {
-      const double p = points[q].stress - s.stiffness * gap;
-      if (s.one_sided() && p <= 0) continue;
+      const double p = s.law.closed_pressure(points[q].stress, gap);
+      if (!s.law.is_closed(p)) continue;
       force += points[q].weight * p;
       area += points[q].weight;
     }
@@ -103,9 +100,9 @@ Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force, double op
   for (const Spring& s : springs) {
     double all = 0;
     for (int q = s.first_point; q < s.last_point; ++q) all += points[q].weight;
-    largest = std::max(largest, s.stiffness * all);
+    largest = std::max(largest, s.law.k * all);
     const double pressing = press(s, gap(s)).second;
-    const double k = s.stiffness * (pressing + open * (all - pressing));
+    const double k = s.law.k * (pressing + open * (all - pressing));
     if (k == 0) continue;
     diagonal[s.first] += k * s.row_first * s.row_first.transpose();
     if (s.second < 0) continue;
@@ -163,9 +160,9 @@ Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::
   Spring spring;
   spring.first = pair.primary;
   spring.second = pair.secondary;
-  spring.bonded = pair.bonded();
+  spring.law = pair.law(group);
   for (int q = group.first_point; q < group.last_point; ++q) {
-    const ContactPoint& point = pair.points[q];
+    const ContactPoint point = pair.points[q];
     const double share = point.weight / group.area;
     // p acts on the primary body against its normal.
     spring.row_first -= share * pieces[pair.primary].row(point.x, point.direction);
@@ -199,7 +196,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
     for (const ContactGroup& group : pair.groups) {
       stiffest = std::max(stiffest, pair.stiffness(group));
       Spring spring = spring_of(pair, group, pieces);
-      spring.stiffness = softer * pair.stiffness(group);
+      spring.law.k *= softer;
       spring.distance = group.initial_gap;
       add(spring, group.area);
     }
@@ -209,7 +206,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
     Spring spring;
     spring.first = p.body;
     spring.row_first = pieces[p.body].row(global_position(bodies[p.body].cut_cells, p.cell, p.xi), p.direction);
-    spring.stiffness = stiffest;
+    spring.law = {stiffest, true};
     spring.distance = -p.value;
     add(spring, p.weight);
   }
@@ -218,7 +215,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
   for (ContactPair& pair : pairs)
     for (const ContactGroup& group : pair.groups) {
       const bool closed = rigid.gap(*spring++) < 0 || pair.bonded();
-      for (int q = group.first_point; q < group.last_point; ++q) pair.points[q].active = closed;
+      for (int q = group.first_point; q < group.last_point; ++q) pair.points.set_active(q, closed);
     }
   return true;
 }
@@ -329,9 +326,9 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
       Spring spring;
       spring.first = pair.primary;
       spring.second = pair.secondary;
-      spring.bonded = pair.bonded();
+      spring.law = pair.law(group);
       for (int q = group.first_point; q < group.last_point; ++q) {
-        const ContactPoint& point = pair.points[q];
+        const ContactPoint point = pair.points[q];
         Vec3 n = normals[pair.secondary](point.secondary_cell, point.secondary_position);
         if (n.dot(point.normal) > 0) n = -n;  // a surface of what is taken away
         if (pair.bonded()) n = point.direction;
@@ -339,7 +336,6 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
         spring.row_first += share * free_[pair.primary] * pieces_[pair.primary].row(point.x, n);
         spring.row_second -= share * free_[pair.secondary] * pieces_[pair.secondary].row(point.x, n);
       }
-      spring.stiffness = pair.stiffness(group);
       spring.distance = group.initial_gap;
       spring.first_point = static_cast<int>(rigid.points.size());
       rigid.points.push_back({group.area, 0});
@@ -362,17 +358,16 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap,
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const ContactPair& pair = pairs_[k];
     const int first_point = static_cast<int>(rigid.points.size());
-    for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points[q].weight, stress[k][q]});
+    for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points.weight(q), stress[k][q]});
     for (const ContactGroup& group : pair.groups) {
       Spring spring = spring_of(pair, group, pieces_);
       spring.row_first = free_[pair.primary] * spring.row_first.eval();
       spring.row_second = free_[pair.secondary] * spring.row_second.eval();
-      spring.stiffness = pair.stiffness(group);
       spring.distance = gap[rigid.springs.size()];
       spring.first_point = first_point + group.first_point;
       spring.last_point = first_point + group.last_point;
       if (const ZoneSpring zone = small_zones.spring(rigid.springs.size()); !zone.points.empty()) {
-        spring.stiffness = zone.stiffness;
+        spring.law.k = zone.stiffness;
         spring.first_point = static_cast<int>(rigid.points.size());
         for (const auto& [weight, at_no_gap] : zone.points) rigid.points.push_back({weight, at_no_gap});
         spring.last_point = static_cast<int>(rigid.points.size());

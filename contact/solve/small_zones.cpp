@@ -46,7 +46,7 @@ class GroupPlaces {
     const ContactGroup& own = pair_.groups[group - first_];
     std::vector<int> cells;
     for (int q = own.first_point; q < own.last_point; ++q)  // mostly of one cell
-      if (cells.empty() || cells.back() != pair_.points[q].primary_cell) cells.push_back(pair_.points[q].primary_cell);
+      if (cells.empty() || cells.back() != pair_.points.primary_cell(q)) cells.push_back(pair_.points.primary_cell(q));
     std::sort(cells.begin(), cells.end());
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
     return cells;
@@ -180,7 +180,7 @@ std::vector<char> SmallZones::near_resolved(std::size_t pair) const {
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
     places.add(g);
     if (has(first_[pair] + g)) continue;
-    for (int q = p.groups[g].first_point; q < p.groups[g].last_point; ++q) closed[g] |= p.points[q].active;
+    for (int q = p.groups[g].first_point; q < p.groups[g].last_point; ++q) closed[g] |= p.points.active(q);
   }
   std::vector<std::size_t> next;
   for (std::size_t g = 0; g < p.groups.size(); ++g) {
@@ -264,7 +264,7 @@ SmallZones::Neighbours SmallZones::neighbours(std::size_t pair, const Zone& zone
     const ContactGroup& g = group(pair, k);
     Vec3 sum = Vec3::Zero();
     for (int q = g.first_point; q < g.last_point; ++q)
-      sum += pairs_[pair].points[q].weight / g.area * pairs_[pair].points[q].x;
+      sum += pairs_[pair].points.weight(q) / g.area * pairs_[pair].points.x(q);
     centres.push_back(sum);
   }
   Neighbours found;
@@ -347,7 +347,7 @@ double SmallZones::approach(std::size_t pair, std::size_t g, const std::vector<d
 double SmallZones::nearest_distance(std::size_t pair, std::size_t g) const {
   const ContactGroup& own = group(pair, g);
   double nearest = 1e300;
-  for (int q = own.first_point; q < own.last_point; ++q) nearest = std::min(nearest, pairs_[pair].points[q].distance);
+  for (int q = own.first_point; q < own.last_point; ++q) nearest = std::min(nearest, pairs_[pair].points.distance(q));
   return nearest;
 }
 
@@ -411,11 +411,11 @@ void SmallZones::set_active_points(std::size_t pair, std::size_t g, double chang
   int nearest = own.first_point;
   bool any = false;
   for (int q = own.first_point; q < own.last_point; ++q) {
-    p.points[q].active = groups_[g].force > 0 && p.points[q].distance < approach;
-    any |= p.points[q].active;
-    if (p.points[q].distance < p.points[nearest].distance) nearest = q;
+    p.points.set_active(q, groups_[g].force > 0 && p.points.distance(q) < approach);
+    any |= p.points.active(q);
+    if (p.points.distance(q) < p.points.distance(nearest)) nearest = q;
   }
-  if (!any && groups_[g].force > 0) p.points[nearest].active = true;
+  if (!any && groups_[g].force > 0) p.points.set_active(nearest, true);
 }
 
 void SmallZones::update(const std::vector<double>& gap_change, const std::vector<double>& group_force, bool decide) {

@@ -12,12 +12,11 @@ std::vector<ContactPair> two_pairs(const ContactSpec& first, const ContactSpec& 
   std::vector<ContactPair> pairs(2);
   pairs[0].spec = &first;
   pairs[1].spec = &second;
-  for (int k = 0; k < 2; ++k)
-    for (int q = 0; q < 4 + 2 * k; ++q) {
-      ContactPoint point;
-      point.x = {double(q), double(k), 0};
-      pairs[k].points.push_back(point);
-    }
+  for (int k = 0; k < 2; ++k) {
+    std::vector<ContactPoint> points(4 + 2 * k);
+    for (std::size_t q = 0; q < points.size(); ++q) points[q].x = {double(q), double(k), 0};
+    pairs[k].points = ContactPoints(points);
+  }
   return pairs;
 }
 
@@ -35,7 +34,9 @@ class ActiveSetHistoryTest : public testing::Test {
 TEST_F(ActiveSetHistoryTest, CountsChangesOfAllPairs) {
   ActiveSetHistory history(pairs_);
   EXPECT_EQ(history.record(pairs_), 0);
-  pairs_[0].points[1].active = pairs_[1].points[0].active = pairs_[1].points[5].active = false;
+  pairs_[0].points.set_active(1, false);
+  pairs_[1].points.set_active(0, false);
+  pairs_[1].points.set_active(5, false);
   EXPECT_EQ(history.record(pairs_), 3);
   EXPECT_EQ(history.record(pairs_), 0);
 }
@@ -43,8 +44,8 @@ TEST_F(ActiveSetHistoryTest, CountsChangesOfAllPairs) {
 /// A zone that shrinks point by point and rests never has a state twice.
 TEST_F(ActiveSetHistoryTest, AShrinkingZoneIsNoCycle) {
   ActiveSetHistory history(pairs_);
-  for (ContactPoint& point : pairs_[1].points) {
-    point.active = false;
+  for (std::size_t q = 0; q < pairs_[1].points.size(); ++q) {
+    pairs_[1].points.set_active(q, false);
     EXPECT_EQ(history.record(pairs_), 1);
   }
   for (int i = 0; i < 10; ++i) history.record(pairs_);
@@ -55,13 +56,13 @@ TEST_F(ActiveSetHistoryTest, AShrinkingZoneIsNoCycle) {
 /// and not the point of the other pair that changed once, long ago.
 TEST_F(ActiveSetHistoryTest, CyclesAreFoundAndPlaced) {
   for (const int period : {2, 3}) {
-    std::vector<ContactPair> pairs = pairs_;
+    std::vector<ContactPair> pairs = two_pairs(first_, second_);  // copies would share their points
     ActiveSetHistory history(pairs);
-    pairs[0].points[3].active = false;
+    pairs[0].points.set_active(3, false);
     history.record(pairs);
     for (int i = 0; i < 3 * period; ++i) {
-      pairs[1].points[2].active = i % period == 0;
-      pairs[1].points[4].active = i % period != 0;
+      pairs[1].points.set_active(2, i % period == 0);
+      pairs[1].points.set_active(4, i % period != 0);
       history.record(pairs);
     }
     EXPECT_TRUE(history.cycles()) << period;

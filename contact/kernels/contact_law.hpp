@@ -1,0 +1,34 @@
+/// The law of contact without friction at a point: what a gap presses with. A law along the surface takes its place
+/// beside this one, with the pressure from here.
+#pragma once
+
+#include <Kokkos_Macros.hpp>
+
+namespace cgcontact {
+
+/// p = [p* - k g]_+ with the lagged pressure p* (Pa) and the gap g (m, overlaps negative); where it is bonded it also
+/// pulls, p = p* - k g. In any units in which p*, k g and p have the same.
+struct NormalContact {
+  double k = 0;         ///< Pa/m
+  bool bonded = false;  ///< also pulls
+
+  /// Pressure of a point that is taken for closed: less than zero, it would pull.
+  KOKKOS_INLINE_FUNCTION double closed_pressure(double lagged, double gap) const { return lagged - k * gap; }
+  /// Is a point closed that would press with this?
+  KOKKOS_INLINE_FUNCTION bool is_closed(double closed_pressure) const { return bonded || closed_pressure > 0; }
+  KOKKOS_INLINE_FUNCTION double pressure(double lagged, double gap) const {
+    const double p = closed_pressure(lagged, gap);
+    return is_closed(p) ? p : 0;
+  }
+  /// -dp/dg
+  KOKKOS_INLINE_FUNCTION double stiffness(double lagged, double gap) const {
+    return is_closed(closed_pressure(lagged, gap)) ? k : 0;
+  }
+  /// Energy per area, whose derivative to the gap is -p; convex.
+  KOKKOS_INLINE_FUNCTION double energy(double lagged, double gap) const {
+    const double p = pressure(lagged, gap);
+    return p * p / (2 * k);
+  }
+};
+
+}  // namespace cgcontact
