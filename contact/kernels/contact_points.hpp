@@ -45,6 +45,27 @@ struct ContactPointArrays {
 
 using HostContactPoints = ContactPointArrays<Kokkos::HostSpace>;
 
+/// The same in another memory; where that is the host's, the same arrays.
+template <class Memory>
+ContactPointArrays<Memory> copy_points(const HostContactPoints& host) {
+  const auto copy = [](auto& to, const auto& from) { to = Kokkos::create_mirror_view_and_copy(Memory(), from); };
+  ContactPointArrays<Memory> points;
+  copy(points.group, host.group);
+  copy(points.primary_cell, host.primary_cell);
+  copy(points.secondary_cell, host.secondary_cell);
+  copy(points.primary_xi, host.primary_xi);
+  copy(points.secondary_xi, host.secondary_xi);
+  copy(points.primary_position, host.primary_position);
+  copy(points.secondary_position, host.secondary_position);
+  copy(points.normal, host.normal);
+  copy(points.direction, host.direction);
+  copy(points.x, host.x);
+  copy(points.weight, host.weight);
+  copy(points.distance, host.distance);
+  copy(points.active, host.active);
+  return points;
+}
+
 /// The points of one pair on the host. Copies share the arrays.
 class ContactPoints {
  public:
@@ -63,6 +84,10 @@ class ContactPoints {
   int primary_cell(std::size_t q) const { return arrays_.primary_cell(first_ + q); }
   bool active(std::size_t q) const { return arrays_.active(first_ + q) != 0; }
   void set_active(std::size_t q, bool active) { arrays_.active(first_ + q) = active ? 1 : 0; }
+
+  /// The arrays, and the place of the first point in them.
+  const HostContactPoints& arrays() const { return arrays_; }
+  std::size_t first_place() const { return first_; }
 
   /// Goes over the points, gathered.
   class Iterator {

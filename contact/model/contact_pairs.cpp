@@ -409,19 +409,6 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
     }
 }
 
-/// Entries of one row in the order of the DoFs, those of one DoF summed in the order in which they came.
-GroupRow sum_by_dof(std::vector<std::pair<int, double>> entries) {
-  std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  GroupRow row;
-  for (const auto& [dof, value] : entries)
-    if (!row.entries.empty() && row.entries.back().first == dof)
-      row.entries.back().second += value;
-    else
-      row.entries.emplace_back(dof, value);
-  row.entries.shrink_to_fit();
-  return row;
-}
-
 }  // namespace
 
 std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
@@ -488,6 +475,9 @@ std::vector<ContactPair> make_contact_pairs(const Scene& scene, std::vector<Body
     return pair.spec->automatic && area < least_area;
   };
   pairs.erase(std::remove_if(pairs.begin(), pairs.end(), sees_nothing), pairs.end());
+  std::vector<ContactPoints*> points;
+  for (ContactPair& pair : pairs) points.push_back(&pair.points);
+  ContactPoints::join(points);
   std::vector<std::vector<double>> nearest;
   for (BodyModel& body : bodies) {
     nearest.emplace_back(body.cut_cells.boundary.size(), 1e300);
@@ -529,39 +519,6 @@ Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vect
     if (near[c])
       for (int node : mesh.cell_nodes[c]) marked[node - mesh.first_node] = 1;
   return Subset(marked);
-}
-
-std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
-                                      const ElasticSystem& system) {
-  constexpr std::size_t most_copies = 3;
-  std::size_t max_surfaces = 0;  // a family is a surface of a pair, along one direction
-  for (const BodyModel& body : bodies) max_surfaces = std::max(max_surfaces, body.cut_cells.solid.surfaces().size());
-  std::vector<GroupRow> rows;
-  for (std::size_t k = 0; k < pairs.size(); ++k) {
-    const ContactPair& pair = pairs[k];
-    for (std::size_t g = 0; g < pair.groups.size(); ++g) {
-      const ContactGroup& group = pair.groups[g];
-      std::vector<std::pair<int, double>> entries;
-      const auto add = [&](int body, int cell, const Vec3& xi, const Vec3& direction) {
-        const Vec3 local = bodies[body].cut_cells.grid.rotation.transpose() * direction;
-        displacement_row(system.meshes[body].cell_nodes[cell], xi, local, [&](int dof, double coefficient) {
-          if (local[component_of_dof(dof)] != 0) entries.emplace_back(dof, coefficient);
-        });
-      };
-      for (int q = group.first_point; q < group.last_point; ++q) {
-        const ContactPoint point = pair.points[q];
-        const Vec3 direction = point.weight / group.area * point.direction;
-        add(pair.primary, point.primary_cell, point.primary_xi, -direction);
-        add(pair.secondary, point.secondary_cell, point.secondary_xi, direction);
-      }
-      GroupRow row = sum_by_dof(std::move(entries));
-      std::tie(row.part, row.cell) = system.part_of(group.body, group.cell);
-      const std::size_t copy = g / pair.num_pieces();
-      row.family = static_cast<int>((k * most_copies + copy) * max_surfaces + group.surface);
-      rows.push_back(std::move(row));
-    }
-  }
-  return rows;
 }
 
 Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece) {

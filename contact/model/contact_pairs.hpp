@@ -59,10 +59,6 @@ void set_interference(ContactPair& pair, double interference);
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
                           const BodyMesh& mesh);
 
-/// Rows of the mean gap change of all groups of all pairs, in order; dimensionless (displacement per displacement).
-std::vector<GroupRow> make_group_rows(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies,
-                                      const ElasticSystem& system);
-
 /// What acts on the secondary body of a bonded pair over one of its pieces, N, from the forces of all its groups.
 Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece);
 

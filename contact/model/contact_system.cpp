@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include "contact/model/group_rows.hpp"
+
 namespace cgcontact {
 namespace {
 
-void add_contact(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs, const Scales& scales,
-                 ElasticSystem& system) {
-  set_group_rows(system, make_group_rows(pairs, bodies, system));
+void add_contact(const ExecSpace& exec, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs,
+                 const Scales& scales, ElasticSystem& system) {
+  set_group_rows(system, make_group_rows(exec, pairs, bodies, system));
   for (const ContactPair& pair : pairs)
     for (const ContactGroup& g : pair.groups)
       system.full_group_stiffness.push_back(pair.stiffness(g) * g.area / (scales.stress * scales.length));
@@ -39,7 +41,7 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
 
 ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyModel>& bodies,
                                   const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
-                                  const Scales& scales) {
+                                  const Scales& scales, const ExecSpace& exec) {
   std::vector<const CutCells*> cut_cells;
   std::vector<Material> materials;
   for (const BodyModel& body : bodies) {
@@ -48,7 +50,7 @@ ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyMode
   }
   ElasticSystem system = make_elastic_system(cut_cells, materials, scales, scene.solver.ghost_penalty);
   add_supports(scene, bodies, supports, scales, system);
-  add_contact(bodies, pairs, scales, system);
+  add_contact(exec, bodies, pairs, scales, system);
   return system;
 }
 

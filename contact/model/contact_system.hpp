@@ -8,10 +8,10 @@ namespace cgcontact {
 /// Lengths by the largest cells, stresses by the largest Young's modulus.
 Scales make_scales(const Scene& scene);
 
-/// The contact groups are open at first. The bodies must outlive the system.
+/// The contact groups are open at first. The bodies must outlive the system. exec: what makes the rows of the groups.
 ElasticSystem make_contact_system(const Scene& scene, const std::vector<BodyModel>& bodies,
                                   const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
-                                  const Scales& scales);
+                                  const Scales& scales, const ExecSpace& exec);
 
 /// Puts the terms of the supports into a system that has none.
 void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,

@@ -21,7 +21,7 @@ constexpr double least_ratio = 0.1;
 
 /// The largest displacement by which each body deforms, its rigid motion aside, m.
 std::vector<double> deformations(const SolvedState& state) {
-  const auto u = host_copy(state.outer.u);
+  const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), state.outer.u);
   std::vector<double> largest;
   for (const BodyMesh& mesh : state.system.meshes) {
     double here = 0;

@@ -42,24 +42,8 @@ void initialise_active_set(Iterate& iterate) {
 
 void close_pressing_points(Iterate& iterate) {
   const OuterProblem& problem = iterate.problem;
-  const std::vector<double> change = iterate.group_gap_change();
-  const double moved = iterate.rigid_parts.largest_displacement(iterate.u) * problem.scales.length;
-  std::size_t first_group = 0;
-  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
-    ContactPair& pair = problem.pairs[k];
-    const auto pressure = [&](std::size_t q) {
-      const int g = pair.points.group(q);
-      const ContactGroup& group = pair.groups[g];
-      return pair.law(group).closed_pressure(iterate.contact_stress[k][q] * problem.scales.stress,
-                                             group.initial_gap + change[first_group + g]);
-    };
-    double largest = 0, stiffest = 0;
-    for (std::size_t q = 0; q < pair.points.size(); ++q) largest = std::max(largest, std::abs(pressure(q)));
-    for (const ContactGroup& g : pair.groups) stiffest = std::max(stiffest, pair.stiffness(g));
-    if (!pair.bonded() && !(largest < no_force * stiffest * moved))
-      for (std::size_t q = 0; q < pair.points.size(); ++q) pair.points.set_active(q, pressure(q) > 0);
-    first_group += pair.groups.size();
-  }
+  const double moved = iterate.rigid_parts.largest_displacement(problem.exec, iterate.u) * problem.scales.length;
+  iterate.close_pressing_points(no_force * moved);
 }
 
 void update_active_set(Iterate& iterate, bool decide) {

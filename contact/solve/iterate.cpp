@@ -3,23 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.hpp"
-
 namespace cgcontact {
 namespace {
 
-/// Groups per chunk of the parallel loops.
-constexpr std::size_t grain = 512;
 /// Steps of the springs' rest positions that fall by a ratio between these are taken for a geometric series. Below
 /// there is little to gain; above it would be hardly more than a guess.
 constexpr double slow = 0.3, without_end = 0.99;
 
+RealView new_values(const char* label, std::size_t size) {
+  return RealView(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), size);
+}
+
 }  // namespace
 
-RealView::HostMirror host_copy(const RealView& u) {
-  auto host = Kokkos::create_mirror_view(u);
-  Kokkos::deep_copy(host, u);
-  return host;
+std::vector<double> to_host(const RealView& values) {
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
+  return {host.data(), host.data() + host.extent(0)};
 }
 
 Iterate::Iterate(const OuterProblem& outer_problem)
@@ -27,21 +26,34 @@ Iterate::Iterate(const OuterProblem& outer_problem)
       u("cgcontact::iterate::u", problem.system.num_dofs()),
       rigid_parts(problem.system.meshes, problem.scales),
       floating(problem.bodies, problem.supports, problem.pairs),
-      small_zones(problem.bodies, problem.pairs, floating.led_pairs(), problem.scene.solver) {}
+      small_zones(problem.bodies, problem.pairs, floating.led_pairs(), problem.scene.solver),
+      support_stress("cgcontact::iterate::support_stress", problem.supports.size()),
+      rigid_gap_change("cgcontact::iterate::rigid_gap_change", problem.system.group_rows.size()),
+      groups_(make_group_arrays(problem)),
+      supports_(make_support_arrays(problem)),
+      support_places_(support_places(problem)),
+      row_places_(row_places(problem)),
+      entry_place_(places_of_entries(problem.system.groups)) {
+  contact_stress = PointValues("cgcontact::iterate::contact_stress", groups_.weight.extent(0));
+  groups_.lagged = contact_stress.d_view;
+  supports_.lagged = support_stress.d_view;
+}
 
 void Iterate::forget() {
   Kokkos::deep_copy(u, 0.0);
   rigid_parts.forget();
-  rigid_gap_change.assign(problem.system.group_rows.size(), 0.0);
-  support_stress.assign(problem.supports.size(), 0.0);
+  Kokkos::deep_copy(rigid_gap_change, 0.0);
   small_zones.forget();
   last_spring_steps_.clear();
-  contact_stress.clear();
-  for (const ContactPair& pair : problem.pairs) contact_stress.emplace_back(pair.points.size(), 0.0);
+  for (PointValues* values : {&support_stress, &contact_stress}) {
+    Kokkos::deep_copy(values->h_view, 0.0);
+    values->modify_host();
+  }
   for (SupportPoint& p : problem.supports)
     if (p.follows) p.value = 0;
 }
 
+/// Supports that have been added come last.
 void Iterate::take_over(const Iterate& other) {
   Kokkos::deep_copy(u, other.u);
   rigid_parts.forget();
@@ -49,113 +61,133 @@ void Iterate::take_over(const Iterate& other) {
     const RigidPart& part = other.rigid_parts.of_bodies()[b];
     rigid_parts.move(b, part.translation, part.rotation, part.centre);
   }
-  rigid_gap_change.assign(problem.system.group_rows.size(), 0.0);
-  support_stress = other.support_stress;
-  support_stress.resize(problem.supports.size(), 0.0);
-  contact_stress = other.contact_stress;
+  Kokkos::deep_copy(rigid_gap_change, 0.0);
+  const auto take = [](PointValues& to, const PointValues& from) {
+    const std::size_t size = std::min(to.h_view.extent(0), from.h_view.extent(0));
+    Kokkos::deep_copy(to.h_view, 0.0);
+    for (std::size_t i = 0; i < size; ++i) to.h_view(i) = from.h_view(i);
+    to.modify_host();
+  };
+  take(support_stress, other.support_stress);
+  take(contact_stress, other.contact_stress);
   small_zones.forget();
 }
 
 void Iterate::set_rigid_parts_aside() {
-  rigid_parts.set_aside(u);
-  const std::vector<GroupRow>& rows = problem.system.group_rows;
-  parallel_for("cgcontact::iterate::rigid_gap_change", rows.size(), grain, [&](std::size_t r) {
-    double sum = 0;
-    for (const auto& [dof, value] : rows[r].entries) sum += value * rigid_parts.at_dof(dof);
-    rigid_gap_change[r] = sum;
-  });
+  rigid_parts.set_aside(problem.exec, u);
+  const RealView at_dofs = new_values("cgcontact::iterate::rigid_at_dofs", row_places_.body.extent(0));
+  cgcontact::rigid_displacements(problem.exec, row_places_, rigid_parts.on_device(), at_dofs);
+  const GroupRows& rows = problem.system.groups;
+  Kokkos::deep_copy(problem.exec, rigid_gap_change, 0.0);
+  multiply_rows(problem.exec, rows.row_begin, entry_place_, rows.row_value, at_dofs, 1, rigid_gap_change,
+                rigid_gap_change);
+  problem.exec.fence();
 }
 
-double Iterate::support_stiffness(const SupportPoint& p) const {
-  return cgcontact::support_stiffness(problem.scene, problem.bodies[p.body], p);
+const ContactGroupArrays<MemSpace>& Iterate::groups() const {
+  take_state(problem, small_zones, groups_);
+  PointValues(contact_stress).sync_device();  // shares the memory
+  return groups_;
 }
 
-double Iterate::rigid_displacement(const SupportPoint& p) const {
-  return p.direction.dot(
-      rigid_parts.of_bodies()[p.body].at(global_position(problem.bodies[p.body].cut_cells, p.cell, p.xi)));
+const SupportArrays<MemSpace>& Iterate::supports() const {
+  take_values(problem, supports_);
+  PointValues(support_stress).sync_device();
+  return supports_;
 }
 
-double Iterate::displacement_of(const SupportPoint& p, const RealView::HostMirror& host_u) const {
-  const Vec3 d = problem.bodies[p.body].cut_cells.grid.rotation.transpose() * p.direction;
-  double displacement = rigid_displacement(p) / problem.scales.length;
-  displacement_row(problem.system.meshes[p.body].cell_nodes[p.cell], p.xi, d,
-                   [&](int dof, double coefficient) { displacement += coefficient * host_u(dof); });
-  return displacement * problem.scales.length;
+RealView Iterate::rigid_displacements() const {
+  const RealView moved = new_values("cgcontact::iterate::support_displacements", problem.supports.size());
+  cgcontact::rigid_displacements(problem.exec, support_places_, rigid_parts.on_device(), moved);
+  problem.exec.fence();
+  return moved;
+}
+
+RealView Iterate::support_displacements() const {
+  const RealView moved = rigid_displacements();
+  add_displacements(problem.exec, supports_, u, problem.scales.length, moved);
+  problem.exec.fence();
+  return moved;
 }
 
 std::vector<double> Iterate::support_tractions() const {
-  const auto host_u = host_copy(u);
-  std::vector<double> tractions;
-  for (std::size_t s = 0; s < problem.supports.size(); ++s) {
-    const SupportPoint& p = problem.supports[s];
-    tractions.push_back(support_stress[s] * problem.scales.stress -
-                        support_stiffness(p) * (displacement_of(p, host_u) - p.value));
-  }
-  return tractions;
+  const RealView tractions = new_values("cgcontact::iterate::support_tractions", problem.supports.size());
+  cgcontact::support_tractions(problem.exec, supports(), support_displacements(), tractions);
+  problem.exec.fence();
+  return to_host(tractions);
 }
 
-std::vector<double> Iterate::group_gap_change() const {
-  const auto host_u = host_copy(u);
-  std::vector<double> change;
-  for (const GroupRow& row : problem.system.group_rows) {
-    double sum = 0;
-    for (const auto& [dof, value] : row.entries) sum += value * host_u(dof);
-    change.push_back(sum * problem.scales.length + rigid_gap_change[change.size()]);
-  }
+RealView Iterate::gap_change_of(const RealView& displacements) const {
+  const GroupRows& rows = problem.system.groups;
+  const RealView change("cgcontact::iterate::gap_change", rigid_gap_change.size());
+  multiply_rows(problem.exec, rows.row_begin, rows.row_dof, rows.row_value, displacements, problem.scales.length,
+                change, change);
+  problem.exec.fence();
   return change;
 }
 
-std::vector<double> Iterate::group_force(bool with_displacement) const {
-  std::vector<double> forces;
-  const std::vector<double> change = with_displacement ? group_gap_change() : rigid_gap_change;
-  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
-    const ContactPair& pair = problem.pairs[k];
-    for (const ContactGroup& g : pair.groups) {
-      if (small_zones.has(forces.size())) {
-        const double force = small_zones.force(forces.size(), g.initial_gap + change[forces.size()]);
-        forces.push_back(force / force_unit());
-        continue;
-      }
-      const double gap = g.initial_gap + change[forces.size()];
-      double force = 0;
-      for (int q = g.first_point; q < g.last_point; ++q)
-        if (pair.points.active(q))
-          force +=
-              pair.points.weight(q) * pair.law(g).closed_pressure(contact_stress[k][q] * problem.scales.stress, gap);
-      forces.push_back(force / force_unit());
-    }
-  }
+RealView Iterate::gap_change() const {
+  const GroupRows& rows = problem.system.groups;
+  const RealView change = new_values("cgcontact::iterate::gap_change", rigid_gap_change.size());
+  multiply_rows(problem.exec, rows.row_begin, rows.row_dof, rows.row_value, u, problem.scales.length, rigid_gap_change,
+                change);
+  problem.exec.fence();
+  return change;
+}
+
+RealView Iterate::group_forces(bool with_displacement) const {
+  const RealView forces = new_values("cgcontact::iterate::group_forces", rigid_gap_change.size());
+  cgcontact::group_forces(problem.exec, groups(), with_displacement ? gap_change() : rigid_gap_change, force_unit(),
+                          forces);
+  problem.exec.fence();
   return forces;
 }
 
 std::vector<double> Iterate::group_stiffness() const {
-  std::vector<double> stiffness;
-  for (const ContactPair& pair : problem.pairs)
-    for (const ContactGroup& g : pair.groups) {
-      if (small_zones.has(stiffness.size())) {
-        stiffness.push_back(small_zones.stiffness(stiffness.size()) / (problem.scales.stress * problem.scales.length));
-        continue;
-      }
-      double area = 0;
-      for (int q = g.first_point; q < g.last_point; ++q)
-        if (pair.points.active(q)) area += pair.points.weight(q);
-      stiffness.push_back(to_stiffness(pair.stiffness(g), area));
+  const RealView stiffness = new_values("cgcontact::iterate::group_stiffness", rigid_gap_change.size());
+  closed_stiffness(problem.exec, groups(), problem.scales.stress * problem.scales.length, stiffness);
+  problem.exec.fence();
+  return to_host(stiffness);
+}
+
+void Iterate::close_pressing_points(double rounding) {
+  const ContactGroupArrays<MemSpace>& arrays = groups();
+  const RealView change = gap_change(), largest = new_values("cgcontact::iterate::largest", change.size());
+  largest_pressures(problem.exec, arrays, change, largest);
+  problem.exec.fence();
+  const std::vector<double> of_groups = to_host(largest);
+  const Kokkos::View<char*, MemSpace> may_change("cgcontact::iterate::may_change", of_groups.size());
+  const auto host = Kokkos::create_mirror_view(may_change);
+  std::size_t first = 0;
+  for (const ContactPair& pair : problem.pairs) {
+    double most = 0, stiffest = 0;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g) {
+      most = std::max(most, of_groups[first + g]);
+      stiffest = std::max(stiffest, pair.stiffness(pair.groups[g]));
     }
-  return stiffness;
+    const bool changes = !pair.bonded() && !(most < rounding * stiffest);
+    for (std::size_t g = 0; g < pair.groups.size(); ++g) host(first + g) = changes ? 1 : 0;
+    first += pair.groups.size();
+  }
+  Kokkos::deep_copy(may_change, host);
+  close_pressing(problem.exec, arrays, change, may_change);
+  problem.exec.fence();
+  give_state(problem, arrays);
 }
 
 double Iterate::total_force() const {
   double sum = 0;
   for (const double force : group_force(true)) sum += std::abs(force);
-  return sum * problem.scales.stress * problem.scales.length * problem.scales.length;
+  return sum * force_unit();
 }
 
 double Iterate::spring_force() const {
   double sum = 0;
   if (!floating.any()) return sum;
-  const auto host_u = host_copy(u);
-  for (const SupportPoint& p : problem.supports)
-    if (p.follows) sum += std::abs(p.weight * support_stiffness(p) * (displacement_of(p, host_u) - p.value));
+  const std::vector<double> moved = to_host(support_displacements());
+  for (std::size_t s = 0; s < moved.size(); ++s)
+    if (const SupportPoint& p = problem.supports[s]; p.follows)
+      sum += std::abs(p.weight * support_stiffness(problem.scene, problem.bodies[p.body], p) * (moved[s] - p.value));
   return sum;
 }
 
@@ -163,15 +195,15 @@ void Iterate::let_springs_follow() {
   const bool any =
       std::any_of(problem.supports.begin(), problem.supports.end(), [](const SupportPoint& p) { return p.follows; });
   if (!any) return;
-  const auto host_u = host_copy(u);
+  const std::vector<double> moved = to_host(support_displacements());
   last_spring_steps_.resize(problem.bodies.size());
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
     std::vector<SupportPoint*> springs;
     std::vector<double> step;
-    for (SupportPoint& p : problem.supports)
-      if (p.follows && p.body == static_cast<int>(b)) {
+    for (std::size_t s = 0; s < moved.size(); ++s)
+      if (SupportPoint& p = problem.supports[s]; p.follows && p.body == static_cast<int>(b)) {
         springs.push_back(&p);
-        step.push_back(displacement_of(p, host_u) - p.value);
+        step.push_back(moved[s] - p.value);
       }
     const double length = whole_length_of(step, last_spring_steps_[b]);
     for (std::size_t i = 0; i < springs.size(); ++i) springs[i]->value += length * step[i];

@@ -2,12 +2,18 @@
 /// follow from them.
 #pragma once
 
-#include "contact/solve/outer_problem.hpp"
+#include <Kokkos_DualView.hpp>
+
+#include "contact/solve/contact_arrays.hpp"
 #include "contact/solve/rigid_contact.hpp"
 #include "contact/solve/rigid_part.hpp"
-#include "contact/solve/small_zones.hpp"
 
 namespace cgcontact {
+
+/// Values of points that the host sets (h_view, then modify_host()) and kernels read.
+using PointValues = Kokkos::DualView<double*, ExecSpace>;
+
+std::vector<double> to_host(const RealView& values);
 
 struct Iterate {
   explicit Iterate(const OuterProblem& outer_problem);
@@ -20,29 +26,32 @@ struct Iterate {
   /// From u into rigid_parts, and what follows for the gaps.
   void set_rigid_parts_aside();
 
-  /// Of a support, Pa/m.
-  double support_stiffness(const SupportPoint& p) const;
-  /// Weight (m^2) and stiffness (Pa/m) -> system units.
-  double to_stiffness(double pa_per_m, double area) const {
-    return pa_per_m * area / (problem.scales.stress * problem.scales.length);
-  }
   /// Unit of forces, N.
   double force_unit() const { return problem.scales.stress * problem.scales.length * problem.scales.length; }
 
-  /// Along the support's direction, m; of its body's rigid part, and of all (`host_u`: u on the host).
-  double rigid_displacement(const SupportPoint& p) const;
-  double displacement_of(const SupportPoint& p, const RealView::HostMirror& host_u) const;
+  /// What kernels run on, as the host has left it.
+  const ContactGroupArrays<MemSpace>& groups() const;
+  const SupportArrays<MemSpace>& supports() const;
 
+  /// Along the direction of each support, m: of the rigid parts, and of all.
+  RealView rigid_displacements() const;
+  RealView support_displacements() const;
   /// sigma* - kappa E/h (u . d - value) of every support point, Pa.
   std::vector<double> support_tractions() const;
 
-  /// Change of the mean gap of every group, m.
-  std::vector<double> group_gap_change() const;
+  /// Change of the mean gap of every group, m; without the rigid parts, of any displacements (Scales::length).
+  RealView gap_change() const;
+  RealView gap_change_of(const RealView& displacements) const;
+  std::vector<double> group_gap_change() const { return to_host(gap_change()); }
   /// Force of each group, system units, sum over its closed points of w (p* - kappa E/h gap): with the gap of the
   /// current displacement, or without that of the deformation (the right-hand side).
-  std::vector<double> group_force(bool with_displacement) const;
+  RealView group_forces(bool with_displacement) const;
+  std::vector<double> group_force(bool with_displacement) const { return to_host(group_forces(with_displacement)); }
   /// Present stiffness of each group, system units.
   std::vector<double> group_stiffness() const;
+  /// Closes the points of every pair that press, but where all of a pair is below `rounding` of its k: bonded pairs
+  /// stay closed.
+  void close_pressing_points(double rounding);
   /// Of all contact groups, N.
   double total_force() const;
 
@@ -57,16 +66,18 @@ struct Iterate {
   RigidParts rigid_parts;
   FloatingBodies floating;
   SmallZones small_zones;
-  std::vector<double> support_stress;               ///< of each support point, Scales::stress
-  std::vector<std::vector<double>> contact_stress;  ///< p* of each pair and point, Scales::stress
-  std::vector<double> rigid_gap_change;             ///< of each contact group, m
+  PointValues support_stress;  ///< of each support point, Scales::stress
+  PointValues contact_stress;  ///< p* of the points of all pairs, one after the other, Scales::stress
+  RealView rigid_gap_change;   ///< of each contact group, m
 
  private:
   static double whole_length_of(const std::vector<double>& step, std::vector<double>& last);
 
+  ContactGroupArrays<MemSpace> groups_;
+  SupportArrays<MemSpace> supports_;
+  DirectionArrays<MemSpace> support_places_, row_places_;
+  IntView entry_place_;                                 ///< of the entries of rows in row_places_
   std::vector<std::vector<double>> last_spring_steps_;  ///< m, of each body's springs
 };
-
-RealView::HostMirror host_copy(const RealView& u);
 
 }  // namespace cgcontact

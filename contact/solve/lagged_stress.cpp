@@ -22,13 +22,18 @@ struct Change {
     norm += weight * after * after;
   }
 
-  template <class Points, class StressAt>
-  void replace(std::vector<double>& values, const Points& points, const StressAt& stress_at) {
-    std::vector<double> before(values.size());
-    before.swap(values);
-    compute_together("cgcontact::lagged_stress::points", grain, values,
-                     [&](std::size_t i) { return stress_at(points[i]); });
-    for (std::size_t i = 0; i < points.size(); ++i) add(points[i].weight, before[i], values[i]);
+  /// New values of points, the first of which is number `first` among all.
+  template <class WeightAt, class StressAt>
+  void replace(PointValues& values, std::size_t first, std::size_t count, const WeightAt& weight_at,
+               const StressAt& stress_at) {
+    std::vector<double> now(count);
+    compute_together("cgcontact::lagged_stress::points", grain, now, stress_at);
+    for (std::size_t i = 0; i < count; ++i) {
+      double& value = values.h_view(first + i);
+      add(weight_at(i), value, now[i]);
+      value = now[i];
+    }
+    values.modify_host();
   }
 };
 
@@ -39,7 +44,8 @@ double square_of_rounding(const Iterate& iterate) {
   for (const SupportPoint& p : iterate.problem.supports) area += p.by_plane_strain ? 0 : p.weight;
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
     if (!mesh.rigid) stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
-  return area * std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.u), 2);
+  return area *
+         std::pow(no_stress * stiffest * iterate.rigid_parts.largest_displacement(iterate.problem.exec, iterate.u), 2);
 }
 
 }  // namespace
@@ -59,24 +65,30 @@ double LaggedStress::update(Iterate& iterate) {
   if (std::any_of(meshes.begin(), meshes.end(), [](const BodyMesh& mesh) { return mesh.rigid; }))
     held_by = iterate.support_tractions();
   Change change;
-  change.replace(iterate.support_stress, problem.supports, [&](const SupportPoint& p) {
+  const std::vector<SupportPoint>& supports = problem.supports;
+  const auto support_weight = [&](std::size_t s) { return supports[s].weight; };
+  change.replace(iterate.support_stress, 0, supports.size(), support_weight, [&](std::size_t s) {
+    const SupportPoint& p = supports[s];
     // No force in the system, or that of a spring: there is no stress to lag.
     if (p.support < 0 || p.by_plane_strain || p.spring > 0) return 0.0;
     if (problem.system.meshes[p.body].rigid)  // no stress of its own: what held it in the last solution
-      return held_by[&p - problem.supports.data()] / problem.scales.stress;
+      return held_by[s] / problem.scales.stress;
     return stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
   });
-  for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
-    const ContactPair& pair = problem.pairs[k];
+  std::size_t first_point = 0;
+  for (const ContactPair& pair : problem.pairs) {
     // The softer body's counts more, as in the stiffness: the other one's changes more with the gap, and what is lagged
     // would converge slowly.
     const double first = stabilising_modulus(problem.scene.bodies[pair.primary].material),
                  second = stabilising_modulus(problem.scene.bodies[pair.secondary].material);
     const double part = std::isinf(second) ? 1 : second / (first + second);  // of a rigid body nothing
-    change.replace(iterate.contact_stress[k], pair.points, [&](const ContactPoint& c) {
+    const auto weight = [&](std::size_t q) { return pair.points.weight(q); };
+    change.replace(iterate.contact_stress, first_point, pair.points.size(), weight, [&](std::size_t q) {
+      const ContactPoint c = pair.points[q];
       return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.direction) -
              (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.direction);
     });
+    first_point += pair.points.size();
   }
   const double norm = std::max(change.norm, square_of_rounding(iterate));
   return norm > 0 ? std::sqrt(change.difference / norm) : 0.0;

@@ -262,12 +262,11 @@ bool ContactSolver::Impl::contact_holds_floating_bodies() {
 bool ContactSolver::Impl::balance_floating_bodies() {
   now_.set_rigid_parts_aside();
   std::vector<double> gap = now_.group_gap_change();
-  std::vector<std::vector<double>> stress = now_.contact_stress;
+  std::vector<double> stress(now_.contact_stress.h_view.extent(0));
+  for (std::size_t q = 0; q < stress.size(); ++q) stress[q] = now_.contact_stress.h_view(q) * problem_.scales.stress;
   std::size_t group = 0;
-  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
-    for (const ContactGroup& g : problem_.pairs[k].groups) gap[group++] += g.initial_gap;
-    for (double& s : stress[k]) s *= problem_.scales.stress;
-  }
+  for (const ContactPair& pair : problem_.pairs)
+    for (const ContactGroup& g : pair.groups) gap[group++] += g.initial_gap;
   const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones);
   unbalanced_ = balance.unbalanced;
   if (!balance.found) return false;

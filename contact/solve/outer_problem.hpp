@@ -14,6 +14,7 @@ struct OuterProblem {
   std::vector<SupportPoint>& supports;
   ElasticSystem& system;
   const Scales& scales;
+  ExecSpace exec;  ///< what kernels run on
 };
 
 }  // namespace cgcontact

@@ -54,19 +54,23 @@ bool start_from(const SolvedState& earlier, Iterate& iterate) {
     any |= pair.bonded() || (largest != pressures.back().end() && *largest > 0);
   }
   if (!any) return false;
+  const auto contact_stress = iterate.contact_stress.h_view, support_stress = iterate.support_stress.h_view;
+  iterate.contact_stress.modify_host();
+  iterate.support_stress.modify_host();
+  std::size_t point = 0;
   for (std::size_t k = 0; k < problem.pairs.size(); ++k) {
     ContactPair& pair = problem.pairs[k];
     const double largest = *std::max_element(pressures[k].begin(), pressures[k].end());
     for (std::size_t q = 0; q < pair.points.size(); ++q) {
       pair.points.set_active(q, pair.bonded() || pressures[k][q] > presses * std::max(largest, 0.0));
-      iterate.contact_stress[k][q] = pressures[k][q] / problem.scales.stress;
+      contact_stress(point++) = pressures[k][q] / problem.scales.stress;
     }
   }
   parallel_for("cgcontact::outer_start::supports", problem.supports.size(), grain, [&](std::size_t s) {
     const SupportPoint& p = problem.supports[s];
     if (p.support < 0 || p.spring > 0) return;
     const Vec3 x = global_position(problem.bodies[p.body].cut_cells, p.cell, p.xi);
-    iterate.support_stress[s] = earlier_traction(earlier, p.body, x, p.normal, p.direction) / problem.scales.stress;
+    support_stress(s) = earlier_traction(earlier, p.body, x, p.normal, p.direction) / problem.scales.stress;
   });
   for (std::size_t b = 0; b < problem.bodies.size(); ++b) {
     const RigidPart& part = earlier.outer.rigid_parts[b];

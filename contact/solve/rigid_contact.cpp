@@ -349,16 +349,15 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
   return moving;
 }
 
-FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap,
-                                                const std::vector<std::vector<double>>& stress,
+FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, const std::vector<double>& stress,
                                                 const SmallZones& small_zones) const {
   RigidBodies rigid;
   rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
-  for (std::size_t k = 0; k < pairs_.size(); ++k) {
-    const ContactPair& pair = pairs_[k];
+  auto lagged = stress.begin();
+  for (const ContactPair& pair : pairs_) {
     const int first_point = static_cast<int>(rigid.points.size());
-    for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points.weight(q), stress[k][q]});
+    for (std::size_t q = 0; q < pair.points.size(); ++q) rigid.points.push_back({pair.points.weight(q), *lagged++});
     for (const ContactGroup& group : pair.groups) {
       Spring spring = spring_of(pair, group, pieces_);
       spring.row_first = free_[pair.primary] * spring.row_first.eval();

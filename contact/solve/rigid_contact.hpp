@@ -38,9 +38,9 @@ class FloatingBodies {
   /// Motions, from where the bodies are, that minimise the convex energy
   ///   sum over contact points of w [p* - k gap]_+^2 / (2 k) - work of the loads (those of the present step):
   /// the contact forces p = [p* - k gap]_+ then balance the loads. gap: of each group of all pairs, m; stress: p* of
-  /// each pair and point, Pa.
+  /// the points of all pairs, Pa.
   /// Groups in small zones press as those say instead.
-  Balance balance(const std::vector<double>& gap, const std::vector<std::vector<double>>& stress,
+  Balance balance(const std::vector<double>& gap, const std::vector<double>& stress,
                   const SmallZones& small_zones) const;
   /// Of each pair: do prescribed motions give its force? A floating body without loads (its own, or of those that it
   /// may touch and that float too) is squeezed, if it carries anything.

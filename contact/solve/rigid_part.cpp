@@ -33,11 +33,18 @@ void RigidParts::forget() {
   for (RigidPart& part : parts_) part.translation = part.rotation = Vec3::Zero();
 }
 
-void RigidParts::set_aside(const RealView& u) {
+Kokkos::View<const RigidPart*, MemSpace> RigidParts::on_device() const {
+  const Kokkos::View<const RigidPart*, Kokkos::HostSpace, Kokkos::MemoryUnmanaged> host(parts_.data(), parts_.size());
+  const Kokkos::View<RigidPart*, MemSpace> parts("cgcontact::rigid_part::parts", parts_.size());
+  Kokkos::deep_copy(parts, host);
+  return parts;
+}
+
+void RigidParts::set_aside(const ExecSpace& exec, const RealView& u) {
   for (std::size_t b = 0; b < meshes_.size(); ++b) {
     const BodyMesh& mesh = meshes_[b];
     const Grid& grid = mesh.cut_cells->grid;
-    const NodeSums found = sums_of_nodes(mesh, centre_[b], u);
+    const NodeSums found = sums_of_nodes(mesh, centre_[b], u, exec);
     Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
     Vec3 rotation = inertia_[b].llt().solve(found.moment);
     if (mesh.in_plane_strain()) {  // the others are zero, but for rounding
@@ -46,10 +53,11 @@ void RigidParts::set_aside(const RealView& u) {
     }
     if (mesh.rigid)  // nothing is left
       Kokkos::deep_copy(
+          exec,
           Kokkos::subview(u, std::pair(dof_offset(mesh.first_node), dof_offset(mesh.first_node + mesh.num_nodes))),
           0.0);
     else
-      add_rigid_motion(mesh, centre_[b], -translation, -rotation, u);
+      add_rigid_motion(mesh, centre_[b], -translation, -rotation, u, exec);
     parts_[b].translation += length_ * (grid.rotation * translation);
     parts_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
   }
@@ -61,21 +69,19 @@ void RigidParts::move(std::size_t body, const Vec3& translation, const Vec3& rot
   part.rotation += rotation;
 }
 
-double RigidParts::at_dof(int dof) const {
-  std::size_t b = 0;
-  while (node_of_dof(dof) >= meshes_[b].first_node + meshes_[b].num_nodes) ++b;
-  const Grid& grid = meshes_[b].cut_cells->grid;
-  return grid.rotation.col(component_of_dof(dof))
-      .dot(parts_[b].at(grid.to_global(grid_position(meshes_[b], node_of_dof(dof) - meshes_[b].first_node))));
-}
-
-double RigidParts::largest_displacement(const RealView& u) const {
+double RigidParts::largest_displacement(const ExecSpace& exec, const RealView& u) const {
   double largest = 0;
   for (std::size_t b = 0; b < meshes_.size(); ++b) {
     const BodyMesh& mesh = meshes_[b];
     double deformation = 0;
-    for (int i = dof_of(mesh.first_node); i < dof_of(mesh.first_node + mesh.num_nodes); ++i)
-      deformation = std::max(deformation, std::abs(u(i)));
+    Kokkos::parallel_reduce(
+        "cgcontact::rigid_part::largest",
+        Kokkos::RangePolicy<ExecSpace>(exec, dof_of(mesh.first_node), dof_of(mesh.first_node + mesh.num_nodes)),
+        KOKKOS_LAMBDA(const int i, double& most) {
+          const double size = u(i) < 0 ? -u(i) : u(i);
+          most = size > most ? size : most;
+        },
+        Kokkos::Max<double>(deformation));
     const Index3& cells = mesh.cut_cells->grid.num_cells;
     const double size = mesh.cut_cells->grid.cell_size * *std::max_element(cells.begin(), cells.end());
     const double rigid = parts_[b].translation.norm() + size * (parts_[b].rotation.norm() + parts_[b].expansion.norm());

@@ -17,7 +17,9 @@ struct RigidPart {
   Mat3 expansion = Mat3::Zero();  ///< given: BodyModel::expansion
   Vec3 centre = Vec3::Zero();     ///< mean of the nodes
 
-  Vec3 at(const Vec3& x) const { return translation + rotation.cross(x - centre) + expansion * (x - centre); }
+  KOKKOS_INLINE_FUNCTION Vec3 at(const Vec3& x) const {
+    return translation + rotation.cross(x - centre) + expansion * (x - centre);
+  }
 };
 
 /// The rigid parts of all bodies.
@@ -31,15 +33,15 @@ class RigidParts {
   void set_expansion(std::size_t body, const Mat3& expansion) { parts_[body].expansion = expansion; }
   /// Back to no motion but the expansions.
   void forget();
+  /// The same for kernels.
+  Kokkos::View<const RigidPart*, MemSpace> on_device() const;
   /// Moves the rigid motion nearest to each body's displacements u (Scales::length; least squares over its nodes) from
   /// u into the parts.
-  void set_aside(const RealView& u);
+  void set_aside(const ExecSpace& exec, const RealView& u);
   /// Adds the motion x -> translation + rotation x (x - centre), m, global axes, of one body.
   void move(std::size_t body, const Vec3& translation, const Vec3& rotation, const Vec3& centre);
-  /// One component (DoF of all bodies), grid axes, m.
-  double at_dof(int dof) const;
   /// Bound of the displacements' components, u and rigid parts together, Scales::length.
-  double largest_displacement(const RealView& u) const;
+  double largest_displacement(const ExecSpace& exec, const RealView& u) const;
 
  private:
   const std::vector<BodyMesh>& meshes_;

@@ -13,6 +13,7 @@
 #include <array>
 #include <vector>
 
+#include "contact/kernels/group_kernels.hpp"
 #include "contact/model/contact_pairs.hpp"
 #include "contact/model/gap_samples.hpp"
 #include "recovery/zone_edge/symmetry_planes.hpp"
@@ -43,12 +44,11 @@ class SmallZones {
   void update(const std::vector<double>& gap_change, const std::vector<double>& group_force, bool decide);
 
   bool has(std::size_t group) const { return groups_[group].small; }
-  /// Force at a mean gap (m, with interference and deformation), N: linear about the last update.
-  double force(std::size_t group, double gap) const {
+  /// Force by the mean gap (m, with interference and deformation): linear about the last update.
+  ZoneForce force(std::size_t group) const {
     const State& g = groups_[group];
-    return g.force - g.stiffness * (gap - g.gap);
+    return {g.force, g.stiffness, g.gap};
   }
-  double stiffness(std::size_t group) const { return groups_[group].stiffness; }  ///< N/m
   /// How the group presses while rigid motions change its gap, in pairs of squeezed bodies: as force() says, or by
   /// its samples where the zone carries nothing yet.
   ZoneSpring spring(std::size_t group) const;

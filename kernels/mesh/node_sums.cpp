@@ -1,16 +1,32 @@
 #include "kernels/mesh/node_sums.hpp"
 
-#include "core/base/parallel.hpp"
-
 namespace cgcontact {
 namespace {
 
-/// Nodes per chunk of the parallel loops.
-constexpr std::size_t grain = 4096;
+/// Nodes that one thread sums, one after the other.
+constexpr int block = 4096;
 
-Vec3 arm(const BodyMesh& mesh, const Vec3& centre, std::size_t node) {
-  return mesh.node_position(static_cast<int>(node)) - centre;
-}
+/// Places of the nodes where kernels read them: the host's, where they reach it.
+struct NodePlaces {
+  Kokkos::View<const Index3*, MemSpace> place;
+  Kokkos::View<const signed char*, MemSpace> level;  ///< empty: 0
+  double centre[3];
+
+  NodePlaces(const BodyMesh& mesh, const Vec3& about)
+      : place(copied(mesh.nodes)), level(copied(mesh.node_levels)), centre{about[0], about[1], about[2]} {}
+  KOKKOS_INLINE_FUNCTION Vec3 arm(int node) const {
+    const double size = level.extent(0) == 0 ? 1 : 1.0 / (1 << level(node));
+    const int* at = place(node).data();
+    return {size * at[0] - centre[0], size * at[1] - centre[1], size * at[2] - centre[2]};
+  }
+
+ private:
+  template <class T>
+  static Kokkos::View<const T*, MemSpace> copied(const std::vector<T>& values) {
+    using Host = Kokkos::View<const T*, Kokkos::HostSpace>;
+    return Kokkos::create_mirror_view_and_copy(MemSpace(), Host(values.data(), values.size()));
+  }
+};
 
 }  // namespace
 
@@ -20,33 +36,41 @@ Vec3 centre_of_nodes(const BodyMesh& mesh) {
   return centre / mesh.num_nodes;
 }
 
-NodeSums sums_of_nodes(const BodyMesh& mesh, const Vec3& centre, const RealView& u) {
-  std::vector<NodeSums> parts(num_chunks(mesh.nodes.size(), grain));
-  parallel_chunks("cgcontact::node_sums::sum", mesh.nodes.size(), grain,
-                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    NodeSums part;
-                    for (std::size_t n = begin; n < end; ++n) {
-                      const std::size_t first = dof_offset(mesh.first_node + n);
-                      const Vec3 v(u(first), u(first + 1), u(first + 2));
-                      part.sum += v;
-                      part.moment += arm(mesh, centre, n).cross(v);
-                    }
-                    parts[chunk] = part;
-                  });
+NodeSums sums_of_nodes(const BodyMesh& mesh, const Vec3& centre, const RealView& u, const ExecSpace& exec) {
+  const int num_nodes = mesh.num_nodes, num_blocks = (num_nodes + block - 1) / block;
+  const std::size_t first = dof_offset(mesh.first_node);
+  const NodePlaces places(mesh, centre);
+  const Kokkos::View<NodeSums*, MemSpace> parts("cgcontact::node_sums::parts", num_blocks);
+  Kokkos::parallel_for(
+      "cgcontact::node_sums::sum", Kokkos::RangePolicy<ExecSpace>(exec, 0, num_blocks), KOKKOS_LAMBDA(const int b) {
+        NodeSums part;
+        for (int n = b * block; n < num_nodes && n < (b + 1) * block; ++n) {
+          const std::size_t dof = first + dof_offset(n);
+          const Vec3 v(u(dof), u(dof + 1), u(dof + 2));
+          part.sum += v;
+          part.moment += places.arm(n).cross(v);
+        }
+        parts(b) = part;
+      });
+  exec.fence();
+  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), parts);
   NodeSums all;
-  for (const NodeSums& part : parts) {
-    all.sum += part.sum;
-    all.moment += part.moment;
+  for (int b = 0; b < num_blocks; ++b) {
+    all.sum += host(b).sum;
+    all.moment += host(b).moment;
   }
   return all;
 }
 
 void add_rigid_motion(const BodyMesh& mesh, const Vec3& centre, const Vec3& translation, const Vec3& rotation,
-                      const RealView& u) {
-  parallel_for("cgcontact::node_sums::add", mesh.nodes.size(), grain, [&](std::size_t n) {
-    const Vec3 moved = translation + rotation.cross(arm(mesh, centre, n));
-    for (int i = 0; i < 3; ++i) u(dof_offset(mesh.first_node + n, i)) += moved[i];
-  });
+                      const RealView& u, const ExecSpace& exec) {
+  const NodePlaces places(mesh, centre);
+  const std::size_t first = dof_offset(mesh.first_node);
+  Kokkos::parallel_for(
+      "cgcontact::node_sums::add", Kokkos::RangePolicy<ExecSpace>(exec, 0, mesh.num_nodes), KOKKOS_LAMBDA(const int n) {
+        const Vec3 moved = translation + rotation.cross(places.arm(n));
+        for (int i = 0; i < dofs_per_node; ++i) u(first + dof_offset(n, i)) += moved[i];
+      });
 }
 
 }  // namespace cgcontact

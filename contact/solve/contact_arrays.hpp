@@ -1,0 +1,32 @@
+/// The contact and the supports of a problem as the arrays that kernels run on (contact/kernels).
+#pragma once
+
+#include "contact/kernels/support_kernels.hpp"
+#include "contact/solve/outer_problem.hpp"
+#include "contact/solve/small_zones.hpp"
+
+namespace cgcontact {
+
+/// Groups and points of all pairs; `active` is that of the pairs' points where kernels reach the host's memory.
+ContactGroupArrays<MemSpace> make_group_arrays(const OuterProblem& problem);
+/// What changes in the outer iteration and between solves: stiffness and gaps of the groups, zones smaller than the
+/// cells, which points are closed.
+void take_state(const OuterProblem& problem, const SmallZones& zones, const ContactGroupArrays<MemSpace>& groups);
+/// Hands which points are closed back to the pairs.
+void give_state(const OuterProblem& problem, const ContactGroupArrays<MemSpace>& groups);
+
+/// Without their values, which take_values() sets: springs that follow a motion change them.
+SupportArrays<MemSpace> make_support_arrays(const OuterProblem& problem);
+void take_values(const OuterProblem& problem, const SupportArrays<MemSpace>& supports);
+
+/// Of each support point: where it is and what it holds.
+DirectionArrays<MemSpace> support_places(const OuterProblem& problem);
+/// Of each degree of freedom in the rows of the groups (GroupRows::dof_list): its node and its axis.
+DirectionArrays<MemSpace> row_places(const OuterProblem& problem);
+/// Of each entry of the rows its place in GroupRows::dof_list.
+IntView places_of_entries(const GroupRows& rows);
+
+/// What supports (but those that plane strain stands for) and rows of groups act on.
+TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem);
+
+}  // namespace cgcontact
