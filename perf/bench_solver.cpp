@@ -21,7 +21,7 @@
 #include "kernels/multigrid/multigrid.hpp"
 #include "kernels/multigrid/smoother.hpp"
 #include "kernels/reference/plain_operator.hpp"
-#include "kernels/solver/conjugate_gradients.hpp"
+#include "kernels/solver/krylov.hpp"
 #include "kernels/solver/linear_solver.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
@@ -278,7 +278,8 @@ void solve_with_muelu(const SolverProblem& p, const RealView& x, Way& way) {
     const auto host = rhs->getLocalViewHost(Tpetra::Access::OverwriteAll);
     for (std::size_t i = 0; i < p.b.extent(0); ++i) host(i, 0) = p.b(i);
   }
-  way.iterations = conjugate_gradients(matrix, muelu, rhs, solution, 0.95 * tolerance, most_iterations);
+  way.iterations =
+      solve_krylov(LinearMethod::flexible_cg, matrix, muelu, rhs, solution, 0.95 * tolerance, most_iterations);
   way.lap(way.solve_s);
   way.stop();
   const auto host = solution->getLocalViewHost(Tpetra::Access::ReadOnly);

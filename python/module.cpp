@@ -8,6 +8,7 @@
 
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -44,6 +45,13 @@ struct Session {
 };
 Session& session() {
   static Session only;
+  return only;
+}
+
+/// One solve at a time, as Kokkos and Trilinos have one of each of their spaces, timers and factories in a process. A
+/// solve may start another one from its progress function.
+std::recursive_mutex& solving() {
+  static std::recursive_mutex only;
   return only;
 }
 
@@ -157,6 +165,7 @@ class PythonResult {
     Listener listener(progress);
     const AdaptiveCallbacks callbacks = callbacks_of(listener);
     const py::gil_scoped_release released;
+    const std::lock_guard alone(solving());
     if (given_->accuracy.any()) {
       adaptive_ = std::make_unique<AdaptiveRun>(*given_);
       adaptive_->run(callbacks);
@@ -194,6 +203,7 @@ class PythonResult {
 
   std::vector<std::string> write(const std::string& directory) {
     const py::gil_scoped_release released;
+    const std::lock_guard alone(solving());
     check_output_directory(directory);
     return write_results(results(), solved_scene(), directory);
   }

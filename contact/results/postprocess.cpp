@@ -49,6 +49,13 @@ void fill_counts(const SolvedState& state, Results& results) {
   }
   results.outer_iterations = state.outer.iterations;
   results.linear_iterations = state.outer.linear_iterations;
+  const PreconditionerReport& preconditioner = state.outer.preconditioner;
+  results.linear_solver = {name_of(state.scene.solver.method),
+                           name_of(state.scene.solver.preconditioner),
+                           preconditioner.unknowns,
+                           preconditioner.cycles,
+                           preconditioner.muelu_unknowns,
+                           preconditioner.setups};
   results.outer_residuals = state.outer.residuals;
   results.active_of_iteration = state.outer.active_points;
   results.converged = state.outer.converged;

@@ -78,7 +78,8 @@ struct ContactSolver::Impl {
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
     : problem_(problem),
       earlier_(earlier),
-      solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns),
+      solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns,
+              problem.scene.solver.method),
       now_(problem),
       right_hand_side_(problem) {
   if (now_.floating.any())
@@ -135,7 +136,6 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     LinearSolveResult solve = solve_linear(inner * right_hand_side_.force_norm());
     // Displacements that are good enough as they are would give the same stresses again, converged or not.
     if (solve.iterations == 0) solve = solve_linear(settings().linear_tolerance * right_hand_side_.force_norm());
-    result.preconditioner_setups = solver_.report().setups;
     step.linear_iterations = solve.iterations;
     result.linear_iterations.push_back(solve.iterations);
     if (!std::isfinite(solve.residual) || (!solve.converged && solve.iterations >= settings().max_linear_iterations))
@@ -302,6 +302,7 @@ OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, Out
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.rigid_parts = now_.rigid_parts.of_bodies();
   result.group_force = now_.group_force(true);
+  result.preconditioner = solver_.report();
   result.fallbacks = fallbacks_;
   result.why_fallback = why_fallback_;
   result.small_zone_groups.clear();

@@ -12,6 +12,7 @@
 #include "contact/solve/outer_problem.hpp"
 #include "contact/solve/rigid_part.hpp"
 #include "contact/solve/small_zones.hpp"
+#include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {
 
@@ -29,9 +30,9 @@ struct OuterResult {
   int iterations = 0;
   std::vector<int> linear_iterations;
   std::vector<double> residuals;
-  std::vector<long long> active_points;  ///< closed, after each iteration
-  std::vector<Vec3> load_of_body;        ///< resultant of loads and body forces, N
-  int preconditioner_setups = 0;
+  std::vector<long long> active_points;             ///< closed, after each iteration
+  std::vector<Vec3> load_of_body;                   ///< resultant of loads and body forces, N
+  PreconditionerReport preconditioner;              ///< of all solves of the ContactSolver
   int fallbacks = 0;                                ///< linear solves preconditioned by MueLu because multigrid gave up
   std::string why_fallback;                         ///< what it gave up with
   std::vector<double> support_stress;               ///< lambda of each support point, Pa

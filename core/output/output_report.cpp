@@ -172,12 +172,27 @@ void add_errors(const Results& results, Json& json) {
     json["pressure_error"].push_back({{"zone", zone.zone}, {"raw", zone.raw}, {"spr", zone.spr}, {"sprc", zone.sprc}});
 }
 
+/// Of both hierarchies.
+Json json_of(const LinearSolverFigures& solver) {
+  Json grids = Json::array();
+  for (std::size_t l = 0; l < solver.grid_unknowns.size(); ++l)
+    grids.push_back({{"unknowns", solver.grid_unknowns[l]}, {"cycles", solver.cycles_of_grid[l]}});
+  Json muelu = "direct";
+  if (solver.muelu_unknowns.size() != 1) muelu = solver.muelu_unknowns;
+  return {{"method", solver.method},
+          {"preconditioner", solver.preconditioner},
+          {"grids", grids},
+          {"muelu", muelu},
+          {"muelu_setups", solver.muelu_setups}};
+}
+
 void add_solution(const Results& results, Json& json) {
   for (const CoarseSolve& solve : results.coarse_solves)
     json["coarse_solves"].push_back(
         {{"unknowns", solve.unknowns}, {"outer_iterations", solve.outer_iterations}, {"converged", solve.converged}});
   json["outer_iterations"] = results.outer_iterations;
   json["linear_iterations"] = results.linear_iterations;
+  json["linear_solver"] = json_of(results.linear_solver);
   json["outer_residuals"] = results.outer_residuals;
   json["active_points_of_iteration"] = results.active_of_iteration;
   json["active_points"] = results.active_points;

@@ -257,6 +257,15 @@ struct SingularPlace {
   double cell = 0;                 ///< m, on the last grid
 };
 
+/// How the linear systems were solved.
+struct LinearSolverFigures {
+  std::string method, preconditioner;     ///< as in the scene
+  std::vector<int> grid_unknowns;         ///< of geometric multigrid, finest first; empty: MueLu on the whole system
+  std::vector<long long> cycles_of_grid;  ///< how often each grid was worked on
+  std::vector<int> muelu_unknowns;        ///< of MueLu's levels; one: a direct solve
+  int muelu_setups = 0;
+};
+
 /// Relative L2 error of the pressure in a zone.
 struct ZoneError {
   std::string zone;
@@ -275,6 +284,7 @@ struct Results {
   std::vector<CoarseSolve> coarse_solves;  ///< before it, coarsest first
   int outer_iterations = 0;
   std::vector<int> linear_iterations;
+  LinearSolverFigures linear_solver;
   std::vector<double> outer_residuals;
   std::vector<long long> active_of_iteration;  ///< closed contact points after each outer iteration
   long long active_points = 0;

@@ -11,8 +11,17 @@ const std::string& name_of(Preconditioner preconditioner) {
   return preconditioner_names()[static_cast<std::size_t>(preconditioner)];
 }
 
+const std::vector<std::string>& linear_method_names() {
+  static const std::vector<std::string> names{"flexible cg", "cg",          "block cg",       "minres",
+                                              "gmres",       "block gmres", "flexible gmres", "bicgstab"};
+  return names;
+}
+
+const std::string& name_of(LinearMethod method) { return linear_method_names()[static_cast<std::size_t>(method)]; }
+
 std::vector<Setting> SolverOptions::settings() {
-  return {{"preconditioner", choice_of(preconditioner, preconditioner_names())},
+  return {{"method", choice_of(method, linear_method_names())},
+          {"preconditioner", choice_of(preconditioner, preconditioner_names())},
           {"tolerance", &tolerance, Range::tolerance()},
           {"max_outer_iterations", &max_outer_iterations, Range::integers(1, 1000)},
           {"linear_tolerance", &linear_tolerance, Range::tolerance()},

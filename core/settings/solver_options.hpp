@@ -13,7 +13,22 @@ const std::vector<std::string>& preconditioner_names();
 /// Its name in scenes and reports.
 const std::string& name_of(Preconditioner preconditioner);
 
+/// Methods of Belos' solver factory, by its names.
+enum class LinearMethod {
+  flexible_cg,  ///< our own (kernels/solver/flexible_cg.hpp)
+  cg,
+  block_cg,
+  minres,
+  gmres,
+  block_gmres,
+  flexible_gmres,
+  bicgstab
+};
+const std::vector<std::string>& linear_method_names();
+const std::string& name_of(LinearMethod method);
+
 struct SolverOptions {
+  LinearMethod method = LinearMethod::flexible_cg;
   Preconditioner preconditioner = Preconditioner::multigrid;
   double tolerance = 1e-6;  ///< relative residual of the outer iteration
   int max_outer_iterations = 30;

@@ -76,4 +76,15 @@ RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const Tpet
   return make_muelu(system, map, assemble_matrix(system, map));
 }
 
+std::vector<int> muelu_levels(const TpetraOperator& muelu) {
+  using Map = TpetraMap;
+  using Operator = Xpetra::Operator<double, Map::local_ordinal_type, Map::global_ordinal_type, Map::node_type>;
+  const auto hierarchy = dynamic_cast<const MueLu::TpetraOperator<double>&>(muelu).GetHierarchy();
+  std::vector<int> unknowns;
+  for (int l = 0; l < hierarchy->GetNumLevels(); ++l)
+    unknowns.push_back(
+        static_cast<int>(hierarchy->GetLevel(l)->Get<RCP<Operator>>("A")->getDomainMap()->getGlobalNumElements()));
+  return unknowns;
+}
+
 }  // namespace cgcontact

@@ -14,4 +14,7 @@ Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuch
 /// Assembles the matrix as the system is now and sets up MueLu on it.
 Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map);
 
+/// Unknowns of the levels of what make_muelu made, finest first; one: it is factorised as it is.
+std::vector<int> muelu_levels(const TpetraOperator& muelu);
+
 }  // namespace cgcontact

@@ -52,7 +52,7 @@ struct Multigrid::Impl {
   Halo::Comm comm;
   RCP<const TpetraMap> map, coarsest_map;
   MultigridSettings settings;
-  MultigridReport report;
+  mutable MultigridReport report;
   std::vector<std::unique_ptr<Level>> levels;
   RCP<TpetraOperator> coarsest;
   RCP<TpetraVector> coarsest_b, coarsest_x;
@@ -90,6 +90,7 @@ struct Multigrid::Impl {
     for (const auto& level : levels) columns.push_back(make_node_columns<Real>(*level->whole));
     if (by_ranks) share_levels(columns);
     for (const auto& level : levels) report.unknowns.push_back(level->whole->num_dofs());
+    report.cycles.assign(levels.size(), 0);
     // Operators have what they need of the cells once they are made: coarse ones go before the fine ones take most
     // memory; the coarsest is assembled again and again.
     for (std::size_t l = levels.size(); l-- > 0;) {
@@ -202,6 +203,7 @@ struct Multigrid::Impl {
     const std::vector<double>& stiffness = present.stiffness;
     if (first || changed_much(coarsest_groups, stiffness)) {
       coarsest = make_muelu(*levels.back()->whole, coarsest_map);
+      report.muelu_unknowns = muelu_levels(*coarsest);
       coarsest_groups = stiffness;
       ++report.coarsest_setups;
     }
@@ -327,6 +329,7 @@ struct Multigrid::Impl {
 
   void cycle(std::size_t l) const {
     const Level& level = *levels[l];
+    ++report.cycles[l];
     if (l + 1 == levels.size()) return solve_coarsest(level);
     const Level& next = *levels[l + 1];
     smooth(level, true);

@@ -34,7 +34,9 @@ struct MultigridSettings {
 struct MultigridReport {
   std::vector<int> unknowns;               ///< per level, finest first
   std::vector<double> largest_eigenvalue;  ///< of M^-1 A on all levels but the coarsest
+  std::vector<long long> cycles;           ///< per level: how often it was worked on
   int coarsest_setups = 0;
+  std::vector<int> muelu_unknowns;  ///< of MueLu's levels on the coarsest grid; one: a direct solve
 };
 
 class Multigrid : public TpetraOperator {

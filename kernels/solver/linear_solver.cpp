@@ -1,7 +1,10 @@
 #include "kernels/solver/linear_solver.hpp"
 
+#include <Teuchos_TimeMonitor.hpp>
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 
@@ -10,7 +13,8 @@
 #include "core/base/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/multigrid/multigrid.hpp"
-#include "kernels/solver/conjugate_gradients.hpp"
+#include "kernels/solver/flexible_cg.hpp"
+#include "kernels/solver/krylov.hpp"
 #include "kernels/solver/rigid_bodies.hpp"
 #include "kernels/solver/rigid_coarse_space.hpp"
 
@@ -24,6 +28,12 @@ namespace {
 /// Iterations of one solve; more, and the rigid motions of bodies that contact alone holds are solved for beside the
 /// preconditioner. With contact that coarse grids see well enough, as of one body, fewer are needed without.
 constexpr int many_iterations = 30;
+
+/// Of the levels of two hierarchies of the same grids.
+void add_cycles(const std::vector<long long>& more, std::vector<long long>& cycles) {
+  cycles.resize(std::max(cycles.size(), more.size()), 0);
+  for (std::size_t l = 0; l < more.size(); ++l) cycles[l] += more[l];
+}
 
 /// Another preconditioner, whose result is made consistent (DofMap): MueLu knows the free values only.
 class Consistent : public TpetraOperator {
@@ -71,6 +81,7 @@ class WithRigidMotions : public TpetraOperator {
 struct LinearSolver::Impl {
   const ElasticSystem& system;
   Preconditioner kind;
+  LinearMethod method;
   RigidBodies rigid_bodies;
   /// With rigid bodies from the start, else once a solve has taken many iterations.
   std::unique_ptr<RigidCoarseSpace> rigid_motions = {};
@@ -115,15 +126,25 @@ struct LinearSolver::Impl {
     if (map.is_null()) map = system.dofs.vector_map(comm_of_this_rank());
     const std::vector<double> stiffness = group_stiffness(system);
     if (!preconditioner.is_null() && !changed_much(muelu_groups, stiffness)) return;
-    preconditioner = on_rigid_motions(rcp(new Consistent(make_muelu(system, map), system.dofs)));
+    const RCP<TpetraOperator> muelu = make_muelu(system, map);
+    preconditioner = on_rigid_motions(rcp(new Consistent(muelu, system.dofs)));
     muelu_groups = stiffness;
     ++report.setups;
+    report.muelu_unknowns = muelu_levels(*muelu);
+  }
+
+  /// Its work stays in the report.
+  void drop_multigrid() {
+    if (multigrid.is_null()) return;
+    report.setups += multigrid->report().coarsest_setups;
+    add_cycles(multigrid->report().cycles, report.cycles);
+    multigrid = Teuchos::null;
   }
 
   void make_multigrid() {
     if (std::exchange(renew, false)) {
       op = Teuchos::null;
-      multigrid = Teuchos::null;
+      drop_multigrid();
     }
     if (!multigrid.is_null()) return multigrid->update_groups();
     multigrid = rcp(new Multigrid(system, settings));
@@ -139,8 +160,10 @@ struct LinearSolver::Impl {
 };
 
 /// With rigid bodies every rank solves the whole.
-LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns)
-    : impl_(new Impl{system, preconditioner, RigidBodies(system)}) {
+LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns,
+                           LinearMethod method)
+    : impl_(new Impl{system, preconditioner, method, RigidBodies(system)}) {
+  if (!is_flexible(method)) impl_->settings.coarse_steps = 0;
   if (shared_unknowns >= 0) impl_->settings.shared_unknowns = shared_unknowns;
   if (impl_->rigid_bodies.empty()) return;
   impl_->settings.shared_unknowns = std::numeric_limits<int>::max();
@@ -148,7 +171,17 @@ LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner precondit
 }
 LinearSolver::~LinearSolver() = default;
 
-const PreconditionerReport& LinearSolver::report() const { return impl_->report; }
+PreconditionerReport LinearSolver::report() const {
+  PreconditionerReport report = impl_->report;
+  if (impl_->multigrid.is_null()) return report;
+  const MultigridReport now = impl_->multigrid->report();
+  report.setups += now.coarsest_setups;
+  report.unknowns = now.unknowns;
+  report.eigenvalues = now.largest_eigenvalue;
+  add_cycles(now.cycles, report.cycles);
+  report.muelu_unknowns = now.muelu_unknowns;
+  return report;
+}
 
 void LinearSolver::update() {
   Impl& s = *impl_;
@@ -157,9 +190,6 @@ void LinearSolver::update() {
     s.make_muelu_preconditioner();
   } else {
     s.make_multigrid();
-    s.report.setups = s.multigrid->report().coarsest_setups;
-    s.report.eigenvalues = s.multigrid->report().largest_eigenvalue;
-    s.report.unknowns = s.multigrid->report().unknowns;
   }
   if (s.rigid_motions) s.rigid_motions->update();
   if (!s.op.is_null()) return s.op->update_groups(s.own_system());
@@ -175,7 +205,8 @@ bool LinearSolver::fall_back() {
   if (s.kind == Preconditioner::muelu) return false;
   s.kind = Preconditioner::muelu;
   s.projected_op = s.op = Teuchos::null;
-  s.preconditioner = s.multigrid = Teuchos::null;
+  s.preconditioner = Teuchos::null;
+  s.drop_multigrid();
   s.rigid_motions.reset();
   s.wants_motions = s.renew = false;
   s.map = Teuchos::null;
@@ -226,17 +257,16 @@ LinearSolveResult LinearSolver::Impl::solve(const RealView& b, const RealView& x
     preconditioner->apply(*rhs, *correction, Teuchos::NO_TRANS, 1, 0);
     add_correction();
   }
-  double norm = rhs->getVector(0)->norm2();
+  double norm = std::sqrt(ordered_product(*rhs, *rhs));
   // Correction form: the tolerance stays absolute however good the start is. The recursive residual may drift from the
   // true one near rounding: a second sweep corrects that.
   for (int sweep = 0; sweep < 3 && norm > tolerance && result.iterations < max_iterations; ++sweep) {
-    correction->putScalar(0);
     const double relative = std::max(0.9 * tolerance / norm, 1e-15);
-    result.iterations += conjugate_gradients(projected_op, preconditioner, rhs, correction, relative,
-                                             max_iterations - result.iterations);
+    result.iterations += solve_krylov(method, projected_op, preconditioner, rhs, correction, relative,
+                                      max_iterations - result.iterations);
     add_correction();
     const double previous = norm;
-    norm = rhs->getVector(0)->norm2();
+    norm = std::sqrt(ordered_product(*rhs, *rhs));
     if (!(norm < 0.5 * previous)) break;
   }
   result.residual = norm;
@@ -301,6 +331,7 @@ TrilinosScope::TrilinosScope(int threads) {
   char** argv = arguments;
   impl_->guard = std::make_unique<Tpetra::ScopeGuard>(&argc, &argv);
   impl_->ranks = std::make_unique<RankScope>();
+  Teuchos::TimeMonitor::setStackedTimer(Teuchos::null);  // it prints a warning where timers do not nest
   agree_on_memory();
 }
 TrilinosScope::~TrilinosScope() = default;

@@ -1,5 +1,5 @@
-/// Flexible CG on the matrix-free operator, preconditioned by geometric multigrid or, for comparison, by MueLu on the
-/// assembled matrix.
+/// Flexible CG, or another method of Belos, on the matrix-free operator, preconditioned by geometric multigrid or, for
+/// comparison, by MueLu on the assembled matrix.
 #pragma once
 
 #include <memory>
@@ -13,6 +13,8 @@ namespace cgcontact {
 struct PreconditionerReport {
   int setups = 0;                   ///< of MueLu: on the whole system, or on the coarsest level
   std::vector<int> unknowns;        ///< multigrid: per level, finest first
+  std::vector<long long> cycles;    ///< multigrid: how often each level was worked on
+  std::vector<int> muelu_unknowns;  ///< of MueLu's own levels, finest first; one: a direct solve
   std::vector<double> eigenvalues;  ///< multigrid: largest of the smoothed operator, per level
 };
 
@@ -26,8 +28,10 @@ class LinearSolver {
  public:
   /// The system must outlive the solver; of several ranks every one has it whole, and calls all functions in the same
   /// order. Grids of more than `shared_unknowns` are divided among the ranks (-1: MultigridSettings); with MueLu every
-  /// rank solves the whole.
-  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns = -1);
+  /// rank solves the whole. A method that takes the preconditioner for the same linear map every time has a V-cycle
+  /// instead of the K-cycle.
+  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns = -1,
+               LinearMethod method = LinearMethod::flexible_cg);
   ~LinearSolver();
 
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid
@@ -37,7 +41,8 @@ class LinearSolver {
   bool fall_back();
   /// Does the next update read the supports of the system? Between two that do not, they may be left out.
   bool needs_supports() const;
-  const PreconditionerReport& report() const;
+  /// Of all solves so far.
+  PreconditionerReport report() const;
 
   /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.
   LinearSolveResult solve(const RealView& b, const RealView& x, double tolerance, int max_iterations);

@@ -82,7 +82,7 @@ def figures(value, name=""):
 
 
 # Of a run, not of its results.
-NOT_COMPARED = ("times_s", "peak_memory_bytes", "rank_figures", "backend", "threads", "ranks", "warnings", "files", "command")
+NOT_COMPARED = ("times_s", "peak_memory_bytes", "rank_figures", "linear_solver", "backend", "threads", "ranks", "warnings", "files", "command")
 
 
 def largest_difference(first, second):

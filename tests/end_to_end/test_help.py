@@ -165,7 +165,7 @@ class Completion(unittest.TestCase):
         self.assertEqual(self.complete("check", "patch.toml", "--set", "body.lo"),
                          sorted(f"body.lower.{key}=" for key in ("cell_size", "grid.offset", "material.E", "material.nu")))
         self.assertEqual(self.complete("run", "patch.toml", "--set", "p", "=", "1"), [])
-        values = {"title=": "x", "solver.preconditioner=": "muelu", "output.directory=": "x", "recovery.degree=": "2",
+        values = {"title=": "x", "solver.preconditioner=": "muelu", "solver.method=": "minres", "output.directory=": "x", "recovery.degree=": "2",
                   "output.path=": "{from = [0, 0, 0], to = [1, 0, 0]}", "solver.tolerance=": "0.5", "solver.linear_tolerance=": "0.5",
                   "recovery.rank_tolerance=": "0.5"}
         for key in keys:

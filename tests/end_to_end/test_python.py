@@ -170,6 +170,24 @@ class Python(unittest.TestCase):
                                             "at most 100 levels", "at most 100 levels", r"'\udcfe.toml'"], strict=True):
             self.assertIn(expected, line)
 
+    def test_two_threads(self):
+        """Solves of two Python threads at once give the same numbers as one alone, and nothing of Trilinos is printed; a progress
+        function may solve too."""
+        code = textwrap.dedent("""
+            import threading, cgcontact
+            pressure = {{}}
+            def solve(name, preconditioner, progress=None):
+                result = cgcontact.read({file!r}, {{"n": 4, "solver.preconditioner": preconditioner}}).solve(progress=progress)
+                pressure[name] = result.report["contact"][0]["max_pressure"]
+            threads = [threading.Thread(target=solve, args=(k, "muelu" if k == 1 else "multigrid")) for k in range(3)]
+            for thread in threads: thread.start()
+            for thread in threads: thread.join()
+            solve("alone", "multigrid", lambda event: "inner" in pressure or solve("inner", "multigrid"))
+            assert len(pressure) == 5 and pressure[0] == pressure[2] == pressure["alone"] == pressure["inner"], pressure
+            """).format(file=str(scene("two_solids_3d")))
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=False)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+
     def test_progress_and_interruption(self):
         """Events come in order; what progress raises ends the solve, and so does Ctrl-C."""
         printed = python("""

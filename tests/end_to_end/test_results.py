@@ -17,7 +17,7 @@ from harness import cgcontact, contact_rows, report, scene, settings
 # Keys of report.json that users rely on, and those of its parts.
 REPORT_KEYS = {
     "scene": str, "version": str, "backend": str, "threads": int, "unknowns": int, "cells": dict,
-    "outer_iterations": int, "linear_iterations": list, "active_points": int, "converged": bool, "contact": list,
+    "outer_iterations": int, "linear_iterations": list, "linear_solver": dict, "active_points": int, "converged": bool, "contact": list,
     "supports": list, "loads": list, "bodies": list, "estimated_error": dict, "recovery": dict, "times_s": dict, "peak_memory_bytes": int,
     "warnings": list, "files": list}
 PATCH_KINDS = ("interior", "boundary", "loaded", "symmetry", "support", "contact", "contact_edge")

@@ -96,6 +96,7 @@ std::unique_ptr<Blocks> make_blocks() {
   results.backend = "serial";
   results.converged = true;
   results.linear_iterations = {9, 4};
+  results.linear_solver = {"flexible cg", "multigrid", {900, 120}, {14, 20}, {120}, 2};
   add_body("lower", blocks->lower, results);
   add_body("upper, \"second\"", blocks->upper, results);
   PairFigures pair;
@@ -185,13 +186,19 @@ TEST_F(output, report_holds_the_figures) {
   blocks->results.estimated_error = std::nan("");
   write_results(blocks->results, blocks->scene, out_);
   const auto json = nlohmann::json::parse(read_text(file("report.json")));
-  for (const char* key : {"scene", "version", "backend", "threads", "unknowns", "cells", "outer_iterations",
-                          "linear_iterations", "active_points", "converged", "contact", "estimated_error", "recovery",
-                          "pressure_error", "times_s", "peak_memory_bytes", "warnings", "diagnosis"})
+  for (const char* key :
+       {"scene", "version", "backend", "threads", "unknowns", "cells", "outer_iterations", "linear_iterations",
+        "linear_solver", "active_points", "converged", "contact", "estimated_error", "recovery", "pressure_error",
+        "times_s", "peak_memory_bytes", "warnings", "diagnosis"})
     EXPECT_TRUE(json.contains(key)) << key;
   EXPECT_FALSE(json.contains("effectivity"));
   EXPECT_EQ(json["scene"], "scenes/blocks.toml");
   EXPECT_EQ(json["linear_iterations"], nlohmann::json({9, 4}));
+  EXPECT_EQ(json["linear_solver"]["method"], "flexible cg");
+  EXPECT_EQ(json["linear_solver"]["grids"],
+            nlohmann::json({{{"unknowns", 900}, {"cycles", 14}}, {{"unknowns", 120}, {"cycles", 20}}}));
+  EXPECT_EQ(json["linear_solver"]["muelu"], "direct");
+  EXPECT_EQ(json["linear_solver"]["muelu_setups"], 2);
   EXPECT_EQ(json["contact"][0]["force"]["lower"], nlohmann::json({0, 0, -12}));
   EXPECT_EQ(json["contact"][0]["pressure_error_estimate"], 0.05);
   EXPECT_EQ(json["contact"][0]["force_error_estimate"], 0.004);

@@ -99,6 +99,7 @@ TEST(Settings, DocumentedDefaultsAreThoseOfTheProgram) {
 
 TEST(Settings, PrintedSettingsMakeTheSameScene) {
   SolverOptions solver;
+  solver.method = LinearMethod::flexible_gmres;
   solver.preconditioner = Preconditioner::muelu;
   solver.tolerance = 1.0 / 3e7;
   solver.max_outer_iterations = 7;
