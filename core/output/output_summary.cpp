@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numeric>
 #include <optional>
 
 #include "core/base/text.hpp"
@@ -256,9 +255,7 @@ std::string iterations_text(const Results& results) {
   for (const PairFigures& pair : results.pairs) points += pair.points;
   std::string text = fmt::format("{} outer, {} linear", results.outer_iterations, linear);
   const std::vector<long long>& cycles = results.linear_solver.cycles_of_grid;
-  if (!cycles.empty())
-    text += fmt::format(" ({} cycles on {} grid{})", grouped(std::accumulate(cycles.begin(), cycles.end(), 0LL)),
-                        cycles.size(), cycles.size() == 1 ? "" : "s");
+  if (!cycles.empty()) text += fmt::format(" ({} multigrid cycles)", grouped(cycles.front()));
   if (!results.outer_residuals.empty()) text += fmt::format("; residual {:.1e}", results.outer_residuals.back());
   if (points > 0)
     text += fmt::format("; {} of {} contact points closed", grouped(results.active_points), grouped(points));
