@@ -151,7 +151,9 @@ class Parts(Init):
                 # A minute on an idle machine.
                 done = self.solved(f"{file}.toml", "--set", f"accuracy.max_time={60 * harness.PATIENCE}")
                 accuracy = done["accuracy"]
-                self.assertTrue(accuracy["reached"] or (name.startswith("tip") and "accuracy.max_" in accuracy["text"]), accuracy)
+                # A limit, or estimates that do not fall: the pressure of a tip has no bound.
+                stopped = "accuracy.max_" in accuracy["text"] or "no longer fall" in accuracy["text"]
+                self.assertTrue(accuracy["reached"] or (name.startswith("tip") and stopped), accuracy)
                 self.assertEqual(done["verdict"]["state"], "resolved")
                 self.assertLessEqual(done["unknowns"], 4e5)
                 self.assertLess(sum(solve["seconds"] for solve in accuracy["solves"]), 60 * harness.PATIENCE)
