@@ -164,7 +164,7 @@ class Progress(unittest.TestCase):
         self.assertGreater(len(updates), 2, shown)
         for text in updates:
             self.assertLess(len(text), 80, "fits a narrow terminal")
-            self.assertRegex(text, r"^\[\d+ s\] (" + "|".join(PHASES) + r")\b")
+            self.assertRegex(text, r"^\[\d+ s\] (" + "|".join([*PHASES, "coarser grids"]) + r")\b")
         self.assertTrue(any(re.search(r"solve: outer \d+, active \d+, residual \d", text) for text in updates), updates)
         self.assertRegex(shown, r"\r +\r$", "the line is gone at the end")
         self.assertTrue(out.startswith("solved"))

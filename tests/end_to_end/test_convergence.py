@@ -299,8 +299,9 @@ class Convergence(unittest.TestCase):
     def test_nothing_touches(self):
         """What the springs of a body that hangs free carry is rounding: against no contact force it is never small."""
         run, _ = self.run_text(NOTHING_TOUCHES)
-        # No force; whether that is sure depends on the gap that is left and its estimated error.
-        self.assertIn(run["verdict"]["state"], ("no_contact", "not_resolved"))
+        # No force; whether that is sure depends on where the body comes to hang, which nothing but rounding decides: the gap that is
+        # left and its estimated error, or an overlap that is smaller than a cell can see.
+        self.assertIn(run["verdict"]["state"], ("no_contact", "not_resolved", "contact_missed"))
         self.assertEqual([pair["normal_force"] for pair in run["contact"]], [0] * len(run["contact"]))
         self.assertLessEqual(run["outer_iterations"], 15)
 
