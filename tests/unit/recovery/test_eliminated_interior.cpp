@@ -7,7 +7,7 @@
 namespace cgcontact {
 namespace {
 
-constexpr double tolerance = 0.025;  // RecoveryOptions::rank_tolerance_of(2)
+constexpr double tolerance = 0.025;  // near RecoveryOptions::rank_tolerance_of(2)
 
 struct Case {
   const char* name;
