@@ -363,8 +363,7 @@ void solve(const DensePatch& p, Method method, Eigen::VectorXd& a) {
     a = kkt.completeOrthogonalDecomposition().solve(rhs).head(n);
 }
 
-/// The truncated solution from a singular value decomposition of the whitened, normalised rows for fields that meet the
-/// interior ones.
+/// The truncated solution from a singular value decomposition of the whitened, normalised rows.
 Eigen::VectorXd solve_truncated(const DensePatch& p) {
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(p.C.cols(), p.C.cols());
   p.for_each_mass([&](Eigen::Index i, Eigen::Index T, const auto& m) { M.block(i, i, T, T) = m; });
@@ -372,21 +371,9 @@ Eigen::VectorXd solve_truncated(const DensePatch& p) {
   Eigen::MatrixXd rows = factor.matrixL().solve(p.C.transpose()).transpose();
   const Eigen::VectorXd norm = rows.rowwise().norm();
   rows = norm.cwiseInverse().asDiagonal() * rows;
-  const Eigen::VectorXd defect = (p.lambda - p.C * p.a).cwiseQuotient(norm);
-  const bool quadratic = p.C.cols() % 60 == 0;  // 60 or 24 columns per body
-  const Eigen::Index held = quadratic ? p.C.cols() / 60 * 18 : p.C.cols() / 24 * 3, others = rows.rows() - held;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(rows.topRows(held).transpose());
-  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(rows.cols(), rows.cols());
-  Eigen::VectorXd y = rows.topRows(held).completeOrthogonalDecomposition().solve(defect.head(held));
-  const Eigen::MatrixXd basis = Q.rightCols(rows.cols() - held), rest = rows.bottomRows(others) * basis;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  Eigen::VectorXd x = svd.matrixU().transpose() * (defect.tail(others) - rows.bottomRows(others) * y);
-  for (Eigen::Index i = 0; i < x.size(); ++i)
-    x[i] = svd.singularValues()[i] > RecoveryOptions{}.rank_tolerance_of(quadratic ? 2 : 1)
-               ? x[i] / svd.singularValues()[i]
-               : 0;
-  y += basis * (svd.matrixV() * x);
-  return p.a + factor.matrixU().solve(y);
+  Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  svd.setThreshold(RecoveryOptions{}.rank_tolerance_of(p.C.cols() % 60 == 0 ? 2 : 1));  // 60 or 24 columns per body
+  return p.a + factor.matrixU().solve(svd.solve((p.lambda - p.C * p.a).cwiseQuotient(norm)));
 }
 
 /// Patches whose rows are independent (all ways to solve them give the same answer), or those with truncated ones.

@@ -28,7 +28,7 @@ struct BalanceOptions {
 
 struct RecoveryOptions {
   bool spr_c = true;             ///< run the constrained recovery at the end
-  double rank_tolerance = 0.2;   ///< rows of length 1 that the others leave no more of are redundant
+  double rank_tolerance = 0.1;   ///< constraints weaker than that, of the strongest of a patch, are redundant
   double auxiliary_depth = 0.5;  ///< of the auxiliary patch in the other body, its cells
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
   RecoveryDegree degree = {};    ///< of the polynomials

@@ -52,16 +52,15 @@ struct FitStatus {
   /// is left as it was, the other figures are zero.
   bool finite;
   int rows;       ///< all rows, interior ones included
-  int truncated;  ///< singular values dropped: redundant rows or nearly so, none of them interior
+  int truncated;  ///< singular values dropped: redundant rows or nearly so
   /// Largest |value - row a| of the normalised rows after the fit (norm of a row: that of C L^-T), over the patch's
   /// stress level sqrt(sum_b |L_b^T a_b|^2). Rounding if nothing was truncated or the data agree; design: above 0.01
   /// they do not.
   double residual;
 };
 
-/// On the threads of an execution space of the host. rank_tolerance: singular values up to this of the normalised rows
-/// (length 1), the interior ones eliminated, are dropped. Interior rows that depend on each other as much, in slivers,
-/// are truncated with the others.
+/// On the threads of an execution space of the host. rank_tolerance: singular values of the normalised rows up to this
+/// times the largest one are dropped.
 template <class Exec, int degree, int bodies>
 void fit_batch(const Exec& exec, FitInput<degree, bodies>* patches, int n, double rank_tolerance, FitStatus* status);
 

@@ -4,11 +4,6 @@
 ///
 /// Rank-one rows: with y_r = L^-1 P(d_r), the whitened row is w_r (x) y_r and G_rs = sum_b (w_r . w_s) (y_r . y_s).
 /// The interior rows are sparse: their products need m^-1 only. Correction: m^-1 C^T mu, G mu = defect.
-///
-/// The interior rows hold whatever the others ask for (paper, equation 4), and are independent: they are eliminated
-/// first, body by body, K = L L^T, W = L^-1 (rows among interior ones and others). What is left of the other rows,
-/// S = G - W^T W, is truncated. Where a sliver of a cell leaves the interior rows dependent, all are truncated
-/// together.
 #pragma once
 
 #include "recovery/batched/batched_fit.hpp"
@@ -26,26 +21,23 @@ class FitKernel {
   static constexpr int lanes = LaneTraits<Real>::count;
   static constexpr int num_interior = bodies * P::num_interior;
 
-  /// How patches are solved; those that it cannot solve are marked and left as they are.
   enum class Solver {
-    cholesky,  ///< patches of full rank; where all patches have less: as `spectral`
-    spectral,  ///< interior rows eliminated, truncated pseudo-inverse of the others
-    together   ///< truncated pseudo-inverse of all rows
+    cholesky,  ///< patches that certainly have full rank; the others are marked and left as they are, unless all are
+               ///< such
+    spectral,  ///< truncated pseudo-inverse
+    either     ///< Cholesky, and the pseudo-inverse if a lane needs it
   };
 
-  /// Rows that `rows` rows of the input make.
-  static KOKKOS_INLINE_FUNCTION constexpr int padded(int rows) {
-    return (rows + row_block - 1) / row_block * row_block;
+  /// Rows of all kinds that `rows` rows of the input make.
+  static KOKKOS_INLINE_FUNCTION int padded(int rows) {
+    return (num_interior + rows + row_block - 1) / row_block * row_block;
   }
   /// Work space for up to `rows` rows of the input: numbers of type Real.
-  static KOKKOS_INLINE_FUNCTION std::size_t scratch_size(int rows, Solver solver) {
-    const int m = padded(rows), n = num_interior + m;
-    const std::size_t packed = packed_row(m), spectral = SpectralScratch::size(m);
-    const std::size_t work = solver == Solver::together ? packed_row(n) + SpectralScratch::size(n)
-                             : packed > spectral        ? packed
-                                                        : spectral;
-    return packed + work + 2 * bodies * packed_row(padded_interior) + m * bodies * padded_interior + num_interior +
-           3 * n + m * bodies * (6 + 3 + P::num_terms) + m / row_block * bodies;
+  static KOKKOS_INLINE_FUNCTION std::size_t scratch_size(int rows) {
+    const int n = padded(rows);
+    const std::size_t packed = packed_row(n), spectral = SpectralScratch::size(n);
+    const std::size_t work = packed > spectral ? packed : spectral;
+    return packed + work + 5 * n + (n - num_interior + row_tile) * bodies * (6 + 3 + P::num_terms);
   }
 
   /// patch[l]: lane l's patch; lanes from `used` on repeat others and write nothing. scratch: scratch_size() of the
@@ -55,21 +47,17 @@ class FitKernel {
     FitKernel k(patch, scratch);
     k.read_bodies();
     k.read_rows();
-    k.find_parts();
     k.gram_interior();
     k.gram_rows();
     k.find_defects();
-    if (solver == Solver::together)
-      k.solve_together(tolerance);
-    else
-      k.solve_reduced(tolerance, solver, used);
+    k.bound_norm();
+    k.solve(tolerance, solver, used);
     k.correct();
     k.write(status, used, unsolved);
   }
 
  private:
-  static constexpr int T = P::num_terms, num_packed = P::num_packed;
-  static constexpr int padded_interior = padded(P::num_interior);  ///< of one body
+  static constexpr int T = P::num_terms, num_packed = P::num_packed, row_tile = 3;
   /// A pivot of a mass matrix must exceed this part of its diagonal entry: ten digits lost.
   static constexpr double min_pivot = 1e-10;
 
@@ -81,22 +69,18 @@ class FitKernel {
       set_lane(rows_of_lane_, l, patch[l]->num_rows);
     }
     num_ = most;
-    m_ = padded(most);
-    n_ = num_interior + m_;
+    n_ = padded(most);
     const auto take = [&scratch](std::size_t size) {
       Real* begin = scratch;
       scratch += size;
       return begin;
     };
-    gram_ = take(packed_row(m_));
-    interior_ = take(bodies * packed_row(padded_interior));
-    interior_factor_ = take(bodies * packed_row(padded_interior));
-    coupling_ = take(static_cast<std::size_t>(m_) * bodies * padded_interior);
-    scale_ = take(num_interior), target_ = take(n_), defect_ = take(n_), mu_ = take(n_);
-    weight_ = take(static_cast<std::size_t>(m_) * bodies * 6);
-    place_ = take(static_cast<std::size_t>(m_) * bodies * 3);
-    y_ = take(static_cast<std::size_t>(m_) * bodies * T);
-    part_ = take(m_ / row_block * bodies);
+    gram_ = take(packed_row(n_));
+    scale_ = take(n_), target_ = take(n_), defect_ = take(n_), live_ = take(n_), mu_ = take(n_);
+    const int tiled = n_ - num_interior + row_tile;
+    weight_ = take(static_cast<std::size_t>(tiled) * bodies * 6);
+    place_ = take(static_cast<std::size_t>(tiled) * bodies * 3);
+    y_ = take(static_cast<std::size_t>(tiled) * bodies * T);
     work_ = scratch;
   }
 
@@ -182,7 +166,7 @@ class FitKernel {
   KOKKOS_INLINE_FUNCTION void read_rows() {
     const Real zero = Real{}, one = Real{} + 1;
     constexpr int size = sizeof(Row) / sizeof(double);
-    for (int r = 0; r < m_; ++r) {
+    for (int r = 0; r < n_ - num_interior + row_tile; ++r) {
       if (r >= num_) {
         clear_row(r);
         continue;
@@ -215,6 +199,7 @@ class FitKernel {
       const Real scale = 1.0 / square_root(select<Real>(counts, squares, one));
       for (int b = 0; b < bodies; ++b)
         for (int c = 0; c < 6; ++c) weight(r, b)[c] = select<Real>(counts, in[6 * b + c] * scale, zero);
+      live_[num_interior + r] = select<Real>(counts, one, zero);
       idle_ += select<Real>(exists & !counts, one, zero);
       target_[num_interior + r] = select<Real>(exists & good_, in[size - 1] * scale, zero);
     }
@@ -224,34 +209,11 @@ class FitKernel {
     for (int i = 0; i < bodies * 6; ++i) weight(r, 0)[i] = Real{};
     for (int i = 0; i < bodies * 3; ++i) place(r, 0)[i] = Real{};
     for (int i = 0; i < bodies * T; ++i) y(r, 0)[i] = Real{};
-    target_[num_interior + r] = Real{};
-  }
-
-  /// Whether a body has a part in any row of a block, in any lane: where not, its products are zero.
-  KOKKOS_FORCEINLINE_FUNCTION bool has_part(int r, int b) const {
-    return bodies == 1 || lane(part_[r / row_block * bodies + b], 0) != 0;
-  }
-  KOKKOS_INLINE_FUNCTION void find_parts() {
-    for (int r = 0; r < m_; r += row_block)
-      for (int b = 0; b < bodies; ++b) {
-        Mask some = rows_of_lane_ != rows_of_lane_;
-        for (int i = r; i < r + row_block; ++i)
-          for (int c = 0; c < 6; ++c) some = some | (weight(i, b)[c] != Real{});
-        part_[r / row_block * bodies + b] = Real{} + (any(some) ? 1 : 0);
-      }
-  }
-
-  KOKKOS_FORCEINLINE_FUNCTION Real* interior(int b) const { return interior_ + b * packed_row(padded_interior); }
-  KOKKOS_FORCEINLINE_FUNCTION Real* interior_factor(int b) const {
-    return interior_factor_ + b * packed_row(padded_interior);
-  }
-  /// A row's products with the interior rows of a body, then what elimination makes of them.
-  KOKKOS_FORCEINLINE_FUNCTION Real* coupling(int r, int b) const {
-    return coupling_ + (r * bodies + b) * padded_interior;
+    if (num_interior + r < n_) live_[num_interior + r] = target_[num_interior + r] = Real{};
   }
 
   KOKKOS_INLINE_FUNCTION void gram_interior() {
-    for (int b = 0; b < bodies; ++b) {
+    for (int b = 0; b < bodies; ++b)
       for (int r = 0; r < P::num_interior; ++r) {
         Real dense[6][T] = {}, product[P::num_interior];
         const int row = b * P::num_interior + r;
@@ -261,23 +223,18 @@ class FitKernel {
         P::interior([&](int c, int t) { return dense[c][t]; }, stiffness_[b], product);
         const Real scale = 1.0 / square_root(product[r]);
         scale_[row] = scale;
+        live_[row] = Real{} + 1;
         target_[row] *= scale;
-        Real* out = interior(b) + packed_row(r);
-        for (int s = 0; s < r; ++s) out[s] = product[s] * scale * scale_[b * P::num_interior + s];
-        out[r] = Real{} + 1;
+        Real* out = gram_ + packed_row(row);
+        for (int s = 0; s < b * P::num_interior; ++s) out[s] = Real{};
+        for (int s = 0; s < r; ++s) out[b * P::num_interior + s] = product[s] * scale * scale_[b * P::num_interior + s];
+        out[row] = Real{} + 1;
       }
-      for (int r = P::num_interior; r < padded_interior; ++r)
-        for (int s = 0; s <= r; ++s) interior(b)[packed_row(r) + s] = Real{} + (s == r ? 1 : 0);
-    }
   }
 
   KOKKOS_INLINE_FUNCTION void gram_rows() {
-    for (int r = 0; r < m_; ++r)
+    for (int r = 0; r < n_ - num_interior; ++r)
       for (int b = 0; b < bodies; ++b) {
-        if (!has_part(r, b)) {
-          for (int s = 0; s < padded_interior; ++s) coupling(r, b)[s] = Real{};
-          continue;
-        }
         Real u[T], product[P::num_interior];  // u = L^-T y = m^-1 P
         const Real *w = weight(r, b), *whitened = y(r, b);
         for (int t = 1; t < T; ++t) {
@@ -285,39 +242,35 @@ class FitKernel {
           for (int k = t; k < T; ++k) u[t] += inverse_[b][packed_row(k) + t] * whitened[k];
         }
         P::interior([&](int c, int t) { return w[c] * u[t]; }, stiffness_[b], product);
-        Real* out = coupling(r, b);
+        Real* out = gram_ + packed_row(num_interior + r) + b * P::num_interior;
         for (int s = 0; s < P::num_interior; ++s) out[s] = product[s] * scale_[b * P::num_interior + s];
-        for (int s = P::num_interior; s < padded_interior; ++s) out[s] = Real{};
       }
-    for (int r = 0; r < m_; r += row_block)
-      for (int s = 0; s <= r; s += row_block) gram_tile(r, s);
+    for (int r = 0; r < n_ - num_interior; r += row_tile)
+      for (int s = 0; s <= r; s += row_tile) gram_tile(r, s);
   }
 
   KOKKOS_FORCEINLINE_FUNCTION void gram_tile(int r, int s) {
-    Real sum[row_block][row_block] = {};
+    Real sum[row_tile][row_tile] = {};
     for (int b = 0; b < bodies; ++b) {
-      if (!has_part(r, b) || !has_part(s, b)) continue;
-      Real ww[row_block][row_block] = {}, yy[row_block][row_block] = {};
-      multiply_tile<6>(weight(r, b), weight(s, b), bodies * 6, ww);
-      multiply_tile<T>(y(r, b), y(s, b), bodies * T, yy);
-      for (int i = 0; i < row_block; ++i)
-        for (int j = 0; j < row_block; ++j) sum[i][j] += ww[i][j] * yy[i][j];
+      Real ww[row_tile][row_tile] = {}, yy[row_tile][row_tile] = {};
+      multiply_tile<6>(weight(r, b), weight(s, b), ww);
+      multiply_tile<T>(y(r, b), y(s, b), yy);
+      for (int i = 0; i < row_tile; ++i)
+        for (int j = 0; j < row_tile; ++j) sum[i][j] += ww[i][j] * yy[i][j];
     }
-    for (int i = 0; i < row_block; ++i)
-      for (int j = 0; j < row_block && s + j <= r + i; ++j)
-        gram_[packed_row(r + i) + s + j] = s + j == r + i ? Real{} + 1 : sum[i][j];
+    for (int i = 0; i < row_tile && num_interior + r + i < n_; ++i)
+      for (int j = 0; j < row_tile && s + j <= r + i; ++j)
+        gram_[packed_row(num_interior + r + i) + num_interior + s + j] = s + j == r + i ? Real{} + 1 : sum[i][j];
   }
 
-  /// out += the products of row_block rows x and z, `stride` numbers apart.
   template <int length>
-  static KOKKOS_FORCEINLINE_FUNCTION void multiply_tile(const Real* x, const Real* z, int stride,
-                                                        Real out[row_block][row_block]) {
+  static KOKKOS_FORCEINLINE_FUNCTION void multiply_tile(const Real* x, const Real* z, Real out[row_tile][row_tile]) {
 #pragma GCC unroll 10
     for (int k = 0; k < length; ++k)
-#pragma GCC unroll 4
-      for (int i = 0; i < row_block; ++i)
-#pragma GCC unroll 4
-        for (int j = 0; j < row_block; ++j) out[i][j] += x[i * stride + k] * z[j * stride + k];
+#pragma GCC unroll 3
+      for (int i = 0; i < row_tile; ++i)
+#pragma GCC unroll 3
+        for (int j = 0; j < row_tile; ++j) out[i][j] += x[i * bodies * length + k] * z[j * bodies * length + k];
   }
 
   /// out = target - C a, of normalised rows.
@@ -330,7 +283,7 @@ class FitKernel {
         out[r] = target_[r] - product[i] * scale_[r];
       }
     }
-    for (int r = 0; r < m_; ++r) {
+    for (int r = 0; r < n_ - num_interior; ++r) {
       Real sum = target_[num_interior + r];
       for (int b = 0; b < bodies; ++b) {
         Real p[T];
@@ -354,94 +307,57 @@ class FitKernel {
     for (int r = 0; r < n_; ++r) mu_[r] = defect_[r];
   }
 
-  /// Marks the lanes whose interior rows are independent and eliminates these rows: S in gram_, W in coupling_, what
-  /// belongs to them in mu_.
-  KOKKOS_INLINE_FUNCTION Mask eliminate_interior(double tolerance) {
-    Mask independent = good_;
-    for (int b = 0; b < bodies; ++b) {
-      const Mask regular =
-          packed_cholesky<Real>(interior(b), Real{}, padded_interior, interior_factor(b), tolerance * tolerance);
-      independent = independent & regular;
-      packed_forward(interior_factor(b), P::num_interior, mu_ + b * P::num_interior);
+  /// Upper bound of the largest eigenvalue: from trace and Frobenius norm (m rows of mean eigenvalue 1:
+  /// 1 + sqrt((m - 1) (|G|^2 / m - 1)), Wolkowicz and Styan 1980), and the largest entry of (|G| x)_r / x_r for a
+  /// positive x, here the row sums (Collatz and Wielandt).
+  KOKKOS_INLINE_FUNCTION void bound_norm() {
+    Real squares = Real{}, trace = Real{}, largest = Real{};
+    Real *sum = work_, *product = work_ + n_;
+    for (int r = 0; r < n_; ++r) {
+      const Real* row = gram_ + packed_row(r);
+      trace += live_[r];
+      Real own = live_[r];
+      for (int s = 0; s < r; ++s) {
+        own += magnitude(row[s]);
+        squares += row[s] * row[s];
+        sum[s] += magnitude(row[s]);
+      }
+      sum[r] = own;
     }
-    for (int r = 0; r < m_; r += row_block) {
-      for (int b = 0; b < bodies; ++b)
-        if (has_part(r, b))
-          packed_forward_rows(interior_factor(b), padded_interior, coupling(r, b), bodies * padded_interior);
-      for (int s = 0; s <= r; s += row_block) subtract_products(r, s);
-      for (int i = r; i < r + row_block; ++i)
-        for (int b = 0; b < bodies; ++b)
-          for (int k = 0; k < P::num_interior; ++k)
-            mu_[num_interior + i] -= coupling(i, b)[k] * mu_[b * P::num_interior + k];
+    for (int r = 0; r < n_; ++r) {
+      const Real* row = gram_ + packed_row(r);
+      Real own = sum[r];
+      for (int s = 0; s < r; ++s) {
+        own += magnitude(row[s]) * sum[s];
+        product[s] += magnitude(row[s]) * sum[r];
+      }
+      product[r] = own;
     }
-    return independent;
+    for (int r = 0; r < n_; ++r) {
+      const MaskOf<Real> counts = live_[r] > 0;
+      largest = larger<Real>(largest, product[r] / select<Real>(counts, sum[r], Real{} + 1));
+    }
+    const Real styan = 1.0 + square_root((trace - 1.0) * (2.0 * squares / trace));
+    norm_ = select<Real>(styan < largest, styan, largest);
   }
 
-  KOKKOS_FORCEINLINE_FUNCTION void subtract_products(int r, int s) {
-    Real sum[row_block][row_block] = {};
-    for (int b = 0; b < bodies; ++b)
-      if (has_part(r, b) && has_part(s, b))
-        multiply_tile<P::num_interior>(coupling(r, b), coupling(s, b), bodies * padded_interior, sum);
-    for (int i = 0; i < row_block; ++i)
-      for (int j = 0; j < row_block && s + j <= r + i; ++j) gram_[packed_row(r + i) + s + j] -= sum[i][j];
-  }
-
-  /// The multipliers of the interior rows from those of the others.
-  KOKKOS_INLINE_FUNCTION void substitute_interior() {
-    for (int r = 0; r < m_; ++r)
-      for (int b = 0; b < bodies; ++b)
-        for (int k = 0; k < P::num_interior; ++k)
-          mu_[b * P::num_interior + k] -= coupling(r, b)[k] * mu_[num_interior + r];
-    for (int b = 0; b < bodies; ++b) packed_back(interior_factor(b), P::num_interior, mu_ + b * P::num_interior);
-  }
-
-  /// Full rank: S - tolerance^2 I is positive definite (Sylvester's law of inertia).
-  KOKKOS_INLINE_FUNCTION void solve_reduced(double tolerance, Solver solver, int used) {
+  /// Full rank is certain if G - tolerance^2 norm I is positive definite (Sylvester's law of inertia).
+  KOKKOS_INLINE_FUNCTION void solve(double tolerance, Solver solver, int used) {
     truncated_ = Real{};
-    const Real threshold = Real{} + tolerance * tolerance;
-    Real* const mu = mu_ + num_interior;
-    const Mask independent = eliminate_interior(tolerance);
-    unsolved_ = good_ & !independent;
-    if (m_ > 0) {
-      const Mask dependent = unsolved_;
-      if (solver == Solver::cholesky) {
-        const Mask full = packed_cholesky<Real>(gram_, threshold, m_, work_);
-        unsolved_ = unsolved_ | (good_ & !full);
-      }
-      if (solver == Solver::cholesky && !all_unsolved(used)) {
-        packed_cholesky<Real>(gram_, Real{}, m_, work_);
-        packed_cholesky_solve(work_, m_, mu);
-      } else {
-        unsolved_ = dependent;
-        truncate(gram_, threshold, m_, mu, work_);
+    const Mask none = rows_of_lane_ != rows_of_lane_;
+    unsolved_ = none;
+    if (solver != Solver::spectral) {
+      unsolved_ = good_ & !packed_cholesky<Real>(gram_, 1.001 * tolerance * tolerance * norm_, n_, work_);
+      if (!any(unsolved_) || (solver == Solver::cholesky && !all_unsolved(used))) {
+        packed_cholesky<Real>(gram_, Real{}, n_, work_);
+        packed_cholesky_solve(work_, n_, mu_);
+        return;
       }
     }
-    substitute_interior();
-  }
-
-  /// x <- A^+ x without the eigenvalues up to the threshold.
-  KOKKOS_INLINE_FUNCTION void truncate(Real* A, const Real& threshold, int n, Real* x, Real* scratch) {
-    const SpectralResult<Real> result = pseudo_inverse_solve(A, threshold, n, x, scratch);
+    unsolved_ = none;
+    const SpectralResult<Real> result = pseudo_inverse_solve(gram_, norm_, tolerance * tolerance, n_, mu_, work_);
     good_ = good_ & result.converged;
     truncated_ = result.truncated + idle_;
-  }
-
-  KOKKOS_INLINE_FUNCTION void solve_together(double tolerance) {
-    Real* const gram = work_;
-    for (int b = 0; b < bodies; ++b)
-      for (int i = 0; i < P::num_interior; ++i) {
-        Real* out = gram + packed_row(b * P::num_interior + i);
-        for (int s = 0; s < b * P::num_interior; ++s) *out++ = Real{};
-        for (int s = 0; s <= i; ++s) *out++ = interior(b)[packed_row(i) + s];
-      }
-    for (int r = 0; r < m_; ++r) {
-      Real* out = gram + packed_row(num_interior + r);
-      for (int b = 0; b < bodies; ++b)
-        for (int s = 0; s < P::num_interior; ++s) *out++ = coupling(r, b)[s];
-      for (int s = 0; s <= r; ++s) *out++ = gram_[packed_row(r) + s];
-    }
-    unsolved_ = rows_of_lane_ != rows_of_lane_;
-    truncate(gram, Real{} + tolerance * tolerance, n_, mu_, gram + packed_row(n_));
   }
 
   KOKKOS_INLINE_FUNCTION bool all_unsolved(int used) const {
@@ -458,7 +374,7 @@ class FitKernel {
         const Real factor = mu_[b * P::num_interior + i] * scale_[b * P::num_interior + i];
         P::visit_row(i, stiffness_[b], [&](int c, int t, const Real& entry) { sum[c][t] += factor * entry; });
       }
-      for (int r = 0; r < m_; ++r) {
+      for (int r = 0; r < n_ - num_interior; ++r) {
         Real p[T];
         P::terms(place(r, b), p);
         for (int t = 0; t < T; ++t) p[t] *= mu_[num_interior + r];
@@ -515,14 +431,13 @@ class FitKernel {
   }
 
   Input* patch_[lanes];
-  int num_, m_, n_;             ///< largest number of input rows; that padded, and with the interior ones
+  int num_, n_;                 ///< largest number of input rows; all rows, padded
   Real rows_of_lane_ = Real{};  ///< input rows
-  Real check_ = Real{}, idle_ = Real{}, truncated_;
+  Real check_ = Real{}, idle_ = Real{}, norm_, truncated_;
   Mask good_, unsolved_;
   Real a_[bodies][6][T], factor_[bodies][num_packed], inverse_[bodies][num_packed], metric_[bodies][T][T];
   Real stiffness_[bodies] = {};  ///< 1 / (1 + nu)
-  Real *gram_, *interior_, *interior_factor_, *coupling_, *scale_, *target_, *defect_, *mu_, *weight_, *place_, *y_,
-      *part_, *work_;
+  Real *gram_, *scale_, *target_, *defect_, *live_, *mu_, *weight_, *place_, *y_, *work_;
 };
 
 }  // namespace cgcontact

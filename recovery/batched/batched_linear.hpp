@@ -30,10 +30,9 @@ KOKKOS_FORCEINLINE_FUNCTION void cholesky_block(const Real* A, const Real* L, in
 }
 
 /// A - shift I = L L^T, n rows (a multiple of row_block); the diagonal of L holds reciprocals. n^3 / 3 flop.
-/// True for the lanes whose pivots are all above `least`; the factors of the others are finite and of no use.
+/// True for the lanes whose matrix is positive definite; the factors of the others are finite and of no use.
 template <class Real>
-KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& shift, int n, Real* L,
-                                                    double least = 1e-300) {
+KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& shift, int n, Real* L) {
   MaskOf<Real> positive = shift == shift;
   for (int r = 0; r < n; r += 4) {
     Real acc[4][4];
@@ -57,7 +56,7 @@ KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& s
       Real pivot = acc[j][j] - shift;
 #pragma GCC unroll 4
       for (int k = 0; k < j; ++k) pivot -= acc[j][k] * acc[j][k];
-      const MaskOf<Real> good = pivot > least;
+      const MaskOf<Real> good = pivot > 1e-300;
       positive = positive & good;
       const Real inverse = 1.0 / square_root(select<Real>(good, pivot, Real{} + 1));
       L[packed_row(r + j) + r + j] = inverse;
@@ -73,55 +72,16 @@ KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& s
   return positive;
 }
 
-/// x <- L^-1 x. n^2 flop.
+/// x <- (L L^T)^-1 x. 2 n^2 flop.
 template <class Real>
-KOKKOS_INLINE_FUNCTION void packed_forward(const Real* L, int n, Real* x) {
+KOKKOS_INLINE_FUNCTION void packed_cholesky_solve(const Real* L, int n, Real* x) {
   for (int c = 0; c < n; ++c) {
     const Real value = x[c] *= L[packed_row(c) + c];
     for (int r = c + 1; r < n; ++r) x[r] -= L[packed_row(r) + c] * value;
   }
-}
-
-/// x <- L^-T x. n^2 flop.
-template <class Real>
-KOKKOS_INLINE_FUNCTION void packed_back(const Real* L, int n, Real* x) {
   for (int r = n - 1; r >= 0; --r) {
     const Real value = x[r] *= L[packed_row(r) + r];
     for (int c = 0; c < r; ++c) x[c] -= L[packed_row(r) + c] * value;
-  }
-}
-
-/// x <- (L L^T)^-1 x. 2 n^2 flop.
-template <class Real>
-KOKKOS_INLINE_FUNCTION void packed_cholesky_solve(const Real* L, int n, Real* x) {
-  packed_forward(L, n, x);
-  packed_back(L, n, x);
-}
-
-/// x <- L^-1 x for row_block right-hand sides, `stride` numbers apart; n rows (a multiple of row_block). 4 n^2 flop.
-template <class Real>
-KOKKOS_INLINE_FUNCTION void packed_forward_rows(const Real* L, int n, Real* x, int stride) {
-  for (int s = 0; s < n; s += 4) {
-    Real acc[4][4];
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; ++i)
-#pragma GCC unroll 4
-      for (int j = 0; j < 4; ++j) acc[i][j] = x[i * stride + s + j];
-    for (int k = 0; k < s; ++k)
-#pragma GCC unroll 4
-      for (int i = 0; i < 4; ++i)
-#pragma GCC unroll 4
-        for (int j = 0; j < 4; ++j) acc[i][j] -= x[i * stride + k] * L[packed_row(s + j) + k];
-#pragma GCC unroll 4
-    for (int j = 0; j < 4; ++j) {
-      const Real* d = L + packed_row(s + j) + s;
-#pragma GCC unroll 4
-      for (int i = 0; i < 4; ++i) {
-#pragma GCC unroll 4
-        for (int k = 0; k < j; ++k) acc[i][j] -= acc[i][k] * d[k];
-        x[i * stride + s + j] = acc[i][j] *= d[j];
-      }
-    }
   }
 }
 
@@ -273,6 +233,37 @@ KOKKOS_INLINE_FUNCTION ActiveBlock<Real> find_block(const Real* d, Real* e, int 
   return block;
 }
 
+/// The largest eigenvalue of a tridiagonal matrix to 1e-10 of it, not less than it, by bisection into five parts.
+/// upper: a bound.
+template <class Real>
+KOKKOS_INLINE_FUNCTION Real largest_eigenvalue(const Real* d, const Real* e, int n, Real upper) {
+  constexpr int parts = 5, rounds = 14;  // 5^-14 = 2e-10 of upper - lower, which is less than upper / 2
+  const Real tiny = Real{} + 1e-300;
+  Real lower = d[0];
+  for (int k = 1; k < n; ++k) lower = larger<Real>(lower, d[k]);
+  for (int round = 0; round < rounds; ++round) {
+    const Real step = (upper - lower) / parts;
+    Real at[parts - 1], pivot[parts - 1];
+    MaskOf<Real> above[parts - 1];  // all eigenvalues lie below
+    for (int i = 0; i + 1 < parts; ++i) {
+      at[i] = lower + (i + 1.0) * step;
+      pivot[i] = at[i] - d[0];
+      above[i] = pivot[i] > 0;
+    }
+    for (int k = 1; k < n; ++k)
+#pragma GCC unroll 4
+      for (int i = 0; i + 1 < parts; ++i) {
+        pivot[i] = at[i] - d[k] - e[k - 1] * e[k - 1] / select<Real>(pivot[i] > 0, pivot[i], tiny);
+        above[i] = above[i] & (pivot[i] > 0);
+      }
+    Real low = lower, high = upper;
+    for (int i = 0; i + 1 < parts; ++i) low = select<Real>(above[i], low, at[i]);
+    for (int i = parts - 2; i >= 0; --i) high = select<Real>(above[i], at[i], high);
+    lower = low, upper = high;
+  }
+  return upper;
+}
+
 /// What split_off() did, to be undone: sweep i turned rows ranges[2 i] .. ranges[2 i + 1], one rotation (cosine,
 /// sine) for each row and the next.
 template <class Real>
@@ -392,17 +383,17 @@ struct SpectralResult {
   Real truncated;  ///< number of eigenvalues that count as zero
 };
 
-/// x <- A^+ x, where eigenvalues up to the threshold count as zero (semidefinite A; destroyed). Tridiagonal form,
-/// implicit QR for the eigenvalues that count as zero only (a patch has ten of fifty), whose rotations are applied to x
-/// and kept for the way back: 4/3 n^3 flop and some n^2 for each such eigenvalue, no eigenvectors.
+/// x <- A^+ x, where eigenvalues up to relative_tolerance times the largest one count as zero (semidefinite A, of norm
+/// at most `norm`; destroyed). Tridiagonal form, implicit QR for the eigenvalues that count as zero only (a patch has
+/// ten of a hundred), whose rotations are applied to x and kept for the way back: 4/3 n^3 flop and some n^2 for each
+/// such eigenvalue, no eigenvectors.
 template <class Real>
-KOKKOS_INLINE_FUNCTION SpectralResult<Real> pseudo_inverse_solve(Real* A, const Real& threshold, int n, Real* x,
-                                                                 Real* scratch) {
+KOKKOS_INLINE_FUNCTION SpectralResult<Real> pseudo_inverse_solve(Real* A, const Real& norm, double relative_tolerance,
+                                                                 int n, Real* x, Real* scratch) {
   Real *d = scratch, *e = d + n, *factor = e + n, *work = factor + n, *ranges = work + 4 * n;
   RotationLog<Real> log{ranges, ranges + 2 * SpectralScratch::max_sweeps(n)};
   tridiagonalise(A, n, d, e, factor, work, x);
-  Real norm = threshold;  // at least a third of the largest eigenvalue
-  for (int k = 0; k < n; ++k) norm = larger<Real>(norm, d[k]);
+  const Real threshold = relative_tolerance * largest_eigenvalue<Real>(d, e, n, norm);
   SpectralResult<Real> result;
   result.converged = split_off<Real>(d, e, n, 1e-16 * norm, threshold, x, log);
   result.truncated = solve_tridiagonal<Real>(d, e, n, threshold, x, work);

@@ -12,22 +12,19 @@ class FitDispatch {
   using Kernel = FitKernel<Real, degree, bodies>;
   using Input = FitInput<degree, bodies>;
   using Numbers = Kokkos::View<int*, typename Exec::memory_space>;
-  using Solver = typename Kernel::Solver;
   static constexpr int lanes = Kernel::lanes;
 
   FitDispatch(const Exec& exec, Input* patches, FitStatus* status, double tolerance)
       : exec_(exec), patches_(patches), status_(status), tolerance_(tolerance) {}
 
-  /// All patches with the first solver, those that it leaves with the next one, in batches of their own.
+  /// Cholesky for all, then those left with the pseudo-inverse in batches of their own.
   void run(int n) const {
     const Numbers order(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::batched_fit::order"), n);
     const Numbers left("cgcontact::batched_fit::left", n);
     const int most_rows = sort(order);
-    for (const Solver solver : {Solver::cholesky, Solver::spectral, Solver::together}) {
-      solve(order, n, most_rows, solver, left);
-      n = keep_left(order, n, left);
-      if (n == 0) break;
-    }
+    solve(order, n, most_rows, Kernel::Solver::cholesky, left);
+    const int num_left = keep_left(order, left);
+    if (num_left > 0) solve(order, num_left, most_rows, Kernel::Solver::spectral, left);
     exec_.fence();
   }
 
@@ -61,6 +58,7 @@ class FitDispatch {
   }
 
   using Policy = Kokkos::TeamPolicy<Exec, Kokkos::Schedule<Kokkos::Dynamic>>;
+  using Solver = typename Kernel::Solver;
   /// Vectors of the processor begin at such addresses.
   static constexpr std::size_t alignment = 64;
 
@@ -88,7 +86,7 @@ class FitDispatch {
     FitStatus* const status = status_;
     const double tolerance = tolerance_;
     const int num_batches = (n + lanes - 1) / lanes;
-    const std::size_t bytes = Kernel::scratch_size(most_rows, solver) * sizeof(Real) + alignment;
+    const std::size_t bytes = Kernel::scratch_size(most_rows) * sizeof(Real) + alignment;
     if (bytes <= static_cast<std::size_t>(Policy::scratch_size_max(1))) {
       Policy policy(exec_, num_batches, 1);
       policy.set_scratch_size(1, Kokkos::PerTeam(static_cast<int>(bytes)));
@@ -111,9 +109,10 @@ class FitDispatch {
         });
   }
 
-  /// Keeps the marked ones of the first n numbers in `order`, in their order; returns how many there are.
-  int keep_left(const Numbers& order, int n, const Numbers& left) const {
-    const Numbers all("cgcontact::batched_fit::all", order.extent(0));
+  /// Keeps the marked numbers in `order`, in their order; returns how many there are.
+  int keep_left(const Numbers& order, const Numbers& left) const {
+    const int n = static_cast<int>(order.extent(0));
+    const Numbers all("cgcontact::batched_fit::all", n);
     Kokkos::deep_copy(exec_, all, order);
     int count = 0;
     Kokkos::parallel_scan(

@@ -140,10 +140,6 @@ class PatchBatch {
     to.value = from.value;
   }
 
-  static bool has_part(const PatchRow& row, int body) {
-    return std::any_of(row.weight[body], row.weight[body] + 6, [](double weight) { return weight != 0; });
-  }
-
   /// A view of at least that size, kept from list to list.
   template <class T>
   static void reserve(HostView<T>& view, const char* label, std::size_t size) {
@@ -173,10 +169,8 @@ class PatchBatch {
       inputs(i).rows = to;
       inputs(i).num_rows = static_cast<int>(row_begin_[i + 1] - row_begin_[i]);
       const PatchRow* const from = rows_of(list_[i]);
-      for (int kind = 0; kind < (bodies == 2 ? 3 : 1); ++kind)  // own body, the other, both: the fit skips zeros
-        for (int r = 0; r < problem.num_rows; ++r)
-          if (use(from[r]) && (bodies == 1 || has_part(from[r], 1) * (1 + has_part(from[r], 0)) == kind))
-            copy_row(from[r], *to++);
+      for (int r = 0; r < problem.num_rows; ++r)
+        if (use(from[r])) copy_row(from[r], *to++);
     });
     fit_batch(Host(), inputs.data(), static_cast<int>(size), rank_tolerance, status_.data());
     parallel_for("cgcontact::recover_stress::take", size, grain, [&](std::size_t i) {

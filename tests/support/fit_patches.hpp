@@ -61,13 +61,11 @@ Eigen::VectorXd coefficients(const FitInput<degree, bodies>& in) {
 struct DenseFit {
   Eigen::MatrixXd C, M;
   Eigen::VectorXd values, a;
-  Eigen::Index num_interior;  ///< first rows of C
 
   template <int degree, int bodies>
   explicit DenseFit(const FitProblem<degree, bodies>& p) {
     constexpr int T = Polynomial<degree>::num_terms, ni = Polynomial<degree>::num_interior;
     const int num_rows = bodies * ni + static_cast<int>(p.rows.size());
-    num_interior = bodies * ni;
     C = Eigen::MatrixXd::Zero(num_rows, bodies * 6 * T);
     M = Eigen::MatrixXd::Zero(C.cols(), C.cols());
     values = Eigen::VectorXd::Zero(num_rows);
@@ -167,52 +165,23 @@ struct DenseFit {
     rhs << M * a, values;
     return kkt.completeOrthogonalDecomposition().solve(rhs).head(n);
   }
-  /// How many rows hold whatever the others ask for: the interior ones, unless one of them is closer than the tolerance
-  /// to what the others before it span.
-  Eigen::Index num_held(double tolerance) const {
-    const Eigen::MatrixXd A = whitened().C.topRows(num_interior);
-    const Eigen::LLT<Eigen::MatrixXd> gram(A * A.transpose());
-    const bool independent = gram.info() == Eigen::Success && gram.matrixLLT().diagonal().minCoeff() > tolerance;
-    return independent ? num_interior : 0;
-  }
-  /// The nearest field to x that meets the first `held` rows, which are independent.
-  Eigen::VectorXd meet(Eigen::Index held, const Eigen::VectorXd& x) const {
-    if (held == 0) return x;
-    const Whitened w = whitened();
-    const Eigen::VectorXd defect = (values - C * x).cwiseQuotient(w.norm).head(held);
-    return x + w.factor.matrixU().solve(w.C.topRows(held).completeOrthogonalDecomposition().solve(defect));
-  }
-  /// Rows from `held` on for fields that meet those before, in a basis of these fields.
-  Eigen::MatrixXd reduced(Eigen::Index held, Eigen::MatrixXd& basis) const {
-    const Whitened w = whitened();
-    const Eigen::Index columns = C.cols();
-    basis = Eigen::MatrixXd::Identity(columns, columns);
-    if (held > 0) {
-      const Eigen::HouseholderQR<Eigen::MatrixXd> qr(w.C.topRows(held).transpose());
-      const Eigen::MatrixXd Q = qr.householderQ() * basis;
-      basis = Q.rightCols(columns - held);
-    }
-    return w.C.bottomRows(C.rows() - held) * basis;
-  }
-  /// The first `held` rows exactly, truncated singular values (up to `tolerance`) of what they leave of the others.
-  Eigen::VectorXd solve_truncated(Eigen::Index held, double tolerance, int& dropped) const {
-    const Whitened w = whitened();
-    const Eigen::VectorXd met = meet(held, a);
-    dropped = 0;
-    if (C.rows() == held) return met;
-    Eigen::MatrixXd basis;
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(reduced(held, basis), Eigen::ComputeThinU | Eigen::ComputeThinV);
-    Eigen::VectorXd x = svd.matrixU().transpose() * (values - C * met).cwiseQuotient(w.norm).tail(C.rows() - held);
-    dropped = static_cast<int>(C.rows() - held - x.size());
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      const bool kept = svd.singularValues()[i] > tolerance;
-      x[i] = kept ? x[i] / svd.singularValues()[i] : 0;
-      dropped += !kept;
-    }
-    return met + w.factor.matrixU().solve(basis * (svd.matrixV() * x));
-  }
+  /// Truncated singular values of the rows themselves.
   Eigen::VectorXd solve_truncated(double tolerance, int& dropped) const {
-    return solve_truncated(num_held(tolerance), tolerance, dropped);
+    const Whitened w = whitened();
+    const Eigen::VectorXd defect = (values - C * a).cwiseQuotient(w.norm);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(w.C * w.C.transpose());
+    const double threshold = tolerance * tolerance * eigen.eigenvalues().maxCoeff();
+    Eigen::VectorXd x = eigen.eigenvectors().transpose() * defect;
+    dropped = 0;
+    for (Eigen::Index i = 0; i < x.size(); ++i) {
+      if (eigen.eigenvalues()[i] > threshold) {
+        x[i] /= eigen.eigenvalues()[i];
+      } else {
+        x[i] = 0;
+        ++dropped;
+      }
+    }
+    return a + w.factor.matrixU().solve(w.C.transpose() * (eigen.eigenvectors() * x));
   }
   double level(const Eigen::VectorXd& x) const { return std::sqrt(x.dot(M * x)); }
   /// As FitStatus::residual, from the dense matrices.
