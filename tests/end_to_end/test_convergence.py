@@ -298,12 +298,21 @@ class Convergence(unittest.TestCase):
 
     def test_nothing_touches(self):
         """What the springs of a body that hangs free carry is rounding: against no contact force it is never small."""
-        run, _ = self.run_text(NOTHING_TOUCHES)
-        # No force; whether that is sure depends on where the body comes to hang, which nothing but rounding decides: the gap that is
-        # left and its estimated error, or an overlap that is smaller than a cell can see.
+        with tempfile.TemporaryDirectory() as directory:
+            file = pathlib.Path(directory) / "scene.toml"
+            file.write_text(NOTHING_TOUCHES)
+            outcome = cgcontact("run", file, "--out", pathlib.Path(directory) / "out", *QUIET)
+            self.assertIn(outcome.code, (0, 2), outcome.err)
+            run = report(pathlib.Path(directory) / "out")
+        self.assertLessEqual(run["outer_iterations"], 15)
+        # Where the free body comes to hang nothing but rounding decides. Where it strays far in the first iteration, the run ends
+        # and names the motion that is free. Else there is no force; whether that is sure depends on the gap that is left and its
+        # estimated error, or on an overlap that is smaller than a cell can see.
+        if outcome.code == 2:
+            self.assertIn('body "b" is free to', run["diagnosis"])
+            return
         self.assertIn(run["verdict"]["state"], ("no_contact", "not_resolved", "contact_missed"))
         self.assertEqual([pair["normal_force"] for pair in run["contact"]], [0] * len(run["contact"]))
-        self.assertLessEqual(run["outer_iterations"], 15)
 
     def test_first_grid_that_does_not_converge(self):
         """51 unknowns cannot tell where the indenter touches: the run refines and goes on. Largest pressure against
