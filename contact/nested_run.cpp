@@ -66,9 +66,6 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
   progress.phase("coarser grids");
   ProgressCallbacks steps_only;
   steps_only.step = progress.step;
-  const auto tell = [&](const SolvedState& state) {
-    coarse_.push_back({state.system.num_free_dofs(), state.outer.iterations, state.outer.converged});
-  };
   std::unique_ptr<Coarse> last;
   for (; halvings > 0; --halvings) {
     auto next = std::make_unique<Coarse>(scene_, std::ldexp(1.0, halvings));
@@ -76,8 +73,9 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
       next->simulation.place({});
       if (last) next->simulation.start_preloads_from(last->simulation);
       next->simulation.solve_system(steps_only, last ? &last->simulation.state : nullptr);
-      tell(next->simulation.state);
-      if (!next->simulation.state.outer.converged) return nullptr;
+      const SolvedState& state = next->simulation.state;
+      coarse_.push_back({state.system.num_free_dofs(), state.outer.iterations, state.outer.converged});
+      if (!state.outer.converged) return nullptr;
       next->simulation.recover();
       next->simulation.state.keep_fields_only();
     } catch (const InputError&) {  // of cells that the scene does not have

@@ -1,5 +1,7 @@
 #include "contact/kernels/contact_points.hpp"
 
+#include <utility>
+
 namespace cgcontact {
 
 template <class Memory>
@@ -22,6 +24,17 @@ template struct ContactPointArrays<Kokkos::HostSpace>;
 
 ContactPoints::ContactPoints(const std::vector<ContactPoint>& points) : arrays_(points.size()), size_(points.size()) {
   for (std::size_t q = 0; q < size_; ++q) put(q, points[q]);
+}
+
+ContactPoints::ContactPoints(const ContactPoints& other) : arrays_(other.size_), size_(other.size_) {
+  for (std::size_t q = 0; q < size_; ++q) put(q, other[q]);
+}
+
+ContactPoints& ContactPoints::operator=(ContactPoints other) noexcept {
+  arrays_ = std::move(other.arrays_);
+  first_ = other.first_;
+  size_ = other.size_;
+  return *this;
 }
 
 void ContactPoints::put(std::size_t q, const ContactPoint& point) {
@@ -80,7 +93,7 @@ HostContactPoints ContactPoints::join(const std::vector<ContactPoints*>& pairs) 
     slice.size_ = points->size_;
     for (std::size_t q = 0; q < slice.size_; ++q) slice.put(q, (*points)[q]);
     first += slice.size_;
-    *points = slice;
+    *points = std::move(slice);
   }
   return arrays;
 }

@@ -66,11 +66,14 @@ ContactPointArrays<Memory> copy_points(const HostContactPoints& host) {
   return points;
 }
 
-/// The points of one pair on the host. Copies share the arrays.
+/// The points of one pair on the host. A copy has arrays of its own: what is closed in one is not closed in the other.
 class ContactPoints {
  public:
   ContactPoints() = default;
   explicit ContactPoints(const std::vector<ContactPoint>& points);
+  ContactPoints(const ContactPoints& other);
+  ContactPoints(ContactPoints&&) = default;
+  ContactPoints& operator=(ContactPoints other) noexcept;
 
   std::size_t size() const { return size_; }
   bool empty() const { return size_ == 0; }
