@@ -8,7 +8,6 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <set>
 #include <string>
@@ -30,6 +29,7 @@
 #include "core/results/warning_order.hpp"
 #include "core/scene/read_scene.hpp"
 #include "kernels/solver/linear_solver.hpp"
+#include "python/trilinos_thread.hpp"
 
 namespace py = pybind11;
 
@@ -38,9 +38,9 @@ namespace {
 
 class PythonResult;
 
-/// Trilinos, which is started once, and what has to go before it stops.
+/// Trilinos, which is started once, and what has to go before it stops. Changed with Python's lock held.
 struct Session {
-  std::unique_ptr<TrilinosScope> trilinos;
+  std::unique_ptr<TrilinosThread> trilinos;
   std::set<PythonResult*> results;
 };
 Session& session() {
@@ -48,30 +48,36 @@ Session& session() {
   return only;
 }
 
-/// One solve at a time, as Kokkos and Trilinos have one of each of their spaces, timers and factories in a process. A
-/// solve may start another one from its progress function.
-std::recursive_mutex& solving() {
-  static std::recursive_mutex only;
-  return only;
+/// threads = 0: the backend's default.
+TrilinosThread& start(int threads) {
+  if (!session().trilinos) session().trilinos = std::make_unique<TrilinosThread>(threads);
+  return *session().trilinos;
 }
 
-void start(int threads) {
-  if (session().trilinos) {
-    if (threads > 0 && threads != TrilinosScope::concurrency())
-      throw InputError(fmt::format("set_threads({}): cgcontact runs on {} already (allowed: before the first scene)",
-                                   threads, TrilinosScope::concurrency()));
-    return;
-  }
-  session().trilinos = std::make_unique<TrilinosScope>(threads);
+/// Runs a task on the thread of Trilinos, without Python's lock.
+template <class Task>
+void on_trilinos(const Task& task) {
+  TrilinosThread& trilinos = start(0);
+  const py::gil_scoped_release released;
+  trilinos.run(task);
+}
+
+int num_threads() {
+  int threads = 0;
+  on_trilinos([&] { threads = TrilinosScope::concurrency(); });
+  return threads;
 }
 
 /// Asked for by the user.
 void set_threads(int threads) {
   parse_threads(std::to_string(threads));
   start(threads);
+  if (threads != num_threads())
+    throw InputError(fmt::format("set_threads({}): cgcontact runs on {} already (allowed: before the first scene)",
+                                 threads, num_threads()));
 }
 
-/// Calls from C++ on what Python gave; also where Ctrl-C is seen.
+/// Calls from C++ on what Python gave, on the thread that asked for the solve; also where Ctrl-C is seen.
 class Listener {
  public:
   explicit Listener(py::object progress) : progress_(std::move(progress)) {}
@@ -79,9 +85,11 @@ class Listener {
   /// make_event: a dict, made once Python's lock is held.
   template <class MakeEvent>
   void tell(const MakeEvent& make_event) {
-    const py::gil_scoped_acquire held;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    if (!progress_.is_none()) progress_(make_event());
+    session().trilinos->ask([&] {
+      const py::gil_scoped_acquire held;
+      if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+      if (!progress_.is_none()) progress_(make_event());
+    });
   }
 
  private:
@@ -148,11 +156,14 @@ class PythonScene {
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
 
   std::string check() const {
-    const py::gil_scoped_release released;
-    const Scene on_grids = on_first_grids(*scene_);
-    Preparation preparation = lay_out(on_grids, false);
-    complete(on_grids, preparation);
-    return describe(on_grids, preparation);
+    std::string text;
+    on_trilinos([&] {
+      const Scene on_grids = on_first_grids(*scene_);
+      Preparation preparation = lay_out(on_grids, false);
+      complete(on_grids, preparation);
+      text = describe(on_grids, preparation);
+    });
+    return text;
   }
 
  private:
@@ -164,19 +175,19 @@ class PythonResult {
   PythonResult(std::shared_ptr<const Scene> scene, const py::object& progress) : given_(std::move(scene)) {
     Listener listener(progress);
     const AdaptiveCallbacks callbacks = callbacks_of(listener);
-    const py::gil_scoped_release released;
-    const std::lock_guard alone(solving());
-    if (given_->accuracy.any()) {
-      adaptive_ = std::make_unique<AdaptiveRun>(*given_);
-      adaptive_->run(callbacks);
-    } else {
-      nested_ = std::make_unique<NestedRun>(*given_);
-      nested_->run(callbacks);
-    }
-    results().backend = TrilinosScope::backend();
-    results().threads = TrilinosScope::concurrency();
-    fill_rank_figures(results());
-    decisive_first(results().warnings);
+    on_trilinos([&] {
+      if (given_->accuracy.any()) {
+        adaptive_ = std::make_unique<AdaptiveRun>(*given_);
+        adaptive_->run(callbacks);
+      } else {
+        nested_ = std::make_unique<NestedRun>(*given_);
+        nested_->run(callbacks);
+      }
+      results().backend = TrilinosScope::backend();
+      results().threads = TrilinosScope::concurrency();
+      fill_rank_figures(results());
+      decisive_first(results().warnings);
+    });
     session().results.insert(this);
   }
   ~PythonResult() { session().results.erase(this); }
@@ -196,16 +207,23 @@ class PythonResult {
   const Scene& solved_scene() const { return adaptive_ ? adaptive_->scene() : *given_; }
 
   std::string report() {
-    if (results().extremes.empty()) results().extremes = extremes_of(results(), solved_scene(), draw_bodies(results()));
-    return report_text(results(), {}, {});
+    std::string text;
+    on_trilinos([&] {
+      if (results().extremes.empty())
+        results().extremes = extremes_of(results(), solved_scene(), draw_bodies(results()));
+      text = report_text(results(), {}, {});
+    });
+    return text;
   }
   std::string summary_text() { return summary(results(), "memory"); }
 
   std::vector<std::string> write(const std::string& directory) {
-    const py::gil_scoped_release released;
-    const std::lock_guard alone(solving());
-    check_output_directory(directory);
-    return write_results(results(), solved_scene(), directory);
+    std::vector<std::string> files;
+    on_trilinos([&] {
+      check_output_directory(directory);
+      files = write_results(results(), solved_scene(), directory);
+    });
+    return files;
   }
 
   py::dict contact(const py::object& self) {
@@ -279,7 +297,9 @@ class PythonResult {
   }
 
   py::dict surface(const std::string& name) {
-    const DrawnBody drawn = draw_body(results().bodies[body_named(name)]);
+    const BodyFields& fields = results().bodies[body_named(name)];
+    DrawnBody drawn;
+    on_trilinos([&] { drawn = draw_body(fields); });
     py::array_t<int> triangles(
         std::vector<py::ssize_t>{static_cast<py::ssize_t>(drawn.mesh.boundary.size()), py::ssize_t{3}});
     int* to = triangles.mutable_data();
@@ -334,19 +354,20 @@ class PythonResult {
 void stop() {
   for (PythonResult* result : session().results) result->release();
   session().results.clear();
-  session().trilinos.reset();
+  const std::unique_ptr<TrilinosThread> last = std::move(session().trilinos);
+  const py::gil_scoped_release released;  // before it ends
 }
 
 PythonScene parse_text(const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {
-  start(0);
-  const py::gil_scoped_release released;
-  return PythonScene(std::make_shared<const Scene>(parse_scene(text, file, overrides)));
+  std::shared_ptr<const Scene> scene;
+  on_trilinos([&] { scene = std::make_shared<const Scene>(parse_scene(text, file, overrides)); });
+  return PythonScene(std::move(scene));
 }
 
 PythonScene read_file(const std::string& file, const std::vector<std::string>& overrides) {
-  start(0);
-  const py::gil_scoped_release released;
-  return PythonScene(std::make_shared<const Scene>(read_scene(file, overrides)));
+  std::shared_ptr<const Scene> scene;
+  on_trilinos([&] { scene = std::make_shared<const Scene>(read_scene(file, overrides)); });
+  return PythonScene(std::move(scene));
 }
 
 }  // namespace
@@ -367,17 +388,16 @@ PYBIND11_MODULE(_cgcontact, module) {
   module.def("read", &read_file, "file"_a, "overrides"_a);
   module.def("parse", &parse_text, "text"_a, "file"_a, "overrides"_a);
   module.def("set_threads", &set_threads, "threads"_a);
-  module.def("threads", [] {
-    start(0);
-    return TrilinosScope::concurrency();
-  });
+  module.def("threads", &num_threads);
   module.def("rank", [] {
-    start(0);
-    return this_rank();
+    int value = 0;
+    on_trilinos([&] { value = this_rank(); });
+    return value;
   });
   module.def("ranks", [] {
-    start(0);
-    return num_ranks();
+    int value = 0;
+    on_trilinos([&] { value = num_ranks(); });
+    return value;
   });
   module.def("stop", &stop);
   py::class_<PythonScene>(module, "Scene")
@@ -402,7 +422,6 @@ PYBIND11_MODULE(_cgcontact, module) {
                              })
       .def("check", &PythonScene::check)
       .def("_solve", [](const PythonScene& s, const py::object& progress) {
-        start(0);
         return std::make_unique<PythonResult>(s.scene(), progress);
       });
   py::class_<PythonResult>(module, "Result")
