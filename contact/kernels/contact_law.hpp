@@ -14,7 +14,7 @@ struct NormalContact {
 
   /// Pressure of a point that is taken for closed: less than zero, it would pull.
   KOKKOS_INLINE_FUNCTION double closed_pressure(double lagged, double gap) const { return lagged - k * gap; }
-  /// Is a point closed that would press with this?
+  /// Tells whether a point is closed that would press with this.
   KOKKOS_INLINE_FUNCTION bool is_closed(double closed_pressure) const { return bonded || closed_pressure > 0; }
   KOKKOS_INLINE_FUNCTION double pressure(double lagged, double gap) const {
     const double p = closed_pressure(lagged, gap);

@@ -133,8 +133,8 @@ void close_pressing(const Exec& exec, const ContactGroupArrays<Memory>& groups,
       });
 }
 
-/// Of each group, N: what all points that press at the gap start + t step press with, less that of those taken for
-/// closed; zero where the energy is linear in the active set as it is: bonded groups, and zones smaller than the cells.
+/// Force of each group, N, that all points press with at the gap start + t step, less that of those taken for closed;
+/// zero where the energy is linear in the active set as it is: bonded groups, and zones smaller than the cells.
 /// start and step: changes of the mean gap, m.
 template <class Exec, class Memory>
 void excess_forces(const Exec& exec, const ContactGroupArrays<Memory>& groups,

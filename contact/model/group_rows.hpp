@@ -5,7 +5,7 @@
 
 namespace cgcontact {
 
-/// Of all groups of all pairs, in order; dimensionless (displacement per displacement).
+/// Makes the rows of all groups of all pairs, in order; dimensionless (displacement per displacement).
 std::vector<GroupRow> make_group_rows(const ExecSpace& exec, const std::vector<ContactPair>& pairs,
                                       const std::vector<BodyModel>& bodies, const ElasticSystem& system);
 

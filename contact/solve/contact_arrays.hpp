@@ -19,11 +19,11 @@ void give_state(const OuterProblem& problem, const ContactGroupArrays<MemSpace>&
 SupportArrays<MemSpace> make_support_arrays(const OuterProblem& problem);
 void take_values(const OuterProblem& problem, const SupportArrays<MemSpace>& supports);
 
-/// Of each support point: where it is and what it holds.
+/// Gathers where each support point is and what it holds.
 DirectionArrays<MemSpace> support_places(const OuterProblem& problem);
-/// Of each degree of freedom in the rows of the groups (GroupRows::dof_list): its node and its axis.
+/// Gathers node and axis of each degree of freedom in the rows of the groups (GroupRows::dof_list).
 DirectionArrays<MemSpace> row_places(const OuterProblem& problem);
-/// Of each entry of the rows its place in GroupRows::dof_list.
+/// Finds the place of each entry of the rows in GroupRows::dof_list.
 IntView places_of_entries(const GroupRows& rows);
 
 /// What supports (but those that plane strain stands for) and rows of groups act on.

@@ -172,7 +172,7 @@ void add_errors(const Results& results, Json& json) {
     json["pressure_error"].push_back({{"zone", zone.zone}, {"raw", zone.raw}, {"spr", zone.spr}, {"sprc", zone.sprc}});
 }
 
-/// Of both hierarchies.
+/// Describes both hierarchies.
 Json json_of(const LinearSolverFigures& solver) {
   Json grids = Json::array();
   for (std::size_t l = 0; l < solver.grid_unknowns.size(); ++l)

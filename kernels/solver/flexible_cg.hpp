@@ -78,11 +78,11 @@ class FlexibleCgSolMgr : public Belos::SolverManager<double, TpetraVector, Tpetr
   void setProblem(const Teuchos::RCP<Problem>& problem) override { problem_ = problem; }
   void reset(Belos::ResetType type) override;
 
-  /// Of each right-hand side, one after the other, from the problem's initial guess. Throws std::invalid_argument
-  /// unless the problem is set.
+  /// Solves for each right-hand side, one after the other, from the problem's initial guess. Throws
+  /// std::invalid_argument unless the problem is set.
   Belos::ReturnType solve() override;
 
-  /// Of the last solve: iterations of all right-hand sides; the largest of their relative residuals.
+  /// Iterations of all right-hand sides of the last solve; the largest of their relative residuals.
   int getNumIters() const override { return iterations_; }
   double achievedTol() const override { return achieved_; }
   bool isLOADetected() const override { return false; }

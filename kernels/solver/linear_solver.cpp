@@ -12,6 +12,7 @@
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
+#include "kernels/mesh/dot.hpp"
 #include "kernels/multigrid/multigrid.hpp"
 #include "kernels/solver/flexible_cg.hpp"
 #include "kernels/solver/krylov.hpp"
@@ -29,7 +30,7 @@ namespace {
 /// preconditioner. With contact that coarse grids see well enough, as of one body, fewer are needed without.
 constexpr int many_iterations = 30;
 
-/// Of the levels of two hierarchies of the same grids.
+/// Adds the cycles on the levels of another hierarchy of the same grids.
 void add_cycles(const std::vector<long long>& more, std::vector<long long>& cycles) {
   cycles.resize(std::max(cycles.size(), more.size()), 0);
   for (std::size_t l = 0; l < more.size(); ++l) cycles[l] += more[l];
@@ -285,15 +286,7 @@ double LinearSolver::energy(const RealView& whole) const {
   }
   const RealView zero("cgcontact::linear_solver::zero", x.size()), Ax("cgcontact::linear_solver::Ax", x.size());
   impl_->op->kernel().residual(exec, zero, x, Ax);  // -A x
-  exec.fence();
-  constexpr std::size_t grain = 4096;  // sums in a fixed order
-  std::vector<double> parts(num_chunks(x.size(), grain), 0.0);
-  parallel_chunks("cgcontact::linear_solver::energy", x.size(), grain,
-                  [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                    for (std::size_t i = begin; i < end; ++i) parts[chunk] -= x(i) * Ax(i);
-                  });
-  double sum = 0;
-  for (const double part : parts) sum += part;
+  double sum = -dot(exec, x, Ax);
   if (share) share->system().dofs.halo()->sum(&sum, 1);
   return sum;
 }

@@ -41,7 +41,7 @@ class LinearSolver {
   bool fall_back();
   /// Does the next update read the supports of the system? Between two that do not, they may be left out.
   bool needs_supports() const;
-  /// Of all solves so far.
+  /// Figures of all solves so far.
   PreconditionerReport report() const;
 
   /// Improves x until |b - A x| <= tolerance (absolute, Euclidean). b, x: num_dofs entries.

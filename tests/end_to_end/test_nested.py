@@ -16,9 +16,9 @@ class Nested(unittest.TestCase):
         return report("out")
 
     def test_wide_zone(self):
-        """Two square faces, of which all but a strip along the rim stays closed: from nothing the closed points recede by a row of
-        cells in each outer iteration. The answers differ by what the outer tolerance (1e-6) leaves; a pressure is recovered from
-        differences of displacements over cells, 1/44 of the body, and keeps 1e-4."""
+        """Two square faces, of which all but a strip along the rim stays closed: from nothing the closed points recede by a
+        row of cells in each outer iteration. The answers differ by what the outer tolerance (1e-6) leaves; a pressure is
+        recovered from differences of displacements over cells, 1/44 of the body, and keeps 1e-4."""
         nested = self.run_scene("two_solids_3d", n=44)
         plain = self.run_scene("two_solids_3d", n=44, solver__nested="false")
         coarse = nested["coarse_solves"]
@@ -33,7 +33,8 @@ class Nested(unittest.TestCase):
         self.assertEqual(nested["active_points"], plain["active_points"])
 
     def test_narrow_zone(self):
-        """A zone of few cells is found as fast from nothing: after the coarsest grid, whose cost is nothing beside it, no other is solved."""
+        """A zone of few cells is found as fast from nothing: after the coarsest grid, whose cost is nothing beside it, no
+        other is solved."""
         run = self.run_scene("hertz", n=34)
         self.assertEqual(len(run["coarse_solves"]), 1)
         self.assertLess(60 * run["coarse_solves"][0]["unknowns"], 2 * run["unknowns"])
