@@ -115,8 +115,8 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
   }
   if (!scene.steps.empty()) text += fmt::format("{} step{}\n", scene.steps.size(), scene.steps.size() == 1 ? "" : "s");
   for (const std::string& warning : preparation.warnings) text += fmt::format("warning: {}\n", warning);
-  text += fmt::format("contact.csv: {:.0f} rows\n{} unknowns in all, about {:.0f} MB of memory\n",
-                      count_contact_rows(preparation), unknowns,
+  text += fmt::format("contact.csv: {:.0f} rows; supports: {} points\n{} unknowns in all, about {:.0f} MB of memory\n",
+                      count_contact_rows(preparation), preparation.supports.size(), unknowns,
                       expected_memory(sizes, memory_extras(scene, preparation)) / 1e6);
   return text;
 }

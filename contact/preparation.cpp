@@ -157,8 +157,11 @@ double count_contact_rows(const Preparation& preparation) {
 
 MemoryExtras memory_extras(const Scene& scene, const Preparation& preparation) {
   MemoryExtras extras = memory_extras(scene);
-  extras.contact_rows = count_contact_rows(preparation);
-  for (const ContactPair& pair : preparation.pairs) extras.contact_points += static_cast<double>(pair.points.size());
+  PointNumbers points;
+  for (const ContactPair& pair : preparation.pairs) points.contact += static_cast<double>(pair.points.size());
+  points.support = static_cast<double>(preparation.supports.size());
+  points.rows = count_contact_rows(preparation);
+  extras.points = points;
   return extras;
 }
 

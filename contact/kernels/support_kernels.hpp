@@ -102,18 +102,17 @@ void support_amounts(const Exec& exec, const SupportArrays<Memory>& supports,
       });
 }
 
-/// The nodes that supports and contact act on, and what acts on each: supports with their shape functions, groups with
-/// the coefficients of their rows.
+/// The nodes that supports and contact act on, and what acts on each: supports, by the corner of their cell that the
+/// node is, and groups with the coefficients of their rows.
 template <class Memory>
 struct TouchedNodes {
   using Numbers = Kokkos::View<int*, Memory>;
   using Values = Kokkos::View<double*, Memory>;
 
-  Numbers node;                    ///< ascending or not, each once
-  Numbers support_begin, support;  ///< (nodes + 1); entries
-  Values shape;                    ///< of the entries
-  Numbers group_begin, group;      ///< by degree of freedom: (3 nodes + 1); entries
-  Values coefficient;              ///< of the entries
+  Numbers node;                           ///< ascending or not, each once
+  Numbers support_begin, support_corner;  ///< (nodes + 1); entries: 8 * support + corner
+  Numbers group_begin, group;             ///< by degree of freedom: (3 nodes + 1); entries
+  Values coefficient;                     ///< of the entries
   int size() const { return static_cast<int>(node.extent(0)); }
 };
 
@@ -125,14 +124,16 @@ void add_support_forces(const Exec& exec, const TouchedNodes<Memory>& touched, c
   Kokkos::parallel_for(
       "cgcontact::contact::support_forces", Kokkos::RangePolicy<Exec>(exec, 0, touched.size()),
       KOKKOS_LAMBDA(const int t) {
-        for (int i = 0; i < dofs_per_node; ++i) {
-          double sum = force(dof_of(t, i));
-          for (int e = touched.support_begin(t); e < touched.support_begin(t + 1); ++e) {
-            const int s = touched.support(e);
-            sum += touched.shape(e) * supports.local_direction(s, i) * amount(s);
-          }
-          force(dof_of(t, i)) = sum;
+        double sum[dofs_per_node];
+        for (int i = 0; i < dofs_per_node; ++i) sum[i] = force(dof_of(t, i));
+        for (int e = touched.support_begin(t); e < touched.support_begin(t + 1); ++e) {
+          const int s = touched.support_corner(e) / 8;
+          double N[8];
+          hex_shape(&supports.xi(s, 0), N);
+          const double part = N[touched.support_corner(e) % 8] * amount(s);
+          for (int i = 0; i < dofs_per_node; ++i) sum[i] += supports.local_direction(s, i) * part;
         }
+        for (int i = 0; i < dofs_per_node; ++i) force(dof_of(t, i)) = sum[i];
       });
 }
 

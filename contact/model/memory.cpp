@@ -7,6 +7,7 @@
 
 #include "contact/model/plane_strain.hpp"
 #include "core/base/memory.hpp"
+#include "core/cad/cad_model.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
 namespace cgcontact {
@@ -38,8 +39,9 @@ std::string fitting_cells(const Scene& scene, const std::vector<BodySize>& bodie
   double factor = 1;
   const auto needed = [&] {
     MemoryExtras of_these = extras;
-    of_these.contact_points /= factor * factor;
-    of_these.contact_rows /= factor * factor;
+    if (of_these.points)
+      for (double* number : {&of_these.points->contact, &of_these.points->support, &of_these.points->rows})
+        *number /= factor * factor;
     return expected_memory(coarsened(bodies, factor), of_these);
   };
   while (factor < 1e4 && needed() > safe_part * available) factor *= 1.02;
@@ -63,32 +65,36 @@ BodySize estimate_size(const BodySpec& body, bool finer) {
   }
   const BodyGeometry& geometry = solid.geometry();
   const CellEstimate estimate = geometry.estimate_cells(grid, finer ? finer_cells : coarse_cells);
-  return {estimate.nodes, estimate.cut_cells, static_cast<double>(geometry.num_facets()),
-          body.plane_strain.has_value()};
+  return {estimate.nodes, estimate.cut_cells, static_cast<double>(geometry.num_facets())};
 }
 
 BodySize size_of(const CutCells& cc) {
   double nodes = cc.parts.empty() ? static_cast<double>(cc.numbers.corners().size()) : 0;
   for (const CutCells& part : cc.parts) nodes += static_cast<double>(part.numbers.corners().size());
-  return {nodes, static_cast<double>(cc.active_of_cut.size()), static_cast<double>(cc.solid.geometry().num_facets()),
-          cc.grid.plane_strain >= 0};
+  return {nodes, static_cast<double>(cc.active_of_cut.size()), static_cast<double>(cc.solid.geometry().num_facets())};
 }
 
-/// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). In plane strain all cells are cut.
-/// Cells of the grid that are empty cost nothing.
+/// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). Cells of the grid that are empty
+/// cost nothing.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
-  double bytes =
-      program_itself() + (extras.pictures ? 13e6 : 0) + 800 * extras.contact_points + 300 * extras.contact_rows;
+  double bytes = program_itself();
+  if (extras.pictures) bytes += 13e6;
+  if (extras.pictures_of_steps) bytes += 45e6;
   if (extras.fields_beside_pictures) bytes += 10e6;
-  for (const BodySize& body : bodies)
-    bytes +=
-        dofs_per_node * 150.0 * body.nodes + (body.plane_strain ? 8e3 : 6e3) * body.cut_cells + 1.1e3 * body.facets;
+  if (extras.cad) bytes += 35e6;
+  if (const auto& points = extras.points) bytes += 1200 * points->contact + 730 * points->rows + 440 * points->support;
+  const double per_cut_cell = extras.points ? 2e3 : 6.5e3;
+  for (const BodySize& body : bodies) bytes += 165 * body.nodes + per_cut_cell * body.cut_cells + 1.1e3 * body.facets;
   return bytes;
 }
 
 MemoryExtras memory_extras(const Scene& scene) {
-  const bool both = scene.output.plots && scene.output.vtk;
-  return {0, 0, scene.output.plots, both && TrilinosScope::concurrency() > 1};
+  MemoryExtras extras;
+  extras.pictures = scene.output.plots;
+  extras.pictures_of_steps = scene.output.plots && !scene.steps.empty();
+  extras.fields_beside_pictures = scene.output.plots && scene.output.vtk && TrilinosScope::concurrency() > 1;
+  extras.cad = cad_is_loaded();
+  return extras;
 }
 
 void check_memory_early(const Scene& scene, bool near_limit_too) {

@@ -1,6 +1,7 @@
 /// Does a scene fit into memory? Estimated before anything large is made, and again when the cells are known.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "contact/model/model.hpp"
@@ -11,19 +12,25 @@ namespace cgcontact {
 struct BodySize {
   double nodes = 0, cut_cells = 0;
   double facets = 0;  ///< of its surface
-  bool plane_strain = false;
 };
 
 /// Without making the body's cells: from its cells on a coarser grid, or on a less coarse one that takes longer.
 BodySize estimate_size(const BodySpec& body, bool finer = false);
 BodySize size_of(const CutCells& cut_cells);
 
+/// Numbers of points that are known once the cells are.
+struct PointNumbers {
+  double contact = 0, support = 0;  ///< of all pairs; of all supports
+  double rows = 0;                  ///< of contact.csv: boundary points of the faces of the pairs
+};
+
 /// What it depends on beside the bodies.
 struct MemoryExtras {
-  double contact_points = 0;  ///< of all pairs; before they are known: 0
-  double contact_rows = 0;    ///< boundary points of their faces, which the results have; before they are known: 0
+  std::optional<PointNumbers> points;  ///< unknown: as many as most scenes have on so many cut cells
   bool pictures = true;
+  bool pictures_of_steps = false;
   bool fields_beside_pictures = false;  ///< VTK files are made at the same time: on several threads
+  bool cad = false;                     ///< OpenCASCADE is loaded
 };
 
 /// Before the cells are made.

@@ -6,6 +6,7 @@
 
 #include "contact/model/plane_strain.hpp"
 #include "contact/model/refined_grid.hpp"
+#include "core/cells/cells_around.hpp"
 #include "core/scene/face_dividers.hpp"
 
 namespace cgcontact {
@@ -394,23 +395,52 @@ double support_stiffness(const Scene& scene, const BodyModel& body, const Suppor
 
 namespace {
 
-/// In each cell three points that do not lie on a line: what they hold as a rigid body is what plane strain holds. One
-/// end will do.
+/// Three points for each connected piece of the body, with the area of its end, its centre and its second moments: what
+/// they hold of it as a rigid body is what plane strain holds. They need not lie in it. One end will do.
 void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyFace& face,
                           std::vector<SupportPoint>& points) {
-  const int axis = body.cut_cells.grid.plane_strain;
+  const CutCells& cells = body.cut_cells;
+  const int axis = cells.grid.plane_strain;
   const Vec3 direction = Vec3::Unit(axis), up = Vec3::Unit((axis + 1) % 3), across = Vec3::Unit((axis + 2) % 3);
-  std::vector<double> area(body.cut_cells.cells.size(), 0.0);
+  std::vector<double> area(cells.cells.size(), 0.0);
   if (body.spec->quadtree)  // it has no ends
     for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
-      area[cell] = body.cut_cells.volume_fraction(cell) * std::pow(body.cut_cells.h(cell), 2);
-  for (const int p : face.points()) area[body.cut_cells.boundary.cell[p]] += body.area(p);
-  for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
-    for (const Vec3& xi : {Vec3(0.5 * up), Vec3(0.5 * (across - up)), Vec3(-0.5 * (across + up))}) {
-      SupportPoint point{support, b, cell, xi, direction, direction, area[cell] / 3};
+      area[cell] = cells.volume_fraction(cell) * std::pow(cells.h(cell), 2);
+  for (const int p : face.points()) area[cells.boundary.cell[p]] += body.area(p);
+  int count = 0;
+  const std::vector<int> piece_of_cell = find_connected_pieces(cells, count);
+  struct Piece {
+    int cell = -1;
+    double area = 0;
+    Vec3 first = Vec3::Zero();  ///< moments about the corner of the body, m^3 and m^4
+    Mat3 second = Mat3::Zero();
+  };
+  std::vector<Piece> pieces(count);
+  for (int cell = 0; cell < static_cast<int>(area.size()); ++cell) {
+    Piece& piece = pieces[piece_of_cell[cell]];
+    piece.cell = cell;
+    const Vec3 x = global_position(cells, cell, Vec3::Zero()) - body.low;
+    const double h = cells.h(cell);
+    piece.area += area[cell];
+    piece.first += area[cell] * x;
+    piece.second += area[cell] * (x * x.transpose() + h * h / 12 * Mat3::Identity());
+  }
+  for (const Piece& piece : pieces) {
+    const Vec3 centre = piece.first / piece.area;
+    const Mat3 spread = piece.second / piece.area - centre * centre.transpose();
+    // Half axes r of the plane spread = r r^T: Cholesky's factor of its two rows and columns.
+    const double a = std::sqrt(up.dot(spread * up)), c = up.dot(spread * across) / a;
+    const Vec3 r = a * up + c * across, s = std::sqrt(across.dot(spread * across) - c * c) * across;
+    for (const auto& [x, y] :
+         {std::pair(2.0, 0.0), std::pair(-1.0, std::sqrt(3.0)), std::pair(-1.0, -std::sqrt(3.0))}) {
+      const Vec3 place = body.low + centre + std::sqrt(0.5) * (x * r + y * s);  // of mean zero and unit second moments
+      SupportPoint point{
+          support,   b,         piece.cell,    cell_coordinates(cells, piece.cell, cells.grid.to_grid(place)),
+          direction, direction, piece.area / 3};
       point.by_plane_strain = true;
       points.push_back(point);
     }
+  }
 }
 
 }  // namespace

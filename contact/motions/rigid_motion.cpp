@@ -80,28 +80,6 @@ Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const Resistanc
   return eigen.eigenvectors().leftCols(count);
 }
 
-/// Number of the connected piece of every active cell (joined by common faces), from 0.
-std::vector<int> find_pieces(const CutCells& cut_cells, int& count) {
-  std::vector<int> piece(cut_cells.cells.size(), -1), waiting;
-  count = 0;
-  for (std::size_t start = 0; start < piece.size(); ++start) {
-    if (piece[start] >= 0) continue;
-    piece[start] = count;
-    waiting.push_back(static_cast<int>(start));
-    while (!waiting.empty()) {
-      const int cell = waiting.back();
-      waiting.pop_back();
-      each_cell_beside(cut_cells, cell, [&](int neighbour) {
-        if (piece[neighbour] >= 0) return;
-        piece[neighbour] = count;
-        waiting.push_back(neighbour);
-      });
-    }
-    ++count;
-  }
-  return piece;
-}
-
 /// The `count` pieces of a body, given by their numbers in it.
 void add_pieces(const std::vector<BodyModel>& bodies, int body, std::vector<int> piece_of_cell, int count,
                 RigidPieces& pieces) {
@@ -142,7 +120,7 @@ RigidPieces separate_pieces(const std::vector<BodyModel>& bodies) {
   RigidPieces pieces;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     int count = 0;
-    std::vector<int> piece_of_cell = find_pieces(bodies[b].cut_cells, count);
+    std::vector<int> piece_of_cell = find_connected_pieces(bodies[b].cut_cells, count);
     add_pieces(bodies, static_cast<int>(b), std::move(piece_of_cell), count, pieces);
   }
   return pieces;

@@ -160,30 +160,24 @@ TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem) {
   };
   const auto each_support = [&](const auto& use) {
     for (std::size_t s = 0; s < problem.supports.size(); ++s)
-      if (const SupportPoint& p = problem.supports[s]; !p.by_plane_strain) {
-        double N[8];
-        hex_shape(p.xi.data(), N);
-        for (int a = 0; a < 8; ++a) use(static_cast<int>(s), problem.system.meshes[p.body].cell_nodes[p.cell][a], N[a]);
-      }
+      if (const SupportPoint& p = problem.supports[s]; !p.by_plane_strain)
+        for (int a = 0; a < 8; ++a) use(static_cast<int>(s), problem.system.meshes[p.body].cell_nodes[p.cell][a], a);
   };
   const std::vector<GroupRow>& rows = problem.system.group_rows;
-  each_support([&](int, int n, double) { touch(n); });
+  each_support([&](int, int n, int) { touch(n); });
   for (const GroupRow& row : rows)
     for (const auto& [dof, value] : row.entries) touch(node_of_dof(dof));
   std::vector<int> support_begin(node.size() + 1, 0), group_begin(dofs_per_node * node.size() + 1, 0);
   const auto dof_place = [&](int dof) { return dof_of(place[node_of_dof(dof)], component_of_dof(dof)); };
-  each_support([&](int, int n, double) { ++support_begin[place[n] + 1]; });
+  each_support([&](int, int n, int) { ++support_begin[place[n] + 1]; });
   for (const GroupRow& row : rows)
     for (const auto& [dof, value] : row.entries) ++group_begin[dof_place(dof) + 1];
   std::partial_sum(support_begin.begin(), support_begin.end(), support_begin.begin());
   std::partial_sum(group_begin.begin(), group_begin.end(), group_begin.begin());
-  std::vector<int> support(support_begin.back()), group(group_begin.back());
-  std::vector<double> shape(support.size()), coefficient(group.size());
+  std::vector<int> support_corner(support_begin.back()), group(group_begin.back());
+  std::vector<double> coefficient(group.size());
   std::vector<int> next(support_begin);
-  each_support([&](int s, int n, double N) {
-    support[next[place[n]]] = s;
-    shape[next[place[n]]++] = N;
-  });
+  each_support([&](int s, int n, int a) { support_corner[next[place[n]]++] = 8 * s + a; });
   next = group_begin;
   for (std::size_t g = 0; g < rows.size(); ++g)
     for (const auto& [dof, value] : rows[g].entries) {
@@ -193,8 +187,7 @@ TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem) {
   TouchedNodes<MemSpace> touched;
   touched.node = copy_to_view<IntView>("cgcontact::contact::touched", node);
   touched.support_begin = copy_to_view<IntView>("cgcontact::contact::support_begin", support_begin);
-  touched.support = copy_to_view<IntView>("cgcontact::contact::support", support);
-  touched.shape = copy_to_view<RealView>("cgcontact::contact::shape", shape);
+  touched.support_corner = copy_to_view<IntView>("cgcontact::contact::support_corner", support_corner);
   touched.group_begin = copy_to_view<IntView>("cgcontact::contact::group_begin", group_begin);
   touched.group = copy_to_view<IntView>("cgcontact::contact::group", group);
   touched.coefficient = copy_to_view<RealView>("cgcontact::contact::coefficient", coefficient);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -49,8 +50,11 @@ const CadKernel& load() {
 }
 #endif
 
+std::atomic<bool> is_loaded{false};
+
 const CadKernel& kernel() {
   static const CadKernel& loaded = load();
+  is_loaded = true;
   return loaded;
 }
 
@@ -84,6 +88,8 @@ auto measured(const Measure& measure, const CadModel& model) {
 }
 
 }  // namespace
+
+bool cad_is_loaded() { return is_loaded; }
 
 double CadModel::volume() const {
   return measured([&] { return kernel().volume(*this); }, *this);

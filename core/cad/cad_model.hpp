@@ -86,6 +86,9 @@ struct CadReading {
 /// its own units). Throws InputError: not to be read, none, open shells, invalid ones.
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading);
 
+/// Tells whether OpenCASCADE is in memory: it is loaded when it is first needed.
+bool cad_is_loaded();
+
 /// By the ending of its name: .step, .stp; .iges, .igs; .brep, .brp (which says nothing of units).
 enum class CadFormat { step, iges, brep, unknown };
 CadFormat cad_format(const std::string& file);

@@ -36,4 +36,25 @@ void mark_cells_around(const CutCells& cells, const std::vector<int>& active, in
   }
 }
 
+std::vector<int> find_connected_pieces(const CutCells& cells, int& count) {
+  std::vector<int> piece(cells.cells.size(), -1), waiting;
+  count = 0;
+  for (std::size_t start = 0; start < piece.size(); ++start) {
+    if (piece[start] >= 0) continue;
+    piece[start] = count;
+    waiting.push_back(static_cast<int>(start));
+    while (!waiting.empty()) {
+      const int cell = waiting.back();
+      waiting.pop_back();
+      each_cell_beside(cells, cell, [&](int neighbour) {
+        if (piece[neighbour] >= 0) return;
+        piece[neighbour] = count;
+        waiting.push_back(neighbour);
+      });
+    }
+    ++count;
+  }
+  return piece;
+}
+
 }  // namespace cgcontact

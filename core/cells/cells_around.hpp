@@ -77,4 +77,7 @@ void each_cell_beside(const CutCells& cells, int active, const Use& use) {
 /// of their sizes. marked: one entry per active cell.
 void mark_cells_around(const CutCells& cells, const std::vector<int>& active, int reach, std::vector<char>& marked);
 
+/// Number of the connected piece of every active cell (joined by common faces), from 0, and how many there are.
+std::vector<int> find_connected_pieces(const CutCells& cells, int& count);
+
 }  // namespace cgcontact

@@ -219,25 +219,20 @@ class SupportKernels : public ContactKernels<Exec> {
     arrays.value = this->random_values(num_supports);
     arrays.lagged = this->random_values(num_supports);
     arrays.lagged_unit = 3;
-    make_touched(nodes, xi);
+    make_touched(nodes);
   }
 
   /// Every node, in another order; groups with up to 10 unknowns.
-  template <class Nodes, class Xi>
-  void make_touched(const Nodes& nodes, const Xi& xi) {
-    std::vector<int> node, support_begin{0}, support, group_begin{0}, group;
-    std::vector<double> shape, coefficient;
+  template <class Nodes>
+  void make_touched(const Nodes& nodes) {
+    std::vector<int> node, support_begin{0}, support_corner, group_begin{0}, group;
+    std::vector<double> coefficient;
     for (int t = 0; t < num_nodes; ++t) {
       node.push_back((7 * t) % num_nodes);
       for (int s = 0; s < num_supports; ++s)
         for (int a = 0; a < 8; ++a)
-          if (nodes(s, a) == node.back()) {
-            double N[8];
-            hex_shape(&xi(s, 0), N);
-            support.push_back(s);
-            shape.push_back(N[a]);
-          }
-      support_begin.push_back(static_cast<int>(support.size()));
+          if (nodes(s, a) == node.back()) support_corner.push_back(8 * s + a);
+      support_begin.push_back(static_cast<int>(support_corner.size()));
       for (int i = 0; i < 3; ++i) {
         for (int g = this->random_int(0, num_groups - 1); g < num_groups; g += 11) {
           group.push_back(g);
@@ -248,8 +243,7 @@ class SupportKernels : public ContactKernels<Exec> {
     }
     touched.node = this->template on_device<TestNumbers>(node);
     touched.support_begin = this->template on_device<TestNumbers>(support_begin);
-    touched.support = this->template on_device<TestNumbers>(support);
-    touched.shape = this->template on_device<TestValues>(shape);
+    touched.support_corner = this->template on_device<TestNumbers>(support_corner);
     touched.group_begin = this->template on_device<TestNumbers>(group_begin);
     touched.group = this->template on_device<TestNumbers>(group);
     touched.coefficient = this->template on_device<TestValues>(coefficient);
@@ -350,19 +344,19 @@ TYPED_TEST(SupportKernels, RowsOfRigidMotions) {
 /// y = start + factor R x.
 TYPED_TEST(SupportKernels, RowsMultiply) {
   using Values = typename TestFixture::TestValues;
-  const Values x = this->random_values(TestFixture::num_groups), start = this->random_values(TestFixture::num_nodes),
-               y("y", TestFixture::num_nodes);
-  multiply_rows(this->exec, this->touched.support_begin, this->touched.support, this->touched.shape,
-                this->random_values(TestFixture::num_supports), 0.0, start, y);
+  const auto& [begin, column, value] =
+      std::tie(this->touched.group_begin, this->touched.group, this->touched.coefficient);
+  const int rows = dof_of(TestFixture::num_nodes);
+  const Values x = this->random_values(TestFixture::num_groups), start = this->random_values(rows), y("y", rows);
+  multiply_rows(this->exec, begin, column, value, x, 0.0, start, y);
   EXPECT_EQ(this->on_host(y), this->on_host(start));
-  const Values s = this->random_values(TestFixture::num_supports);
-  multiply_rows(this->exec, this->touched.support_begin, this->touched.support, this->touched.shape, s, 2.0, start, y);
-  const auto begin = this->on_host(this->touched.support_begin), support = this->on_host(this->touched.support);
-  const auto shape = this->on_host(this->touched.shape), value = this->on_host(s), from = this->on_host(start),
+  multiply_rows(this->exec, begin, column, value, x, 2.0, start, y);
+  const auto first = this->on_host(begin), columns = this->on_host(column);
+  const auto values = this->on_host(value), right = this->on_host(x), from = this->on_host(start),
              found = this->on_host(y);
   for (std::size_t r = 0; r < found.size(); ++r) {
     double sum = 0;
-    for (int e = begin[r]; e < begin[r + 1]; ++e) sum += shape[e] * value[support[e]];
+    for (int e = first[r]; e < first[r + 1]; ++e) sum += values[e] * right[columns[e]];
     EXPECT_NEAR(found[r], from[r] + 2 * sum, 100 * rounding);
   }
 }
