@@ -113,7 +113,11 @@ Scene parse_scene(const std::string& text, const std::string& file, const std::v
   apply_overrides(*document, overrides);
   const auto source = std::make_shared<SceneText>(SceneText{file, {}});
   const TomlCursor root(*document, "", *source);
-  if (const auto parameters = root.find("parameters")) source->parameters = read_parameters(*parameters);
+  if (const auto parameters = root.find("parameters")) {
+    source->parameters = read_parameters(*parameters);
+    for (const auto& [name, value] : parameters->entries())
+      if (value.is_string()) source->definitions[name] = value.string();
+  }
   make_copies(*document, *source, [&] {
     toml::table again = parse_toml(text, file);
     apply_overrides(again, overrides);

@@ -147,8 +147,15 @@ Quantity TomlCursor::quantity() const {
   return value;
 }
 
+std::string TomlCursor::value_with_definition() const {
+  if (!is_string()) return value();
+  const auto found = text_->definitions.find(*node_->value<std::string>());
+  return found == text_->definitions.end() ? value() : value() + " = \"" + found->second + "\"";
+}
+
 double TomlCursor::number(const Range& range) const {
-  const double number = value_in(unit_named(range.unit), quantity(range.text), place(), value(), range.text);
+  const double number =
+      value_in(unit_named(range.unit), quantity(range.text), place(), value_with_definition(), range.text);
   if (std::isfinite(number) && range.contains(number)) return number;
   std::string problem = std::isfinite(number) ? "out of range" : "not finite";
   if (is_string())
@@ -181,6 +188,8 @@ Vec3 TomlCursor::direction() const {
 }
 
 Expression TomlCursor::expression(const std::string& unit) const {
+  if (is_string() && text_->definitions.count(*node_->value<std::string>()))
+    return Expression(number(Range::any(unit)));
   if (is_string()) return Expression(*node_->value<std::string>(), place(), text_->parameters, unit_named(unit));
   if (!node_->is_number()) fail("is " + type_name() + ", not a number", "a number or an expression of x, y, z");
   return Expression(number(Range::any()));

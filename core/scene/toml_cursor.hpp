@@ -3,6 +3,7 @@
 
 #include <toml++/toml.h>
 
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,6 +21,7 @@ namespace cgcontact {
 struct SceneText {
   std::string file;
   Constants parameters;
+  std::map<std::string, std::string> definitions = {};  ///< of the parameters that are expressions, as written
 };
 
 /// Nodes that come from --set carry the text of the option as their source path.
@@ -71,6 +73,8 @@ class TomlCursor {
  private:
   std::string type_name() const;
   Quantity quantity(const std::string& allowed) const;
+  /// The value, and what the parameter that it names was defined as.
+  std::string value_with_definition() const;
 
   const toml::node* node_;
   std::string key_;
