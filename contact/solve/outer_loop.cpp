@@ -234,7 +234,15 @@ LinearSolveResult ContactSolver::Impl::solve_linear(double tolerance) {
   try {
     update_solver();
     fallbacks_ += !why_fallback_.empty();
-    return solver_.solve(right_hand_side_.vector(), now_.u, tolerance, settings().max_linear_iterations);
+    const int most = settings().max_linear_iterations, at_first = std::min(most, solver_.patience());
+    const auto solve = [&](int limit) { return solver_.solve(right_hand_side_.vector(), now_.u, tolerance, limit); };
+    LinearSolveResult result = solve(at_first);
+    if (result.converged || result.iterations < at_first || at_first == most) return result;
+    update_solver();
+    const int before = result.iterations;
+    result = solve(most - before);
+    result.iterations += before;
+    return result;
   } catch (const std::exception& error) {
     if (is_out_of_memory(error)) throw;
     solver_error_ = error.what();

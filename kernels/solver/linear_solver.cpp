@@ -27,7 +27,8 @@ using Teuchos::rcp;
 namespace {
 
 /// Iterations of one solve; more, and the rigid motions of bodies that contact alone holds are solved for beside the
-/// preconditioner. With contact that coarse grids see well enough, as of one body, fewer are needed without.
+/// preconditioner. With contact that coarse grids see well enough, as of one body, fewer are needed without. Twice as
+/// many are not waited for: without the motions a solve may not end at all.
 constexpr int many_iterations = 30;
 
 /// Adds the cycles on the levels of another hierarchy of the same grids.
@@ -108,10 +109,9 @@ struct LinearSolver::Impl {
     return rcp(new OnRigidMotions(std::move(inner), rigid_bodies, NodeValues::displacements));
   }
 
+  bool may_keep_motions_apart() const { return kind != Preconditioner::muelu && !rigid_motions && !has_no_motions; }
   /// From the next update on.
-  void keep_rigid_motions_apart() {
-    wants_motions = kind != Preconditioner::muelu && !rigid_motions && !has_no_motions;
-  }
+  void keep_rigid_motions_apart() { wants_motions = may_keep_motions_apart(); }
 
   void look_for_rigid_motions() {
     if (!std::exchange(wants_motions, false)) return;
@@ -212,6 +212,10 @@ bool LinearSolver::fall_back() {
   s.wants_motions = s.renew = false;
   s.map = Teuchos::null;
   return true;
+}
+
+int LinearSolver::patience() const {
+  return impl_->may_keep_motions_apart() ? 2 * many_iterations : std::numeric_limits<int>::max();
 }
 
 bool LinearSolver::needs_supports() const {

@@ -39,6 +39,8 @@ class LinearSolver {
   void update();
   /// From the next update on MueLu, if the preconditioner is multigrid; false: it is MueLu already.
   bool fall_back();
+  /// Iterations of a solve after which another update finds a better preconditioner.
+  int patience() const;
   /// Does the next update read the supports of the system? Between two that do not, they may be left out.
   bool needs_supports() const;
   /// Figures of all solves so far.
