@@ -142,7 +142,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
   const auto make_solver = [&] {
     return std::make_unique<ContactSolver>(
-        OuterProblem{state.scene, state.bodies, state.pairs, state.supports, state.system, state.scales, ExecSpace()},
+        OuterProblem{state.scene, state.bodies, state.pairs, state.supports, state.system, state.scales, exec_},
         earlier);
   };
   preload_.begin(state.bodies, state.pairs);
@@ -295,7 +295,7 @@ void Simulation::place_on_grids() {
 void Simulation::make_system() {
   for (BodyModel& body : state.bodies) body.cut_cells.gather_moments();
   state.scales = make_scales(state.scene);
-  state.system = make_contact_system(state.scene, state.bodies, state.supports, state.pairs, state.scales, ExecSpace());
+  state.system = make_contact_system(state.scene, state.bodies, state.supports, state.pairs, state.scales, exec_);
 }
 
 /// Once, however many steps give it.

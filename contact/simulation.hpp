@@ -21,7 +21,8 @@ struct ProgressCallbacks {
 /// The steps of a run, and what they leave behind.
 class Simulation {
  public:
-  explicit Simulation(const Scene& scene) : state(scene), preload_(scene) {}
+  explicit Simulation(const Scene& scene, const ExecSpace& exec = ExecSpace())
+      : state(scene), exec_(exec), preload_(scene) {}
   Simulation(const Simulation&) = delete;
 
   SolvedState state;
@@ -59,6 +60,7 @@ class Simulation {
   bool tighten();
   void choose_reference();
 
+  ExecSpace exec_;  ///< what kernels run on
   Preload preload_;
 };
 
