@@ -41,8 +41,23 @@ struct Level {
   LevelVector passed;             // where `system` is the whole: b or x in the numbers of the share
   std::vector<LevelVector> p, q;  // directions of CG on the level, and the operator applied to them
 
+  bool mostly_repeats = false;  // the next finer grid
+  bool is_worked_on = true;     // the others only pass vectors on
+
   bool is_shared() const { return system->dofs.halo() != nullptr; }
 };
+
+/// More than half of the coarse cells are cells of the fine grid as they are.
+bool mostly_repeats(const ElasticSystem& fine, const ElasticSystem& coarse) {
+  const CoarseCells cells(fine, coarse);
+  const std::vector<const BodyMesh*> fine_parts = fine.parts();
+  std::size_t all = 0, repeated = 0;
+  for (const BodyMesh* part : coarse.parts()) all += part->cell_nodes.size();
+  for (std::size_t p = 0; p < fine_parts.size(); ++p)
+    for (std::size_t e = 0; e < fine_parts[p]->cell_nodes.size(); ++e)
+      repeated += !cells.of(static_cast<int>(p), static_cast<int>(e)).larger;
+  return 2 * repeated > all;
+}
 
 }  // namespace
 
@@ -72,7 +87,7 @@ struct Multigrid::Impl {
     map = levels[0]->system->dofs.vector_map(comm);
     update_groups();
     for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
-      levels[l]->largest_eigenvalue = eigenvalue_margin * estimate_eigenvalue(*levels[l]);
+      if (levels[l]->is_worked_on) levels[l]->largest_eigenvalue = eigenvalue_margin * estimate_eigenvalue(*levels[l]);
       report.largest_eigenvalue.push_back(levels[l]->largest_eigenvalue);
     }
   }
@@ -89,6 +104,7 @@ struct Multigrid::Impl {
     std::vector<NodeColumns<Real>> columns;
     for (const auto& level : levels) columns.push_back(make_node_columns<Real>(*level->whole));
     if (by_ranks) share_levels(columns);
+    choose_grids();
     for (const auto& level : levels) report.unknowns.push_back(level->whole->num_dofs());
     report.cycles.assign(levels.size(), 0);
     // Operators have what they need of the cells once they are made: coarse ones go before the fine ones take most
@@ -99,7 +115,8 @@ struct Multigrid::Impl {
       level.b = LevelVector("cgcontact::multigrid::b", n);
       level.x = LevelVector("cgcontact::multigrid::x", n);
       if (l + 1 == levels.size()) continue;
-      make_smoother(level, columns[l]);
+      level.r = LevelVector("cgcontact::multigrid::r", n);
+      if (level.is_worked_on) make_smoother(level, columns[l]);
       if (l == 0) continue;
       cgcontact::drop_cells(level.cells, level.own_system);
       if (level.share) level.share->drop_cells();
@@ -108,6 +125,17 @@ struct Multigrid::Impl {
     coarsest_map = levels.back()->whole->dofs.vector_map(alone);
     coarsest_b = rcp(new TpetraVector(coarsest_map, 1));
     coarsest_x = rcp(new TpetraVector(coarsest_map, 1));
+  }
+
+  /// Bounds the work: each grid that is worked on may be visited `coarse_steps` times as often as the next finer one.
+  /// One that mostly repeats that one's cells, and would cost more than the finest that way, is passed by.
+  void choose_grids() {
+    const double steps = std::max(settings.coarse_steps, 1), most = levels[0]->whole->num_dofs();
+    double visits = steps;
+    for (std::size_t l = 1; l + 1 < levels.size(); ++l) {
+      levels[l]->is_worked_on = !levels[l]->mostly_repeats || visits * levels[l]->whole->num_dofs() <= most;
+      if (levels[l]->is_worked_on) visits *= steps;
+    }
   }
 
   /// The systems of all grids, and the transfers between them.
@@ -127,6 +155,7 @@ struct Multigrid::Impl {
       to->own_system = make_elastic_system(cells, materials, fine.scales, settings.coarse_ghost * fine.ghost_penalty);
       to->whole = to->system = &to->own_system;
       to->own_system.supports = coarse_supports(*from.whole, to->own_system, settings.firm_holds);
+      to->mostly_repeats = mostly_repeats(*from.whole, *to->whole);
       from.transfer = make_transfer(*from.whole, *to->whole);
       const RowCoarsening* const before = levels.size() > 1 ? &levels[levels.size() - 2]->row_coarsening : nullptr;
       from.row_coarsening =
@@ -159,7 +188,6 @@ struct Multigrid::Impl {
     const ElasticSystem& system = *level.system;
     const int n = system.num_dofs();
     level.op = std::make_unique<FastOperator<Real>>(system);
-    level.r = LevelVector("cgcontact::multigrid::r", n);
     level.d = LevelVector("cgcontact::multigrid::d", n);
     for (int k = 0; k < settings.coarse_steps && level.whole != &fine; ++k) {
       level.p.emplace_back("cgcontact::multigrid::p", n);
@@ -190,13 +218,15 @@ struct Multigrid::Impl {
     for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
       Level& level = *levels[l];
       const bool same_rows = !first && !present.any_changed();
-      if (level.is_shared()) level.share->set_groups(level.whole->group_rows, present.stiffness, same_rows);
-      level.op->set_groups(level.system->groups);
-      level.smoother->set_groups(level.system->group_rows, present.stiffness);
+      if (level.is_worked_on) {
+        if (level.is_shared()) level.share->set_groups(level.whole->group_rows, present.stiffness, same_rows);
+        level.op->set_groups(level.system->groups);
+        level.smoother->set_groups(level.system->group_rows, present.stiffness);
+      }
       Level& next = *levels[l + 1];
       std::vector<GroupRow>& rows = next.own_system.group_rows;
       present = level.row_coarsening.update(level.whole->group_rows, present, next.own_system, rows);
-      if (next.is_shared()) continue;  // the whole one is not computed with
+      if (next.is_shared() || !next.is_worked_on) continue;  // the whole one is not computed with
       if (first || present.any_changed()) compress_group_rows(next.own_system);
       set_group_stiffness(next.own_system, present.stiffness);
     }
@@ -308,7 +338,7 @@ struct Multigrid::Impl {
   /// the residual.
   void solve_coarse(std::size_t l) const {
     const Level& level = *levels[l];
-    if (l + 1 == levels.size() || settings.coarse_steps == 0) return cycle(l);
+    if (l + 1 == levels.size() || settings.coarse_steps == 0 || !level.is_worked_on) return cycle(l);
     const double enough = std::pow(settings.coarse_residual, 2) * product(level, level.b, level.b);
     std::vector<double> step, energy;
     for (int k = 0; k < settings.coarse_steps; ++k) {
@@ -329,11 +359,16 @@ struct Multigrid::Impl {
 
   void cycle(std::size_t l) const {
     const Level& level = *levels[l];
-    ++report.cycles[l];
+    report.cycles[l] += level.is_worked_on;
     if (l + 1 == levels.size()) return solve_coarsest(level);
     const Level& next = *levels[l + 1];
-    smooth(level, true);
-    level.op->residual(exec, level.b, level.x, level.r);
+    if (level.is_worked_on) {
+      smooth(level, true);
+      level.op->residual(exec, level.b, level.x, level.r);
+    } else {
+      Kokkos::deep_copy(exec, level.x, Real(0));
+      Kokkos::deep_copy(exec, level.r, level.b);
+    }
     if (level.is_shared()) level.system->dofs.halo()->import_ghosts(level.r.data());
     const bool passes = level.is_shared() && !next.is_shared();  // from the next level on every rank has all
     const DofMap& next_dofs = (passes ? next.share->system() : *next.system).dofs;
@@ -342,7 +377,7 @@ struct Multigrid::Impl {
     solve_coarse(l + 1);
     if (passes) next.share->to_local(next.x, next.passed);
     prolongate_add(exec, level.transfer, level.system->dofs, passes ? next.passed : next.x, level.x);
-    smooth(level, false);
+    if (level.is_worked_on) smooth(level, false);
   }
 };
 

@@ -8,6 +8,9 @@
 /// For solid bodies one step mostly does, which is a V-cycle with a step length. Where cells are wider than a body is
 /// thick, two levels alone converge as well as elsewhere, but a bending motion costs each of them more than the next
 /// finer one (shear locking, a factor of four), and in a V-cycle these losses multiply.
+///
+/// Of bodies refined locally a step puts only a part of the cells together: a grid that mostly repeats the next finer
+/// one is passed by where its visits could cost more than the finest grid.
 #pragma once
 
 #include <memory>
@@ -33,8 +36,8 @@ struct MultigridSettings {
 
 struct MultigridReport {
   std::vector<int> unknowns;               ///< per level, finest first
-  std::vector<double> largest_eigenvalue;  ///< of M^-1 A on all levels but the coarsest
-  std::vector<long long> cycles;           ///< per level: how often it was worked on
+  std::vector<double> largest_eigenvalue;  ///< of M^-1 A on all levels but the coarsest; 0: passed by
+  std::vector<long long> cycles;           ///< per level: how often it was worked on; 0: it is passed by
   int coarsest_setups = 0;
   std::vector<int> muelu_unknowns;  ///< of MueLu's levels on the coarsest grid; one: a direct solve
 };
