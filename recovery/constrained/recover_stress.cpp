@@ -82,16 +82,15 @@ class PatchBatch {
       : assembly_(assembly), edges_(edges), options_(options) {}
 
   void assemble(const int* nodes, std::size_t count) {
+    problems_.clear();  // new ones where they lie: they are 4 kB each
     problems_.resize(count);
     rows_.resize(num_chunks(count, grain));
     parallel_chunks("cgcontact::recover_stress::assemble", count, grain,
                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                       static thread_local PatchWorkspace workspace;
                       rows_[chunk].clear();
-                      for (std::size_t i = begin; i < end; ++i) {
-                        problems_[i] = PatchProblem();
+                      for (std::size_t i = begin; i < end; ++i)
                         assembly_.assemble(nodes[i], edges_, workspace, rows_[chunk], problems_[i]);
-                      }
                     });
   }
   void solve() {
