@@ -30,7 +30,8 @@ KOKKOS_FORCEINLINE_FUNCTION void cholesky_block(const Real* A, const Real* L, in
 }
 
 /// A - shift I = L L^T, n rows (a multiple of row_block); the diagonal of L holds reciprocals. n^3 / 3 flop.
-/// True for the lanes whose matrix is positive definite; the factors of the others are finite and of no use.
+/// True for the lanes whose matrix is positive definite; the factors of the others are of no use, and unfinished where
+/// no lane's is.
 template <class Real>
 KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& shift, int n, Real* L) {
   MaskOf<Real> positive = shift == shift;
@@ -68,6 +69,7 @@ KOKKOS_INLINE_FUNCTION MaskOf<Real> packed_cholesky(const Real* A, const Real& s
         L[packed_row(r + i) + r + j] = acc[i][j];
       }
     }
+    if (!any(positive)) break;
   }
   return positive;
 }
