@@ -58,7 +58,7 @@ RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const RCP<const Tpet
   list.set("number of equations", dofs_per_node);
   list.set("use kokkos refactor", false);
   list.set("problem: symmetric", true);
-  list.set("coarse: max size", 4000);
+  list.set("coarse: max size", factorised_unknowns);
   // Chebyshev runs on SpMV, 2-3 times faster here than Gauss-Seidel sweeps; with MueLu's default of 10 power iterations
   // the preconditioner can become indefinite, 30 are safe.
   list.set("smoother: type", "CHEBYSHEV");

@@ -7,6 +7,9 @@
 
 namespace cgcontact {
 
+/// Unknowns up to which MueLu factorises a matrix as it is.
+constexpr int factorised_unknowns = 4000;
+
 /// Sets up MueLu on the system's assembled matrix, with the rigid-body modes of the assembly.
 Teuchos::RCP<TpetraOperator> make_muelu(const ElasticSystem& system, const Teuchos::RCP<const TpetraMap>& map,
                                         const Teuchos::RCP<TpetraMatrix>& matrix);

@@ -128,11 +128,12 @@ struct Multigrid::Impl {
   }
 
   /// Bounds the work: each grid that is worked on may be visited `coarse_steps` times as often as the next finer one.
-  /// One that mostly repeats that one's cells, and would cost more than the finest that way, is passed by.
+  /// One that mostly repeats that one's cells, and would cost more than the finest that way, is passed by. Systems that
+  /// could be factorised as they are have no cost to speak of.
   void choose_grids() {
     const double steps = std::max(settings.coarse_steps, 1), most = levels[0]->whole->num_dofs();
     double visits = steps;
-    for (std::size_t l = 1; l + 1 < levels.size(); ++l) {
+    for (std::size_t l = 1; most > factorised_unknowns && l + 1 < levels.size(); ++l) {
       levels[l]->is_worked_on = !levels[l]->mostly_repeats || visits * levels[l]->whole->num_dofs() <= most;
       if (levels[l]->is_worked_on) visits *= steps;
     }
