@@ -235,6 +235,61 @@ TEST(PlaneStrain, PatchTestOnQuadtrees) {
   }
 }
 
+/// Three points for each piece of a body have the area, the centre and the second moments of the piece's end, here of
+/// rectangles that fill their cells: as rigid bodies both are held as by all of their ends.
+TEST(PlaneStrain, ThreePointsHoldAPiece) {
+  const Scene scene = parse_scene(R"(
+plane_strain = "x"
+[[body]]
+name = "two"
+shape = {union = [{name = "a", box = {min = [0, 5, 3], max = [0.1, 5.4, 3.2]}},
+                  {name = "b", box = {min = [0, 5.6, 3], max = [0.1, 5.8, 3.6]}}]}
+material = {E = 1, nu = 0.3}
+cell_size = 0.1
+[[body]]
+name = "below"
+shape = {name = "box", box = {min = [0, 5, 2.5], max = [0.1, 5.4, 3]}}
+material = {E = 1, nu = 0.3}
+cell_size = 0.1
+[[support]]
+face = "below.box.z-"
+displacement = {y = 0, z = 0}
+[[support]]
+face = "two.b.y+"
+displacement = {y = 0, z = 0}
+[[contact]]
+faces = ["two.a.z-", "below.box.z+"]
+bonded = true
+)",
+                                  "scene.toml");
+  struct Rectangle {
+    double width, height;
+    Vec3 centre;
+  };
+  for (const auto& [width, height, centre] : {Rectangle{0.4, 0.2, {0.05, 5.2, 3.1}}, {0.2, 0.6, {0.05, 5.7, 3.3}}}) {
+    double area = 0;
+    Vec3 first = Vec3::Zero();
+    Mat3 second = Mat3::Zero();
+    int count = 0;
+    const Preparation preparation = prepare(scene);
+    for (const SupportPoint& point : preparation.supports) {
+      if (!point.by_plane_strain || point.body != 0) continue;
+      const Vec3 x = global_position(preparation.bodies[0].cut_cells, point.cell, point.xi) - centre;
+      if (std::abs(x[1]) > width) continue;
+      ++count;
+      area += point.weight;
+      first += point.weight * x;
+      second += point.weight * x * x.transpose();
+    }
+    EXPECT_EQ(count, 3);
+    EXPECT_NEAR(area / (width * height), 1, 1e-12);
+    EXPECT_LT(first.tail<2>().norm(), 1e-12 * area);
+    EXPECT_NEAR(second(1, 1) / area, width * width / 12, 1e-12);
+    EXPECT_NEAR(second(2, 2) / area, height * height / 12, 1e-12);
+    EXPECT_NEAR(second(1, 2) / area, 0, 1e-12);
+  }
+}
+
 /// The message of what `cgcontact check` says to the scene with some text replaced, or "".
 std::string refusal(const std::vector<std::pair<std::string, std::string>>& changes) {
   std::string text = std::string("plane_strain = \"x\"\n") + two_blocks;
