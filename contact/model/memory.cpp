@@ -65,17 +65,19 @@ BodySize estimate_size(const BodySpec& body, bool finer) {
   }
   const BodyGeometry& geometry = solid.geometry();
   const CellEstimate estimate = geometry.estimate_cells(grid, finer ? finer_cells : coarse_cells);
-  return {estimate.nodes, estimate.cut_cells, static_cast<double>(geometry.num_facets())};
+  return {estimate.nodes, estimate.cut_cells, static_cast<double>(geometry.num_facets()),
+          body.plane_strain.has_value()};
 }
 
 BodySize size_of(const CutCells& cc) {
   double nodes = cc.parts.empty() ? static_cast<double>(cc.numbers.corners().size()) : 0;
   for (const CutCells& part : cc.parts) nodes += static_cast<double>(part.numbers.corners().size());
-  return {nodes, static_cast<double>(cc.active_of_cut.size()), static_cast<double>(cc.solid.geometry().num_facets())};
+  return {nodes, static_cast<double>(cc.active_of_cut.size()), static_cast<double>(cc.solid.geometry().num_facets()),
+          cc.grid.plane_strain >= 0};
 }
 
-/// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). Cells of the grid that are empty
-/// cost nothing.
+/// Fitted to runs of the scenes of this repository (docs/faq.md, "Time and memory"). In plane strain all cells are cut,
+/// and few have points. Cells of the grid that are empty cost nothing.
 double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& extras) {
   double bytes = program_itself();
   if (extras.pictures) bytes += 13e6;
@@ -83,8 +85,10 @@ double expected_memory(const std::vector<BodySize>& bodies, const MemoryExtras& 
   if (extras.fields_beside_pictures) bytes += 10e6;
   if (extras.cad) bytes += 35e6;
   if (const auto& points = extras.points) bytes += 1200 * points->contact + 730 * points->rows + 440 * points->support;
-  const double per_cut_cell = extras.points ? 2e3 : 6.5e3;
-  for (const BodySize& body : bodies) bytes += 165 * body.nodes + per_cut_cell * body.cut_cells + 1.1e3 * body.facets;
+  for (const BodySize& body : bodies) {
+    const double per_cut_cell = body.plane_strain ? 3.7e3 : extras.points ? 2e3 : 6.5e3;
+    bytes += 165 * body.nodes + per_cut_cell * body.cut_cells + 1.1e3 * body.facets;
+  }
   return bytes;
 }
 

@@ -12,6 +12,7 @@ namespace cgcontact {
 struct BodySize {
   double nodes = 0, cut_cells = 0;
   double facets = 0;  ///< of its surface
+  bool plane_strain = false;
 };
 
 /// Without making the body's cells: from its cells on a coarser grid, or on a less coarse one that takes longer.
