@@ -354,8 +354,10 @@ class PythonResult {
 void stop() {
   for (PythonResult* result : session().results) result->release();
   session().results.clear();
-  const std::unique_ptr<TrilinosThread> last = std::move(session().trilinos);
-  const py::gil_scoped_release released;  // before it ends
+  std::unique_ptr<TrilinosThread> last = std::move(session().trilinos);
+  if (last && !last->lives_here()) last.release();
+  const py::gil_scoped_release released;
+  last.reset();
 }
 
 PythonScene parse_text(const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {

@@ -29,10 +29,6 @@ std::exception_ptr error_of(const std::function<void()>& function, std::unique_l
 TrilinosThread::TrilinosThread(int threads) : process_(getpid()), thread_([this, threads] { live(threads); }) {}
 
 TrilinosThread::~TrilinosThread() {
-  if (getpid() != process_) {
-    thread_.detach();  // it did not come along
-    return;
-  }
   {
     const Lock lock(mutex_);
     ending_ = true;
@@ -40,6 +36,8 @@ TrilinosThread::~TrilinosThread() {
   changed_.notify_all();
   thread_.join();
 }
+
+bool TrilinosThread::lives_here() const { return getpid() == process_; }
 
 void TrilinosThread::live(int threads) {
   std::optional<TrilinosScope> trilinos;
@@ -63,7 +61,7 @@ void TrilinosThread::serve(Lock& lock, const std::function<bool()>& ended) {
 }
 
 void TrilinosThread::run(const std::function<void()>& task) {
-  if (getpid() != process_) {
+  if (!lives_here()) {
     if (TrilinosScope::has_openmp())
       throw std::runtime_error(
           "cgcontact had started when this process was forked off; its threads stayed behind (start processes with "
@@ -85,7 +83,7 @@ void TrilinosThread::run(const std::function<void()>& task) {
 }
 
 void TrilinosThread::ask(const std::function<void()>& question) {
-  if (getpid() != process_) return question();
+  if (!lives_here()) return question();
   Call& call = *at_work_;
   Lock lock(mutex_);
   call.question = &question;

@@ -18,13 +18,16 @@ namespace cgcontact {
 class TrilinosThread {
  public:
   explicit TrilinosThread(int threads);
-  ~TrilinosThread();
+  ~TrilinosThread();  ///< where it lives only: elsewhere nobody would end its waiting
   TrilinosThread(const TrilinosThread&) = delete;
   TrilinosThread& operator=(const TrilinosThread&) = delete;
 
+  /// False in a process that was forked off after the start: the thread did not come along.
+  bool lives_here() const;
+
   /// Runs the task on the thread of Trilinos, and waits. Throws what the task throws, and what kept Trilinos from
-  /// starting. In a process that was forked off afterwards there is no such thread: there the task runs on the calling
-  /// one, or std::runtime_error is thrown if Trilinos has threads.
+  /// starting. Where it does not live the task runs on the calling thread, or std::runtime_error is thrown if Trilinos
+  /// has threads.
   void run(const std::function<void()>& task);
 
   /// Runs the question on the thread that waits for the task at work, and waits; called by that task. Meanwhile other

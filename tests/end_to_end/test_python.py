@@ -188,6 +188,26 @@ class Python(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=False)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
 
+    def test_forked_processes(self):
+        """Processes that are forked off after a solve solve as well with the serial backend, and say why not with threads; both end."""
+        code = textwrap.dedent("""
+            import os, sys, cgcontact
+            def solve():
+                return cgcontact.read({file!r}, n=4).solve(progress=lambda event: None).report["contact"][0]["max_pressure"]
+            expected = solve()
+            if os.fork() == 0:
+                try:
+                    assert solve() == expected
+                except RuntimeError as error:
+                    assert "spawn" in str(error) and cgcontact_has_threads, error
+                sys.exit(0)
+            assert os.wait()[1] == 0
+            """).format(file=str(scene("two_solids_3d")))
+        code = f"cgcontact_has_threads = {'openmp' in str(harness.PROGRAM)}\n" + code
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=False,
+                              timeout=60 * harness.PATIENCE)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
+
     def test_progress_and_interruption(self):
         """Events come in order; what progress raises ends the solve, and so does Ctrl-C."""
         printed = python("""
