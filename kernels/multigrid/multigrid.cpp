@@ -41,8 +41,7 @@ struct Level {
   LevelVector passed;             // where `system` is the whole: b or x in the numbers of the share
   std::vector<LevelVector> p, q;  // directions of CG on the level, and the operator applied to them
 
-  bool mostly_repeats = false;  // the next finer grid
-  bool is_worked_on = true;     // the others only pass vectors on
+  bool is_worked_on = true;  // the others only pass vectors on
 
   bool is_shared() const { return system->dofs.halo() != nullptr; }
 };
@@ -134,7 +133,8 @@ struct Multigrid::Impl {
     const double steps = std::max(settings.coarse_steps, 1), most = levels[0]->whole->num_dofs();
     double visits = steps;
     for (std::size_t l = 1; most > factorised_unknowns && l + 1 < levels.size(); ++l) {
-      levels[l]->is_worked_on = !levels[l]->mostly_repeats || visits * levels[l]->whole->num_dofs() <= most;
+      levels[l]->is_worked_on =
+          visits * levels[l]->whole->num_dofs() <= most || !mostly_repeats(*levels[l - 1]->whole, *levels[l]->whole);
       if (levels[l]->is_worked_on) visits *= steps;
     }
   }
@@ -156,7 +156,6 @@ struct Multigrid::Impl {
       to->own_system = make_elastic_system(cells, materials, fine.scales, settings.coarse_ghost * fine.ghost_penalty);
       to->whole = to->system = &to->own_system;
       to->own_system.supports = coarse_supports(*from.whole, to->own_system, settings.firm_holds);
-      to->mostly_repeats = mostly_repeats(*from.whole, *to->whole);
       from.transfer = make_transfer(*from.whole, *to->whole);
       const RowCoarsening* const before = levels.size() > 1 ? &levels[levels.size() - 2]->row_coarsening : nullptr;
       from.row_coarsening =
