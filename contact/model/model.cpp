@@ -426,6 +426,7 @@ void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyF
     piece.second += area[cell] * (x * x.transpose() + h * h / 12 * Mat3::Identity());
   }
   for (const Piece& piece : pieces) {
+    if (piece.area == 0) continue;  // a sliver without a point on the end: nothing holds it
     const Vec3 centre = piece.first / piece.area;
     const Mat3 spread = piece.second / piece.area - centre * centre.transpose();
     // Half axes r of the plane spread = r r^T: Cholesky's factor of its two rows and columns.
