@@ -54,25 +54,29 @@ TrilinosThread& start(int threads) {
   return *session().trilinos;
 }
 
-/// Runs a task on the thread of Trilinos, without Python's lock.
+/// Runs a task on the thread of Trilinos, without Python's lock; returns what it returns.
 template <class Task>
-void on_trilinos(const Task& task) {
+auto on_trilinos(const Task& task) {
+  using Result = decltype(task());
   TrilinosThread& trilinos = start(0);
   const py::gil_scoped_release released;
-  trilinos.run(task);
+  if constexpr (std::is_void_v<Result>) {
+    trilinos.run(task);
+  } else {
+    std::optional<Result> result;
+    trilinos.run([&] { result.emplace(task()); });
+    return std::move(*result);
+  }
 }
 
-int num_threads() {
-  int threads = 0;
-  on_trilinos([&] { threads = TrilinosScope::concurrency(); });
-  return threads;
-}
+int num_threads() { return on_trilinos(&TrilinosScope::concurrency); }
 
 /// Asked for by the user.
 void set_threads(int threads) {
   parse_threads(std::to_string(threads));
+  const bool starts = !session().trilinos;
   start(threads);
-  if (threads != num_threads())
+  if (!starts && threads != num_threads())
     throw InputError(fmt::format("set_threads({}): cgcontact runs on {} already (allowed: before the first scene)",
                                  threads, num_threads()));
 }
@@ -156,14 +160,12 @@ class PythonScene {
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
 
   std::string check() const {
-    std::string text;
-    on_trilinos([&] {
+    return on_trilinos([&] {
       const Scene on_grids = on_first_grids(*scene_);
       Preparation preparation = lay_out(on_grids, false);
       complete(on_grids, preparation);
-      text = describe(on_grids, preparation);
+      return describe(on_grids, preparation);
     });
-    return text;
   }
 
  private:
@@ -207,23 +209,19 @@ class PythonResult {
   const Scene& solved_scene() const { return adaptive_ ? adaptive_->scene() : *given_; }
 
   std::string report() {
-    std::string text;
-    on_trilinos([&] {
+    return on_trilinos([&] {
       if (results().extremes.empty())
         results().extremes = extremes_of(results(), solved_scene(), draw_bodies(results()));
-      text = report_text(results(), {}, {});
+      return report_text(results(), {}, {});
     });
-    return text;
   }
   std::string summary_text() { return summary(results(), "memory"); }
 
   std::vector<std::string> write(const std::string& directory) {
-    std::vector<std::string> files;
-    on_trilinos([&] {
+    return on_trilinos([&] {
       check_output_directory(directory);
-      files = write_results(results(), solved_scene(), directory);
+      return write_results(results(), solved_scene(), directory);
     });
-    return files;
   }
 
   py::dict contact(const py::object& self) {
@@ -298,8 +296,7 @@ class PythonResult {
 
   py::dict surface(const std::string& name) {
     const BodyFields& fields = results().bodies[body_named(name)];
-    DrawnBody drawn;
-    on_trilinos([&] { drawn = draw_body(fields); });
+    const DrawnBody drawn = on_trilinos([&] { return draw_body(fields); });
     py::array_t<int> triangles(
         std::vector<py::ssize_t>{static_cast<py::ssize_t>(drawn.mesh.boundary.size()), py::ssize_t{3}});
     int* to = triangles.mutable_data();
@@ -361,15 +358,11 @@ void stop() {
 }
 
 PythonScene parse_text(const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {
-  std::shared_ptr<const Scene> scene;
-  on_trilinos([&] { scene = std::make_shared<const Scene>(parse_scene(text, file, overrides)); });
-  return PythonScene(std::move(scene));
+  return PythonScene(on_trilinos([&] { return std::make_shared<const Scene>(parse_scene(text, file, overrides)); }));
 }
 
 PythonScene read_file(const std::string& file, const std::vector<std::string>& overrides) {
-  std::shared_ptr<const Scene> scene;
-  on_trilinos([&] { scene = std::make_shared<const Scene>(read_scene(file, overrides)); });
-  return PythonScene(std::move(scene));
+  return PythonScene(on_trilinos([&] { return std::make_shared<const Scene>(read_scene(file, overrides)); }));
 }
 
 }  // namespace
@@ -391,16 +384,8 @@ PYBIND11_MODULE(_cgcontact, module) {
   module.def("parse", &parse_text, "text"_a, "file"_a, "overrides"_a);
   module.def("set_threads", &set_threads, "threads"_a);
   module.def("threads", &num_threads);
-  module.def("rank", [] {
-    int value = 0;
-    on_trilinos([&] { value = this_rank(); });
-    return value;
-  });
-  module.def("ranks", [] {
-    int value = 0;
-    on_trilinos([&] { value = num_ranks(); });
-    return value;
-  });
+  module.def("rank", [] { return on_trilinos(&this_rank); });
+  module.def("ranks", [] { return on_trilinos(&num_ranks); });
   module.def("stop", &stop);
   py::class_<PythonScene>(module, "Scene")
       .def_property_readonly("title", [](const PythonScene& s) { return s.scene()->title; })

@@ -188,8 +188,21 @@ class Python(unittest.TestCase):
         done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment(), check=False)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
 
+    def test_threads_are_chosen_once(self):
+        """Before the first scene, on a backend with one thread too; afterwards another number is refused."""
+        printed = python("""
+            cgcontact.set_threads(2)
+            cgcontact.set_threads(cgcontact.threads())
+            try:
+                cgcontact.set_threads(3)
+            except cgcontact.InputError as error:
+                print(cgcontact.threads(), error)
+            """)
+        self.assertRegex(printed, r"^([12]) set_threads\(3\): cgcontact runs on \1 already")
+
     def test_forked_processes(self):
-        """Processes that are forked off after a solve solve as well with the serial backend, and say why not with threads; both end."""
+        """Processes that are forked off after a solve solve as well with the serial backend, and say why not with threads; both
+        end."""
         code = textwrap.dedent("""
             import os, sys, cgcontact
             def solve():
