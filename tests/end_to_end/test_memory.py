@@ -129,7 +129,8 @@ class Memory(unittest.TestCase):
                 outcome, found = self.refused("run", scene(name), *settings(**values), "--memory-limit", f"{0.95 * from_cells:.0f}MB")
                 self.assertNotIn("cut cells", outcome.err)
                 self.assertAlmostEqual(in_bytes(found[1]) / (1e6 * from_cells), 1, delta=0.03)
-                self.assertEqual(cgcontact("check", scene(name), *settings(**values), "--memory-limit", f"{1.15 * max(needed, from_cells):.0f}MB").code, 0)
+                enough = f"{1.15 * max(needed, from_cells):.0f}MB"
+                self.assertEqual(cgcontact("check", scene(name), *settings(**values), "--memory-limit", enough).code, 0)
 
     def test_forecast_and_what_a_run_takes(self):
         """The forecast is between 0.85 and 1.3 of the peak of a run, also on curved contact faces with many points, and on one
