@@ -113,15 +113,15 @@ void Simulation::place(const ProgressCallbacks& progress) {
   PhaseClock(results.times_s, progress)("cut cells", [&] { place_on_grids(); });
 }
 
-void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier, bool with_paths) {
-  solve_system(progress, earlier);
+void Simulation::solve(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier, bool with_paths) {
+  solve_system(progress, std::move(earlier));
   finish(progress, with_paths);
 }
 
-void Simulation::solve_system(const ProgressCallbacks& progress, const SolvedState* earlier) {
+void Simulation::solve_system(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier) {
   PhaseClock phase(results.times_s, progress);
   phase("operator", [&] { make_system(); });
-  phase("solve", [&] { solve_steps(progress, earlier); });
+  phase("solve", [&] { solve_steps(progress, std::move(earlier)); });
   state.system.supports.clear();  // in the solution
 }
 
@@ -138,16 +138,18 @@ void Simulation::finish(const ProgressCallbacks& progress, bool with_paths) {
 
 /// All steps, each from the solution of the one before; figures of each, if the scene asks for steps. The last one is
 /// the result.
-void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier) {
+void Simulation::solve_steps(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier) {
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
+  const std::weak_ptr<const SolvedState> start = earlier;  // for as long as its owner, or the first solver, keeps it
   const auto make_solver = [&] {
     return std::make_unique<ContactSolver>(
         OuterProblem{state.scene, state.bodies, state.pairs, state.supports, state.system, state.scales, exec_},
-        earlier);
+        start.lock());
   };
   preload_.begin(state.bodies, state.pairs);
   bool tightened = false;
   auto solver = make_solver();
+  earlier.reset();
   std::string first_failure;
   int extensions = 0;
   // The solution before bodies were held for having let go of their contact, and its closed points.
@@ -353,6 +355,15 @@ void Simulation::recover() {
             divergence_at_nodes(state.system.meshes[b], state.bodies[b].boundary, state.scales.stress));
     }
   }
+  if (options.pressure == PressureSource::stress) return;
+  state.faces = solve_face_pressures(exec_, state);
+  for (std::size_t p = 0; p < state.pairs.size(); ++p)
+    if (const int left_out = state.faces.left_out[p]; left_out > 0)
+      add_warning(
+          fmt::format("contact \"{}\": the pressure of {} of its zones is that of the recovered stress, not from a "
+                      "problem on the face: the zone ends with the face, or the face turns by more than 30 degrees and "
+                      "is not round about one axis",
+                      state.pairs[p].spec->name, left_out));
 }
 
 /// The scene's reference at the computed force. Without any force, one that depends on it says nothing.

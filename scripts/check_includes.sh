@@ -9,8 +9,8 @@ layers=(core kernels recovery contact)
 declare -A rooms=(
   [core]="base settings triangles quadrature geometry cad cells bodies scene results drawing program output"
   [kernels]="simd mesh operator reference assembled ranks multigrid solver"
-  [recovery]="patch spr zone_edge batched constrained error"
-  [contact]="kernels model motions solve results adaptive study"
+  [recovery]="patch spr zone_edge batched constrained face error"
+  [contact]="kernels model motions solve face results adaptive study"
 )
 
 include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'

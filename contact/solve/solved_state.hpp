@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "contact/face/face_pressures.hpp"
 #include "contact/model/contact_pairs.hpp"
 #include "contact/solve/outer_loop.hpp"
 #include "recovery/constrained/recover_stress.hpp"
@@ -23,6 +24,7 @@ struct SolvedState {
   OuterResult outer;                 ///< displacements, forces, iterations
   std::vector<RecoveredField> spr;   ///< by body: near the contact faces, where it is shown
   std::vector<RecoveredField> sprc;  ///< by body: everywhere (SPR where the scene does not want SPR-C)
+  FacePressures faces;               ///< zones whose pressure was solved for on the face
   RecoveryCounts recovery_counts;
   std::vector<PatchStates> patch_states;  ///< by body; empty without SPR-C
   ReferenceSpec reference;                ///< what the results are compared with

@@ -22,6 +22,7 @@ std::vector<Setting> RecoveryOptions::settings() {
       {"rank_tolerance", &rank_tolerance, Range::fraction()},
       {"auxiliary_depth", &auxiliary_depth, positive_up_to(4, "> 0 and <= 4 cells of the other body")},
       {"contact_edge", &contact_edge},
+      {"pressure", choice_of(pressure, {"stress", "face"})},
       {"degree.interior", &degree.interior, Range::integers(1, 2)},
       {"degree.boundary", &degree.boundary, Range::integers(1, 2)},
       {"degree.contact", &degree.contact, Range::integers(0, 2)},
@@ -43,6 +44,8 @@ std::vector<Setting> RecoveryOptions::settings() {
       method_constant("balance.total_exact", balance.total_exact, Range::not_negative())};
   const std::vector<Setting> of_edge = edge.settings();
   all.insert(all.end(), of_edge.begin(), of_edge.end());
+  const std::vector<Setting> of_face = face.settings();
+  all.insert(all.end(), of_face.begin(), of_face.end());
   return all;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/settings/edge_options.hpp"
+#include "core/settings/face_options.hpp"
 
 namespace cgcontact {
 
@@ -26,12 +27,19 @@ struct BalanceOptions {
   double total_exact = 0.003;
 };
 
+/// What the contact pressure comes from.
+enum class PressureSource {
+  stress,  ///< SPR-C: the normal traction of the recovered stress
+  face     ///< a problem on the face of each zone
+};
+
 struct RecoveryOptions {
   bool spr_c = true;             ///< run the constrained recovery at the end
   double rank_tolerance = 0.1;   ///< constraints weaker than that, of the strongest of a patch, are redundant
   double auxiliary_depth = 0.5;  ///< of the auxiliary patch in the other body, its cells
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
-  RecoveryDegree degree = {};    ///< of the polynomials
+  PressureSource pressure = PressureSource::stress;
+  RecoveryDegree degree = {};  ///< of the polynomials
   int quadratic_rings = 0;  ///< rings of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
   int points_per_face = 0;  ///< 1, 3 or 6 constraint points; 0: by the degree
   double patch_volume = 1;  ///< cells: smaller patches are joined with a neighbour's
@@ -57,6 +65,7 @@ struct RecoveryOptions {
   /// Rank tolerance of the rows of open faces alone: they agree with each other (docs/recovery.md, "Truncation").
   double firm_tolerance = 1e-3;
   EdgeOptions edge = {};
+  FaceOptions face = {};
   BalanceOptions balance = {};
 
   double rank_tolerance_of(int of_degree) const {

@@ -1,0 +1,50 @@
+/// Two coordinates along a contact face: of a face that is nearly flat in the zone its projection to a plane, of a
+/// round one the angle about its axis.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "recovery/face/face_grid.hpp"
+#include "recovery/zone_edge/symmetry_planes.hpp"
+
+namespace cgcontact {
+
+/// A point of the zone, m; outward unit normal; area, m^2.
+struct FacePoint {
+  Vec3 x, normal;
+  double weight;
+};
+
+class FaceChart {
+ public:
+  /// The chart of a zone's points. planes: the symmetry planes that the zone touches. across: of plane strain, the axis
+  /// (global) along which nothing varies, or -1: it is axis 0 then. None: the face turns too much and about no single
+  /// axis, or the planes do not go with its axes.
+  static std::optional<FaceChart> make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
+                                       int across);
+
+  FacePlace place(const Vec3& x) const;
+  /// A point with that place, near the face.
+  Vec3 point(const FacePlace& place) const;
+  /// Unit normal of the chart at a point.
+  Vec3 normal(const Vec3& x) const;
+  /// Of a point, from the plane or from the mean radius, m.
+  double height(const Vec3& x) const;
+  const std::array<FaceEnd, 2>& ends() const { return ends_; }
+  /// Between the two symmetry planes of an axis that has two, m.
+  double length(int axis) const { return length_[axis]; }
+
+ private:
+  bool set_ends(const std::vector<SymmetryPlane>& planes);
+
+  bool round_ = false;
+  Vec3 origin_ = Vec3::Zero();                     ///< of the coordinates; round: on the axis
+  Vec3 axis_[2] = {Vec3::UnitX(), Vec3::UnitY()};  ///< round: the axis of the face, and its radial direction at angle 0
+  Vec3 normal_ = Vec3::UnitZ();                    ///< round: axis_[0] x axis_[1]
+  double radius_ = 0, outward_ = 1;                ///< outward: +1, the normal points away from the axis
+  std::array<FaceEnd, 2> ends_{FaceEnd::free, FaceEnd::free};
+  std::array<double, 2> length_{0, 0};
+};
+
+}  // namespace cgcontact

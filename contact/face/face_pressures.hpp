@@ -1,0 +1,36 @@
+/// The contact pressure of a solved scene as problems on its faces, one for each zone (recovery/face/face_zone.hpp).
+#pragma once
+
+#include <optional>
+
+#include "contact/face/face_chart.hpp"
+#include "recovery/face/face_zone.hpp"
+
+namespace cgcontact {
+
+struct SolvedState;
+
+/// A zone whose pressure was solved for.
+struct SolvedZone {
+  int pair = 0, primary = 0;
+  FaceChart chart;
+  double h = 0;             ///< m
+  std::vector<char> known;  ///< patches that are part of the faces
+  FacePressure pressure;
+
+  /// Pa, at a point on the face of a body; none: the zone does not reach there.
+  std::optional<double> at(int body, const Vec3& x, const Vec3& normal) const;
+};
+
+struct FacePressures {
+  std::vector<SolvedZone> zones;
+  /// Zones of each pair that have no such problem: faces that turn about no single axis, or no open face around.
+  std::vector<int> left_out;
+
+  std::optional<double> at(int pair, int body, const Vec3& x, const Vec3& normal) const;
+};
+
+/// Needs the solution; of bonded pairs there are none.
+FacePressures solve_face_pressures(const ExecSpace& exec, const SolvedState& state);
+
+}  // namespace cgcontact

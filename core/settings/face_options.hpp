@@ -1,0 +1,26 @@
+/// Constants of the contact pressure as a problem on the face (recovery/face/face_zone.hpp). Lengths in cells, the
+/// larger ones of both bodies at the zone. Chosen on perf/edge_scenes (docs/accuracy.md, "The pressure on the face").
+#pragma once
+
+#include "core/settings/settings.hpp"
+
+namespace cgcontact {
+
+struct FaceOptions {
+  /// Patches per cell along the zone at most, in plane strain and in 3D; wide zones have fewer.
+  int patches_per_cell_2d = 16, patches_per_cell_3d = 16;
+  /// So far beyond the closed groups open ones tell of the far field.
+  double reach = 4;
+  /// The far field has no details shorter than this.
+  double smooth_length = 1.5;
+  /// Open groups so far away count exp(-1/2).
+  double fall = 2;
+  /// Stiffness of trilinear cells that the groups' mean gaps lack, times h^2 of the curvature of the compliance.
+  double cell_stiffness = 0.08;
+  double tolerance = 1e-5;
+  int max_iterations = 300;
+
+  std::vector<Setting> settings();
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,49 @@
+/// The patches of the contact face on which the pressure of one zone is sought: a regular grid in two coordinates along
+/// the face, m. In plane strain it has one row, along the zone.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+using FacePlace = Eigen::Vector2d;  ///< along axis 0 and axis 1 of the face, m; in plane strain along axis 1 alone
+
+/// What the face does at the lower end of an axis.
+enum class FaceEnd {
+  free,    ///< nothing: the zone ends by itself
+  mirror,  ///< a symmetry plane at coordinate 0
+  period   ///< symmetry planes at 0 and at the grid's other end
+};
+
+struct FaceGrid {
+  std::array<int, 2> size{1, 1};        ///< patches along each axis; (rows, columns)
+  std::array<double, 2> spacing{1, 1};  ///< m
+  FacePlace low = FacePlace::Zero();    ///< corner of the first patch, m
+  std::array<FaceEnd, 2> end{FaceEnd::free, FaceEnd::free};
+  bool plane_strain = false;
+
+  int num_patches() const { return size[0] * size[1]; }
+  FacePlace centre(int patch) const {
+    return low + FacePlace((patch / size[1] + 0.5) * spacing[0], (patch % size[1] + 0.5) * spacing[1]);
+  }
+  /// Of a patch, m^2; in plane strain m, per thickness.
+  double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
+  /// Patches along an axis with those behind the symmetry plane.
+  int extended(int axis) const { return end[axis] == FaceEnd::free ? size[axis] : 2 * size[axis]; }
+  /// A place behind a symmetry plane is its image.
+  FacePlace folded(FacePlace x) const {
+    for (int a = 0; a < 2; ++a) {
+      if (end[a] == FaceEnd::free) continue;
+      x[a] = std::abs(x[a]);
+      const double high = size[a] * spacing[a];
+      if (end[a] == FaceEnd::period && x[a] > high) x[a] = 2 * high - x[a];
+    }
+    return x;
+  }
+};
+
+}  // namespace cgcontact

@@ -1,0 +1,48 @@
+/// The contact pressure of one zone from the forces that its groups transmit: inside the cells the bodies are
+/// half-spaces, outside the finite element solution is right (docs/theory.md, "The pressure on the face").
+#pragma once
+
+#include "core/settings/face_options.hpp"
+#include "kernels/mesh/views.hpp"
+#include "recovery/face/face_grid.hpp"
+
+namespace cgcontact {
+
+/// A contact group, or what is seen of it in the zone.
+struct FaceGroup {
+  double area = 0;        ///< m^2; in plane strain m, per thickness
+  double force = 0;       ///< N; in plane strain N/m
+  double gap_change = 0;  ///< m, mean over its points: by which the deformation opens the gap
+  double away = 0;        ///< m, from the nearest closed group; 0: it is closed
+};
+
+/// Part of a patch that belongs to a group; all parts of a patch are 1 together.
+struct FaceShare {
+  int patch, group;
+  double part;
+};
+
+struct FaceZone {
+  FaceGrid grid;
+  double h = 1;                   ///< m, the larger cells of both bodies at the zone
+  double modulus = 1;             ///< E* of both, Pa
+  std::vector<char> inside;       ///< patches that are part of both faces
+  std::vector<FaceShare> shares;  ///< of those patches, which groups they belong to
+  std::vector<char> may_press;    ///< patches beside closed groups
+  std::vector<double> distance;   ///< m, of the undeformed faces at each patch
+  std::vector<FaceGroup> groups;
+};
+
+/// What solves the problem of a zone leaves: the square of the pressure, which is smooth where a zone ends.
+struct FacePressure {
+  FaceGrid grid;
+  std::vector<double> square;      ///< Pa^2, at the patches; negative outside of the zone
+  int iterations = 0, closed = 0;  ///< patches that press
+  double change = 0;               ///< FaceSolution::change
+  /// Pa, bilinear in the square; zero outside.
+  double at(const FacePlace& x) const;
+};
+
+FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const FaceOptions& options);
+
+}  // namespace cgcontact

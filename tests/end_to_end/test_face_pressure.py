@@ -1,0 +1,128 @@
+"""recovery.pressure = "face": the contact pressure as a problem on the face of each zone. On zones of few cells it is better than
+that of the stress wherever the grids lie; where it does not apply the run says so and the pressure is that of the stress."""
+import math
+import unittest
+
+import harness
+from harness import cgcontact, contact_rows, report, scene, settings
+
+# A ball of plastic on a block of steel, a quarter of both, pressed by a force: Hertz's zone has a radius of 0.39 mm, three cells.
+BALL = """
+[parameters]
+o = 0.1
+F = 120
+R = 8e-3
+nu1 = 0.38
+E1 = 3e9
+h = 0.13e-3
+[[body]]
+name = "ball"
+material = {E = "E1", nu = "nu1"}
+cell_size = "8*h"
+grid = {offset = ["o", "1-o", "o/3"]}
+refine = [{sphere = {center = [0, 0, 0], radius = "7*h"}, size = "h", grading = 0.25}]
+[body.shape]
+intersection = [{name = "quarter", box = {min = [0, 0, -0.001], max = ["R", "R", "R"]}},
+  {name = "b", sphere = {center = [0, 0, "R"], radius = "R"}}]
+[[body]]
+name = "block"
+material = {E = 210e9, nu = 0.3}
+cell_size = "7*h"
+grid = {offset = ["o/2", "o", "1-o"]}
+refine = [{sphere = {center = [0, 0, 0], radius = "7*h"}, size = "7*h/8", grading = 0.25}]
+shape = {box = {min = [0, 0, "-R"], max = ["R", "R", 0]}}
+[[support]]
+face = "ball.quarter.x-"
+symmetry = true
+[[support]]
+face = "ball.quarter.y-"
+symmetry = true
+[[support]]
+face = "block.x-"
+symmetry = true
+[[support]]
+face = "block.y-"
+symmetry = true
+[[support]]
+face = "block.z-"
+displacement = {z = 0}
+[[load]]
+face = "ball.quarter.z+"
+force = [0, 0, "-F/4"]
+[[contact]]
+faces = ["ball.b.surface", "block.z+"]
+[reference]
+pressure = "p0*sqrt(max(0, 1-(x^2+y^2)/a^2))"
+[reference.parameters]
+Es = "1/((1-nu1^2)/E1+(1-0.3^2)/210e9)"
+a = "(3*F*R/(4*Es))^(1/3)"
+p0 = "3*F/(2*pi*a^2)"
+"""
+
+POSITIONS = [0.05, 0.2, 0.35, 0.5, 0.65, 0.8]
+QUICK = settings(output__plots="false", output__vtk="false")
+
+
+def solve(name, source, **values):
+    run = cgcontact("run", source, "-o", name, *QUICK, *settings(**values))
+    return run, report(name)
+
+
+def whole(result):
+    return next(zone["sprc"] for zone in result["pressure_error"] if zone["zone"] == "whole")
+
+
+def pressed(name, body, axis):
+    """Force of the recovered pressure on a body along an axis, N."""
+    return sum(row["pressure_sprc"] * row["weight"] * -row[f"n{axis}"] for row in contact_rows(name) if row["body"] == body)
+
+
+class FacePressure(unittest.TestCase):
+    # The exact pressure is Hertz's up to (a / R)^2, 0.24 %.
+    def test_ball_at_many_positions(self):
+        harness.pathlib.Path("ball.toml").write_text(BALL)
+        errors = {"stress": [], "face": []}
+        for o in POSITIONS:
+            for source, list_of in errors.items():
+                run, result = solve("ball", "ball.toml", o=o, recovery__pressure=source)
+                self.assertEqual(run.code, 0, run.err)
+                list_of.append(whole(result))
+                if source == "face":
+                    self.assertAlmostEqual(pressed("ball", "block", "z"), -30, delta=0.3)
+                    self.assertFalse([w for w in result["warnings"] if "problem on the face" in w])
+        self.assertLess(max(errors["face"]), 0.025, errors)
+        self.assertLess(sum(errors["face"]), sum(errors["stress"]) / 2, errors)
+
+    # A conforming pin, half of both, down on more than 90 degrees of its hole: coordinates about the axis.
+    def test_pin_in_a_hole(self):
+        forces = {}
+        for source in ("stress", "face"):
+            run, result = solve(source, harness.SOURCE / "tests/scenes/pin.toml", recovery__pressure=source)
+            self.assertEqual(run.code, 0, run.err)
+            self.assertFalse([w for w in result["warnings"] if "problem on the face" in w])
+            forces[source] = pressed(source, "pin", "z")
+            self.assertAlmostEqual(forces[source] / abs(result["contact"][0]["force"]["pin"][2]), 1, delta=0.01)
+        self.assertNotEqual(forces["stress"], forces["face"])
+
+    # A ball in a seat touches it in a ring that turns about the axis and along it: no chart, the pressure of the stress.
+    def test_ring_of_a_ball_in_its_seat(self):
+        rows = []
+        for source in ("stress", "face"):
+            _, result = solve(source, scene("seat"), recovery__pressure=source, accuracy__pressure="20%")
+            warned = [w for w in result["warnings"] if "problem on the face" in w]
+            self.assertEqual(len(warned), 1 if source == "face" else 0)
+            rows.append(contact_rows(source))
+        self.assertEqual(rows[0], rows[1])
+
+    def test_sources(self):
+        harness.pathlib.Path("ball.toml").write_text(BALL)
+        run = cgcontact("run", "ball.toml", "-o", "out", *settings(recovery__pressure="spr"))
+        self.assertEqual(run.code, 1)
+        self.assertIn("recovery.pressure", run.err)
+        self.assertIn("face", run.err)
+        self.assertIn("stress", run.err)
+        self.assertFalse(harness.pathlib.Path("out").exists())
+
+
+if __name__ == "__main__":
+    harness.main()

@@ -1,0 +1,154 @@
+/// The pressure on patches against Hertz's solutions, and the half-space's compliance against integrals.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "recovery/face/face_problem.hpp"
+
+namespace cgcontact {
+namespace {
+
+using Patches = HalfSpace::Patches;
+using Seen = HalfSpace::Marks;
+constexpr double pi = 3.14159265358979323846;
+
+FaceGrid square_grid(double half_side, int patches, FaceEnd end) {
+  FaceGrid grid;
+  grid.end = {end, end};
+  const double low = end == FaceEnd::free ? -half_side : 0;
+  for (int a = 0; a < 2; ++a) {
+    grid.size[a] = end == FaceEnd::free ? patches : patches / 2;
+    grid.spacing[a] = 2 * half_side / patches;
+    grid.low[a] = low;
+  }
+  return grid;
+}
+
+/// Solves with the gap r^2 / (2 R), the force of Hertz's zone of radius 1; E* = 1.
+std::vector<double> hertz(const FaceGrid& grid, double radius, double force, FaceSolution& solution) {
+  const ExecSpace exec;
+  const HalfSpace half_space(grid, 1.0);
+  const Patches gap("gap", grid.size[0], grid.size[1]), p("p", grid.size[0], grid.size[1]);
+  const Seen seen("seen", grid.size[0], grid.size[1]);
+  const auto host = Kokkos::create_mirror_view(gap);
+  for (int n = 0; n < grid.num_patches(); ++n)
+    host(n / grid.size[1], n % grid.size[1]) = grid.centre(n).squaredNorm() / (2 * radius);
+  Kokkos::deep_copy(gap, host);
+  Kokkos::deep_copy(seen, char{1});
+  solution = solve_face_problem(exec, grid, half_space, gap, seen, force, 1e-8, 500, p);
+  const auto result = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), p);
+  std::vector<double> pressure(grid.num_patches());
+  for (int n = 0; n < grid.num_patches(); ++n) pressure[n] = result(n / grid.size[1], n % grid.size[1]);
+  return pressure;
+}
+
+double l2_error(const FaceGrid& grid, const std::vector<double>& p, double largest) {
+  double error = 0, norm = 0;
+  for (int n = 0; n < grid.num_patches(); ++n) {
+    const double exact = largest * std::sqrt(std::max(1 - grid.centre(n).squaredNorm(), 0.0));
+    error += std::pow(p[n] - exact, 2);
+    norm += exact * exact;
+  }
+  return std::sqrt(error / norm);
+}
+
+/// Ball of radius 1 on a zone of radius 1 (small strain does not matter here): a^3 = 3 F R / (4 E*). The error falls
+/// like h^1: the patches at the edge are whole.
+TEST(FaceProblem, Ball) {
+  const double force = 4.0 / 3, largest = 3 * force / (2 * pi);
+  double before = 1;
+  for (const int n : {16, 32}) {
+    FaceSolution solution;
+    const FaceGrid grid = square_grid(1.3, n, FaceEnd::free);
+    const double error = l2_error(grid, hertz(grid, 1, force, solution), largest);
+    EXPECT_LT(solution.iterations, 60);
+    EXPECT_LT(error, n == 16 ? 0.06 : 0.03);
+    EXPECT_LT(error, 0.7 * before);
+    before = error;
+  }
+}
+
+/// A quarter with two symmetry planes is the whole, patch by patch.
+TEST(FaceProblem, Quarter) {
+  FaceSolution solution;
+  const FaceGrid whole = square_grid(1.3, 20, FaceEnd::free), quarter = square_grid(1.3, 20, FaceEnd::mirror);
+  const std::vector<double> p = hertz(whole, 1, 4.0 / 3, solution), q = hertz(quarter, 1, 1.0 / 3, solution);
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10; ++j) EXPECT_NEAR(q[i * 10 + j], p[(i + 10) * 20 + j + 10], 1e-6);
+}
+
+/// Cylinder in plane strain: a^2 = 4 F R / (pi E*), largest pressure 2 F / (pi a).
+TEST(FaceProblem, Cylinder) {
+  FaceGrid grid;
+  grid.plane_strain = true;
+  grid.size = {1, 128};
+  grid.spacing = {1, 2.6 / 128};
+  grid.low = {-0.5, -1.3};
+  FaceSolution solution;
+  const double force = pi / 4, largest = 2 * force / pi;
+  const HalfSpace half_space(grid, 1.0);
+  const Patches gap("gap", 1, 128), p("p", 1, 128);
+  const Seen seen("seen", 1, 128);
+  const auto host = Kokkos::create_mirror_view(gap);
+  for (int j = 0; j < 128; ++j) host(0, j) = std::pow(grid.centre(j)[1], 2) / 2;
+  Kokkos::deep_copy(gap, host);
+  Kokkos::deep_copy(seen, char{1});
+  solution = solve_face_problem(ExecSpace(), grid, half_space, gap, seen, force, 1e-9, 500, p);
+  const auto result = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), p);
+  double error = 0, norm = 0;
+  for (int j = 0; j < 128; ++j) {
+    const double exact = largest * std::sqrt(std::max(1 - std::pow(grid.centre(j)[1], 2), 0.0));
+    error += std::pow(result(0, j) - exact, 2);
+    norm += exact * exact;
+  }
+  EXPECT_LT(std::sqrt(error / norm), 0.015);
+  EXPECT_LT(solution.iterations, 100);
+}
+
+/// The rectangle's integral far away is its area over the distance, and nearby the sum of many small ones.
+TEST(HalfSpace, Rectangle) {
+  FaceGrid grid;
+  grid.size = {8, 8};
+  grid.spacing = {0.3, 0.2};
+  const HalfSpace half_space(grid, 2.0);
+  EXPECT_NEAR(half_space.influence(7, 7) * pi * 2, 0.06 / std::hypot(2.1, 1.4), 1e-4);
+  double sum = 0;
+  const int n = 400;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      sum += 0.06 / (n * n) / std::hypot(0.3 - 0.15 + (i + 0.5) * 0.3 / n, 0.2 - 0.1 + (j + 0.5) * 0.2 / n);
+  EXPECT_NEAR(half_space.influence(1, -1) * pi * 2, sum, 1e-6);
+}
+
+/// Between two symmetry planes a pressure that does not change across acts as in plane strain, also when the planes are
+/// near to each other and the zone is wide: 1e-3 of the largest difference is what the patches' own size makes.
+TEST(HalfSpace, Periodic) {
+  for (const int rows : {1, 2, 6}) {
+    FaceGrid slice, plane;
+    slice.size = {rows, 64};
+    plane.size = {1, 64};
+    slice.spacing = {0.1, 0.1};
+    plane.spacing = {1, 0.1};
+    slice.end = {FaceEnd::period, FaceEnd::free};
+    plane.plane_strain = true;
+    const auto respond = [](const FaceGrid& grid) {
+      const HalfSpace half_space(grid, 1.0);
+      const Patches p("p", grid.size[0], 64), u("u", grid.size[0], 64);
+      const auto host = Kokkos::create_mirror_view(p);
+      for (int i = 0; i < grid.size[0]; ++i)
+        for (int j = 3; j < 40; ++j) host(i, j) = 1 + 0.1 * j;
+      Kokkos::deep_copy(p, host);
+      const Seen all("all", grid.size[0], 64);
+      Kokkos::deep_copy(all, char{1});
+      half_space.apply(ExecSpace(), p, all, u);
+      return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
+    };
+    const auto u = respond(slice), exact = respond(plane);
+    const double range = exact(0, 20) - exact(0, 63);
+    for (int j = 0; j < 64; ++j)
+      for (int i = 0; i < rows; ++i) EXPECT_NEAR(u(i, j) - u(0, 20), exact(0, j) - exact(0, 20), 1e-3 * range) << j;
+  }
+}
+
+}  // namespace
+}  // namespace cgcontact
