@@ -187,9 +187,16 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
   return place_within(allowed, factor, callbacks);
 }
 
-/// Places the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`.
-/// False: the cells would be hardly smaller than those before.
+/// Places the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`, and
+/// falls again from a first guess that leaves most of them. False: the cells would be hardly smaller than those before.
 bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks) {
+  const double worth = std::pow(1 / least_gain, unknowns_power);  // times as many unknowns
+  double too_fine = 0, enough = 0;                                // factors; 0: none is known
+  const auto grow = [&](double growth) {
+    too_fine = factor;
+    factor *= growth;
+    if (enough > 0) factor = enough < least_gain * too_fine ? enough : std::sqrt(too_fine * enough);
+  };
   // What no limit makes coarser is worth a solve even if little is missing.
   while (factor == 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
     next_scene_ = scene_on_grids(given_, sizes_, factor, most_cells(given_, allowed));
@@ -197,18 +204,28 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
     try {
       next_->place(callbacks);
     } catch (const TooManyCells&) {
-      factor *= refused_growth;
+      grow(refused_growth);
       continue;
     } catch (const InputError& error) {  // too large for the memory, as the first grid was not
       if (figures_.solves.empty()) throw;
       refused_ = error.what();
-      factor *= refused_growth;
+      grow(refused_growth);
       continue;
     }
     if (factor == 1) needed_ = count_unknowns(next_->state.bodies);
     const double times = excess(allowed);
-    if (times <= 1) return true;
-    factor *= step * std::pow(1 / times, 1 / coarsening_power);
+    if (times > 1) {
+      grow(step * std::pow(1 / times, 1 / coarsening_power));
+    } else if (factor == 1 || times * worth > 1 || factor <= least_gain * too_fine) {
+      const double unknowns = count_unknowns(next_->state.bodies);
+      if (factor == 1 || !resolved_ || unknowns > worth * static_cast<double>(figures_.solves.back().unknowns))
+        return true;
+      break;
+    } else {
+      enough = factor;
+      factor =
+          too_fine > 0 ? std::sqrt(too_fine * enough) : std::max(1.0, factor * std::pow(1 / times, 1 / unknowns_power));
+    }
   }
   next_.reset();
   return false;

@@ -136,10 +136,11 @@ void check_conditions(const Scene& scene, const std::vector<BodyModel>& bodies, 
   for (int s = 0; s < static_cast<int>(scene.supports.size()); ++s)
     check_support_on_contact(scene, s, bodies[scene.supports[s].face.body], pairs);
   for (const LoadSpec& load : scene.loads) check_load_on_bond(scene, load, bodies[load.face.body], pairs);
-  for (std::size_t l = 0; l < scene.contacts.size(); ++l)
-    for (std::size_t k = 0; k < l; ++k)
-      if (!scene.contacts[k].automatic && !scene.contacts[l].automatic)
-        check_shared_faces(bodies, scene.contacts[k], scene.contacts[l]);
+  std::vector<const ContactSpec*> named;  // automatic ones are one for every two bodies
+  for (const ContactSpec& contact : scene.contacts)
+    if (!contact.automatic) named.push_back(&contact);
+  for (std::size_t l = 0; l < named.size(); ++l)
+    for (std::size_t k = 0; k < l; ++k) check_shared_faces(bodies, *named[k], *named[l]);
 }
 
 }  // namespace cgcontact

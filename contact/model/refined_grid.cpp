@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/base/memory.hpp"
 #include "core/base/text.hpp"
@@ -74,7 +75,8 @@ void add_cells_near_face(const CutCells& cells, const RefineSpec& refine, int le
   for (int e = 0; e < static_cast<int>(of_face.size()); ++e)
     if (of_face[e] && cells.level(e) == level) sources.push_back(e);
   std::vector<char> near(cells.cells.size(), 0);
-  mark_cells_around(cells, sources, static_cast<int>(std::ceil(reach - equal_sizes)), near);
+  constexpr double everywhere = std::numeric_limits<int>::max();
+  mark_cells_around(cells, sources, static_cast<int>(std::min(std::ceil(reach - equal_sizes), everywhere)), near);
   for (std::size_t e = 0; e < near.size(); ++e)
     if (near[e] && cells.level(static_cast<int>(e)) == level) refined[level].push_back(cells.cells[e]);
 }

@@ -1,6 +1,7 @@
 #include "contact/results/pressure_estimate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -19,6 +20,8 @@ namespace {
 
 /// Widths of the Gaussian of the local mean beyond which nothing counts.
 constexpr double mean_reach = 3;
+/// Of a width: sources in one cube of that size count as one, so that few count around a row however small the cells.
+constexpr double mean_grain = 1. / 16;
 
 /// Part of a pair's force: less than that is the tolerance of the solver.
 constexpr double solved_part = 1e-4;
@@ -29,7 +32,8 @@ struct EdgeAtRow {
   double change = 0;      ///< of the terms when the edge moves by its expected error, Pa
 };
 
-/// The mean of transmitted less recovered pressure around a place. The rows of a cell count as one, at their centroid.
+/// The mean of transmitted less recovered pressure around a place. Rows near each other, beside the width of the mean
+/// there, count as one, at their centroid.
 class LocalMean {
  public:
   /// edges: of the rows, those nearer than spoilt_at_edge do not count.
@@ -42,31 +46,21 @@ class LocalMean {
       if (r.pair != pair || !std::isfinite(r.pressure_transmitted) ||
           edges[i].inside < options.spoilt_at_edge * r.larger_cell)
         continue;
-      Source& s = cells[{r.body, r.cell}];
-      s.area += r.weight;
-      s.centroid += r.weight * r.x;
-      s.force += r.weight * (r.pressure_transmitted - r.pressure_sprc);
+      cells[{r.body, r.cell}].add(r.weight, r.weight * r.x, r.weight * (r.pressure_transmitted - r.pressure_sprc));
     }
-    for (auto& [cell, s] : cells) {
-      s.centroid /= s.area;
-      sources_.push_back(s);
-    }
-    for (const ContactRow& r : rows) {
-      if (r.pair != pair || buckets_.count(r.larger_cell) > 0) continue;
-      PointBuckets& buckets =
-          buckets_.emplace(r.larger_cell, mean_reach * options.mean_width * r.larger_cell).first->second;
-      for (std::size_t i = 0; i < sources_.size(); ++i) buckets.add(sources_[i].centroid, static_cast<int>(i));
-    }
+    for (const ContactRow& r : rows)
+      if (r.pair == pair && surroundings_.count(r.larger_cell) == 0)
+        surroundings_.emplace(r.larger_cell, Surroundings(cells, options.mean_width * r.larger_cell));
   }
 
   /// Around a row, Pa.
   double at(const ContactRow& row) const {
-    const Vec3& x = row.x;
+    const Surroundings& around = surroundings_.at(row.larger_cell);
     const double width = options_.mean_width * row.larger_cell;
     double sum = 0, total = 0;
-    buckets_.at(row.larger_cell).each_near(x, [&](int i) {
-      const Source& s = sources_[i];
-      const double weight = std::exp(-0.5 * (s.centroid - x).squaredNorm() / (width * width));
+    around.buckets.each_near(row.x, [&](int i) {
+      const Source& s = around.sources[i];
+      const double weight = std::exp(-0.5 * (s.moment / s.area - row.x).squaredNorm() / (width * width));
       sum += weight * s.force;
       total += weight * s.area;
     });
@@ -76,12 +70,32 @@ class LocalMean {
  private:
   struct Source {
     double area = 0, force = 0;
-    Vec3 centroid = Vec3::Zero();
+    Vec3 moment = Vec3::Zero();  ///< of the area
+    void add(double more_area, const Vec3& more_moment, double more_force) {
+      area += more_area;
+      moment += more_moment;
+      force += more_force;
+    }
+  };
+  /// The sources for means of one width, m.
+  struct Surroundings {
+    Surroundings(const std::map<std::tuple<int, int>, Source>& cells, double width) : buckets(mean_reach * width) {
+      std::map<std::array<double, 3>, Source> cubes;
+      for (const auto& [cell, s] : cells) {
+        const Vec3 cube = (s.moment / s.area / (mean_grain * width)).array().floor();
+        cubes[{cube[0], cube[1], cube[2]}].add(s.area, s.moment, s.force);
+      }
+      for (const auto& [cube, s] : cubes) {
+        buckets.add(s.moment / s.area, static_cast<int>(sources.size()));
+        sources.push_back(s);
+      }
+    }
+    std::vector<Source> sources;
+    PointBuckets buckets;
   };
 
   const ResultOptions& options_;
-  std::vector<Source> sources_;
-  std::map<double, PointBuckets> buckets_;  ///< by the rows' larger cells: few sizes, each with its own reach
+  std::map<double, Surroundings> surroundings_;  ///< by the rows' larger cells: few sizes
 };
 
 /// The place of a row, grid coordinates, in the body whose stress it has: opposite a rigid one; none opposite: cell -1.

@@ -1,12 +1,12 @@
 #include "contact/results/pressure_jumps.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <tuple>
+#include <utility>
 
 #include "core/base/parallel.hpp"
-#include "core/base/point_buckets.hpp"
 
 namespace cgcontact {
 namespace {
@@ -20,33 +20,95 @@ struct Around {
   double difference = 0;  ///< largest between the first two
   bool closed = true;     ///< all of it
 
-  void add(const ContactRow& row) {
-    least = std::min({least, row.pressure_raw, row.pressure_spr});
-    most = std::max({most, row.pressure_raw, row.pressure_spr});
-    if (std::isfinite(row.pressure_transmitted)) {
-      least = std::min(least, row.pressure_transmitted);
-      most = std::max(most, row.pressure_transmitted);
-    }
-    difference = std::max(difference, std::abs(row.pressure_raw - row.pressure_spr));
-    closed = closed && row.active;
+  void add(const Around& more) {
+    least = std::min(least, more.least);
+    most = std::max(most, more.most);
+    difference = std::max(difference, more.difference);
+    closed = closed && more.closed;
   }
+};
+
+Around of_row(const ContactRow& row) {
+  Around values{std::min(row.pressure_raw, row.pressure_spr), std::max(row.pressure_raw, row.pressure_spr),
+                std::abs(row.pressure_raw - row.pressure_spr), row.active};
+  if (std::isfinite(row.pressure_transmitted)) {
+    values.least = std::min(values.least, row.pressure_transmitted);
+    values.most = std::max(values.most, row.pressure_transmitted);
+  }
+  return values;
+}
+
+/// Rows of a part of the tree that is not divided further.
+constexpr std::size_t few_rows = 8;
+
+/// The rows of one face of a pair, halved again and again across the longest side of their box: what is wholly near a
+/// row counts at once, so that a row costs the rim of its surroundings, not their area.
+class RowTree {
+ public:
+  explicit RowTree(const std::vector<ContactRow>& rows) : rows_(rows) {}
+  void add(int row) { order_.push_back(row); }
+  /// After the last row.
+  void build() { build(0, order_.size()); }
+
+  Around within(const Vec3& x, double reach) const {
+    Around around;
+    collect(0, x, reach * reach, around);
+    return around;
+  }
+
+ private:
+  struct Part {
+    std::size_t begin, end;  ///< of order_
+    Eigen::AlignedBox3d box;
+    Around all;
+    std::size_t second = 0;  ///< half; the first one follows; 0: not divided
+  };
+
+  void build(std::size_t begin, std::size_t end) {
+    Part part{begin, end, {}, {}};
+    for (std::size_t i = begin; i < end; ++i) {
+      part.box.extend(rows_[order_[i]].x);
+      part.all.add(of_row(rows_[order_[i]]));
+    }
+    const std::size_t number = parts_.size();
+    parts_.push_back(part);
+    if (end - begin <= few_rows) return;
+    Eigen::Index axis = 0;
+    part.box.sizes().maxCoeff(&axis);
+    const std::size_t middle = begin + (end - begin) / 2;
+    const auto at = [&](std::size_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::nth_element(at(begin), at(middle), at(end), [&](int a, int b) { return rows_[a].x[axis] < rows_[b].x[axis]; });
+    build(begin, middle);
+    parts_[number].second = parts_.size();
+    build(middle, end);
+  }
+
+  void collect(std::size_t number, const Vec3& x, double reach_squared, Around& around) const {
+    const Part& part = parts_[number];
+    if (part.box.squaredExteriorDistance(x) > reach_squared) return;
+    const Vec3 farthest = (x - part.box.min()).cwiseAbs().cwiseMax((x - part.box.max()).cwiseAbs());
+    if (farthest.squaredNorm() <= reach_squared) return around.add(part.all);
+    if (part.second > 0) {
+      collect(number + 1, x, reach_squared, around);
+      return collect(part.second, x, reach_squared, around);
+    }
+    for (std::size_t i = part.begin; i < part.end; ++i)
+      if ((rows_[order_[i]].x - x).squaredNorm() <= reach_squared) around.add(of_row(rows_[order_[i]]));
+  }
+
+  const std::vector<ContactRow>& rows_;
+  std::vector<int> order_;
+  std::vector<Part> parts_;
 };
 
 }  // namespace
 
 std::vector<PressureJump> pressure_jumps(const std::vector<ContactRow>& rows, const std::vector<double>& max_pressures,
                                          const ResultOptions& options) {
-  using Key = std::tuple<int, int, double>;  // pair, body, reach: few sizes of cells
-  std::map<Key, PointBuckets> buckets;
-  const auto key_of = [&](const ContactRow& row) {
-    return Key(row.pair, row.body, options.spoilt_at_edge * row.larger_cell);
-  };
-  for (const ContactRow& row : rows)
-    if (row.active) buckets.try_emplace(key_of(row), PointBuckets(std::get<2>(key_of(row))));
-  for (auto& [key, of_key] : buckets)
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      if (rows[i].pair == std::get<0>(key) && rows[i].body == std::get<1>(key))
-        of_key.add(rows[i].x, static_cast<int>(i));
+  std::map<std::pair<int, int>, RowTree> faces;  // by pair and body
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    faces.try_emplace({rows[i].pair, rows[i].body}, rows).first->second.add(static_cast<int>(i));
+  for (auto& [key, face] : faces) face.build();
 
   std::vector<Around> around(rows.size());
   std::vector<double> excess(rows.size(), 0.0);  // beyond what is allowed, Pa
@@ -54,11 +116,7 @@ std::vector<PressureJump> pressure_jumps(const std::vector<ContactRow>& rows, co
     const ContactRow& row = rows[i];
     const double largest = max_pressures[row.pair];
     if (!row.active || !(largest > 0)) return;
-    const Key key = key_of(row);
-    const double reach = std::get<2>(key);
-    buckets.at(key).each_near(row.x, [&](int j) {
-      if ((rows[j].x - row.x).squaredNorm() <= reach * reach) around[i].add(rows[j]);
-    });
+    around[i] = faces.at({row.pair, row.body}).within(row.x, options.spoilt_at_edge * row.larger_cell);
     if (!around[i].closed) return;
     const double outside = std::max(around[i].least - row.pressure_sprc, row.pressure_sprc - around[i].most);
     excess[i] = outside - around[i].difference - options.largest_jump * largest;

@@ -45,13 +45,30 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
   }
 }
 
+/// Of a zone so narrow that no boundary point of its bodies lies in it, although its faces end beside it: what its
+/// pieces have of the faces of their cells.
+ZoneWidth width_between_points(const ContactPair& pair) {
+  double area = 0, cells = 0, largest = 0;
+  for (const ContactGroup& group : pair.groups) {
+    bool closed = false;
+    for (int q = group.first_point; q < group.last_point; ++q) closed |= pair.points.active(q);
+    if (!closed) continue;
+    area += group.area;
+    cells += std::pow(group.larger_cell, 2);
+    largest = std::max(largest, group.larger_cell);
+  }
+  return {area / cells, largest};
+}
+
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
                                 const std::vector<MissedOverlap>& missed, const std::vector<UnclearGap>& unclear,
                                 const std::vector<PressureJump>& jumps) {
-  const std::vector<ZoneWidth> widths = zone_widths(state);
+  std::vector<ZoneWidth> widths = zone_widths(state);
   std::vector<Judged> judged;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const PairFigures& figures = results.pairs[p];
+    if (!widths[p].cells && figures.active_points > 0 && figures.area == 0 && figures.force_on_first.norm() > 0)
+      widths[p] = width_between_points(state.pairs[p]);
     Judged j;
     j.pair.name = figures.name;
     j.force = pressing_force(figures);

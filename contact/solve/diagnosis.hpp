@@ -9,6 +9,10 @@
 
 namespace cgcontact {
 
+/// All that acts is so small that its squares are lost.
+constexpr const char* numbers_underflow =
+    "numbers underflow: loads and prescribed displacements are so small that nothing can be computed with them";
+
 /// Why nothing holds a body any more: from the present state of the contact points.
 std::string describe_loss_of_contact(const std::vector<ContactPair>& pairs);
 

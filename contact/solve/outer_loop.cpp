@@ -127,6 +127,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     OuterStep step;
     step.iteration = iteration;
     assemble();
+    if (right_hand_side_.underflows()) return stop(iteration, numbers_underflow, result);
     const bool search = (now_.floating.any() && !held) || history.cycles();
     if (search && before.size() == 0) before = RealView("cgcontact::outer_loop::before", now_.u.size());
     if (search) Kokkos::deep_copy(before, now_.u);

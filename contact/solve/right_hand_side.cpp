@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "kernels/mesh/dot.hpp"
 
@@ -10,6 +11,8 @@ namespace {
 
 /// Forces below this part of the kappa terms are rounding.
 constexpr double no_force = 1e-10;
+/// System units: squares of what is smaller lose the digits that the smallest linear tolerance asks for.
+const double least_squarable = std::sqrt(std::numeric_limits<double>::min()) / 1e-15;
 
 }  // namespace
 
@@ -40,6 +43,16 @@ void RightHandSide::begin(const std::vector<double>& load, bool keep_scale) {
 }
 
 double RightHandSide::norm() const { return std::sqrt(square_elsewhere_ + dot(exec_, force_, force_)); }
+
+bool RightHandSide::underflows() const {
+  double largest = 0;
+  const RealView vector = vector_;
+  Kokkos::parallel_reduce(
+      "cgcontact::right_hand_side::largest", Kokkos::RangePolicy<ExecSpace>(exec_, 0, vector.extent(0)),
+      KOKKOS_LAMBDA(const std::size_t i, double& most) { most = std::max(most, std::abs(vector(i))); },
+      Kokkos::Max<double>(largest));
+  return largest > 0 && largest < least_squarable;
+}
 
 void RightHandSide::assemble(const Iterate& iterate) {
   const RealView of_stress("cgcontact::right_hand_side::of_stress", iterate.problem.supports.size()),

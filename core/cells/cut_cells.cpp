@@ -85,7 +85,10 @@ double distance_to_cell(const Vec3& x, const Index3& cell, double size = 1) {
 
 /// Part of a cell of a level that contains or is contained in the given one.
 Index3 cell_on_level(const Index3& c, int from, int to) {
-  if (to >= from) return {c[0] << (to - from), c[1] << (to - from), c[2] << (to - from)};
+  if (to >= from) {  // a cell beside the grid may have negative numbers, which must not be shifted
+    const int parts = 1 << (to - from);
+    return {parts * c[0], parts * c[1], parts * c[2]};
+  }
   return {c[0] >> (from - to), c[1] >> (from - to), c[2] >> (from - to)};
 }
 

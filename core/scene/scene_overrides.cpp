@@ -33,6 +33,17 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+/// Is every bracket part of a "[...]" that ends the key or is followed by a dot or another one?
+bool has_whole_brackets(const std::string& key) {
+  for (std::size_t k = key.find_first_of("[]"); k != std::string::npos; k = key.find_first_of("[]", k + 1)) {
+    const std::size_t end = key.find_first_of("[].", k + 1);
+    if (key[k] == ']' || end == std::string::npos || key[end] != ']') return false;
+    if (end + 1 < key.size() && key[end + 1] != '.' && key[end + 1] != '[') return false;
+    k = end;
+  }
+  return true;
+}
+
 /// Splits "a.b[2].c=value" at the first "=" and the key at dots and brackets.
 Override parse_override(const std::string& text) {
   Override result;
@@ -41,6 +52,7 @@ Override parse_override(const std::string& text) {
   if (equal == std::string::npos) result.fail("", "has no value", "key=value, for example body.lower.cell_size=1e-3");
   result.value = trimmed(text.substr(equal + 1));
   std::string key = trimmed(text.substr(0, equal));
+  if (!has_whole_brackets(key)) result.fail("", "the key has a bracket too many or too few", "body[0].cell_size=1e-3");
   std::replace(key.begin(), key.end(), '[', '.');
   key.erase(std::remove(key.begin(), key.end(), ']'), key.end());
   std::size_t begin = 0;

@@ -11,6 +11,7 @@ the program `cgcontact`, to the last bit, on as many threads.
 Raises InputError (a ValueError), with the program's message, for whatever is wrong in a scene.
 """
 import atexit
+import collections.abc
 import html
 import json
 import numbers
@@ -36,6 +37,8 @@ def _text(value, level=0):
     """A value in TOML."""
     if level > _MOST_LEVELS:
         raise InputError(f"lists and dicts lie in each other without end (allowed: at most {_MOST_LEVELS} levels)")
+    if getattr(value, "ndim", None) == 0:  # NumPy's
+        value = value.item()
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
@@ -44,9 +47,9 @@ def _text(value, level=0):
         return str(int(value))
     if isinstance(value, numbers.Real):
         return repr(float(value))
-    if isinstance(value, dict):
+    if isinstance(value, collections.abc.Mapping):
         return "{" + ", ".join(f"{json.dumps(str(key))} = {_text(entry, level + 1)}" for key, entry in value.items()) + "}"
-    if hasattr(value, "__iter__"):
+    if hasattr(value, "__iter__") and not isinstance(value, (collections.abc.Set, bytes, bytearray)):  # a set has no order
         return "[" + ", ".join(_text(entry, level + 1) for entry in value) + "]"
     raise TypeError(f"a scene holds numbers, texts, booleans, lists and dicts, not {type(value).__name__}: {value!r}")
 
@@ -66,6 +69,8 @@ def scene(keys, directory=".", settings=None, **parameters):
     directory: where files that it names are looked for. Messages tell the lines of the scene as text, one per key on the top.
     Raises InputError; TypeError for what a scene cannot hold.
     """
+    if not isinstance(keys, collections.abc.Mapping):
+        raise TypeError(f"a scene is a dict, not {type(keys).__name__}: {keys!r} (read takes files)")
     text = "".join(f"{json.dumps(str(key))} = {_text(value)}\n" for key, value in keys.items())
     return _cgcontact.parse(text, os.path.join(os.fsencode(directory), b"scene"), _overrides(settings, parameters))
 
@@ -82,6 +87,15 @@ def _solve(self, progress=None):
     if not result.converged:
         warnings.warn(f"not converged: {result.diagnosis}", RuntimeWarning, stacklevel=2)
     return result
+
+
+_write = Result.write
+
+
+def _write_result(self, directory):
+    """The files of a run of the program, into a directory (text or path), which is replaced as a whole. Returns warnings. Raises
+    InputError."""
+    return _write(self, os.fsdecode(directory))
 
 
 def _scene_repr(self):
@@ -121,6 +135,9 @@ def _plot_pressure(self, axes=None, which="pressure_sprc"):
     """
     import matplotlib.pyplot
 
+    pressures = ("pressure_sprc", "pressure_spr", "pressure_raw")
+    if which not in pressures:
+        raise InputError(f"which: {which!r} is no pressure (allowed: {', '.join(pressures)})")
     axes = axes if axes is not None else matplotlib.pyplot.gca()
     path, bodies = self.path, [body["name"] for body in self.report["bodies"]]
     for pair, body in sorted(set(zip(path["pair"].tolist(), path["body"].tolist()))):
@@ -140,5 +157,6 @@ Scene.__repr__ = _scene_repr
 Result.report = property(_report)
 Result.__repr__ = _result_repr
 Result._repr_html_ = _result_html
+Result.write = _write_result
 Result.plot_pressure = _plot_pressure
 atexit.register(_cgcontact.stop)

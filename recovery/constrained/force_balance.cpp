@@ -1,5 +1,6 @@
 #include "recovery/constrained/force_balance.hpp"
 
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,6 +19,11 @@ constexpr std::size_t grain = 128;
 constexpr double half_cell = 0.5;
 /// A smoothing pass (below) has this variance, cells squared.
 constexpr double pass_variance = 1. / 3;
+/// Passes up to this number, those of cells of an eighth of the other body's, are made one by one: what they take grows
+/// with the fourth power of that ratio. More are taken together, in steps whose forces are as good as those of a
+/// Gaussian.
+constexpr double most_passes = 192;
+constexpr int implicit_steps = 4;
 /// Forces of patches that carry no pressure go to others within so many cells.
 constexpr int steps_aside = 2;
 /// A contact point lies on the side of a boundary point if the cosine between the normals is more.
@@ -192,10 +198,11 @@ class PairFace {
 
   /// Spreads forces over the nodes of the cells around, as often as given for each, among the nodes marked: their sum
   /// stays.
-  void smooth(const std::vector<char>& marked, const std::vector<int>& passes, std::vector<double>& force) const {
+  void smooth(const std::vector<char>& marked, const std::vector<double>& passes, std::vector<double>& force) const {
     std::vector<double> sum(nodes.size(), 0.0), next;
     each_product(marked, [&](int, int n, double mass) { sum[n] += mass; });
-    const int most = passes.empty() ? 0 : *std::max_element(passes.begin(), passes.end());
+    const double most = passes.empty() ? 0 : *std::max_element(passes.begin(), passes.end());
+    if (most > most_passes) return smooth_implicitly(marked, passes, sum, force);
     for (int pass = 0; pass < most; ++pass) {
       next.assign(nodes.size(), 0.0);
       each_product(marked, [&](int m, int n, double mass) {
@@ -243,10 +250,10 @@ class PairFace {
   }
 
   /// As often as smooth() has to spread the force of each node for a mean of that width, the larger cells there.
-  std::vector<int> passes_of_mean(double width) const {
-    std::vector<int> passes;
+  std::vector<double> passes_of_mean(double width) const {
+    std::vector<double> passes;
     for (const double ratio : larger)
-      passes.push_back(static_cast<int>(std::lround(std::pow(width * std::max(1.0, ratio), 2) / pass_variance + 1e-6)));
+      passes.push_back(std::round(std::pow(width * std::max(1.0, ratio), 2) / pass_variance + 1e-6));
     return passes;
   }
 
@@ -276,6 +283,35 @@ class PairFace {
     int corner, place;
     double weight;
   };
+
+  /// Passes are steps of a walk, S = M D^-1 with the mass matrix M and its sums D; n of them have the variance of
+  /// (I + (I - S) n / k)^-k. Each step solves (D k/n + D - M) g = force: symmetric, with positive diagonal dominance.
+  /// A walk that is as long as the square of the number of cells has been everywhere.
+  void smooth_implicitly(const std::vector<char>& marked, const std::vector<double>& passes,
+                         const std::vector<double>& sum, std::vector<double>& force) const {
+    const double enough = std::max(most_passes, std::pow(static_cast<double>(cells_.size()), 2));
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd own = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(nodes.size()));
+    Eigen::VectorXd values = own;
+    for (std::size_t n = 0; n < nodes.size(); ++n) {
+      const int i = static_cast<int>(n);
+      if (sum[n] > 0) {
+        own[i] = sum[n] * implicit_steps / std::min(passes[n], enough);
+        values[i] = force[n];
+      }
+      entries.emplace_back(i, i, sum[n] > 0 ? own[i] : 1.0);
+    }
+    each_product(marked, [&](int m, int n, double mass) {
+      if (m == n) return;
+      entries.emplace_back(m, n, -mass);
+      entries.emplace_back(n, n, mass);
+    });
+    Eigen::SparseMatrix<double> matrix(own.size(), own.size());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(matrix);
+    for (int step = 0; step < implicit_steps; ++step) values = own.cwiseProduct(factors.solve(values));
+    force.assign(values.data(), values.data() + values.size());
+  }
 
   /// use(m, n, integral of N_m N_n over a cell) for all marked m, n.
   template <class Use>
@@ -307,7 +343,7 @@ std::vector<double> level_of(const PairFace& face, std::vector<double> force, co
 /// The pressure, at the nodes, that is to be added. level: the pressure around; one_sign: all of it presses.
 std::vector<double> missing_pressure(PairFace& face, const std::vector<char>& pressed, const std::vector<char>& term,
                                      const std::vector<double>& level, bool one_sign, const BalanceOptions& options) {
-  const std::vector<int> passes = face.passes_of_mean(options.mean_width);
+  const std::vector<double> passes = face.passes_of_mean(options.mean_width);
   const std::size_t size = face.nodes.size();
   std::vector<double> added(size, 0.0), step(size, 0.0);
   const auto defect = [&] {

@@ -150,6 +150,17 @@ class Accuracy(unittest.TestCase):
         self.assertRegex(run["accuracy"]["text"], "accuracy.max_solves = 2")
         self.assertEqual(len(run["accuracy"]["solves"]), 2)
 
+    def test_targets_beyond_all_limits_use_what_is_allowed(self):
+        """However far off the target, every solve has a larger grid than the one before, the last one near the limit."""
+        for target in (1e-5, 1e-9, 1e-15):
+            run = self.run_scene("two_solids_3d", "n=8", f"accuracy.pressure={target}", "accuracy.max_unknowns=40000")
+            unknowns = [solve["unknowns"] for solve in run["accuracy"]["solves"]]
+            self.assertFalse(run["accuracy"]["reached"])
+            self.assertRegex(run["accuracy"]["text"], r"accuracy.max_unknowns .* unknowns would be needed")
+            self.assertEqual(unknowns, sorted(set(unknowns)), target)
+            self.assertGreater(unknowns[-1], 20000, target)
+            self.assertLessEqual(unknowns[-1], 40000, target)
+
     def test_levels_are_limited(self):
         run = self.run_scene("ball_on_plate", "accuracy.pressure=5%", "accuracy.max_levels=2", "accuracy.max_solves=3")
         self.assertLessEqual(max(solve["levels"] for solve in run["accuracy"]["solves"]), 2)

@@ -1,10 +1,41 @@
 #!/usr/bin/python3
 # timeout: 240
 """A run that does not converge ends with exit code 2, says why, and still writes results, marked so."""
+import pathlib
 import unittest
 
 import harness
 from harness import cgcontact, contact_rows, report, scene, settings
+
+SMALL = """
+[[body]]
+name = "lower"
+shape = {box = {min = [0, 0, 0], max = [1, 1, 1]}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.21
+[[body]]
+name = "upper"
+shape = {box = {min = [0, 0, 1], max = [1, 1, 2]}}
+material = {E = 70e9, nu = 0.2}
+cell_size = 0.17
+[[support]]
+face = "lower.z-"
+displacement = {x = 0, y = 0, z = 0}
+[[support]]
+face = "upper.x-"
+symmetry = true
+[[support]]
+face = "upper.y-"
+symmetry = true
+[[load]]
+face = "upper.z+"
+pressure = 1e6
+[[contact]]
+faces = ["lower.z+", "upper.z-"]
+[output]
+plots = false
+vtk = false
+"""
 
 
 class NotConverged(unittest.TestCase):
@@ -60,6 +91,17 @@ class NotConverged(unittest.TestCase):
         outcome = cgcontact("run", scene("patch_test"), "--out", "overflow", *settings(load__0__pressure=1e300))
         self.assertEqual(outcome.code, 2, outcome.err)
         self.assertIn("numbers overflow: a load", report("overflow")["diagnosis"])
+
+    def test_numbers_that_underflow(self):
+        """Loads whose squares are zero: no forces off by half a per cent, no "nothing touches"; just above it all digits are there."""
+        text = pathlib.Path("small.toml")
+        text.write_text(SMALL)
+        self.assertEqual(cgcontact("run", text, "--out", "small", *settings(load__0__pressure=1e-120)).code, 0)
+        self.assertAlmostEqual(report("small")["contact"][0]["force"]["lower"][2] / -1e-120, 1, delta=1e-6)
+        for pressure in (1e-150, 1e-200):
+            outcome = cgcontact("run", text, "--out", "smaller", *settings(load__0__pressure=pressure))
+            self.assertEqual(outcome.code, 2, outcome.err)
+            self.assertIn("numbers underflow", report("smaller")["diagnosis"])
 
     def test_linear_solver_with_moduli_far_apart(self):
         """Where the linear solver gives up, moduli that are out of proportion are named beside the residual."""

@@ -143,6 +143,33 @@ class Python(unittest.TestCase):
         self.assertIn("cell_sise", printed[0])
         self.assertIn('"nobody" (allowed: "lower", "upper")', printed[2])
 
+    def test_what_is_no_scene_is_refused(self):
+        """Also what could be taken for one: a set has no order, so it is no vector; bytes are no text. NumPy's scalars are numbers and
+        booleans, paths are directories."""
+        printed = python("""
+            body = dict(name="a", shape=dict(box=dict(min=[0, 0, 0], max=[1, 1, 1])), material=dict(E=2e9, nu=0, density=1),
+                        cell_size=np.float32(0.5))
+            whole = dict(body=[body], support=[dict(face="a.box.z-", displacement=dict(x=0, y=0, z=0))])
+            for keys in (None, [], 3, dict(whole, gravity={{1, 2, 3}}), dict(whole, title=b"text"), dict(whole, title=None)):
+                try:
+                    cgcontact.scene(keys)
+                except TypeError as error:
+                    print("TypeError", error)
+            result = cgcontact.scene(dict(whole, gravity=np.array([0, 0, -9.81]), solver=dict(nested=np.bool_(False)),
+                                          output=dict(plots=np.array(False)))).solve()
+            try:
+                result.plot_pressure(which="pressure")
+            except cgcontact.InputError as error:
+                print("InputError", error)
+            import pathlib
+            result.write(pathlib.Path("written_to_a_path"))
+            """).splitlines()
+        self.assertEqual([line.split()[0] for line in printed], 6 * ["TypeError"] + ["InputError"])
+        self.assertIn("a scene is a dict", printed[0])
+        self.assertIn("not set: {1, 2, 3}", printed[3])
+        self.assertIn("pressure_sprc", printed[6])
+        self.assertTrue(pathlib.Path("written_to_a_path/report.json").exists())
+
     def test_messages_of_its_own(self):
         """Names of files that are not UTF-8, numbers of threads, dicts and lists that lie in each other without end: InputErrors with a
         message that names what is wrong. A file with such a name is read."""

@@ -56,6 +56,24 @@ class Refined(unittest.TestCase):
         forces = [run["contact"][0]["force"]["cap"][2] for run in (uniform, local)]
         self.assertLess(abs(forces[1] / forces[0] - 1), 0.02, "coarse cells far away: 1 % stiffer")
 
+    def test_cells_a_hundred_thousand_times_smaller_than_those_opposite(self):
+        """Time and memory follow the cells, not the ratio of their sizes (means over one cell of the other body walk over 1e5 of
+        these); the solution is linear and stays exact, the transmitted force is met."""
+        text = refined(scene("patch_test").read_text(), "lower",
+                       'refine = [{sphere = {center = [0.5, 0.31, 0.6], radius = 0}, size = "h/1e5"}]')
+        run, rows = self.run_text(text)
+        self.assertLess(run["unknowns"], 60000)
+        self.assertLess(max(abs(row["pressure_sprc"] / 1e8 - 1) for row in rows), 1e-4, "solved to 1e-6")
+
+    def test_a_distance_of_any_size_is_the_whole_body(self):
+        text = refined(scene("patch_test").read_text(), "lower", 'refine = [{face = "y+", size = "h/2", distance = 1e300}]')
+        with tempfile.TemporaryDirectory() as directory:
+            file = pathlib.Path(directory) / "scene.toml"
+            file.write_text(text)
+            outcome = cgcontact("check", file)
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertRegex(outcome.out, r"levels: 0 cells of 0.1 m, [0-9]+ cells of 0.05 m")
+
     def test_check_lists_the_levels(self):
         outcome = cgcontact("check", scene("ball_refined"), "--set", "n=5")
         self.assertEqual(outcome.code, 0, outcome.err)

@@ -144,6 +144,26 @@ class Verdict(unittest.TestCase):
         for tilt in (0, 20):
             self.assertGreater(abs(forces[10, tilt]), 1.3 * abs(forces[20, tilt]))
 
+    def test_faces_that_overlap_by_less_than_points_are_apart(self):
+        """Blocks whose faces have a strip in common, far narrower than a cell: the force is right, no boundary point has a pressure, and
+        nothing is called resolved."""
+        block = lambda name, low, high: (f'[[body]]\nname = "{name}"\nshape = {{box = {{min = {low}, max = {high}}}}}\n'
+                                         f'material = {{E = 2e11, nu = 0.3}}\ncell_size = 0.2\n')
+        for strip in (1e-2, 1e-5):
+            with self.subTest(strip=strip):
+                pathlib.Path("strip.toml").write_text(
+                    block("lower", [0, 0, 0], [1, 1, 1]) + block("upper", [1 - strip, 0, 1], [2, 1, 2]) +
+                    '[[support]]\nface = "lower.z-"\ndisplacement = {x = 0, y = 0, z = 0}\n'
+                    '[[support]]\nface = "upper.x+"\nsymmetry = true\n[[support]]\nface = "upper.y-"\nsymmetry = true\n'
+                    '[[load]]\nface = "upper.z+"\nforce = [0, 0, -1e3]\nat = [1, 0.5, 2]\n'
+                    '[[contact]]\nfaces = ["lower.z+", "upper.z-"]\n')
+                outcome = cgcontact("run", "strip.toml", "--out", "strip", *settings(output__vtk="false", output__plots="false"))
+                self.assertEqual(outcome.code, 0, outcome.err)
+                written = report("strip")
+                self.assertAlmostEqual(written["contact"][0]["force"]["lower"][2], -1e3, delta=1e-3)
+                self.assertEqual(written["verdict"]["state"], "not_resolved")
+                self.assertAlmostEqual(written["verdict"]["pairs"][0]["cells_across"] / (strip / 0.2), 1, delta=1e-3)
+
     def test_not_a_matter_of_cells(self):
         """Zones that end where a face ends (rings one cell thick, stacked blocks) have no width; nothing that touches is no contact."""
         for name in ("rings", "stack"):

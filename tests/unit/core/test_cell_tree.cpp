@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/errors.hpp"
+#include "core/cells/cells_around.hpp"
 #include "cut_cells_checks.hpp"
 
 namespace cgcontact {
@@ -182,6 +183,29 @@ TEST(RefinedCutCells, FacesOnGridPlanes) {
       EXPECT_NEAR(area(cells), 2 * (3 * 2.5 + 3 * 2 + 2.5 * 2), 1e-11) << off;
       EXPECT_NEAR(area_by_cells(cells, {}, 2), area(cells), 1e-11);
       expect_consistent(cells);
+    }
+  }
+}
+
+/// Cells within some cells of a few of all levels: beside a plain comparison of all with all, at any reach.
+TEST(RefinedCutCells, CellsAround) {
+  const Solid ball = Solid::sphere({4.1, 3.9, 4.2}, 3.3, "ball");
+  Grid grid;
+  grid.num_cells = {8, 8, 8};
+  const CutCells cells = refined_cells(ball, grid, {4.1, 3.9, 7.5}, 1. / 16, 0.5, 6);
+  const int num_cells = static_cast<int>(cells.cells.size());
+  std::vector<int> some;
+  for (int a = 0; a < num_cells; a += num_cells / 9) some.push_back(a);
+  for (const int reach : {0, 1, 5, 30, 1000, std::numeric_limits<int>::max()}) {
+    std::vector<char> marked(cells.cells.size(), 0);
+    mark_cells_around(cells, some, reach, marked);
+    for (int a = 0; a < num_cells; ++a) {
+      const Vec3 middle = grid_position(cells, a, Vec3::Zero());
+      const bool near = std::any_of(some.begin(), some.end(), [&](int b) {
+        const double apart = (grid_position(cells, b, Vec3::Zero()) - middle).lpNorm<Eigen::Infinity>();
+        return apart < (reach + 0.5) * cells.size(b) + 0.5 * cells.size(a) - 1e-9;
+      });
+      ASSERT_EQ(marked[a] != 0, near) << "cell " << a << ", reach " << reach;
     }
   }
 }

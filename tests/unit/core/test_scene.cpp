@@ -580,6 +580,8 @@ TEST(Overrides, mistakes_name_the_option) {
   expect_message("title.text=5", {"is a single value"});
   expect_message("n", {"has no value"});
   expect_message("=3", {"empty part"});
+  for (const char* key : {"body[0.cell_size", "body[0]cell_size", "body0].cell_size", "body[[0]].cell_size", "body["})
+    expect_message(std::string(key) + "=1e-3", {key, "bracket", "body[0].cell_size=1e-3"});
   expect_message("n=many", {"parameters.n = \"many\": unknown name \"many\""});
 }
 
