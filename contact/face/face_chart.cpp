@@ -36,18 +36,18 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
   }
   if (!(area > 0)) return std::nullopt;
   centre /= area;
+  // With its images behind the planes.
+  Vec3 middle = centre;
+  for (const SymmetryPlane& plane : planes) {
+    mean -= mean.dot(plane.normal) * plane.normal;
+    middle -= plane.distance(middle) * plane.normal;
+  }
+  if (across >= 0) mean -= mean[across] * Vec3::Unit(across);
   mean.normalize();
   double least = 1;
   for (const FacePoint& p : points) least = std::min(least, p.normal.dot(mean));
   if (least > flat) {
-    for (const SymmetryPlane& plane : planes) {
-      if (std::abs(plane.normal.dot(mean)) > 0.1) return std::nullopt;
-      mean -= mean.dot(plane.normal) * plane.normal;
-      centre -= plane.distance(centre) * plane.normal;
-    }
-    if (across >= 0) mean -= mean[across] * Vec3::Unit(across);
-    mean.normalize();
-    chart.origin_ = centre;
+    chart.origin_ = middle;
     chart.normal_ = mean;
     chart.axis_[0] = across >= 0 ? Vec3(Vec3::Unit(across)) : planes.empty() ? tangents(mean).first : -planes[0].normal;
     chart.axis_[0] = (chart.axis_[0] - chart.axis_[0].dot(mean) * mean).normalized();
@@ -81,8 +81,8 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
   if (!(misfit < one_radius * chart.radius_)) return std::nullopt;
   chart.outward_ = outward < 0 ? -1 : 1;
   chart.axis_[0] = axis;
-  const Vec3 middle = centre - chart.origin_;
-  chart.axis_[1] = (middle - middle.dot(axis) * axis).normalized();
+  const Vec3 inwards = centre - chart.origin_;
+  chart.axis_[1] = (inwards - inwards.dot(axis) * axis).normalized();
   chart.normal_ = axis.cross(chart.axis_[1]);
   if (!chart.set_ends(planes)) return std::nullopt;
   return chart;
@@ -108,7 +108,6 @@ bool FaceChart::set_ends(const std::vector<SymmetryPlane>& planes) {
       if (!zero.allFinite()) return false;
       axis_[1] = zero;
       normal_ = -plane.normal;
-      axis_[0] = axis_[1].cross(normal_) * 1.0;
       ends_[1] = FaceEnd::mirror;
       continue;
     }
