@@ -259,52 +259,61 @@ class ZoneBuilder {
     });
   }
 
-  /// The group whose cell holds a place of the face, given those of both bodies there; of several, or none, that of the
-  /// nearest point.
-  int group_at(const FacePlace& place, const Vec3& x, const Vec3& opposite) const {
-    const Vec3 at = flat(place);
-    int found = -1, nearest = -1;
-    double least = 1e300, least_of_all = 1e300;
+  /// Groups with points near a patch, those with the nearest one first.
+  std::vector<int> groups_near(int patch) const {
+    const Vec3 at = flat(grid_.centre(patch));
+    std::vector<std::pair<double, int>> found;
     points_->each_near(at, [&](int k) {
       const double distance = (places_[k] - at).norm();
-      if (distance < least_of_all) least_of_all = distance, nearest = k;
-      if (distance >= least) return;
-      const ContactGroup& group = pair_.groups[pair_.points.group(near_[k])];
-      const CutCells& cc = state_.bodies[group.body].cut_cells;
-      const Vec3 inside =
-          ((group.body == pair_.primary ? cc.grid.to_grid(x) : opposite) - cc.corner(group.cell)) / cc.size(group.cell);
-      if (inside.minCoeff() < -same_cell || inside.maxCoeff() > 1 + same_cell) return;
-      least = distance;
-      found = k;
+      const int g = pair_.points.group(near_[k]);
+      const auto known = std::find_if(found.begin(), found.end(), [&](const auto& group) { return group.second == g; });
+      if (known == found.end())
+        found.emplace_back(distance, g);
+      else
+        known->first = std::min(known->first, distance);
     });
-    if (found < 0) found = nearest;
-    return found < 0 ? -1 : pair_.points.group(near_[found]);
+    std::sort(found.begin(), found.end());
+    std::vector<int> groups;
+    for (const auto& [distance, g] : found) groups.push_back(g);
+    return groups;
   }
 
-  /// Parts of a patch by the groups that some places spread over it lie in.
-  std::vector<std::pair<int, double>> shares_of(int patch, FacePlace place, const Vec3& x,
+  /// Is a place of the face, given those of both bodies there, in the cell of a group?
+  bool holds(int g, const Vec3& primary, const Vec3& secondary) const {
+    const ContactGroup& group = pair_.groups[g];
+    const CutCells& cc = state_.bodies[group.body].cut_cells;
+    const Vec3 inside =
+        ((group.body == pair_.primary ? primary : secondary) - cc.corner(group.cell)) / cc.size(group.cell);
+    return inside.minCoeff() >= -same_cell && inside.maxCoeff() <= 1 + same_cell;
+  }
+
+  /// Parts of a patch by the groups whose cells hold some places spread over it; of several the nearest, where none
+  /// does the nearest as well.
+  std::vector<std::pair<int, double>> shares_of(int patch, const FacePlace& place, const Vec3& x,
                                                 const OppositePoint& opposite) const {
     std::vector<std::pair<int, double>> shares;
+    const std::vector<int> groups = groups_near(patch);
+    if (groups.empty()) return shares;
+    const Grid& own = state_.bodies[pair_.primary].cut_cells.grid;
     const Grid& other = state_.bodies[pair_.secondary].cut_cells.grid;
     const Vec3 middle = chart_->point(place), across = other.to_global(opposite.position);
     const int rows = grid_.plane_strain ? 1 : samples;
-    int count = 0;
     for (int i = 0; i < rows; ++i)
       for (int j = 0; j < samples; ++j) {
         const FacePlace step((grid_.plane_strain ? 0 : (i + 0.5) / rows - 0.5) * grid_.spacing[0],
                              ((j + 0.5) / samples - 0.5) * grid_.spacing[1]);
         const Vec3 shift = chart_->point(place + step) - middle;
-        const int g = group_at(grid_.centre(patch) + step, x + shift, other.to_grid(across + shift));
-        if (g < 0) continue;
-        ++count;
+        const Vec3 primary = own.to_grid(x + shift), secondary = other.to_grid(across + shift);
+        const auto holding =
+            std::find_if(groups.begin(), groups.end(), [&](int g) { return holds(g, primary, secondary); });
+        const int g = holding == groups.end() ? groups.front() : *holding;
         const auto known =
             std::find_if(shares.begin(), shares.end(), [&](const auto& share) { return share.first == g; });
         if (known == shares.end())
-          shares.emplace_back(g, 1.0);
+          shares.emplace_back(g, 1.0 / (rows * samples));
         else
-          known->second += 1;
+          known->second += 1.0 / (rows * samples);
       }
-    for (auto& share : shares) share.second /= count;
     return shares;
   }
 

@@ -160,6 +160,7 @@ class EdgeContinuation {
 
   std::vector<double> run() {
     std::vector<double> result = square_;
+    const double largest = *std::max_element(square_.begin(), square_.end());
     std::vector<char> counts(square_.size(), 0);
     for (int n = 0; n < grid_.num_patches(); ++n) {
       const bool closed = pressure_[n] > 0;
@@ -172,7 +173,7 @@ class EdgeContinuation {
         result[n] = value;
         counts[n] = 1;
       } else if (!closed) {
-        result[n] = -1e-3 * largest_square();
+        result[n] = -beyond_edge * largest;
       }
     }
     double total = 0;
@@ -184,6 +185,8 @@ class EdgeContinuation {
   }
 
  private:
+  /// Of the largest square, what stands negative where the zone is not.
+  static constexpr double beyond_edge = 1e-3;
   static constexpr double skip = 2;  ///< patches at the edge that are replaced
   static constexpr int window = 6;   ///< patches around
 
@@ -233,7 +236,6 @@ class EdgeContinuation {
     value = normal.ldlt().solve(right)[0];
     return true;
   }
-  double largest_square() const { return *std::max_element(square_.begin(), square_.end()); }
   /// Half of what the square changes by across a patch.
   double half_change(const std::vector<double>& square, int patch) const {
     double sum = 0;
