@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <unordered_map>
 
 #include "core/base/errors.hpp"
@@ -406,6 +407,10 @@ class PointMaker {
       const CurvedPlace place = curved_->place(of.triangle, at.a, at.b);
       const Vec3 across = place.along_a.cross(place.along_b);
       const double stretch = across.norm(), sign = across.dot(place.normal) < 0 ? -1 : 1;
+      if (!std::isfinite(stretch) || !place.x.allFinite() || !place.normal.allFinite())
+        throw InputError("face" + std::to_string(curved_->triangles[of.triangle].face + 1) +
+                         " of the CAD solid has places that are not finite: its surface or a curve on it is damaged "
+                         "(allowed: faces that are finite everywhere; export the part again)");
       rule.push_back({{place.x, sign * at.weight * stretch}, place.normal});
     }
   }
