@@ -34,7 +34,8 @@ class TileMaker {
     // Long tiles read fewer planes twice; short ones keep several threads busy on a small body.
     const int columns = static_cast<int>(pieces(1, grid_.num_cells[1], StencilRing<Real>::rows).size() *
                                          pieces(1, grid_.num_cells[0], StencilRing<Real>::block).size());
-    const int planes = std::min(32, std::max(8, grid_.num_cells[2] * columns / 48));
+    const int planes =
+        static_cast<int>(std::clamp(static_cast<long long>(grid_.num_cells[2]) * columns / 48, 8LL, 32LL));
     const auto x = pieces(1, grid_.num_cells[0], StencilRing<Real>::block),
                y = pieces(1, grid_.num_cells[1], StencilRing<Real>::rows), z = pieces(1, grid_.num_cells[2], planes);
     for (const auto& [k, j, i] : tiles_with_nodes(x, y, z)) add(body, x[i], y[j], z[k]);

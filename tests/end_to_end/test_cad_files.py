@@ -149,6 +149,17 @@ class Damaged(Inspected):
         self.assertIn('cgcontact: scene.toml:3: body[0].shape.cad.file = "bad.step": bad.step:', outcome.err)
         self.assertIn("refers to #1,", outcome.err)
 
+    def test_a_surface_without_finite_places(self):
+        """A file that fuzzing has found: a face has triangles, but no finite places or normals between their corners."""
+        file = harness.SOURCE / "tests/fuzz/seeds/step/not_finite.step"
+        pathlib.Path("scene.toml").write_text(
+            f'[[body]]\nname = "a"\nshape = {{cad = {{file = "{file}"}}}}\nmaterial = "steel"\ncell_size = 0.64e-3\n'
+            '[[support]]\nface = "a.face1"\ndisplacement = {x = 0, y = 0, z = 0}\n')
+        outcome = cgcontact("check", "scene.toml")
+        self.assertEqual(outcome.code, 1, outcome.err)
+        self.assertRegex(outcome.err, 'cgcontact: scene.toml:[13]: body.*"a".*: face1 of the CAD solid has places that are not finite')
+        self.assertEqual(cgcontact("init", "part.toml", "--cad", file).code, 0)
+
     def test_ends_with_the_program(self):
         """Stopped while OpenCASCADE reads, the program leaves no process behind."""
         file = pathlib.Path("many.step")
