@@ -239,7 +239,7 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   if (resolved_) earlier.state = &simulation_->state;
   for (const ZoneState& zone : zones_) earlier.cell.push_back(zone.cell);
   if (has_solution()) next_->start_preloads_from(*simulation_);
-  next_->solve(callbacks, std::shared_ptr<const SolvedState>(std::shared_ptr<void>(), earlier.state), false);
+  next_->solve(callbacks, earlier.state, false);
   if (!next_->results.converged && earlier.state) {  // once more, from nothing
     next_ = std::make_unique<Simulation>(*next_scene_);
     next_->place(callbacks);

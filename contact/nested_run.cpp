@@ -56,13 +56,6 @@ struct NestedRun::Coarse {
   Simulation simulation;
 };
 
-/// What a solve starts from; it lives until that has started.
-std::shared_ptr<const SolvedState> NestedRun::state_of(std::unique_ptr<Coarse> coarse) {
-  if (!coarse) return nullptr;
-  const std::shared_ptr<Coarse> owner = std::move(coarse);
-  return {owner, &owner->simulation.state};
-}
-
 NestedRun::NestedRun(const Scene& scene) : scene_(scene), simulation_(std::make_unique<Simulation>(scene)) {}
 
 /// The solution on cells of twice the size; null: there is none that is worth to start from.
@@ -79,7 +72,7 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
     try {
       next->simulation.place({});
       if (last) next->simulation.start_preloads_from(last->simulation);
-      next->simulation.solve_system(steps_only, state_of(std::move(last)));
+      next->simulation.solve_system(steps_only, last ? &last->simulation.state : nullptr);
       const SolvedState& state = next->simulation.state;
       coarse_.push_back({state.system.num_free_dofs(), state.outer.iterations, state.outer.converged});
       if (!state.outer.converged) return nullptr;
@@ -103,7 +96,8 @@ void NestedRun::run(const ProgressCallbacks& progress) {
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const bool from_coarse = coarse != nullptr;
   if (from_coarse) simulation_->start_preloads_from(coarse->simulation);
-  simulation_->solve_system(progress, state_of(std::move(coarse)));
+  simulation_->solve_system(progress, from_coarse ? &coarse->simulation.state : nullptr);
+  coarse.reset();                                            // before the recovery, which takes most memory
   if (from_coarse && !simulation_->state.outer.converged) {  // once more, from nothing
     simulation_ = std::make_unique<Simulation>(scene_);
     simulation_->place(progress);

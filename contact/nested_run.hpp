@@ -26,7 +26,6 @@ class NestedRun {
  private:
   struct Coarse;
 
-  static std::shared_ptr<const SolvedState> state_of(std::unique_ptr<Coarse> coarse);
   std::unique_ptr<Coarse> solve_coarser(const ProgressCallbacks& progress);
 
   const Scene& scene_;

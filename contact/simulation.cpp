@@ -14,6 +14,7 @@
 #include "contact/results/coarse_facets.hpp"
 #include "contact/results/conditions.hpp"
 #include "contact/results/contact_rows.hpp"
+#include "contact/results/face_problems.hpp"
 #include "contact/results/holding.hpp"
 #include "contact/results/missed_contact.hpp"
 #include "contact/results/open_gaps.hpp"
@@ -113,15 +114,15 @@ void Simulation::place(const ProgressCallbacks& progress) {
   PhaseClock(results.times_s, progress)("cut cells", [&] { place_on_grids(); });
 }
 
-void Simulation::solve(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier, bool with_paths) {
-  solve_system(progress, std::move(earlier));
+void Simulation::solve(const ProgressCallbacks& progress, const SolvedState* earlier, bool with_paths) {
+  solve_system(progress, earlier);
   finish(progress, with_paths);
 }
 
-void Simulation::solve_system(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier) {
+void Simulation::solve_system(const ProgressCallbacks& progress, const SolvedState* earlier) {
   PhaseClock phase(results.times_s, progress);
   phase("operator", [&] { make_system(); });
-  phase("solve", [&] { solve_steps(progress, std::move(earlier)); });
+  phase("solve", [&] { solve_steps(progress, earlier); });
   state.system.supports.clear();  // in the solution
 }
 
@@ -138,18 +139,16 @@ void Simulation::finish(const ProgressCallbacks& progress, bool with_paths) {
 
 /// All steps, each from the solution of the one before; figures of each, if the scene asks for steps. The last one is
 /// the result.
-void Simulation::solve_steps(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier) {
+void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier) {
   const std::vector<StepSpec> steps = state.scene.steps.empty() ? std::vector<StepSpec>{{}} : state.scene.steps;
-  const std::weak_ptr<const SolvedState> start = earlier;  // for as long as its owner, or the first solver, keeps it
   const auto make_solver = [&] {
     return std::make_unique<ContactSolver>(
         OuterProblem{state.scene, state.bodies, state.pairs, state.supports, state.system, state.scales, exec_},
-        start.lock());
+        earlier);
   };
   preload_.begin(state.bodies, state.pairs);
   bool tightened = false;
   auto solver = make_solver();
-  earlier.reset();
   std::string first_failure;
   int extensions = 0;
   // The solution before bodies were held for having let go of their contact, and its closed points.

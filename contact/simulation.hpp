@@ -33,12 +33,11 @@ class Simulation {
   void run(const ProgressCallbacks& progress);
   /// Its parts: the grids; all that is solved on them and what it says. The pressure along the paths that are drawn may
   /// come later.
-  /// earlier: a solution on other grids to start from, which is let go of then, or none.
+  /// earlier: a solution on other grids to start from, or none.
   void place(const ProgressCallbacks& progress);
-  void solve(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier = nullptr,
-             bool with_paths = true);
+  void solve(const ProgressCallbacks& progress, const SolvedState* earlier = nullptr, bool with_paths = true);
   /// The halves of solve: up to the displacements, and what follows from them.
-  void solve_system(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier);
+  void solve_system(const ProgressCallbacks& progress, const SolvedState* earlier);
   void finish(const ProgressCallbacks& progress, bool with_paths);
   void sample_paths(const ProgressCallbacks& progress);
   /// Preloads begin with what the same scene has on other grids.
@@ -51,7 +50,7 @@ class Simulation {
   void fill_results();
 
  private:
-  void solve_steps(const ProgressCallbacks& progress, std::shared_ptr<const SolvedState> earlier);
+  void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
   bool see_farther();
   void hold_wanderers();

@@ -10,7 +10,7 @@ declare -A rooms=(
   [core]="base settings triangles quadrature geometry cad cells bodies scene results drawing program output"
   [kernels]="simd mesh operator reference assembled ranks multigrid solver"
   [recovery]="patch spr zone_edge batched constrained face error"
-  [contact]="kernels model motions solve face results adaptive study"
+  [contact]="kernels model motions face solve results adaptive study"
 )
 
 include='^[[:space:]]*#[[:space:]]*include[[:space:]]*'

@@ -8,8 +8,6 @@
 
 namespace cgcontact {
 
-struct SolvedState;
-
 /// A zone whose pressure was solved for.
 struct SolvedZone {
   int pair = 0, primary = 0;
@@ -29,8 +27,5 @@ struct FacePressures {
 
   std::optional<double> at(int pair, int body, const Vec3& x, const Vec3& normal) const;
 };
-
-/// Needs the solution; of bonded pairs there are none.
-FacePressures solve_face_pressures(const ExecSpace& exec, const SolvedState& state);
 
 }  // namespace cgcontact

@@ -40,7 +40,7 @@ constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
 }  // namespace
 
 struct ContactSolver::Impl {
-  Impl(const OuterProblem& problem, std::shared_ptr<const SolvedState> earlier);
+  Impl(const OuterProblem& problem, const SolvedState* earlier);
   OuterResult run(const std::function<void(const OuterStep&)>& progress);
 
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress, bool held);
@@ -60,7 +60,7 @@ struct ContactSolver::Impl {
   const SolverOptions& settings() const { return problem_.scene.solver; }
 
   OuterProblem problem_;
-  std::shared_ptr<const SolvedState> earlier_;  // that the first run starts from, or none
+  const SolvedState* earlier_;  // that the first run starts from, or none
   LinearSolver solver_;
   Iterate now_;
   std::unique_ptr<LaggedStress> lagged_stress_;  // once the solver is set up, which takes most memory
@@ -75,9 +75,9 @@ struct ContactSolver::Impl {
   int fallbacks_ = 0;                            // linear solves since then
 };
 
-ContactSolver::Impl::Impl(const OuterProblem& problem, std::shared_ptr<const SolvedState> earlier)
+ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
     : problem_(problem),
-      earlier_(std::move(earlier)),
+      earlier_(earlier),
       solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns,
               problem.scene.solver.method),
       now_(problem),
@@ -106,7 +106,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     now_.forget();
     held = earlier_ && start_from(*earlier_, now_);
     if (!held) initialise_active_set(now_);
-    earlier_.reset();
+    earlier_ = nullptr;
   }
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress, held);
@@ -324,8 +324,8 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.support_stress = now_.support_tractions();
 }
 
-ContactSolver::ContactSolver(const OuterProblem& problem, std::shared_ptr<const SolvedState> earlier)
-    : impl_(std::make_unique<Impl>(problem, std::move(earlier))) {}
+ContactSolver::ContactSolver(const OuterProblem& problem, const SolvedState* earlier)
+    : impl_(std::make_unique<Impl>(problem, earlier)) {}
 ContactSolver::~ContactSolver() = default;
 
 void ContactSolver::take_over(const ContactSolver& other) { impl_->take_over(*other.impl_); }

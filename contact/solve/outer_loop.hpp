@@ -52,8 +52,8 @@ struct SolvedState;
 /// at each call): the second and later calls start from the solution before, if that converged.
 class ContactSolver {
  public:
-  /// earlier: a solution on other grids that the first call starts from (outer_start.hpp) and lets go of, or none.
-  explicit ContactSolver(const OuterProblem& problem, std::shared_ptr<const SolvedState> earlier = nullptr);
+  /// earlier: a solution on other grids that the first call starts from (outer_start.hpp), or none.
+  explicit ContactSolver(const OuterProblem& problem, const SolvedState* earlier = nullptr);
   ~ContactSolver();
   /// Starts from where a solver stopped that found a body to wander (`wanders`); from nothing, if it was far off.
   void take_over(const ContactSolver& other);

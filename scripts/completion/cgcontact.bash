@@ -6,7 +6,7 @@
 _cgcontact_settings="title
 solver.tolerance solver.max_outer_iterations solver.linear_tolerance solver.max_linear_iterations solver.method
 solver.preconditioner solver.nested solver.kappa solver.ghost_penalty solver.shared_unknowns
-recovery.spr_c recovery.rank_tolerance recovery.auxiliary_depth recovery.contact_edge recovery.degree
+recovery.spr_c recovery.rank_tolerance recovery.auxiliary_depth recovery.contact_edge recovery.pressure recovery.degree
 recovery.inverse_variance recovery.points_per_face recovery.patch_volume recovery.rings
 output.directory output.vtk output.csv output.plots output.report output.path"
 

@@ -60,7 +60,7 @@ TEST(FaceZone, Ball) {
   for (const double cells : {2.0, 3.3})
     for (const double offset : {0.1, 0.45}) {
       const double h = 1 / cells, largest = 2 / M_PI;  // radius 1, E* = 1: p0 = 2 a / (pi R)
-      const int per_cell = cells < 3 ? 12 : 8, side = static_cast<int>(std::ceil(cells + 3)) + 1;
+      const int per_cell = 12, side = static_cast<int>(std::ceil(cells + 3)) + 1;
       FaceZone zone;
       zone.h = h;
       zone.modulus = 1;

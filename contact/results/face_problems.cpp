@@ -1,0 +1,449 @@
+#include "contact/results/face_problems.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.hpp"
+#include "core/base/point_buckets.hpp"
+#include "recovery/zone_edge/connected_sets.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Zones whose closed groups are so many cells farther apart than the reach of a problem have problems of their own.
+constexpr double apart = 1;
+/// Faces that look the same way: cosine between normals.
+constexpr double same_side = 0.5;
+/// Part of a cell: a place is part of a face when a contact point is as near as that.
+constexpr double point_spacing = 0.7;
+/// A place at the border of a cell is in it, part of the cell.
+constexpr double same_cell = 1e-6;
+/// Places along each axis of a patch that are looked at for whose it is.
+constexpr int samples = 4;
+/// Pressure is at most so many cells beyond the closed groups: they close when their mean gap does.
+constexpr double beyond_closed = 1.25;
+/// Per cell, along a zone that goes on behind symmetry planes at both ends.
+constexpr int patches_along = 2;
+/// Products of patches by patches that a step may take.
+constexpr double most_work = 2e7;
+
+/// A contact group with what its points say, m, N.
+struct Group {
+  Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
+  double area = 0, force = 0, gap_change = 0, larger = 0;
+  bool closed() const { return force > 0; }
+};
+
+/// One pair's points and groups.
+class PairFace {
+ public:
+  PairFace(const SolvedState& state, int pair, const double* group_force)
+      : state_(state), pair_(state.pairs[pair]), groups_(pair_.groups.size()) {
+    const double unit = state.scales.stress * state.scales.length * state.scales.length;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      groups_[g].force = unit * group_force[g];
+      groups_[g].larger = pair_.groups[g].larger_cell;
+    }
+    change_.resize(pair_.points.size());
+    parallel_for("cgcontact::face_pressures::gaps", pair_.points.size(), 256, [&](std::size_t q) {
+      const ContactPoint p = pair_.points[q];
+      const Vec3 relative = displacement(state, pair_.secondary, p.secondary_cell, p.secondary_xi) -
+                            displacement(state, pair_.primary, p.primary_cell, p.primary_xi);
+      change_[q] = relative.dot(p.normal);
+    });
+    for (std::size_t q = 0; q < pair_.points.size(); ++q) {
+      Group& group = groups_[pair_.points.group(q)];
+      const double w = pair_.points.weight(q);
+      group.area += w;
+      group.centre += w * pair_.points.x(q);
+      group.normal += w * pair_.points.normal(q);
+      group.gap_change += w * change_[q];
+    }
+    for (Group& group : groups_) {
+      if (!(group.area > 0)) continue;
+      group.centre /= group.area;
+      group.normal.normalize();
+      group.gap_change /= group.area;
+    }
+  }
+  const std::vector<Group>& groups() const { return groups_; }
+  const ContactPair& pair() const { return pair_; }
+
+  /// Closed groups of each zone.
+  std::vector<std::vector<int>> zones(double reach) const {
+    std::vector<int> closed;
+    double largest = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      if (groups_[g].closed() && groups_[g].area > 0) {
+        closed.push_back(static_cast<int>(g));
+        largest = std::max(largest, groups_[g].larger);
+      }
+    if (closed.empty()) return {};
+    const double span = (reach + apart);
+    const std::vector<int> first = connected_sets(
+        closed.size(), span * largest, [&](std::size_t i) { return groups_[closed[i]].centre; },
+        [&](int i, int k) {
+          const Group &a = groups_[closed[i]], &b = groups_[closed[k]];
+          return (a.centre - b.centre).norm() < span * std::max(a.larger, b.larger) &&
+                 a.normal.dot(b.normal) > same_side;
+        });
+    std::vector<std::vector<int>> zones;
+    std::vector<int> number(closed.size(), -1);
+    for (std::size_t i = 0; i < closed.size(); ++i) {
+      if (first[i] == static_cast<int>(i)) {
+        number[i] = static_cast<int>(zones.size());
+        zones.emplace_back();
+      }
+      zones[number[first[i]]].push_back(closed[i]);
+    }
+    return zones;
+  }
+
+ private:
+  const SolvedState& state_;
+  const ContactPair& pair_;
+  std::vector<Group> groups_;
+  std::vector<double> change_;
+};
+
+double compliance_modulus(const SolvedState& state, const ContactPair& pair) {
+  double compliance = 0;
+  for (const int body : {pair.primary, pair.secondary}) {
+    const Material& m = state.bodies[body].spec->material;
+    if (!m.is_rigid()) compliance += (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
+  }
+  return 1 / compliance;
+}
+
+/// Planes that both bodies have; a rigid body needs none.
+std::vector<SymmetryPlane> planes_of(const SolvedState& state, const ContactPair& pair) {
+  std::vector<std::vector<SymmetryPlane>> of_body;
+  for (const int body : {pair.primary, pair.secondary})
+    if (const BodyModel& model = state.bodies[body]; !model.spec->rigid())
+      of_body.push_back(symmetry_planes(model.cut_cells, model.boundary));
+  if (of_body.empty()) return {};
+  if (of_body.size() == 1) return of_body[0];
+  return common_planes(of_body[0], of_body[1], state.bodies[pair.primary].cut_cells.grid.cell_size);
+}
+
+/// A zone on its way to a problem.
+class ZoneBuilder {
+ public:
+  ZoneBuilder(const SolvedState& state, const PairFace& face, const std::vector<int>& closed,
+              const std::vector<SymmetryPlane>& planes, const FaceOptions& options)
+      : state_(state), face_(face), pair_(face.pair()), closed_(closed), options_(options) {
+    std::vector<double> sizes;
+    for (const int g : closed) sizes.push_back(face.groups()[g].larger);
+    std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
+    h_ = sizes[sizes.size() / 2];
+    const Grid& grid = state.bodies[pair_.primary].cut_cells.grid;
+    across_ = grid.is_quadtree() ? grid.plane_strain : -1;
+    thickness_ = across_ >= 0 ? grid.slice : 1;
+    for (const SymmetryPlane& plane : planes) {
+      if (across_ >= 0 && std::abs(plane.normal[across_]) > 0.5) continue;
+      double nearest = 1e300;
+      for (const int g : closed) nearest = std::min(nearest, std::abs(plane.distance(face.groups()[g].centre)));
+      if (nearest < h_) planes_.push_back(plane);
+    }
+  }
+
+  /// None: the zone has no problem of this kind.
+  std::optional<SolvedZone> solve(const ExecSpace& exec) {
+    if (!gather_points()) return std::nullopt;
+    std::vector<FacePoint> points;
+    for (const int q : near_)
+      if (is_closed(q)) points.push_back({pair_.points.x(q), pair_.points.normal(q), pair_.points.weight(q)});
+    chart_ = FaceChart::make(points, planes_, across_);
+    if (!chart_) return std::nullopt;
+    lay_grid();
+    assign_points();
+    place_patches();
+    const FaceZone zone = make_zone();
+    if (zone.shares.empty()) return std::nullopt;
+    SolvedZone solved{static_cast<int>(&pair_ - state_.pairs.data()), pair_.primary, *chart_, h_, {}, {}};
+    solved.known = zone.inside;
+    solved.pressure = solve_face_zone(exec, zone, options_);
+    return solved;
+  }
+
+ private:
+  bool is_closed(int q) const { return face_.groups()[pair_.points.group(q)].closed(); }
+
+  /// Points within reach of the closed ones on their side of the body; false if all are closed: nothing says where the
+  /// zone ends.
+  bool gather_points() {
+    const double reach = options_.reach * h_;
+    PointBuckets buckets(reach);
+    std::vector<char> mine(face_.groups().size(), 0);
+    for (const int g : closed_) mine[g] = 1;
+    for (std::size_t q = 0; q < pair_.points.size(); ++q)
+      if (mine[pair_.points.group(q)]) buckets.add(pair_.points.x(q), static_cast<int>(q));
+    bool open = false;
+    for (std::size_t q = 0; q < pair_.points.size(); ++q) {
+      const Vec3 x = pair_.points.x(q), n = pair_.points.normal(q);
+      bool near = false;
+      buckets.each_near(x, [&](int k) {
+        near = near || ((pair_.points.x(k) - x).norm() < reach && pair_.points.normal(k).dot(n) > same_side);
+      });
+      if (!near) continue;
+      near_.push_back(static_cast<int>(q));
+      open = open || !is_closed(static_cast<int>(q));
+    }
+    return open;
+  }
+
+  /// Of the closed groups, m^2; in plane strain m.
+  double zone_area() const {
+    double area = 0;
+    for (const int g : closed_) area += face_.groups()[g].area;
+    return area / thickness_;
+  }
+  /// Halved as often as solve_face_zone likes.
+  static int even(double count) {
+    const int n = std::max(1, static_cast<int>(count));
+    return n < 16 ? n : (n + 7) / 8 * 8;
+  }
+
+  void lay_grid() {
+    grid_.plane_strain = across_ >= 0;
+    grid_.end = chart_->ends();
+    FacePlace low = FacePlace::Constant(1e300), high = FacePlace::Constant(-1e300);
+    for (const int q : near_) {
+      const FacePlace x = chart_->place(pair_.points.x(q));
+      low = low.cwiseMin(x);
+      high = high.cwiseMax(x);
+    }
+    const double margin = 0.5 * h_;
+    for (int per_cell = grid_.plane_strain ? options_.patches_per_cell_2d : options_.patches_per_cell_3d;;
+         per_cell /= 2) {
+      for (int a = 0; a < 2; ++a) {
+        const double begin = grid_.end[a] == FaceEnd::free ? low[a] - margin : 0;
+        const double length = grid_.end[a] == FaceEnd::period ? chart_->length(a) : high[a] + margin - begin;
+        // A zone between two symmetry planes ends along the axis between them.
+        const double spacing = h_ / (grid_.end[a] == FaceEnd::period ? patches_along : per_cell);
+        grid_.size[a] = even(std::ceil(length / spacing - 1e-6));
+        grid_.spacing[a] = grid_.end[a] == FaceEnd::period ? length / grid_.size[a] : spacing;
+        grid_.low[a] = begin;
+      }
+      if (grid_.plane_strain) {
+        grid_.size[0] = 1;
+        grid_.spacing[0] = 1;
+        grid_.low[0] = -0.5;
+        grid_.end[0] = FaceEnd::free;
+      }
+      const double patches = zone_area() / grid_.area();
+      const double images = static_cast<double>(grid_.extended(0)) * grid_.extended(1) / grid_.num_patches();
+      const double work = images * patches * patches;
+      if (work < most_work || per_cell <= 2) break;
+    }
+  }
+
+  Vec3 flat(FacePlace x) const { return {grid_.plane_strain ? 0.0 : x[0], x[1], 0}; }
+
+  /// Finds the contact point nearest to each patch.
+  void assign_points() {
+    points_.emplace(point_spacing * h_);
+    for (const int q : near_) {
+      places_.push_back(flat(chart_->place(pair_.points.x(q))));
+      points_->add(places_.back(), static_cast<int>(places_.size() - 1));
+    }
+    nearest_.assign(grid_.num_patches(), -1);
+    parallel_for("cgcontact::face_pressures::nearest", nearest_.size(), 256, [&](std::size_t n) {
+      const Vec3 x = flat(grid_.centre(static_cast<int>(n)));
+      double least = point_spacing * h_;
+      points_->each_near(x, [&](int k) {
+        const double distance = (places_[k] - x).norm();
+        if (distance < least) least = distance, nearest_[n] = near_[k];
+      });
+    });
+  }
+
+  /// Groups with points near a patch, those with the nearest one first.
+  std::vector<int> groups_near(int patch) const {
+    const Vec3 at = flat(grid_.centre(patch));
+    std::vector<std::pair<double, int>> found;
+    points_->each_near(at, [&](int k) {
+      const double distance = (places_[k] - at).norm();
+      const int g = pair_.points.group(near_[k]);
+      const auto known = std::find_if(found.begin(), found.end(), [&](const auto& group) { return group.second == g; });
+      if (known == found.end())
+        found.emplace_back(distance, g);
+      else
+        known->first = std::min(known->first, distance);
+    });
+    std::sort(found.begin(), found.end());
+    std::vector<int> groups;
+    for (const auto& [distance, g] : found) groups.push_back(g);
+    return groups;
+  }
+
+  /// Is a place of the face, given those of both bodies there, in the cell of a group?
+  bool holds(int g, const Vec3& primary, const Vec3& secondary) const {
+    const ContactGroup& group = pair_.groups[g];
+    const CutCells& cc = state_.bodies[group.body].cut_cells;
+    const Vec3 inside =
+        ((group.body == pair_.primary ? primary : secondary) - cc.corner(group.cell)) / cc.size(group.cell);
+    return inside.minCoeff() >= -same_cell && inside.maxCoeff() <= 1 + same_cell;
+  }
+
+  /// Parts of a patch by the groups whose cells hold some places spread over it; of several the nearest, where none
+  /// does the nearest as well.
+  std::vector<std::pair<int, double>> shares_of(int patch, const FacePlace& place, const Vec3& x,
+                                                const OppositePoint& opposite) const {
+    std::vector<std::pair<int, double>> shares;
+    const std::vector<int> groups = groups_near(patch);
+    if (groups.empty()) return shares;
+    const Grid& own = state_.bodies[pair_.primary].cut_cells.grid;
+    const Grid& other = state_.bodies[pair_.secondary].cut_cells.grid;
+    const Vec3 middle = chart_->point(place), across = other.to_global(opposite.position);
+    const int rows = grid_.plane_strain ? 1 : samples;
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < samples; ++j) {
+        const FacePlace step((grid_.plane_strain ? 0 : (i + 0.5) / rows - 0.5) * grid_.spacing[0],
+                             ((j + 0.5) / samples - 0.5) * grid_.spacing[1]);
+        const Vec3 shift = chart_->point(place + step) - middle;
+        const Vec3 primary = own.to_grid(x + shift), secondary = other.to_grid(across + shift);
+        const auto holding =
+            std::find_if(groups.begin(), groups.end(), [&](int g) { return holds(g, primary, secondary); });
+        const int g = holding == groups.end() ? groups.front() : *holding;
+        const auto known =
+            std::find_if(shares.begin(), shares.end(), [&](const auto& share) { return share.first == g; });
+        if (known == shares.end())
+          shares.emplace_back(g, 1.0 / (rows * samples));
+        else
+          known->second += 1.0 / (rows * samples);
+      }
+    return shares;
+  }
+
+  /// Puts every patch onto the primary face and looks across; those beyond the faces drop out.
+  void place_patches() {
+    const BodyModel& body = state_.bodies[pair_.primary];
+    const Grid& grid = body.cut_cells.grid;
+    const Solid& solid = body.cut_cells.solid;
+    distance_.assign(nearest_.size(), 0.0);
+    shares_.assign(nearest_.size(), {});
+    parallel_for("cgcontact::face_pressures::distances", nearest_.size(), 16, [&](std::size_t n) {
+      if (nearest_[n] < 0) return;
+      const int q = nearest_[n];
+      FacePlace place = grid_.centre(static_cast<int>(n));
+      const Vec3 near = pair_.points.x(q), near_normal = pair_.points.normal(q);
+      if (grid_.plane_strain) place[0] = chart_->place(near)[0];
+      Vec3 x = chart_->point(place);
+      const Vec3 up = chart_->normal(x);
+      // Onto the tangent plane of the nearest point, then onto the surface.
+      x += near_normal.dot(near - x) / near_normal.dot(up) * up;
+      const Surface& surface = solid.surfaces()[pair_.groups[pair_.points.group(q)].surface];
+      Vec3 normal = near_normal;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 g = grid.to_grid(x);
+        const Vec3 gradient = grid.rotation * surface.gradient(g);
+        normal = gradient.dot(near_normal) < 0 ? Vec3(-gradient) : gradient;
+        const double slope = gradient.dot(up);
+        if (!(std::abs(slope) > 0.1)) break;
+        x -= surface.signed_distance(g) * grid.cell_size / slope * up;
+      }
+      if (!((x - near).norm() < 2 * point_spacing * h_)) {
+        nearest_[n] = -1;
+        return;
+      }
+      const Vec3 inner = grid.to_grid(x - 1e-6 * h_ * normal);
+      const auto opposite = solid.contains(inner) ? find_opposite(state_.bodies, pair_, pair_.primary, x, normal)
+                                                  : std::optional<OppositePoint>();
+      if (!opposite) {
+        nearest_[n] = -1;
+        return;
+      }
+      distance_[n] = opposite->distance;
+      shares_[n] = shares_of(static_cast<int>(n), place, x, *opposite);
+    });
+  }
+
+  FaceZone make_zone() const {
+    FaceZone zone;
+    zone.grid = grid_;
+    zone.h = h_;
+    zone.modulus = compliance_modulus(state_, pair_);
+    zone.distance = distance_;
+    zone.may_press.assign(nearest_.size(), 0);
+    PointBuckets closed_points(beyond_closed * h_);
+    std::vector<Vec3> places;
+    for (const int q : near_)
+      if (is_closed(q)) {
+        closed_points.add(flat(chart_->place(pair_.points.x(q))), static_cast<int>(places.size()));
+        places.push_back(flat(chart_->place(pair_.points.x(q))));
+      }
+    std::vector<int> number(face_.groups().size(), -1);
+    const auto add = [&](int g) {
+      if (number[g] >= 0) return;
+      number[g] = static_cast<int>(zone.groups.size());
+      const Group& group = face_.groups()[g];
+      double away = group.closed() ? 0 : 1e300;
+      for (const int closed : closed_)
+        if (!group.closed()) away = std::min(away, (face_.groups()[closed].centre - group.centre).norm());
+      zone.groups.push_back({group.area / thickness_, group.force / thickness_, group.gap_change, away});
+    };
+    for (const int g : closed_) add(g);
+    for (std::size_t n = 0; n < nearest_.size(); ++n) {
+      // What another zone transmits is not this one's.
+      const bool mine = std::none_of(shares_[n].begin(), shares_[n].end(), [&](const auto& share) {
+        return face_.groups()[share.first].closed() && number[share.first] < 0;
+      });
+      zone.inside.push_back(!shares_[n].empty() && mine);
+      if (!zone.inside.back()) continue;
+      for (const auto& [g, part] : shares_[n]) {
+        add(g);
+        zone.shares.push_back({static_cast<int>(n), number[g], part});
+      }
+      const Vec3 x = flat(grid_.centre(static_cast<int>(n)));
+      closed_points.each_near(x, [&](int k) {
+        if ((places[k] - x).norm() < beyond_closed * h_) zone.may_press[n] = 1;
+      });
+    }
+    return zone;
+  }
+
+  const SolvedState& state_;
+  const PairFace& face_;
+  const ContactPair& pair_;
+  const std::vector<int>& closed_;
+  const FaceOptions& options_;
+  double h_ = 0, thickness_ = 1;
+  int across_ = -1;
+  std::vector<SymmetryPlane> planes_;
+  std::vector<int> near_;  ///< contact points of the zone
+  std::optional<FaceChart> chart_;
+  FaceGrid grid_;
+  std::optional<PointBuckets> points_;  ///< by place, of near_
+  std::vector<Vec3> places_;
+  std::vector<int> nearest_;  ///< of each patch the nearest contact point; -1: it is no part of the faces
+  std::vector<std::vector<std::pair<int, double>>> shares_;  ///< of each patch: groups and their parts of it
+  std::vector<double> distance_;
+};
+
+}  // namespace
+
+FacePressures solve_face_pressures(const ExecSpace& exec, const SolvedState& state) {
+  FacePressures result;
+  const FaceOptions& options = state.scene.recovery.face;
+  std::size_t first_group = 0;
+  for (std::size_t p = 0; p < state.pairs.size(); ++p) {
+    const ContactPair& pair = state.pairs[p];
+    result.left_out.push_back(0);
+    if (!pair.bonded()) {
+      const PairFace face(state, static_cast<int>(p), state.outer.group_force.data() + first_group);
+      const std::vector<SymmetryPlane> planes = planes_of(state, pair);
+      for (const std::vector<int>& closed : face.zones(options.reach)) {
+        auto zone = ZoneBuilder(state, face, closed, planes, options).solve(exec);
+        if (zone)
+          result.zones.push_back(std::move(*zone));
+        else
+          ++result.left_out.back();
+      }
+    }
+    first_group += pair.groups.size();
+  }
+  return result;
+}
+
+}  // namespace cgcontact
