@@ -313,7 +313,7 @@ void Simulation::recover() {
   // Interior patches follow from the displacements by themselves, unless they are to have polynomials of degree 2.
   const bool interior_apart = !options.spr_c || options.degree.interior == 1;
   std::vector<double> group_force = state.outer.group_force;
-  for (double& force : group_force) force *= state.scales.stress * state.scales.length * state.scales.length;
+  for (double& force : group_force) force *= force_unit(state);
   update_contact_links(state.pairs, state.bodies, group_force);
   std::vector<PatchSet> patches(state.bodies.size());
   std::vector<RecoveryBody> input;

@@ -16,10 +16,6 @@ constexpr double no_turn = 1e-4, one_radius = 0.02;
 /// Directions and places that are the same up to that.
 constexpr double same = 1e-6;
 
-double angle_from(const Vec3& x, const Vec3& zero, const Vec3& quarter) {
-  return std::atan2(x.dot(quarter), x.dot(zero));
-}
-
 }  // namespace
 
 std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
@@ -71,18 +67,16 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
   chart.round_ = true;
   chart.origin_ = centre + 0.5 * c[0] * e + 0.5 * c[1] * f;
   chart.radius_ = std::sqrt(std::max(c[2] + 0.25 * (c[0] * c[0] + c[1] * c[1]), 0.0));
+  chart.axis_[0] = axis;
   double misfit = 0, outward = 0;
   for (const FacePoint& p : points) {
-    Vec3 d = p.x - chart.origin_;
-    d -= d.dot(axis) * axis;
+    const Vec3 d = chart.radial(p.x);
     misfit = std::max(misfit, std::abs(d.norm() - chart.radius_));
     outward += p.weight * p.normal.dot(d.normalized());
   }
   if (!(misfit < one_radius * chart.radius_)) return std::nullopt;
   chart.outward_ = outward < 0 ? -1 : 1;
-  chart.axis_[0] = axis;
-  const Vec3 inwards = centre - chart.origin_;
-  chart.axis_[1] = (inwards - inwards.dot(axis) * axis).normalized();
+  chart.axis_[1] = chart.radial(centre).normalized();
   chart.normal_ = axis.cross(chart.axis_[1]);
   if (!chart.set_ends(planes)) return std::nullopt;
   return chart;
@@ -124,10 +118,15 @@ bool FaceChart::set_ends(const std::vector<SymmetryPlane>& planes) {
   return true;
 }
 
+Vec3 FaceChart::radial(const Vec3& x) const {
+  const Vec3 d = x - origin_;
+  return d - d.dot(axis_[0]) * axis_[0];
+}
+
 FacePlace FaceChart::place(const Vec3& x) const {
   const Vec3 d = x - origin_;
   if (!round_) return {d.dot(axis_[0]), d.dot(axis_[1])};
-  return {d.dot(axis_[0]), radius_ * angle_from(d, axis_[1], normal_)};
+  return {d.dot(axis_[0]), radius_ * std::atan2(d.dot(normal_), d.dot(axis_[1]))};
 }
 
 Vec3 FaceChart::point(const FacePlace& place) const {
@@ -136,18 +135,10 @@ Vec3 FaceChart::point(const FacePlace& place) const {
   return origin_ + place[0] * axis_[0] + radius_ * (std::cos(angle) * axis_[1] + std::sin(angle) * normal_);
 }
 
-Vec3 FaceChart::normal(const Vec3& x) const {
-  if (!round_) return normal_;
-  Vec3 d = x - origin_;
-  d -= d.dot(axis_[0]) * axis_[0];
-  return outward_ * d.normalized();
-}
+Vec3 FaceChart::normal(const Vec3& x) const { return round_ ? Vec3(outward_ * radial(x).normalized()) : normal_; }
 
 double FaceChart::height(const Vec3& x) const {
-  Vec3 d = x - origin_;
-  if (!round_) return d.dot(normal_);
-  d -= d.dot(axis_[0]) * axis_[0];
-  return outward_ * (d.norm() - radius_);
+  return round_ ? outward_ * (radial(x).norm() - radius_) : normal_.dot(x - origin_);
 }
 
 }  // namespace cgcontact

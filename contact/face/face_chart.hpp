@@ -29,7 +29,7 @@ class FaceChart {
   Vec3 point(const FacePlace& place) const;
   /// Unit normal of the chart at a point.
   Vec3 normal(const Vec3& x) const;
-  /// Of a point, from the plane or from the mean radius, m.
+  /// Height of a point above the plane, or above the mean radius, m.
   double height(const Vec3& x) const;
   const std::array<FaceEnd, 2>& ends() const { return ends_; }
   /// Between the two symmetry planes of an axis that has two, m.
@@ -37,9 +37,11 @@ class FaceChart {
 
  private:
   bool set_ends(const std::vector<SymmetryPlane>& planes);
+  /// From the axis of a round face to a point.
+  Vec3 radial(const Vec3& x) const;
 
   bool round_ = false;
-  Vec3 origin_ = Vec3::Zero();                     ///< of the coordinates; round: on the axis
+  Vec3 origin_ = Vec3::Zero();                     ///< has the coordinates 0; round: on the axis
   Vec3 axis_[2] = {Vec3::UnitX(), Vec3::UnitY()};  ///< round: the axis of the face, and its radial direction at angle 0
   Vec3 normal_ = Vec3::UnitZ();                    ///< round: axis_[0] x axis_[1]
   double radius_ = 0, outward_ = 1;                ///< outward: +1, the normal points away from the axis

@@ -3,12 +3,6 @@
 #include <cmath>
 
 namespace cgcontact {
-namespace {
-
-/// Faces that look the same way: cosine between normals.
-constexpr double same_side = 0.5;
-
-}  // namespace
 
 std::optional<double> SolvedZone::at(int body, const Vec3& x, const Vec3& normal) const {
   const double cosine = chart.normal(x).dot(normal) * (body == primary ? 1 : -1);

@@ -8,6 +8,9 @@
 
 namespace cgcontact {
 
+/// Cosine between the normals of faces that look the same way.
+constexpr double same_side = 0.5;
+
 /// A zone whose pressure was solved for.
 struct SolvedZone {
   int pair = 0, primary = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/model/indentation.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
 #include "recovery/zone_edge/connected_sets.hpp"
@@ -12,8 +13,6 @@ namespace {
 
 /// Zones whose closed groups are so many cells farther apart than the reach of a problem have problems of their own.
 constexpr double apart = 1;
-/// Faces that look the same way: cosine between normals.
-constexpr double same_side = 0.5;
 /// Part of a cell: a place is part of a face when a contact point is as near as that.
 constexpr double point_spacing = 0.7;
 /// A place at the border of a cell is in it, part of the cell.
@@ -38,18 +37,17 @@ struct Group {
 class PairFace {
  public:
   PairFace(const SolvedState& state, int pair, const double* group_force)
-      : state_(state), pair_(state.pairs[pair]), groups_(pair_.groups.size()) {
-    const double unit = state.scales.stress * state.scales.length * state.scales.length;
+      : pair_(state.pairs[pair]), groups_(pair_.groups.size()) {
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      groups_[g].force = unit * group_force[g];
+      groups_[g].force = force_unit(state) * group_force[g];
       groups_[g].larger = pair_.groups[g].larger_cell;
     }
-    change_.resize(pair_.points.size());
-    parallel_for("cgcontact::face_pressures::gaps", pair_.points.size(), 256, [&](std::size_t q) {
+    std::vector<double> change(pair_.points.size());
+    parallel_for("cgcontact::face_problems::gaps", pair_.points.size(), 256, [&](std::size_t q) {
       const ContactPoint p = pair_.points[q];
       const Vec3 relative = displacement(state, pair_.secondary, p.secondary_cell, p.secondary_xi) -
                             displacement(state, pair_.primary, p.primary_cell, p.primary_xi);
-      change_[q] = relative.dot(p.normal);
+      change[q] = relative.dot(p.normal);
     });
     for (std::size_t q = 0; q < pair_.points.size(); ++q) {
       Group& group = groups_[pair_.points.group(q)];
@@ -57,7 +55,7 @@ class PairFace {
       group.area += w;
       group.centre += w * pair_.points.x(q);
       group.normal += w * pair_.points.normal(q);
-      group.gap_change += w * change_[q];
+      group.gap_change += w * change[q];
     }
     for (Group& group : groups_) {
       if (!(group.area > 0)) continue;
@@ -79,7 +77,7 @@ class PairFace {
         largest = std::max(largest, groups_[g].larger);
       }
     if (closed.empty()) return {};
-    const double span = (reach + apart);
+    const double span = reach + apart;
     const std::vector<int> first = connected_sets(
         closed.size(), span * largest, [&](std::size_t i) { return groups_[closed[i]].centre; },
         [&](int i, int k) {
@@ -100,20 +98,9 @@ class PairFace {
   }
 
  private:
-  const SolvedState& state_;
   const ContactPair& pair_;
   std::vector<Group> groups_;
-  std::vector<double> change_;
 };
-
-double compliance_modulus(const SolvedState& state, const ContactPair& pair) {
-  double compliance = 0;
-  for (const int body : {pair.primary, pair.secondary}) {
-    const Material& m = state.bodies[body].spec->material;
-    if (!m.is_rigid()) compliance += (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus;
-  }
-  return 1 / compliance;
-}
 
 /// Planes that both bodies have; a rigid body needs none.
 std::vector<SymmetryPlane> planes_of(const SolvedState& state, const ContactPair& pair) {
@@ -192,13 +179,13 @@ class ZoneBuilder {
     return open;
   }
 
-  /// Of the closed groups, m^2; in plane strain m.
+  /// Adds up the closed groups, m^2; in plane strain m.
   double zone_area() const {
     double area = 0;
     for (const int g : closed_) area += face_.groups()[g].area;
     return area / thickness_;
   }
-  /// Halved as often as solve_face_zone likes.
+  /// Rounds up to what solve_face_zone can halve.
   static int even(double count) {
     const int n = std::max(1, static_cast<int>(count));
     return n < 16 ? n : (n + 7) / 8 * 8;
@@ -248,7 +235,7 @@ class ZoneBuilder {
       points_->add(places_.back(), static_cast<int>(places_.size() - 1));
     }
     nearest_.assign(grid_.num_patches(), -1);
-    parallel_for("cgcontact::face_pressures::nearest", nearest_.size(), 256, [&](std::size_t n) {
+    parallel_for("cgcontact::face_problems::nearest", nearest_.size(), 256, [&](std::size_t n) {
       const Vec3 x = flat(grid_.centre(static_cast<int>(n)));
       double least = point_spacing * h_;
       points_->each_near(x, [&](int k) {
@@ -277,7 +264,7 @@ class ZoneBuilder {
     return groups;
   }
 
-  /// Is a place of the face, given those of both bodies there, in the cell of a group?
+  /// Tells whether a place of the face, given those of both bodies there, is in the cell of a group.
   bool holds(int g, const Vec3& primary, const Vec3& secondary) const {
     const ContactGroup& group = pair_.groups[g];
     const CutCells& cc = state_.bodies[group.body].cut_cells;
@@ -323,7 +310,7 @@ class ZoneBuilder {
     const Solid& solid = body.cut_cells.solid;
     distance_.assign(nearest_.size(), 0.0);
     shares_.assign(nearest_.size(), {});
-    parallel_for("cgcontact::face_pressures::distances", nearest_.size(), 16, [&](std::size_t n) {
+    parallel_for("cgcontact::face_problems::distances", nearest_.size(), 16, [&](std::size_t n) {
       if (nearest_[n] < 0) return;
       const int q = nearest_[n];
       FacePlace place = grid_.centre(static_cast<int>(n));
@@ -363,16 +350,13 @@ class ZoneBuilder {
     FaceZone zone;
     zone.grid = grid_;
     zone.h = h_;
-    zone.modulus = compliance_modulus(state_, pair_);
+    zone.modulus =
+        effective_modulus(state_.bodies[pair_.primary].spec->material, state_.bodies[pair_.secondary].spec->material);
     zone.distance = distance_;
     zone.may_press.assign(nearest_.size(), 0);
     PointBuckets closed_points(beyond_closed * h_);
-    std::vector<Vec3> places;
-    for (const int q : near_)
-      if (is_closed(q)) {
-        closed_points.add(flat(chart_->place(pair_.points.x(q))), static_cast<int>(places.size()));
-        places.push_back(flat(chart_->place(pair_.points.x(q))));
-      }
+    for (std::size_t k = 0; k < near_.size(); ++k)
+      if (is_closed(near_[k])) closed_points.add(places_[k], static_cast<int>(k));
     std::vector<int> number(face_.groups().size(), -1);
     const auto add = [&](int g) {
       if (number[g] >= 0) return;
@@ -397,7 +381,7 @@ class ZoneBuilder {
       }
       const Vec3 x = flat(grid_.centre(static_cast<int>(n)));
       closed_points.each_near(x, [&](int k) {
-        if ((places[k] - x).norm() < beyond_closed * h_) zone.may_press[n] = 1;
+        if ((places_[k] - x).norm() < beyond_closed * h_) zone.may_press[n] = 1;
       });
     }
     return zone;
@@ -414,10 +398,10 @@ class ZoneBuilder {
   std::vector<int> near_;  ///< contact points of the zone
   std::optional<FaceChart> chart_;
   FaceGrid grid_;
-  std::optional<PointBuckets> points_;  ///< by place, of near_
-  std::vector<Vec3> places_;
-  std::vector<int> nearest_;  ///< of each patch the nearest contact point; -1: it is no part of the faces
-  std::vector<std::vector<std::pair<int, double>>> shares_;  ///< of each patch: groups and their parts of it
+  std::optional<PointBuckets> points_;  ///< near_, by places_
+  std::vector<Vec3> places_;            ///< coordinates of near_
+  std::vector<int> nearest_;            ///< contact point nearest to each patch; -1: it is no part of the faces
+  std::vector<std::vector<std::pair<int, double>>> shares_;  ///< groups of each patch and their parts of it
   std::vector<double> distance_;
 };
 

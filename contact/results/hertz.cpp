@@ -24,11 +24,6 @@ double curvature_ratio(double ratio) {
 
 }  // namespace
 
-double contact_modulus(const Material& first, const Material& second) {
-  const auto compliance = [](const Material& m) { return (1 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus; };
-  return 1 / (compliance(first) + compliance(second));
-}
-
 HertzFigures hertz_point(double force, double least, double most, double modulus) {
   const double radius = 1 / std::sqrt(least * most);
   const double size = std::cbrt(3 * force * radius / (4 * modulus));  // of a round zone

@@ -6,9 +6,6 @@
 
 namespace cgcontact {
 
-/// E*: 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2, Pa.
-double contact_modulus(const Material& first, const Material& second);
-
 /// Point contact: force in N, principal relative curvatures 0 < least <= most in 1/m (sums over both bodies, convex
 /// positive). a lies along the direction of the least.
 HertzFigures hertz_point(double force, double least_curvature, double most_curvature, double modulus);

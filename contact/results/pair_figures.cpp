@@ -19,8 +19,6 @@ constexpr double no_force = 1e-9;
 /// pressed less than another of the same pair), less than `rounding` nothing. Of the transmitted pressure: that is so.
 constexpr double end_of_zone = 0.01, rounding = 1e-9, little_by_itself = 0.5;
 
-double force_unit(const SolvedState& state) { return state.scales.stress * state.scales.length * state.scales.length; }
-
 /// Active cells of a body within a cell, the larger one of both bodies' there, from closed points of a pair.
 std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair& pair, int body) {
   const CutCells& cut_cells = state.bodies[body].cut_cells;

@@ -20,7 +20,8 @@ namespace {
 
 /// Widths of the Gaussian of the local mean beyond which nothing counts.
 constexpr double mean_reach = 3;
-/// Of a width: sources in one cube of that size count as one, so that few count around a row however small the cells.
+/// Part of a width: sources in one cube of that size count as one, so that few count around a row however small the
+/// cells.
 constexpr double mean_grain = 1. / 16;
 
 /// Part of a pair's force: less than that is the tolerance of the solver.

@@ -45,8 +45,8 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
   }
 }
 
-/// Of a zone so narrow that no boundary point of its bodies lies in it, although its faces end beside it: what its
-/// pieces have of the faces of their cells.
+/// Estimates the width of a zone so narrow that no boundary point of its bodies lies in it, although its faces end
+/// beside it: what its pieces have of the faces of their cells.
 ZoneWidth width_between_points(const ContactPair& pair) {
   double area = 0, cells = 0, largest = 0;
   for (const ContactGroup& group : pair.groups) {

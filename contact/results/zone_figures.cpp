@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "contact/model/indentation.hpp"
 #include "contact/results/hertz.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "recovery/zone_edge/symmetry_planes.hpp"
@@ -72,7 +73,7 @@ class Zone {
     const double least = solver.eigenvalues()[0], most = solver.eigenvalues()[1];
     if (!(most * least_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
     const double modulus =
-        contact_modulus(state_.scene.bodies[pair_.primary].material, state_.scene.bodies[pair_.secondary].material);
+        effective_modulus(state_.scene.bodies[pair_.primary].material, state_.scene.bodies[pair_.secondary].material);
     HertzFigures hertz;
     const double whole = std::ldexp(force, static_cast<int>(planes_.size()));
     if (least > no_curvature * most) {

@@ -17,7 +17,7 @@ class RightHandSide {
   const RealView& vector() const { return vector_; }
   /// Scale of the linear tolerance: the norm of the real forces.
   double force_norm() const { return force_norm_; }
-  /// Is all of it so small that nothing can be told by its squares, but not zero?
+  /// Tells whether all of it is so small that nothing can be told by its squares, but not zero.
   bool underflows() const;
 
  private:

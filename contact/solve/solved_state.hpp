@@ -33,6 +33,11 @@ struct SolvedState {
   void keep_fields_only();
 };
 
+/// N, of OuterResult::group_force.
+inline double force_unit(const SolvedState& state) {
+  return state.scales.stress * state.scales.length * state.scales.length;
+}
+
 // The fields at a point of a body: active cell and cell coordinates; global axes.
 
 /// m

@@ -16,7 +16,7 @@ bool overlap(const Block& a, const Block& b) {
     if (a.from[d] >= b.to[d] || b.from[d] >= a.to[d]) return false;
   return true;
 }
-/// Outside of the grid.
+/// Tells whether a block is outside of the grid.
 bool is_empty(const Block& a) { return a.from[0] >= a.to[0] || a.from[1] >= a.to[1] || a.from[2] >= a.to[2]; }
 bool contains(const Block& outer, const Block& inner) {
   for (int d = 0; d < 3; ++d)
@@ -51,7 +51,7 @@ class Marking {
   }
 
  private:
-  /// Of a place, what is in the grid.
+  /// The part of a place that is in the grid.
   Block block_of(int size, const Index3& place) const {
     Block block;
     const int units = size + cells_.num_levels() - 1;

@@ -30,7 +30,7 @@ struct FaceGrid {
   FacePlace centre(int patch) const {
     return low + FacePlace((patch / size[1] + 0.5) * spacing[0], (patch % size[1] + 0.5) * spacing[1]);
   }
-  /// Of a patch, m^2; in plane strain m, per thickness.
+  /// Area of a patch, m^2; in plane strain m, per thickness.
   double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
   /// Patches along an axis with those behind the symmetry plane.
   int extended(int axis) const { return end[axis] == FaceEnd::free ? size[axis] : 2 * size[axis]; }

@@ -93,8 +93,8 @@ std::vector<double> acting_pressure(const FaceZone& zone, const std::vector<doub
 int merged(const FaceGrid& grid, int axis) { return grid.size[axis] % 2 == 0 && grid.size[axis] >= 16 ? 2 : 1; }
 
 /// The solution on patches of twice the size, recursively, is where the solver starts: p is set.
-FaceSolution solve_from_coarse(const ExecSpace& exec, const FaceGrid& grid, double modulus,
-                               const std::vector<double>& gap, const std::vector<char>& may_press, double force,
+FaceSolution solve_from_coarse(const ExecSpace& exec, const FaceGrid& grid, const HalfSpace& half_space, double modulus,
+                               const std::vector<double>& gap, std::vector<char> may_press, double force,
                                const FaceOptions& options, const Patches& p) {
   const std::array<int, 2> by{merged(grid, 0), merged(grid, 1)};
   if (by[0] * by[1] > 1) {
@@ -118,24 +118,24 @@ FaceSolution solve_from_coarse(const ExecSpace& exec, const FaceGrid& grid, doub
     for (int n = 0; n < count; ++n)
       if (number[n] > 0) sum[n] /= number[n];
     const Patches coarse_p = to_device(coarse, start, "cgcontact::face_zone::coarse_pressure");
-    solve_from_coarse(exec, coarse, modulus, sum, may, force, options, coarse_p);
+    solve_from_coarse(exec, coarse, HalfSpace(coarse, modulus), modulus, sum, may, force, options, coarse_p);
     const std::vector<double> found = to_host(coarse_p);
     std::vector<double> fine(grid.num_patches(), 0.0);
     for (int n = 0; n < grid.num_patches(); ++n)
       if (may_press[n]) fine[n] = found[parent(n)];
     Kokkos::deep_copy(p, to_device(grid, fine, "cgcontact::face_zone::start"));
     // The zone ends within two of the larger patches of where it ended.
-    std::vector<char> near(grid.num_patches(), 0);
-    for (int n = 0; n < grid.num_patches(); ++n)
-      for (int i = -2; i <= 2 && may_press[n] && !near[n]; ++i)
+    for (int n = 0; n < grid.num_patches(); ++n) {
+      bool near = false;
+      for (int i = -2; i <= 2 && may_press[n] && !near; ++i)
         for (int j = -2; j <= 2; ++j) {
           const int other = beyond(coarse, parent(n), {i, j});
-          near[n] = near[n] || (other >= 0 && found[other] > 0);
+          near = near || (other >= 0 && found[other] > 0);
         }
-    return solve_face_problem(exec, grid, HalfSpace(grid, modulus), to_device(grid, gap, "cgcontact::face_zone::gap"),
-                              marks_of(grid, near), force, options.tolerance, options.max_iterations, p);
+      may_press[n] = near;
+    }
   }
-  return solve_face_problem(exec, grid, HalfSpace(grid, modulus), to_device(grid, gap, "cgcontact::face_zone::gap"),
+  return solve_face_problem(exec, grid, half_space, to_device(grid, gap, "cgcontact::face_zone::gap"),
                             marks_of(grid, may_press), force, options.tolerance, options.max_iterations, p);
 }
 
@@ -185,7 +185,7 @@ class EdgeContinuation {
   }
 
  private:
-  /// Of the largest square, what stands negative where the zone is not.
+  /// Part of the largest square that stands negative where the zone is not.
   static constexpr double beyond_edge = 1e-3;
   static constexpr double skip = 2;  ///< patches at the edge that are replaced
   static constexpr int window = 6;   ///< patches around
@@ -318,12 +318,9 @@ FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const 
   std::vector<double> gap = fit_far_field(grid, zone.h, options.smooth_length, zone.inside, means);
   for (int n = 0; n < grid.num_patches(); ++n) gap[n] = zone.inside[n] ? gap[n] + zone.distance[n] : 0;
 
-  const FaceSolution solution = solve_from_coarse(exec, grid, zone.modulus, gap, zone.may_press, force, options, p);
-  FacePressure result{grid, {}, solution.iterations, 0, solution.change};
-  std::vector<double> pressure = to_host(p);
-  for (const double value : pressure) result.closed += value > 0;
-  result.square = EdgeContinuation(zone, std::move(pressure), force).run();
-  return result;
+  const FaceSolution solution =
+      solve_from_coarse(exec, grid, half_space, zone.modulus, gap, zone.may_press, force, options, p);
+  return {grid, EdgeContinuation(zone, to_host(p), force).run(), solution.iterations};
 }
 
 }  // namespace cgcontact

@@ -36,9 +36,8 @@ struct FaceZone {
 /// What solves the problem of a zone leaves: the square of the pressure, which is smooth where a zone ends.
 struct FacePressure {
   FaceGrid grid;
-  std::vector<double> square;      ///< Pa^2, at the patches; negative outside of the zone
-  int iterations = 0, closed = 0;  ///< patches that press
-  double change = 0;               ///< FaceSolution::change
+  std::vector<double> square;  ///< Pa^2, at the patches; negative outside of the zone
+  int iterations = 0;          ///< FaceSolution::iterations, on the finest patches
   /// Pa, bilinear in the square; zero outside.
   double at(const FacePlace& x) const;
 };

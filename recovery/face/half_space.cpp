@@ -28,7 +28,7 @@ double strip(double x, double a) {
   return -2 * (f(x + a) - f(x - a));
 }
 
-/// Of the offset (x, y) with all its periods, less what is the same everywhere.
+/// Sums the integrals at the offset (x, y) and all its periods, less what is the same everywhere.
 double with_periods(const FaceGrid& grid, double x, double y) {
   const auto one = [&](double at_x, double at_y) {
     const double far = 2 * (grid.size[0] * grid.spacing[0] + grid.size[1] * grid.spacing[1]);

@@ -26,7 +26,7 @@ class HalfSpace {
   template <class Exec>
   void apply(const Exec& exec, const Patches& p, const Marks& at, const Patches& u) const;
 
-  /// Of unit pressure on the patch at the origin of offsets, m/Pa; for tests.
+  /// Gives the table at an offset of patches, m/Pa; for tests.
   double influence(int rows, int columns) const;
 
  private:

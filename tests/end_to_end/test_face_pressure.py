@@ -6,6 +6,25 @@ import unittest
 import harness
 from harness import cgcontact, contact_rows, report, settings
 
+# Symmetry planes of the ball's quarter and of what it lies on, whose lower face is held.
+SUPPORTS = """
+[[support]]
+face = "ball.quarter.x-"
+symmetry = true
+[[support]]
+face = "ball.quarter.y-"
+symmetry = true
+[[support]]
+face = "LOWER.x-"
+symmetry = true
+[[support]]
+face = "LOWER.y-"
+symmetry = true
+[[support]]
+face = "LOWER.z-"
+displacement = {z = 0}
+"""
+
 # A ball of plastic on a block of steel, a quarter of both, pressed by a force: Hertz's zone has a radius of 0.39 mm, three cells.
 BALL = """
 [parameters]
@@ -31,22 +50,7 @@ cell_size = "7*h"
 grid = {offset = ["o/2", "o", "1-o"]}
 refine = [{sphere = {center = [0, 0, 0], radius = "7*h"}, size = "7*h/8", grading = 0.25}]
 shape = {box = {min = [0, 0, "-R"], max = ["R", "R", 0]}}
-[[support]]
-face = "ball.quarter.x-"
-symmetry = true
-[[support]]
-face = "ball.quarter.y-"
-symmetry = true
-[[support]]
-face = "block.x-"
-symmetry = true
-[[support]]
-face = "block.y-"
-symmetry = true
-[[support]]
-face = "block.z-"
-displacement = {z = 0}
-[[load]]
+""" + SUPPORTS.replace("LOWER", "block") + """[[load]]
 face = "ball.quarter.z+"
 force = [0, 0, "-F/4"]
 [[contact]]
@@ -69,7 +73,8 @@ material = {E = 210e9, nu = 0.3}
 cell_size = 0.9e-3
 grid = {offset = [0.4, 0.3, 0.6]}
 [body.shape]
-intersection = [{name = "quarter", box = {min = [0, 0, -0.011], max = [0.011, 0.011, 0]}}, {name = "b", sphere = {center = [0, 0, 0], radius = "R"}}]
+intersection = [{name = "quarter", box = {min = [0, 0, -0.011], max = [0.011, 0.011, 0]}},
+  {name = "b", sphere = {center = [0, 0, 0], radius = "R"}}]
 [[body]]
 name = "seat"
 material = {E = 210e9, nu = 0.3}
@@ -78,22 +83,7 @@ grid = {offset = [0.7, 0.1, 0.2]}
 [body.shape]
 difference = [{name = "block", box = {min = [0, 0, -0.02], max = [0.015, 0.015, -0.002]}},
   {name = "c", cone = {base = [0, 0, "-R*sqrt(2)"], top = [0, 0, 0], base_radius = 0, top_radius = "R*sqrt(2)"}}]
-[[support]]
-face = "ball.quarter.x-"
-symmetry = true
-[[support]]
-face = "ball.quarter.y-"
-symmetry = true
-[[support]]
-face = "seat.block.x-"
-symmetry = true
-[[support]]
-face = "seat.block.y-"
-symmetry = true
-[[support]]
-face = "seat.block.z-"
-displacement = {z = 0}
-[[load]]
+""" + SUPPORTS.replace("LOWER", "seat.block") + """[[load]]
 face = "ball.quarter.z+"
 force = [0, 0, -5e3]
 [[contact]]
@@ -146,7 +136,8 @@ class FacePressure(unittest.TestCase):
             self.assertAlmostEqual(forces[source] / abs(result["contact"][0]["force"]["pin"][2]), 1, delta=0.02)
         self.assertNotEqual(forces["stress"], forces["face"])
 
-    # The seat turns about its axis, and the ring is no part of it that is nearly flat: no coordinates, the pressure of the stress.
+    # The seat turns about its axis, and the ring is no part of it that is nearly flat: no coordinates, the pressure is
+    # that of the stress.
     def test_ring_of_a_ball_in_its_seat(self):
         harness.pathlib.Path("seat.toml").write_text(SEAT)
         rows = []
