@@ -4,7 +4,7 @@
 
 namespace cgcontact {
 
-std::optional<double> SolvedZone::at(int body, const Vec3& x, const Vec3& normal) const {
+std::optional<PressureOnFace> SolvedZone::at(int body, const Vec3& x, const Vec3& normal) const {
   const double cosine = chart.normal(x).dot(normal) * (body == primary ? 1 : -1);
   if (cosine < same_side || std::abs(chart.height(x)) > 4 * h) return std::nullopt;
   const FaceGrid& grid = pressure.grid;
@@ -14,20 +14,21 @@ std::optional<double> SolvedZone::at(int body, const Vec3& x, const Vec3& normal
   int at[2];
   for (int a = 0; a < 2; ++a) at[a] = static_cast<int>(std::floor((folded[a] - grid.low[a]) / grid.spacing[a]));
   // A point at the end of a face lies at the border of the last patch.
-  for (int i = -1; i <= 1; ++i)
-    for (int j = -1; j <= 1; ++j) {
+  for (const int i : {0, -1, 1})
+    for (const int j : {0, -1, 1}) {
       const int row = at[0] + i, column = at[1] + j;
       if (row < 0 || column < 0 || row >= grid.size[0] || column >= grid.size[1]) continue;
-      if (known[row * grid.size[1] + column]) return cosine * pressure.at(place);
+      const int patch = row * grid.size[1] + column;
+      if (known[patch]) return PressureOnFace{cosine * pressure.at(place), pressure.error[patch]};
     }
   return std::nullopt;
 }
 
-std::optional<double> FacePressures::at(int pair, int body, const Vec3& x, const Vec3& normal) const {
-  std::optional<double> found;
+std::optional<PressureOnFace> FacePressures::at(int pair, int body, const Vec3& x, const Vec3& normal) const {
+  std::optional<PressureOnFace> found;
   for (const SolvedZone& zone : zones) {
     if (zone.pair != pair) continue;
-    if (const auto p = zone.at(body, x, normal); p && (!found || *p > *found)) found = p;
+    if (const auto p = zone.at(body, x, normal); p && (!found || p->pressure > found->pressure)) found = p;
   }
   return found;
 }

@@ -11,6 +11,11 @@ namespace cgcontact {
 /// Cosine between the normals of faces that look the same way.
 constexpr double same_side = 0.5;
 
+/// A pressure and what it may be off, Pa.
+struct PressureOnFace {
+  double pressure = 0, error = 0;
+};
+
 /// A zone whose pressure was solved for.
 struct SolvedZone {
   int pair = 0, primary = 0;
@@ -19,8 +24,8 @@ struct SolvedZone {
   std::vector<char> known;  ///< patches that are part of the faces
   FacePressure pressure;
 
-  /// Pa, at a point on the face of a body; none: the zone does not reach there.
-  std::optional<double> at(int body, const Vec3& x, const Vec3& normal) const;
+  /// At a point on the face of a body; none: the zone does not reach there.
+  std::optional<PressureOnFace> at(int body, const Vec3& x, const Vec3& normal) const;
 };
 
 struct FacePressures {
@@ -28,7 +33,7 @@ struct FacePressures {
   /// Zones of each pair that have no such problem: faces that turn about no single axis, or no open face around.
   std::vector<int> left_out;
 
-  std::optional<double> at(int pair, int body, const Vec3& x, const Vec3& normal) const;
+  std::optional<PressureOnFace> at(int pair, int body, const Vec3& x, const Vec3& normal) const;
 };
 
 }  // namespace cgcontact

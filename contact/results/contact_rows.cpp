@@ -141,7 +141,7 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
   row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
   const bool carries = model.spec->rigid() || carries_pressure(state, body, cell, pair, position, n);
   if (state.scene.recovery.spr_c && (far || !carries)) row.pressure_sprc = 0;
-  if (const auto pressure = state.faces.at(pair, body, row.x, n)) row.pressure_sprc = *pressure;
+  if (const auto face = state.faces.at(pair, body, row.x, n)) row.pressure_sprc = face->pressure;
   return row;
 }
 

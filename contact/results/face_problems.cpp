@@ -17,14 +17,18 @@ constexpr double apart = 1;
 constexpr double point_spacing = 0.7;
 /// A place at the border of a cell is in it, part of the cell.
 constexpr double same_cell = 1e-6;
-/// Places along each axis of a patch that are looked at for whose it is.
-constexpr int samples = 4;
+/// Places along a cell, and along a patch at least, that are looked at for whose they are.
+constexpr int samples_per_cell = 48, min_samples = 4;
 /// Pressure is at most so many cells beyond the closed groups: they close when their mean gap does.
 constexpr double beyond_closed = 1.25;
 /// Per cell, along a zone that goes on behind symmetry planes at both ends.
 constexpr int patches_along = 2;
-/// Products of patches by patches that a step may take.
-constexpr double most_work = 2e7;
+/// A whole zone has fewer patches per cell when it has more patches than that, some 100 across: more gain nothing
+/// (docs/accuracy.md). At fewer than min_per_cell the borders of the groups are lost among them.
+constexpr double most_patches = 8192;
+constexpr int min_per_cell = 5;
+/// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.
+constexpr double too_many_patches = 262144;
 
 /// A contact group with what its points say, m, N.
 struct Group {
@@ -142,7 +146,7 @@ class ZoneBuilder {
       if (is_closed(q)) points.push_back({pair_.points.x(q), pair_.points.normal(q), pair_.points.weight(q)});
     chart_ = FaceChart::make(points, planes_, across_);
     if (!chart_) return std::nullopt;
-    lay_grid();
+    if (!lay_grid()) return std::nullopt;
     assign_points();
     place_patches();
     const FaceZone zone = make_zone();
@@ -191,7 +195,8 @@ class ZoneBuilder {
     return n < 16 ? n : (n + 7) / 8 * 8;
   }
 
-  void lay_grid() {
+  /// False: the zone is so wide that its problem would take longer than the bodies'.
+  bool lay_grid() {
     grid_.plane_strain = across_ >= 0;
     grid_.end = chart_->ends();
     FacePlace low = FacePlace::Constant(1e300), high = FacePlace::Constant(-1e300);
@@ -218,10 +223,9 @@ class ZoneBuilder {
         grid_.low[0] = -0.5;
         grid_.end[0] = FaceEnd::free;
       }
-      const double patches = zone_area() / grid_.area();
-      const double images = static_cast<double>(grid_.extended(0)) * grid_.extended(1) / grid_.num_patches();
-      const double work = images * patches * patches;
-      if (work < most_work || per_cell <= 2) break;
+      double patches = zone_area() / grid_.area();
+      for (const FaceEnd end : grid_.end) patches *= end == FaceEnd::mirror ? 2 : 1;
+      if (patches <= most_patches || per_cell < 2 * min_per_cell) return patches <= too_many_patches;
     }
   }
 
@@ -283,7 +287,8 @@ class ZoneBuilder {
     const Grid& own = state_.bodies[pair_.primary].cut_cells.grid;
     const Grid& other = state_.bodies[pair_.secondary].cut_cells.grid;
     const Vec3 middle = chart_->point(place), across = other.to_global(opposite.position);
-    const int rows = grid_.plane_strain ? 1 : samples;
+    const int samples = std::max(min_samples, static_cast<int>(samples_per_cell * grid_.spacing[1] / h_)),
+              rows = grid_.plane_strain ? 1 : samples;
     for (int i = 0; i < rows; ++i)
       for (int j = 0; j < samples; ++j) {
         const FacePlace step((grid_.plane_strain ? 0 : (i + 0.5) / rows - 0.5) * grid_.spacing[0],

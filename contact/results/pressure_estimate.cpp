@@ -138,51 +138,74 @@ EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
   return result;
 }
 
+/// Estimate of a pair's force, relative; none where the zone is not resolved.
+std::optional<double> force_error(const SolvedState& state, const Statics& statics, int pair, PairFigures& figures,
+                                  const Verdict::Pair& verdict, double energy_error) {
+  const Vec3 force = figures.force_on_first;
+  figures.force_given_by_loads = force.norm() > 0 && statics.loads_give(pair, force.normalized());
+  const bool tightened = state.pairs[pair].spec->preload && state.scene.steps.size() < 2;  // it is the preload
+  if (figures.force_given_by_loads || tightened || force.isZero(0)) return 0;
+  if (verdict.state == Verdict::State::not_resolved) return std::nullopt;
+  return (verdict.cells_across ? state.scene.results.edge_factor : 1) * energy_error;
+}
+
+/// Errors of the rows whose pressure is that of the stress, Pa; 0 at others.
+void estimate_from_stress(const SolvedState& state, int pair, double energy_error, const Verdict::Pair& verdict,
+                          std::vector<ContactRow>& rows, const std::vector<char>& wanted, std::vector<double>& errors) {
+  if (std::none_of(wanted.begin(), wanted.end(), [](char wants) { return wants != 0; })) return;
+  const ResultOptions& options = state.scene.results;
+  std::vector<EdgeAtRow> edges(rows.size());
+  parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
+    if (wanted[i]) edges[i] = edge_at_row(state, rows[i]);
+  });
+  const LocalMean mean(rows, edges, pair, options);
+  const double across = verdict.cells_across.value_or(options.no_coarse_zone);
+  const double coarse =
+      std::clamp((options.no_coarse_zone - across) / (options.no_coarse_zone - options.coarse_zone), 0.0, 1.0);
+  compute_together("cgcontact::pressure_estimate::mean_difference", 128, errors, [&](std::size_t i) {
+    if (!wanted[i]) return errors[i];
+    const ContactRow& row = rows[i];
+    const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
+    const double common = std::hypot(mean.at(row), energy_error * row.pressure_sprc);
+    return std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
+  });
+}
+
 }  // namespace
 
 void estimate_contact_errors(const SolvedState& state, Results& results) {
   std::vector<ContactRow>& rows = results.contact_rows;
-  const ResultOptions& options = state.scene.results;
   const std::vector<double> normal = normal_forces(state);
   const Statics statics(state.scene, state.bodies, state.supports, state.pairs);
+  const double energy_error = std::pow(results.estimated_error_relative, 2);
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
-    std::vector<EdgeAtRow> edges(rows.size());
-    parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
-      if (rows[i].pair == static_cast<int>(p)) edges[i] = edge_at_row(state, rows[i]);
-    });
-    const LocalMean mean(rows, edges, static_cast<int>(p), options);
-    const double force_error = std::pow(results.estimated_error_relative, 2);
+    const int pair = static_cast<int>(p);
+    PairFigures& figures = results.pairs[p];
     const Verdict::Pair& verdict = results.verdict.pairs[p];
-    const bool resolved = verdict.state != Verdict::State::not_resolved;
-    const double across = verdict.cells_across.value_or(options.no_coarse_zone);
-    const double coarse =
-        std::clamp((options.no_coarse_zone - across) / (options.no_coarse_zone - options.coarse_zone), 0.0, 1.0);
+    const bool touches = figures.active_points > 0;
+    if (touches) figures.force_error_estimate = force_error(state, statics, pair, figures, verdict, energy_error);
     std::vector<double> errors(rows.size(), 0.0);
-    compute_together("cgcontact::pressure_estimate::mean_difference", 128, errors, [&](std::size_t i) {
-      const ContactRow& row = rows[i];
-      if (row.pair != static_cast<int>(p)) return 0.0;
-      const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
-      const double common = std::hypot(mean.at(row), force_error * row.pressure_sprc);
-      return std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
-    });
+    std::vector<char> of_stress(rows.size(), 0);
+    figures.pressure_on_face = touches;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (rows[i].pair != pair) continue;
+      const auto face = state.faces.at(pair, rows[i].body, rows[i].x, rows[i].normal);
+      of_stress[i] = !face;
+      figures.pressure_on_face = figures.pressure_on_face && (face || !rows[i].touching);
+      if (face)
+        errors[i] = std::hypot(face->error, figures.force_error_estimate.value_or(energy_error) * face->pressure);
+    }
+    estimate_from_stress(state, pair, energy_error, verdict, rows, of_stress, errors);
     double error = 0, norm = 0;
     for (ContactRow& row : rows) {
-      if (row.pair != static_cast<int>(p)) continue;
+      if (row.pair != pair) continue;
       row.pressure_error = errors[&row - rows.data()];
       error += row.weight * row.pressure_error * row.pressure_error;
       const double size = size_of_traction(row, state.pairs[p].bonded());
       norm += row.weight * size * size;
     }
-    PairFigures& figures = results.pairs[p];
     figures.pressure_error_estimate = norm > 0 ? std::sqrt(error / norm) : 0;
-    if (figures.active_points == 0) continue;
-    const Vec3 force = figures.force_on_first;
-    figures.force_given_by_loads = force.norm() > 0 && statics.loads_give(static_cast<int>(p), force.normalized());
-    const bool tightened = state.pairs[p].spec->preload && state.scene.steps.size() < 2;  // it is the preload
-    if (figures.force_given_by_loads || tightened || force.isZero(0))
-      figures.force_error_estimate = 0;
-    else if (resolved)
-      figures.force_error_estimate = (verdict.cells_across ? options.edge_factor : 1) * force_error;
+    if (!touches) continue;
     // What holds bodies that nothing else holds, and what the solver leaves, are no part of the exact equilibrium.
     double unbalanced = 0;
     for (const int body : {state.pairs[p].primary, state.pairs[p].secondary})

@@ -18,6 +18,8 @@ namespace cgcontact {
 /// - the pressure times the square of the relative error of the energy norm: what is wrong with the solution's forces;
 /// - in zones of less than four cells the difference to the pressure of plain SPR: all the others look
 ///   for errors that are small, and SPR-C may be no better than SPR there.
+/// Where the pressure is that of a problem on the face (recovery/face/face_zone.hpp) it is the root of the squares of
+/// what that problem says of itself, and of the pressure times the estimate of the force, to which it is scaled.
 /// The pair's pressure estimate is the L2 norm of that relative to that of the pressure. The force is exact where the
 /// loads give it; where the zone is not resolved it has no estimate. Else its estimate is the square of the relative
 /// error of the energy norm: the force is a functional of the solution, and its error the product of that of the

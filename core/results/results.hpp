@@ -142,7 +142,8 @@ struct PairFigures {
   int points = 0, active_points = 0;
   double interference = 0;             ///< m, as the scene gives it, or as found for the preload
   std::optional<double> preload;       ///< N
-  double pressure_error_estimate = 0;  ///< of the SPR-C pressure, relative L2 over both faces
+  double pressure_error_estimate = 0;  ///< of the recovered pressure, relative L2 over both faces
+  bool pressure_on_face = false;       ///< that is from problems on the faces wherever the faces touch
   /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
   std::optional<double> force_error_estimate;
   std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there

@@ -8,7 +8,7 @@ namespace cgcontact {
 
 struct FaceOptions {
   /// Patches per cell along the zone at most, in plane strain and in 3D; wide zones have fewer.
-  int patches_per_cell_2d = 16, patches_per_cell_3d = 16;
+  int patches_per_cell_2d = 16, patches_per_cell_3d = 12;
   /// So far beyond the closed groups open ones tell of the far field.
   double reach = 4;
   /// The far field has no details shorter than this.

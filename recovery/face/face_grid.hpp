@@ -32,8 +32,18 @@ struct FaceGrid {
   }
   /// Area of a patch, m^2; in plane strain m, per thickness.
   double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
-  /// Patches along an axis with those behind the symmetry plane.
-  int extended(int axis) const { return end[axis] == FaceEnd::free ? size[axis] : 2 * size[axis]; }
+  /// Number of the patch `steps` beyond another one along an axis, in its image behind a symmetry plane too; -1: beyond
+  /// a free end.
+  int beyond(int patch, std::array<int, 2> steps) const {
+    std::array<int, 2> at{patch / size[1], patch % size[1]};
+    for (int a = 0; a < 2; ++a) {
+      at[a] += steps[a];
+      if (at[a] < 0 && end[a] != FaceEnd::free) at[a] = -1 - at[a];
+      if (at[a] >= size[a] && end[a] == FaceEnd::period) at[a] = 2 * size[a] - 1 - at[a];
+      if (at[a] < 0 || at[a] >= size[a]) return -1;
+    }
+    return at[0] * size[1] + at[1];
+  }
   /// A place behind a symmetry plane is its image.
   FacePlace folded(FacePlace x) const {
     for (int a = 0; a < 2; ++a) {

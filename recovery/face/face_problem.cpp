@@ -40,13 +40,16 @@ class FaceSolver {
     bool conjugate = false, follows = false;
     Kokkos::deep_copy(exec_, t_, 0.0);
     do {
-      if (!follows) half_space_.apply(exec_, p, seen_, u_);
+      if (!follows) half_space_.apply(exec_, p, u_);
       const Sums mean = sum_gap(p);
       const double square = shift_gap(p, mean.second > 0 ? mean.first / mean.second : 0);
-      if (!(square > 0)) break;
+      if (!(square > 0)) {
+        solution.converged = true;
+        break;
+      }
       set_direction(p, conjugate ? square / last : 0);
       last = square;
-      half_space_.apply(exec_, t_, seen_, r_);
+      half_space_.apply(exec_, t_, r_);
       const Sums response = sum_response(p);
       const Sums step = sum_step(p, mean.second > 0 ? response.first / mean.second : 0);
       if (!(step.second > 0)) break;
@@ -58,7 +61,8 @@ class FaceSolver {
       solution.change = scale(p, total, factor);
       if (follows) follow(length, factor);
       ++solution.iterations;
-    } while (solution.change > tolerance && solution.iterations < max_iterations);
+      solution.converged = solution.change <= tolerance;
+    } while (!solution.converged && solution.iterations < max_iterations);
     return solution;
   }
 

@@ -9,7 +9,8 @@ namespace cgcontact {
 
 struct FaceSolution {
   int iterations = 0;
-  double change = 0;  ///< of the last iteration: sum of |change of p| over the sum of p
+  double change = 0;       ///< of the last iteration: sum of |change of p| over the sum of p
+  bool converged = false;  ///< the change fell to the tolerance, or no gap was left to close
 };
 
 /// p: Pa, the start on entry, which may be zero; the solution on return. gap: m, of the faces without these pressures

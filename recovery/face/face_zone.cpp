@@ -3,50 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "recovery/face/face_problem.hpp"
+#include "recovery/face/edge_continuation.hpp"
 #include "recovery/face/far_field.hpp"
+#include "recovery/face/patch_problem.hpp"
 
 namespace cgcontact {
 namespace {
 
 using Patches = HalfSpace::Patches;
-
-Patches to_device(const FaceGrid& grid, const std::vector<double>& values, const char* label) {
-  const Patches view(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), grid.size[0], grid.size[1]);
-  const auto host = Kokkos::create_mirror_view(view);
-  for (int n = 0; n < grid.num_patches(); ++n) host(n / grid.size[1], n % grid.size[1]) = values[n];
-  Kokkos::deep_copy(view, host);
-  return view;
-}
-
-HalfSpace::Marks marks_of(const FaceGrid& grid, const std::vector<char>& marked) {
-  const HalfSpace::Marks marks("cgcontact::face_zone::marks", grid.size[0], grid.size[1]);
-  const auto host = Kokkos::create_mirror_view(marks);
-  for (int n = 0; n < grid.num_patches(); ++n) host(n / grid.size[1], n % grid.size[1]) = marked[n];
-  Kokkos::deep_copy(marks, host);
-  return marks;
-}
-
-std::vector<double> to_host(const Patches& view) {
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
-  std::vector<double> values;
-  for (std::size_t i = 0; i < host.extent(0); ++i)
-    for (std::size_t j = 0; j < host.extent(1); ++j) values.push_back(host(i, j));
-  return values;
-}
-
-/// Number of the patch `steps` beyond another one along an axis, in its image behind a symmetry plane too; -1: beyond a
-/// free end.
-int beyond(const FaceGrid& grid, int patch, std::array<int, 2> steps) {
-  std::array<int, 2> at{patch / grid.size[1], patch % grid.size[1]};
-  for (int a = 0; a < 2; ++a) {
-    at[a] += steps[a];
-    if (at[a] < 0 && grid.end[a] != FaceEnd::free) at[a] = -1 - at[a];
-    if (at[a] >= grid.size[a] && grid.end[a] == FaceEnd::period) at[a] = 2 * grid.size[a] - 1 - at[a];
-    if (at[a] < 0 || at[a] >= grid.size[a]) return -1;
-  }
-  return at[0] * grid.size[1] + at[1];
-}
 
 /// h^2 times the Laplacian of values at the patches, by differences over a cell; 0 along an axis where one is missing.
 double curvature(const FaceGrid& grid, const std::vector<double>& values, double h, int patch) {
@@ -56,7 +20,7 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
     std::array<int, 2> forward{0, 0}, backward{0, 0};
     forward[a] = step;
     backward[a] = -step;
-    const int before = beyond(grid, patch, backward), after = beyond(grid, patch, forward);
+    const int before = grid.beyond(patch, backward), after = grid.beyond(patch, forward);
     if (before < 0 || after < 0) continue;
     const double part = h / (step * grid.spacing[a]);
     sum += part * part * (values[before] - 2 * values[patch] + values[after]);
@@ -89,172 +53,57 @@ std::vector<double> acting_pressure(const FaceZone& zone, const std::vector<doub
   return pressure;
 }
 
-/// Patches of an axis that are one on the next coarser grid.
-int merged(const FaceGrid& grid, int axis) { return grid.size[axis] % 2 == 0 && grid.size[axis] >= 16 ? 2 : 1; }
-
-/// The solution on patches of twice the size, recursively, is where the solver starts: p is set.
-FaceSolution solve_from_coarse(const ExecSpace& exec, const FaceGrid& grid, const HalfSpace& half_space, double modulus,
-                               const std::vector<double>& gap, std::vector<char> may_press, double force,
-                               const FaceOptions& options, const Patches& p) {
-  const std::array<int, 2> by{merged(grid, 0), merged(grid, 1)};
-  if (by[0] * by[1] > 1) {
-    FaceGrid coarse = grid;
-    for (int a = 0; a < 2; ++a) {
-      coarse.size[a] /= by[a];
-      coarse.spacing[a] *= by[a];
-    }
-    const auto parent = [&](int n) { return n / grid.size[1] / by[0] * coarse.size[1] + n % grid.size[1] / by[1]; };
-    const int count = coarse.num_patches();
-    std::vector<double> sum(count, 0.0), number(count, 0.0), start(count, 0.0);
-    std::vector<char> may(count, 0);
-    const std::vector<double> before = to_host(p);
-    for (int n = 0; n < grid.num_patches(); ++n) {
-      if (!may_press[n]) continue;
-      may[parent(n)] = 1;
-      sum[parent(n)] += gap[n];
-      number[parent(n)] += 1;
-      start[parent(n)] += before[n] / (by[0] * by[1]);
-    }
-    for (int n = 0; n < count; ++n)
-      if (number[n] > 0) sum[n] /= number[n];
-    const Patches coarse_p = to_device(coarse, start, "cgcontact::face_zone::coarse_pressure");
-    solve_from_coarse(exec, coarse, HalfSpace(coarse, modulus), modulus, sum, may, force, options, coarse_p);
-    const std::vector<double> found = to_host(coarse_p);
-    std::vector<double> fine(grid.num_patches(), 0.0);
-    for (int n = 0; n < grid.num_patches(); ++n)
-      if (may_press[n]) fine[n] = found[parent(n)];
-    Kokkos::deep_copy(p, to_device(grid, fine, "cgcontact::face_zone::start"));
-    // The zone ends within two of the larger patches of where it ended.
-    for (int n = 0; n < grid.num_patches(); ++n) {
-      bool near = false;
-      for (int i = -2; i <= 2 && may_press[n] && !near; ++i)
-        for (int j = -2; j <= 2; ++j) {
-          const int other = beyond(coarse, parent(n), {i, j});
-          near = near || (other >= 0 && found[other] > 0);
-        }
-      may_press[n] = near;
-    }
-  }
-  return solve_face_problem(exec, grid, half_space, to_device(grid, gap, "cgcontact::face_zone::gap"),
-                            marks_of(grid, may_press), force, options.tolerance, options.max_iterations, p);
+/// What the half-spaces give way by under the forces as they act, m.
+std::vector<double> respond(const ExecSpace& exec, const FaceZone& zone, const std::vector<double>& pressure) {
+  const FaceGrid& grid = zone.grid;
+  const Patches p("cgcontact::face_zone::acting", grid.size[0], grid.size[1]),
+      u("cgcontact::face_zone::response", grid.size[0], grid.size[1]);
+  const auto host = Kokkos::create_mirror_view(p);
+  for (int n = 0; n < grid.num_patches(); ++n) host(n / grid.size[1], n % grid.size[1]) = pressure[n];
+  Kokkos::deep_copy(p, host);
+  HalfSpace(exec, grid, zone.modulus).apply(exec, p, u);
+  exec.fence();
+  const auto result = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
+  std::vector<double> response(grid.num_patches());
+  for (int n = 0; n < grid.num_patches(); ++n) response[n] = result(n / grid.size[1], n % grid.size[1]);
+  return response;
 }
 
-/// Mean of the root over a patch in which the square varies by +-half.
-double mean_root(double square, double half) {
-  half = std::max(half, 1e-9 * std::abs(square) + 1e-300);
-  const double high = std::max(square + half, 0.0), low = std::max(square - half, 0.0);
-  return (std::pow(high, 1.5) - std::pow(low, 1.5)) / (3 * half);
+/// Gap at the patches without their pressure: the distance and the far field, which is known in the mean over groups.
+std::vector<double> gap_without_pressure(const FaceZone& zone, const std::vector<double>& sizes,
+                                         const std::vector<double>& response, const FaceOptions& options) {
+  const FaceGrid& grid = zone.grid;
+  const double cell = grid.plane_strain ? zone.h : zone.h * zone.h;
+  std::vector<FarMean> means(zone.groups.size());
+  for (const FaceShare& share : zone.shares) {
+    FarMean& mean = means[share.group];
+    const double part = share.part / sizes[share.group];
+    mean.patches.emplace_back(share.patch, part);
+    mean.value -=
+        part * (response[share.patch] + options.cell_stiffness * curvature(grid, response, zone.h, share.patch));
+  }
+  for (std::size_t g = 0; g < zone.groups.size(); ++g) {
+    const FaceGroup& group = zone.groups[g];
+    const double away = group.away / (options.fall * zone.h);
+    means[g].value += group.gap_change;
+    // The mean over a part of a group is another one.
+    const bool whole = std::abs(sizes[g] * grid.area() - group.area) < cover * group.area;
+    means[g].weight = whole || group.force > 0 ? group.area / cell * std::exp(-0.5 * away * away) : 0;
+  }
+  std::vector<double> gap = fit_far_field(grid, zone.h, options.smooth_length, zone.inside, means);
+  for (int n = 0; n < grid.num_patches(); ++n) gap[n] = zone.inside[n] ? gap[n] + zone.distance[n] : 0;
+  return gap;
 }
 
-/// Patches at the edge are whole, as groups are: those carry what belongs beyond it. So the square of the pressure is
-/// continued linearly from patches farther inside, to the edge and a little beyond; then the force is set again.
-class EdgeContinuation {
- public:
-  EdgeContinuation(const FaceZone& zone, std::vector<double> pressure, double force)
-      : zone_(zone), grid_(zone.grid), pressure_(std::move(pressure)), force_(force) {
-    for (int n = 0; n < grid_.num_patches(); ++n) {
-      square_.push_back(pressure_[n] * pressure_[n]);
-      to_open_.push_back(pressure_[n] > 0 ? nearest(n, false) : 0);
-    }
-  }
-
-  std::vector<double> run() {
-    std::vector<double> result = square_;
-    const double largest = *std::max_element(square_.begin(), square_.end());
-    std::vector<char> counts(square_.size(), 0);
-    for (int n = 0; n < grid_.num_patches(); ++n) {
-      const bool closed = pressure_[n] > 0;
-      counts[n] = closed;
-      if (!zone_.inside[n]) continue;
-      const double other = closed ? to_open_[n] : nearest(n, true);
-      if (closed ? other <= skip + 0.5 : other <= skip) {
-        double value = 0;
-        if (!continued(n, value)) continue;
-        result[n] = value;
-        counts[n] = 1;
-      } else if (!closed) {
-        result[n] = -beyond_edge * largest;
-      }
-    }
-    double total = 0;
-    for (int n = 0; n < grid_.num_patches(); ++n)
-      if (counts[n]) total += mean_root(result[n], half_change(result, n));
-    const double factor = total > 0 ? force_ / (total * grid_.area()) : 1;
-    for (double& q : result) q *= factor * factor;
-    return result;
-  }
-
- private:
-  /// Part of the largest square that stands negative where the zone is not.
-  static constexpr double beyond_edge = 1e-3;
-  static constexpr double skip = 2;  ///< patches at the edge that are replaced
-  static constexpr int window = 6;   ///< patches around
-
-  /// Calls use(patch, place) for the patches around in the window; place: in patches, relative.
-  template <class Use>
-  void each_around(int patch, const Use& use) const {
-    const int reach = grid_.plane_strain ? 0 : window;
-    for (int i = -reach; i <= reach; ++i)
-      for (int j = -window; j <= window; ++j) {
-        const int n = beyond(grid_, patch, {i, j});
-        if (n >= 0) use(n, FacePlace(i, j));
-      }
-  }
-  /// Distance to the nearest patch that presses, or does not, in patches.
-  double nearest(int patch, bool presses) const {
-    double least = 1e300;
-    each_around(patch, [&](int n, const FacePlace& place) {
-      if (zone_.inside[n] && (pressure_[n] > 0) == presses) least = std::min(least, place.norm());
-    });
-    return least;
-  }
-  bool continued(int patch, double& value) const {
-    struct Sample {
-      double distance;
-      FacePlace place;
-      double square;
-    };
-    std::vector<Sample> samples;
-    each_around(patch, [&](int n, const FacePlace& place) {
-      if (pressure_[n] > 0 && to_open_[n] > skip + 0.5) samples.push_back({place.norm(), place, square_[n]});
-    });
-    const std::size_t count = grid_.plane_strain ? 3 : 9;
-    if (samples.size() < count) return false;
-    std::stable_sort(samples.begin(), samples.end(),
-                     [](const Sample& a, const Sample& b) { return a.distance < b.distance - 1e-9; });
-    // Those as near as the last one count as well: mirror images see the same.
-    const double last = samples[count - 1].distance + 1e-9;
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d right = Eigen::Vector3d::Zero();
-    for (const Sample& s : samples) {
-      if (s.distance > last) break;
-      const Eigen::Vector3d row(1, s.place[0], s.place[1]);
-      normal += row * row.transpose();
-      right += row * s.square;
-    }
-    if (grid_.plane_strain) normal(1, 1) = 1;
-    value = normal.ldlt().solve(right)[0];
-    return true;
-  }
-  /// Half of what the square changes by across a patch.
-  double half_change(const std::vector<double>& square, int patch) const {
-    double sum = 0;
-    for (int a = grid_.plane_strain ? 1 : 0; a < 2; ++a) {
-      std::array<int, 2> step{0, 0};
-      step[a] = 1;
-      const int after = beyond(grid_, patch, step);
-      step[a] = -1;
-      const int before = beyond(grid_, patch, step);
-      if (before >= 0 && after >= 0) sum += std::pow((square[after] - square[before]) / 2, 2);
-    }
-    return std::sqrt(sum) / 2;
-  }
-
-  const FaceZone& zone_;
-  const FaceGrid& grid_;
-  std::vector<double> pressure_, square_, to_open_;
-  double force_;
-};
+/// The pressure of a problem as the root of what is continued to the edge, Pa.
+std::vector<double> pressure_to_edge(const ExecSpace& exec, const PatchProblem& problem, const FaceOptions& options,
+                                     const std::vector<double>& start) {
+  std::vector<double> p = start;
+  solve_nested(exec, problem, options, p);
+  std::vector<double> pressure = continue_to_edge(problem.grid, problem.may_press, p, problem.force);
+  for (double& value : pressure) value = std::sqrt(std::max(value, 0.0));
+  return pressure;
+}
 
 }  // namespace
 
@@ -289,38 +138,43 @@ FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const 
   const FaceGrid& grid = zone.grid;
   const std::vector<double> sizes = sizes_of_groups(zone);
   const std::vector<double> acting = acting_pressure(zone, sizes);
-  const HalfSpace half_space(grid, zone.modulus);
-  const Patches p = to_device(grid, acting, "cgcontact::face_zone::pressure");
-  const Patches u("cgcontact::face_zone::displacement", grid.size[0], grid.size[1]);
-  half_space.apply(exec, p, marks_of(grid, zone.inside), u);
-  exec.fence();
-  const std::vector<double> response = to_host(u);
+  const std::vector<double> response = respond(exec, zone, acting);
+  PatchProblem whole{grid, zone.modulus, 0, zone.may_press, {}};
+  for (const FaceGroup& group : zone.groups) whole.force += group.force;
+  const PatchBox box = box_of(grid, zone.may_press);
+  const std::vector<int> patches = patches_of(grid, box);
+  const auto problem_with = [&](const FaceOptions& variant) {
+    whole.gap = gap_without_pressure(zone, sizes, response, variant);
+    return cut_out(whole, box);
+  };
 
-  const double cell = grid.plane_strain ? zone.h : zone.h * zone.h;
-  std::vector<FarMean> means(zone.groups.size());
-  for (const FaceShare& share : zone.shares) {
-    FarMean& mean = means[share.group];
-    const double part = share.part / sizes[share.group];
-    mean.patches.emplace_back(share.patch, part);
-    mean.value -=
-        part * (response[share.patch] + options.cell_stiffness * curvature(grid, response, zone.h, share.patch));
-  }
-  double force = 0;
-  for (std::size_t g = 0; g < zone.groups.size(); ++g) {
-    const FaceGroup& group = zone.groups[g];
-    force += group.force;
-    const double away = group.away / (options.fall * zone.h);
-    means[g].value += group.gap_change;
-    // The mean over a part of a group is another one.
-    const bool whole = std::abs(sizes[g] * grid.area() - group.area) < cover * group.area;
-    means[g].weight = whole || group.force > 0 ? group.area / cell * std::exp(-0.5 * away * away) : 0;
-  }
-  std::vector<double> gap = fit_far_field(grid, zone.h, options.smooth_length, zone.inside, means);
-  for (int n = 0; n < grid.num_patches(); ++n) gap[n] = zone.inside[n] ? gap[n] + zone.distance[n] : 0;
+  const PatchProblem problem = problem_with(options);
+  std::vector<double> p;
+  for (const int n : patches) p.push_back(acting[n]);
+  FacePressure result{grid, std::vector<double>(grid.num_patches(), 0.0), {}, {}};
+  result.solution = solve_nested(exec, problem, options, p);
+  for (std::size_t k = 0; k < patches.size(); ++k) result.square[patches[k]] = p[k];
+  result.square = continue_to_edge(grid, zone.inside, result.square, whole.force);
 
-  const FaceSolution solution =
-      solve_from_coarse(exec, grid, half_space, zone.modulus, gap, zone.may_press, force, options, p);
-  return {grid, EdgeContinuation(zone, to_host(p), force).run(), solution.iterations};
+  // Differences are seen on coarser patches as well.
+  CoarsePatches coarse = coarse_patches(problem.grid);
+  const std::vector<double> start = coarse.means(p, problem.may_press);
+  const auto pressure_of = [&](const PatchProblem& fine) {
+    return pressure_to_edge(exec, coarsened(fine, coarse), options, start);
+  };
+  FaceOptions shorter = options, softer = options;
+  shorter.smooth_length /= 2;
+  softer.cell_stiffness /= 2;
+  const std::vector<double> base = pressure_of(problem);
+  result.error.assign(grid.num_patches(), 0.0);
+  for (const FaceOptions& variant : {shorter, softer}) {
+    const std::vector<double> other = pressure_of(problem_with(variant));
+    for (std::size_t k = 0; k < patches.size(); ++k) {
+      double& error = result.error[patches[k]];
+      error = std::hypot(error, other[coarse.parent[k]] - base[coarse.parent[k]]);
+    }
+  }
+  return result;
 }
 
 }  // namespace cgcontact

@@ -5,6 +5,7 @@
 #include "core/settings/face_options.hpp"
 #include "kernels/mesh/views.hpp"
 #include "recovery/face/face_grid.hpp"
+#include "recovery/face/face_problem.hpp"
 
 namespace cgcontact {
 
@@ -37,7 +38,10 @@ struct FaceZone {
 struct FacePressure {
   FaceGrid grid;
   std::vector<double> square;  ///< Pa^2, at the patches; negative outside of the zone
-  int iterations = 0;          ///< FaceSolution::iterations, on the finest patches
+  /// Pa, at the patches: what the pressure changes by when what no solution tells is taken otherwise. That is how short
+  /// the far field's details are (half as long), and how much stiffness the cells lack (half as much).
+  std::vector<double> error;
+  FaceSolution solution;  ///< on the finest patches
   /// Pa, bilinear in the square; zero outside.
   double at(const FacePlace& x) const;
 };

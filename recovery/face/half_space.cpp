@@ -9,11 +9,11 @@ constexpr double pi = 3.14159265358979323846;
 /// Periods that are summed one by one at each end.
 constexpr int num_periods = 12;
 
-/// Neighbouring patches of a row that are summed side by side; the table is longer by as many, for the last ones.
-constexpr int block = 16;
+/// Columns and rows of a product that are summed side by side.
+constexpr int block = 16, block_rows = 4;
 
 /// Integral of 1/r over the rectangle |xi| < a, |eta| < b seen from (x, y), m.
-double rectangle(double x, double y, double a, double b) {
+KOKKOS_FUNCTION double rectangle(double x, double y, double a, double b) {
   const auto part = [](double u, double above, double below) {
     return u == 0 ? 0.0 : u * std::log((above + std::hypot(above, u)) / (below + std::hypot(below, u)));
   };
@@ -23,110 +23,174 @@ double rectangle(double x, double y, double a, double b) {
 }
 
 /// Minus twice the integral of ln|x - xi| over |xi| < a, m.
-double strip(double x, double a) {
+KOKKOS_FUNCTION double strip(double x, double a) {
   const auto f = [](double t) { return t == 0 ? 0.0 : t * std::log(std::abs(t)) - t; };
   return -2 * (f(x + a) - f(x - a));
 }
 
-/// Sums the integrals at the offset (x, y) and all its periods, less what is the same everywhere.
-double with_periods(const FaceGrid& grid, double x, double y) {
-  const auto one = [&](double at_x, double at_y) {
-    const double far = 2 * (grid.size[0] * grid.spacing[0] + grid.size[1] * grid.spacing[1]);
-    if (const double r = std::hypot(at_x, at_y); !grid.plane_strain && r > far) return grid.area() / r;
-    return grid.plane_strain ? strip(at_y, 0.5 * grid.spacing[1])
-                             : rectangle(at_x, at_y, 0.5 * grid.spacing[0], 0.5 * grid.spacing[1]);
-  };
-  double period[2];
-  int count[2];
-  for (int a = 0; a < 2; ++a) {
-    period[a] = 2 * grid.size[a] * grid.spacing[a];
-    count[a] = grid.end[a] == FaceEnd::period ? num_periods : 0;
-  }
-  double sum = 0;
-  for (int k = -count[0]; k <= count[0]; ++k)
-    for (int l = -count[1]; l <= count[1]; ++l) {
-      sum += one(x + k * period[0], y + l * period[1]);
-      if (k != 0 || l != 0) sum -= one(k * period[0], l * period[1]);
+/// What with_periods needs of a grid.
+struct Lattice {
+  double spacing[2], period[2], area, far;
+  int num_periods[2];
+  bool plane_strain;
+
+  explicit Lattice(const FaceGrid& grid) : area(grid.area()), far(0), plane_strain(grid.plane_strain) {
+    for (int a = 0; a < 2; ++a) {
+      spacing[a] = grid.spacing[a];
+      period[a] = 2 * grid.size[a] * grid.spacing[a];
+      num_periods[a] = grid.end[a] == FaceEnd::period ? cgcontact::num_periods : 0;
+      far += period[a];
     }
-  // Those beyond as a line: far from the places, not from each other.
-  for (int a = 0; a < 2 && count[0] * count[1] == 0 && !grid.plane_strain; ++a) {
-    if (count[a] == 0) continue;
-    const double begin = (num_periods + 0.5) * period[a], across = (a == 0 ? y : x) / begin;
-    sum += 2 * grid.area() / period[a] * std::log(2 / (1 + std::sqrt(1 + across * across)));
   }
-  return sum;
+
+  KOKKOS_FUNCTION double one(double x, double y) const {
+    if (plane_strain) return strip(y, 0.5 * spacing[1]);
+    const double r = std::hypot(x, y);
+    return r > far ? area / r : rectangle(x, y, 0.5 * spacing[0], 0.5 * spacing[1]);
+  }
+
+  /// Sums the integrals at the offset (x, y) and all its periods, less what is the same everywhere.
+  KOKKOS_FUNCTION double with_periods(double x, double y) const {
+    double sum = 0;
+    for (int k = -num_periods[0]; k <= num_periods[0]; ++k)
+      for (int l = -num_periods[1]; l <= num_periods[1]; ++l) {
+        sum += one(x + k * period[0], y + l * period[1]);
+        if (k != 0 || l != 0) sum -= one(k * period[0], l * period[1]);
+      }
+    // Those beyond as a line: far from the places, not from each other.
+    for (int a = 0; a < 2 && num_periods[0] * num_periods[1] == 0 && !plane_strain; ++a) {
+      if (num_periods[a] == 0) continue;
+      const double begin = (num_periods[a] + 0.5) * period[a], across = (a == 0 ? y : x) / begin;
+      sum += 2 * area / period[a] * std::log(2 / (1 + std::sqrt(1 + across * across)));
+    }
+    return sum;
+  }
+};
+
+/// Cosines of an axis, offsets whose influence counts, and where its patches stand among those that the cosines mirror.
+struct Axis {
+  int size, cosines, reach, first;
+
+  Axis(const FaceGrid& grid, int a) : size(grid.size[a]) {
+    const FaceEnd end = grid.end[a];
+    const bool alone = size == 1 && end == FaceEnd::free;
+    cosines = end == FaceEnd::period || alone ? size : 2 * size;
+    reach = end == FaceEnd::period ? size : end == FaceEnd::mirror ? 2 * size - 1 : size - 1;
+    first = end == FaceEnd::free ? size / 2 : 0;
+    if (alone) first = 0;
+  }
+};
+
+HalfSpace::Patches array(const char* label, int rows, int columns) {
+  return HalfSpace::Patches(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), rows, columns);
+}
+
+/// c = a b, times `factor` entry by entry where it has any. Blocks of entries sum side by side, each over all of the
+/// inner index in order.
+template <class Exec>
+void multiply(const char* label, const Exec& exec, const HalfSpace::Patches& a, const HalfSpace::Patches& b,
+              const HalfSpace::Patches& factor, const HalfSpace::Patches& c) {
+  const int rows = static_cast<int>(c.extent(0)), columns = static_cast<int>(c.extent(1));
+  const int inner = static_cast<int>(a.extent(1));
+  const int row_blocks = (rows + block_rows - 1) / block_rows, column_blocks = (columns + block - 1) / block;
+  const bool scaled = factor.extent(0) > 0;
+  Kokkos::parallel_for(
+      label, Kokkos::RangePolicy<Exec>(exec, 0, row_blocks * column_blocks), KOKKOS_LAMBDA(const int n) {
+        const int i = n / column_blocks * block_rows, j = n % column_blocks * block;
+        const int height = rows - i < block_rows ? rows - i : block_rows;
+        const int width = columns - j < block ? columns - j : block;
+        double sum[block_rows][block] = {};
+        if (height == block_rows && width == block) {
+          for (int k = 0; k < inner; ++k) {
+            const double* const from = &b(k, j);
+            for (int r = 0; r < block_rows; ++r) {
+              const double by = a(i + r, k);
+              for (int s = 0; s < block; ++s) sum[r][s] += by * from[s];
+            }
+          }
+        } else {
+          for (int k = 0; k < inner; ++k)
+            for (int r = 0; r < height; ++r)
+              for (int s = 0; s < width; ++s) sum[r][s] += a(i + r, k) * b(k, j + s);
+        }
+        for (int r = 0; r < height; ++r)
+          for (int s = 0; s < width; ++s) c(i + r, j + s) = scaled ? factor(i + r, j + s) * sum[r][s] : sum[r][s];
+      });
+}
+
+/// (rows, columns) of cosines pi k (i + shift) / count, k the column; times `weight` but for the ends.
+HalfSpace::Patches cosines_of(const ExecSpace& exec, int rows, int columns, double shift, int count, double weight,
+                              int last_row) {
+  const HalfSpace::Patches values = array("cgcontact::half_space::cosines", rows, columns);
+  Kokkos::parallel_for(
+      "cgcontact::half_space::cosines", Kokkos::RangePolicy<ExecSpace>(exec, 0, rows), KOKKOS_LAMBDA(const int i) {
+        const double w = i == 0 || i == last_row ? 1 : weight;
+        for (int k = 0; k < columns; ++k) values(i, k) = w * std::cos(pi / count * k * (i + shift));
+      });
+  return values;
+}
+
+HalfSpace::Patches transposed(const ExecSpace& exec, const HalfSpace::Patches& a) {
+  const int rows = static_cast<int>(a.extent(0)), columns = static_cast<int>(a.extent(1));
+  const HalfSpace::Patches b = array("cgcontact::half_space::transpose", columns, rows);
+  Kokkos::parallel_for(
+      "cgcontact::half_space::transpose", Kokkos::RangePolicy<ExecSpace>(exec, 0, columns), KOKKOS_LAMBDA(const int j) {
+        for (int i = 0; i < rows; ++i) b(j, i) = a(i, j);
+      });
+  return b;
 }
 
 }  // namespace
 
-HalfSpace::HalfSpace(const FaceGrid& grid, double modulus)
-    : grid_(grid),
-      table_(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::half_space::table"),
-             grid.size[0] + grid.extended(0), 2 * (grid.size[1] + grid.extended(1)) - 1 + block),
-      extended_("cgcontact::half_space::extended", grid.extended(0), grid.extended(1)),
-      range_("cgcontact::half_space::range", grid.extended(0)) {
-  const auto host = Kokkos::create_mirror_view(table_);
-  const int middle = grid.size[1] + grid.extended(1) - 1;
-  for (int i = 0; i < static_cast<int>(host.extent(0)); ++i)
-    for (int j = 0; j <= middle; ++j) {
-      const double value = with_periods(grid, i * grid.spacing[0], j * grid.spacing[1]) / (pi * modulus);
-      host(i, middle + j) = host(i, middle - j) = value;
-    }
-  Kokkos::deep_copy(table_, host);
+HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus) {
+  const Axis axis[2] = {Axis(grid, 0), Axis(grid, 1)};
+  // Eigenvalues: the influences are even, each offset counts twice but those at both ends of the period.
+  Patches even[2];
+  for (int a = 0; a < 2; ++a) {
+    cosines_[a].values = cosines_of(exec, axis[a].size, axis[a].cosines, axis[a].first + 0.5, axis[a].cosines, 1, -1);
+    cosines_[a].transpose = transposed(exec, cosines_[a].values);
+    even[a] = cosines_of(exec, axis[a].reach + 1, axis[a].cosines, 0, axis[a].cosines, 2, axis[a].cosines);
+  }
+  const Lattice lattice(grid);
+  const Patches table = array("cgcontact::half_space::table", axis[0].reach + 1, axis[1].reach + 1);
+  const int columns = axis[1].reach + 1;
+  Kokkos::parallel_for(
+      "cgcontact::half_space::table", Kokkos::RangePolicy<ExecSpace>(exec, 0, table.extent(0) * table.extent(1)),
+      KOKKOS_LAMBDA(const int n) {
+        const int i = n / columns, j = n % columns;
+        table(i, j) = lattice.with_periods(i * lattice.spacing[0], j * lattice.spacing[1]) / (pi * modulus);
+      });
+  const int num[2] = {axis[0].cosines, axis[1].cosines};
+  const Patches half = array("cgcontact::half_space::half", axis[0].reach + 1, num[1]);
+  multiply("cgcontact::half_space::spectrum", exec, table, even[1], Patches(), half);
+  spectrum_ = array("cgcontact::half_space::spectrum", num[0], num[1]);
+  multiply("cgcontact::half_space::spectrum", exec, transposed(exec, even[0]), half, Patches(), spectrum_);
+  const auto spectrum = spectrum_;
+  const int num_columns = num[1];
+  const double all = static_cast<double>(num[0]) * num[1];
+  Kokkos::parallel_for(
+      "cgcontact::half_space::scale", Kokkos::RangePolicy<ExecSpace>(exec, 0, num[0]), KOKKOS_LAMBDA(const int k) {
+        for (int l = 0; l < num_columns; ++l) spectrum(k, l) *= (k > 0 ? 2 : 1) * (l > 0 ? 2 : 1) / all;
+      });
+  along_ = array("cgcontact::half_space::along", axis[0].size, num[1]);
+  across_ = array("cgcontact::half_space::across", num[0], num[1]);
+  back_ = array("cgcontact::half_space::back", axis[0].size, num[1]);
+  exec.fence();
 }
 
-double HalfSpace::influence(int rows, int columns) const {
-  const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), table_);
-  return host(std::abs(rows), grid_.size[1] + grid_.extended(1) - 1 + columns);
+double HalfSpace::influence(const FaceGrid& grid, double modulus, int rows, int columns) {
+  return Lattice(grid).with_periods(rows * grid.spacing[0], columns * grid.spacing[1]) / (pi * modulus);
 }
 
-/// Blocks of neighbouring patches of a row sum side by side: each source adds to all of them from neighbouring entries
-/// of the table.
 template <class Exec>
-void HalfSpace::apply(const Exec& exec, const Patches& p, const Marks& at, const Patches& u) const {
+void HalfSpace::apply(const Exec& exec, const Patches& p, const Patches& u) const {
   static_assert(Kokkos::SpaceAccessibility<Exec, Memory>::accessible);
-  const int rows = grid_.size[0], columns = grid_.size[1];
-  const int first_row = grid_.extended(0) - rows, first_column = grid_.extended(1) - columns;
-  const int middle = columns + grid_.extended(1) - 1;
-  const auto table = table_;
-  const auto all = extended_;
-  const auto range = range_;
-  const int all_rows = grid_.extended(0), all_columns = grid_.extended(1);
-  Kokkos::parallel_for(
-      "cgcontact::half_space::extend", Kokkos::RangePolicy<Exec>(exec, 0, all_rows), KOKKOS_LAMBDA(const int e) {
-        const int i = e >= first_row ? e - first_row : first_row - 1 - e;
-        int begin = all_columns, end = 0;
-        for (int f = 0; f < all_columns; ++f) {
-          const int j = f >= first_column ? f - first_column : first_column - 1 - f;
-          all(e, f) = p(i, j);
-          if (all(e, f) == 0) continue;
-          begin = f < begin ? f : begin;
-          end = f + 1;
-        }
-        range(e, 0) = begin;
-        range(e, 1) = end;
-      });
-  const int blocks = (columns + block - 1) / block;
-  using Policy = Kokkos::RangePolicy<Exec, Kokkos::Schedule<Kokkos::Dynamic>>;
-  Kokkos::parallel_for(
-      "cgcontact::half_space::apply", Policy(exec, 0, rows * blocks), KOKKOS_LAMBDA(const int n) {
-        const int i = n / blocks, begin = n % blocks * block;
-        const int count = columns - begin < block ? columns - begin : block;
-        bool wanted = false;
-        for (int k = 0; k < count; ++k) wanted = wanted || at(i, begin + k) != 0;
-        if (!wanted) return;
-        double sum[block] = {};
-        for (int e = 0; e < all_rows; ++e) {
-          const int offset = i + first_row > e ? i + first_row - e : e - i - first_row;
-          const double* near = &table(offset, middle + begin + first_column);
-          const double* const source = &all(e, 0);
-          for (int f = range(e, 0); f < range(e, 1); ++f)
-            for (int k = 0; k < block; ++k) sum[k] += source[f] * near[k - f];
-        }
-        for (int k = 0; k < count; ++k) u(i, begin + k) = sum[k];
-      });
+  multiply("cgcontact::half_space::along", exec, p, cosines_[1].values, Patches(), along_);
+  multiply("cgcontact::half_space::across", exec, cosines_[0].transpose, along_, spectrum_, across_);
+  multiply("cgcontact::half_space::back_across", exec, cosines_[0].values, across_, Patches(), back_);
+  multiply("cgcontact::half_space::back_along", exec, back_, cosines_[1].transpose, Patches(), u);
 }
 
-template void HalfSpace::apply(const ExecSpace&, const Patches&, const Marks&, const Patches&) const;
+template void HalfSpace::apply(const ExecSpace&, const Patches&, const Patches&) const;
 
 }  // namespace cgcontact

@@ -10,31 +10,38 @@ namespace cgcontact {
 /// S p with S_ij the displacement at the centre of patch i by unit pressure on patch j and on its images behind the
 /// symmetry planes. Displacements of plane strain, and of periodic zones, have no absolute value: they are known up to
 /// a constant, which the force of the zone fixes.
+///
+/// S depends on the distance of the patches alone. Pressures that are mirrored at both ends of each axis make it
+/// diagonal in cosines; a free end becomes one of those by room for as many patches again, beyond which nothing acts.
+/// The cosine transforms are products with dense matrices: on grids of some 100 x 100 patches those take no longer than
+/// fast ones, run on every execution space and sum in a fixed order.
 class HalfSpace {
  public:
   using Memory = MemSpace;
   /// (rows, columns)
   using Patches = Kokkos::View<double**, Kokkos::LayoutRight, Memory>;
-
-  /// modulus: E* of both bodies, Pa.
-  HalfSpace(const FaceGrid& grid, double modulus);
-
   /// (rows, columns); 0 or 1
   using Marks = Kokkos::View<char**, Kokkos::LayoutRight, Memory>;
 
-  /// u = S p, m, at the marked patches and some beside them. p: Pa. Each patch sums in a fixed order.
-  template <class Exec>
-  void apply(const Exec& exec, const Patches& p, const Marks& at, const Patches& u) const;
+  /// modulus: E* of both bodies, Pa.
+  HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus);
 
-  /// Gives the table at an offset of patches, m/Pa; for tests.
-  double influence(int rows, int columns) const;
+  /// u = S p, m, at all patches. p: Pa. Each patch sums in a fixed order. Accuracy: rounding, relative to the largest
+  /// value (some 1e-14).
+  template <class Exec>
+  void apply(const Exec& exec, const Patches& p, const Patches& u) const;
+
+  /// Gives S between a patch and one (rows, columns) beyond, without images but with periods, m/Pa.
+  static double influence(const FaceGrid& grid, double modulus, int rows, int columns);
 
  private:
-  FaceGrid grid_;
-  /// (offsets along axis 0 from 0, signed offsets along axis 1 from the most negative one)
-  Kokkos::View<double**, Kokkos::LayoutRight, Memory> table_;
-  Patches extended_;                                           ///< pressures with their images
-  Kokkos::View<int* [2], Kokkos::LayoutRight, Memory> range_;  ///< of each row of these, what is not zero
+  /// Along one axis, (patches, cosines) and its transpose.
+  struct Cosines {
+    Patches values, transpose;
+  };
+  std::array<Cosines, 2> cosines_;
+  Patches spectrum_;               ///< (cosines of axis 0, of axis 1)
+  Patches along_, across_, back_;  ///< work
 };
 
 }  // namespace cgcontact

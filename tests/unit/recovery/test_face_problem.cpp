@@ -27,7 +27,7 @@ FaceGrid square_grid(double half_side, int patches, FaceEnd end) {
 /// Solves with the gap r^2 / (2 R), the force of Hertz's zone of radius 1; E* = 1.
 std::vector<double> hertz(const FaceGrid& grid, double radius, double force, FaceSolution& solution) {
   const ExecSpace exec;
-  const HalfSpace half_space(grid, 1.0);
+  const HalfSpace half_space(ExecSpace(), grid, 1.0);
   const Patches gap("gap", grid.size[0], grid.size[1]), p("p", grid.size[0], grid.size[1]);
   const Seen seen("seen", grid.size[0], grid.size[1]);
   const auto host = Kokkos::create_mirror_view(gap);
@@ -86,7 +86,7 @@ TEST(FaceProblem, Cylinder) {
   grid.low = {-0.5, -1.3};
   FaceSolution solution;
   const double force = pi / 4, largest = 2 * force / pi;
-  const HalfSpace half_space(grid, 1.0);
+  const HalfSpace half_space(ExecSpace(), grid, 1.0);
   const Patches gap("gap", 1, 128), p("p", 1, 128);
   const Seen seen("seen", 1, 128);
   const auto host = Kokkos::create_mirror_view(gap);
@@ -110,14 +110,51 @@ TEST(HalfSpace, Rectangle) {
   FaceGrid grid;
   grid.size = {8, 8};
   grid.spacing = {0.3, 0.2};
-  const HalfSpace half_space(grid, 2.0);
-  EXPECT_NEAR(half_space.influence(7, 7) * pi * 2, 0.06 / std::hypot(2.1, 1.4), 1e-4);
+  const auto influence = [&](int rows, int columns) { return HalfSpace::influence(grid, 2.0, rows, columns); };
+  EXPECT_NEAR(influence(7, 7) * pi * 2, 0.06 / std::hypot(2.1, 1.4), 1e-4);
   double sum = 0;
   const int n = 400;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       sum += 0.06 / (n * n) / std::hypot(0.3 - 0.15 + (i + 0.5) * 0.3 / n, 0.2 - 0.1 + (j + 0.5) * 0.2 / n);
-  EXPECT_NEAR(half_space.influence(1, -1) * pi * 2, sum, 1e-6);
+  EXPECT_NEAR(influence(1, -1) * pi * 2, sum, 1e-6);
+}
+
+/// The product is the plain sum over all patches and their images, whatever the ends of the axes, to rounding.
+TEST(HalfSpace, SumOverPatchesAndImages) {
+  const FaceEnd ends[] = {FaceEnd::free, FaceEnd::mirror, FaceEnd::period};
+  for (const std::array<int, 2> size : {std::array<int, 2>{7, 20}, {1, 33}, {12, 5}})
+    for (const FaceEnd first : ends)
+      for (const FaceEnd second : ends) {
+        if (first == FaceEnd::period && second == FaceEnd::period) continue;  // bodies end somewhere
+        FaceGrid grid;
+        grid.size = size;
+        grid.spacing = {0.3, 0.2};
+        grid.end = {first, second};
+        grid.plane_strain = size[0] == 1 && first == FaceEnd::free && second != FaceEnd::period;
+        const Patches p("p", size[0], size[1]), u("u", size[0], size[1]);
+        const auto host = Kokkos::create_mirror_view(p);
+        for (int n = 0; n < grid.num_patches(); ++n) host(n / size[1], n % size[1]) = std::sin(1.0 + 3 * n);
+        Kokkos::deep_copy(p, host);
+        HalfSpace(ExecSpace(), grid, 2.0).apply(ExecSpace(), p, u);
+        const auto found = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
+        // Patches from -size to -1 are the images of those from size - 1 to 0.
+        const auto images = [&](int a) { return grid.end[a] == FaceEnd::free ? 0 : size[a]; };
+        const auto original = [](int i) { return i < 0 ? -1 - i : i; };
+        double largest = 0, difference = 0;
+        for (int i = 0; i < size[0]; ++i)
+          for (int j = 0; j < size[1]; ++j) {
+            double sum = 0;
+            for (int k = -images(0); k < size[0]; ++k)
+              for (int l = -images(1); l < size[1]; ++l)
+                sum += HalfSpace::influence(grid, 2.0, i - k, j - l) * host(original(k), original(l));
+            largest = std::max(largest, std::abs(sum));
+            difference = std::max(difference, std::abs(sum - found(i, j)));
+          }
+        // Far periods are a line to the plain sum, one that is not quite periodic: 12 of them are summed.
+        const bool periods = first == FaceEnd::period || second == FaceEnd::period;
+        EXPECT_LT(difference, (periods ? 1e-3 : 1e-12) * largest) << size[0] << " " << size[1];
+      }
 }
 
 /// Between two symmetry planes a pressure that does not change across acts as in plane strain, also when the planes are
@@ -132,15 +169,13 @@ TEST(HalfSpace, Periodic) {
     slice.end = {FaceEnd::period, FaceEnd::free};
     plane.plane_strain = true;
     const auto respond = [](const FaceGrid& grid) {
-      const HalfSpace half_space(grid, 1.0);
+      const HalfSpace half_space(ExecSpace(), grid, 1.0);
       const Patches p("p", grid.size[0], 64), u("u", grid.size[0], 64);
       const auto host = Kokkos::create_mirror_view(p);
       for (int i = 0; i < grid.size[0]; ++i)
         for (int j = 3; j < 40; ++j) host(i, j) = 1 + 0.1 * j;
       Kokkos::deep_copy(p, host);
-      const Seen all("all", grid.size[0], 64);
-      Kokkos::deep_copy(all, char{1});
-      half_space.apply(ExecSpace(), p, all, u);
+      half_space.apply(ExecSpace(), p, u);
       return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
     };
     const auto u = respond(slice), exact = respond(plane);
