@@ -557,8 +557,8 @@ std::string profile_section(const Results& results, const PageParts& parts) {
   const std::string from = results.path_from_largest ? "The line follows the face through the largest pressure. " : "";
   for (std::size_t pair = 0; pair < results.pairs.size(); ++pair)
     text += picture(parts.directory, path_picture(pair), "Contact pressure along the path",
-                    from +
-                        "SPR-C is the result; the raw finite element stress and the plain recovery (SPR) show what it "
+                    from + (results.pairs[pair].pressure_on_face ? "That on the face" : "SPR-C") +
+                        " is the result; the raw finite element stress and the plain recovery (SPR) show what it "
                         "gains.");
   text += picture(parts.directory, "stress_error.svg", "Error of the stress on the contact face",
                   "Error of the whole stress tensor against the scene's reference.");

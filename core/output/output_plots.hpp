@@ -9,6 +9,9 @@ namespace cgcontact {
 /// "pressure.svg" of the first pair, "pressure_2.svg" of the next one ...
 std::string path_picture(std::size_t pair);
 
+/// What the best pressure of a pair is called: that of SPR-C, or of a problem on the face.
+const char* name_of_pressure(const PairFigures& pair);
+
 /// Starts the plots the results have data for.
 void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs);
 

@@ -13,6 +13,7 @@
 #include "core/drawing/clip_cells.hpp"
 #include "core/drawing/face_chart.hpp"
 #include "core/drawing/render.hpp"
+#include "core/output/output_plots.hpp"
 
 namespace cgcontact {
 
@@ -143,7 +144,8 @@ Range range_of(const Results& results, std::size_t pair) {
 }
 
 std::string quantity(const Results& results, std::size_t pair) {
-  return results.pairs[pair].bonded ? "normal traction, pressure positive (SPR-C)" : "contact pressure (SPR-C)";
+  return results.pairs[pair].bonded ? "normal traction, pressure positive (SPR-C)"
+                                    : fmt::format("contact pressure ({})", name_of_pressure(results.pairs[pair]));
 }
 
 /// A part of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.

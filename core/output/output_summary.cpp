@@ -229,7 +229,9 @@ std::string error_text(const Results& results) {
 
 /// The pressure's errors against the scene's reference.
 std::string reference_text(const Results& results) {
-  std::string text = "SPR-C";
+  const bool on_face = std::all_of(results.pairs.begin(), results.pairs.end(),
+                                   [](const PairFigures& pair) { return pair.pressure_on_face; });
+  std::string text = on_face ? "on the face" : "SPR-C";
   for (std::size_t k = 0; k < results.pressure_errors.size(); ++k)
     text += fmt::format("{} {} {}", k ? "," : "", results.pressure_errors[k].zone,
                         percent(results.pressure_errors[k].sprc));
