@@ -68,6 +68,29 @@ TEST(FaceProblem, Ball) {
   }
 }
 
+/// A solution that is not there yet says so, and one at which nothing is left to close is one.
+TEST(FaceProblem, SaysWhetherItConverged) {
+  const FaceGrid grid = square_grid(1.3, 32, FaceEnd::free);
+  FaceSolution solution;
+  hertz(grid, 1, 4.0 / 3, solution);
+  EXPECT_TRUE(solution.converged);
+  EXPECT_LE(solution.change, 1e-8);
+  const HalfSpace half_space(ExecSpace(), grid, 1.0);
+  const Patches gap("gap", 32, 32), p("p", 32, 32);
+  const Seen seen("seen", 32, 32);
+  Kokkos::deep_copy(seen, char{1});
+  solution = solve_face_problem(ExecSpace(), grid, half_space, gap, seen, 1.0, 1e-8, 3, p);
+  EXPECT_FALSE(solution.converged);
+  EXPECT_EQ(solution.iterations, 3);
+  const FaceGrid one = square_grid(1.3, 1, FaceEnd::free);
+  const Patches single("p", 1, 1);
+  const Seen it("seen", 1, 1);
+  Kokkos::deep_copy(it, char{1});
+  solution = solve_face_problem(ExecSpace(), one, HalfSpace(ExecSpace(), one, 1.0), Patches("gap", 1, 1), it, 1.0, 1e-8,
+                                3, single);
+  EXPECT_TRUE(solution.converged);
+}
+
 /// A quarter with two symmetry planes is the whole, patch by patch.
 TEST(FaceProblem, Quarter) {
   FaceSolution solution;
