@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
 #include "contact/results/holding.hpp"
 #include "contact/results/missed_contact.hpp"
@@ -47,25 +45,19 @@ void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& 
   }
 }
 
-/// Estimates the width of a zone that ends where its faces end, if it is narrower than a body may be thin: few boundary
-/// points of its bodies lie in it, or none. It is the part of the faces of its cells that it fills, in the mean over
-/// its area: a strip k > 1 cells wide fills 1 - 1 / (2 k) at least, however it lies in the grid, one narrower than a
-/// cell at most its width. No width for others: cut cells know where faces end.
-ZoneWidth width_between_points(const ContactPair& pair, const ResultOptions& options) {
-  std::map<std::array<int, 2>, double> area_in;  // by body and cell
-  double area = 0, filled = 0, largest = 0;
+/// Estimates the width of a zone so narrow that no boundary point of its bodies lies in it, although its faces end
+/// beside it: what its pieces have of the faces of their cells.
+ZoneWidth width_between_points(const ContactPair& pair) {
+  double area = 0, cells = 0, largest = 0;
   for (const ContactGroup& group : pair.groups) {
     bool closed = false;
     for (int q = group.first_point; q < group.last_point; ++q) closed |= pair.points.active(q);
     if (!closed) continue;
-    double& in_cell = area_in[{group.body, group.cell}];
-    filled += group.area * (2 * in_cell + group.area) / std::pow(group.larger_cell, 2);  // in_cell^2 grows by that
-    in_cell += group.area;
     area += group.area;
+    cells += std::pow(group.larger_cell, 2);
     largest = std::max(largest, group.larger_cell);
   }
-  if (!(filled < (1 - 0.5 / options.least_thickness) * area)) return {};
-  return {filled / area, largest};
+  return {area / cells, largest};
 }
 
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
@@ -75,7 +67,8 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
   std::vector<Judged> judged;
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const PairFigures& figures = results.pairs[p];
-    if (!widths[p].cells) widths[p] = width_between_points(state.pairs[p], state.scene.results);
+    if (!widths[p].cells && figures.active_points > 0 && figures.area == 0 && figures.force_on_first.norm() > 0)
+      widths[p] = width_between_points(state.pairs[p]);
     Judged j;
     j.pair.name = figures.name;
     j.force = pressing_force(figures);
