@@ -60,6 +60,17 @@ ZoneWidth width_between_points(const ContactPair& pair) {
   return {area / cells, largest};
 }
 
+/// Cells across a zone at which its figures can be relied on: fewer where problems on the faces give all of its
+/// pressure, whose errors and estimates hold there (docs/accuracy.md, "The pressure on the face").
+double least_cells_across(const SolvedState& state, int pair) {
+  const ResultOptions& options = state.scene.results;
+  const std::vector<SolvedZone>& zones = state.faces.zones;
+  const bool on_face =
+      std::any_of(zones.begin(), zones.end(), [&](const SolvedZone& zone) { return zone.pair == pair; }) &&
+      state.faces.left_out[pair] == 0;
+  return on_face ? options.coarse_zone : options.least_cells_across;
+}
+
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,
                                 const std::vector<MissedOverlap>& missed, const std::vector<UnclearGap>& unclear,
                                 const std::vector<PressureJump>& jumps) {
@@ -76,8 +87,9 @@ std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results
       j.pair.state = State::resolved;
     } else if (figures.active_points > 0) {
       j.pair.cells_across = widths[p].cells;
-      j.pair.state = widths[p].cells && *widths[p].cells < state.scene.results.least_cells_across ? State::not_resolved
-                                                                                                  : State::resolved;
+      j.pair.state = widths[p].cells && *widths[p].cells < least_cells_across(state, static_cast<int>(p))
+                         ? State::not_resolved
+                         : State::resolved;
       if (j.pair.state == State::not_resolved)
         j.pair.cell_size_needed = widths[p].cell * *widths[p].cells / state.scene.results.wanted_cells_across;
       judge_thickness(state, state.pairs[p], j);

@@ -125,6 +125,8 @@ class FacePressure(unittest.TestCase):
                     # large one that the difference to the recovered stress gives here.
                     pair = result["contact"][0]
                     self.assertEqual(pair["pressure_from"], "face")
+                    across = result["verdict"]["pairs"][0]["cells_across"]
+                    self.assertEqual(result["verdict"]["state"], "resolved" if across >= 3 else "not_resolved")
                     ratios.append(pair["pressure_error_estimate"] / whole(result))
                 else:
                     self.assertEqual(result["contact"][0]["pressure_from"], "stress")
