@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t grain = 128;
 /// What the estimate of one solution is multiplied by while there is no other to compare it with: on the first grid
 /// that resolves an elliptic zone, by 14 cells, it was down to 0.43 of the true error (docs/adaptivity.md).
-/// In line contact it was not below 1.4 with that factor, 4.3 in the mean of 20 positions: a smaller one does. A problem
-/// on the face needs none: its estimate is 0.8 to 4 times the error.
+/// In line contact it was not below 1.4 with that factor, 4.3 in the mean of 20 positions: a smaller one does. A
+/// problem on the face needs none: its estimate is 0.8 to 4 times the error.
 constexpr double alone = 1.8, alone_in_line = 1.2;
 
 /// SPR-C pressure of the earlier solution at a row, Pa.
