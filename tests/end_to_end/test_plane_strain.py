@@ -46,6 +46,18 @@ class PlaneStrain(unittest.TestCase):
                 errors = [run["pressure_error"][0]["sprc"] for run in (shared, slab)]
                 self.assertLess(abs(errors[0] / errors[1] - 1), 0.05)
 
+    def test_path_anywhere_across(self):
+        """Nothing varies across: a path on the body's border there is one through its middle."""
+        for x in (0, 0.005, 0.01):
+            outcome = cgcontact("run", scene("roller"), "--out", f"path-{x}", *QUIET, "--set", 'accuracy.pressure="5 %"',
+                                "--set", f"output.path={{from=[{x}, 0, 0], to=[{x}, 0.0006, 0]}}")
+            self.assertEqual(outcome.code, 0, outcome.err)
+            self.assertNotIn("path", outcome.err)
+        paths = [(pathlib.Path(f"path-{x}") / "pressure.csv").read_text() for x in (0, 0.005, 0.01)]
+        self.assertEqual(paths[0], paths[1])
+        self.assertEqual(paths[0], paths[2])
+        self.assertGreater(paths[0].count("\n"), 100)
+
     def test_check_says_it_and_draws_it(self):
         pathlib.Path("shared.toml").write_text(in_plane_strain("two_solids", "x"))
         outcome = cgcontact("check", "shared.toml", "--out", "drawn")
