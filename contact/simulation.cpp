@@ -354,7 +354,7 @@ void Simulation::recover() {
             divergence_at_nodes(state.system.meshes[b], state.bodies[b].boundary, state.scales.stress));
     }
   }
-  if (options.pressure == PressureSource::stress) return;
+  if (options.pressure == PressureSource::stress || !options.spr_c) return;
   state.faces = solve_face_pressures(exec_, state);
   for (const SolvedZone& zone : state.faces.zones)
     if (const FaceSolution& solution = zone.pressure.solution; !solution.converged)
@@ -362,13 +362,6 @@ void Simulation::recover() {
           fmt::format("contact \"{}\": the problem on its face stopped after {} iterations, its pressure still "
                       "changes by {:.2g} of the force (recovery.face.max_iterations)",
                       state.pairs[zone.pair].spec->name, solution.iterations, solution.change));
-  for (std::size_t p = 0; p < state.pairs.size(); ++p)
-    if (const int left_out = state.faces.left_out[p]; left_out > 0)
-      add_warning(
-          fmt::format("contact \"{}\": the pressure of {} of its zones is that of the recovered stress, not from a "
-                      "problem on the face: the zone ends with the face, or the face turns by more than 30 degrees and "
-                      "is not round about one axis, or the zone is more than some 90 cells across",
-                      state.pairs[p].spec->name, left_out));
 }
 
 /// The scene's reference at the computed force. Without any force, one that depends on it says nothing.
@@ -410,6 +403,7 @@ void Simulation::fill_results() {
   estimate_gap_errors(state, results);
   results.verdict = judge(state, results);
   estimate_contact_errors(state, results);
+  judge_errors(state, results);
   estimate_peak_errors(results);
   fill_conditions(state, results);
   fill_pressure_errors(state, results);

@@ -12,11 +12,14 @@ namespace {
 
 /// Rows per chunk of the parallel loop.
 constexpr std::size_t grain = 128;
-/// What the estimate of one solution is multiplied by while there is no other to compare it with: on the first grid
-/// that resolves an elliptic zone, by 14 cells, it was down to 0.43 of the true error (docs/adaptivity.md).
-/// In line contact it was not below 1.4 with that factor, 4.3 in the mean of 20 positions: a smaller one does. A
-/// problem on the face needs none: its estimate is 0.8 to 4 times the error.
-constexpr double alone = 1.8, alone_in_line = 1.2;
+/// What the estimate of one solution is multiplied by while there is no other to compare it with, in three dimensions
+/// and in line contact (docs/adaptivity.md). Of the stress it was down to 0.43 of the true error on the first grid that
+/// resolves an elliptic zone, and not below 1.4 with that factor in line contact, 4.3 in the mean of 20 positions: a
+/// smaller one does.
+struct Alone {
+  double in_space, in_line;
+};
+constexpr Alone of_stress{1.8, 1.2}, on_face{1, 1.8};
 
 /// SPR-C pressure of the earlier solution at a row, Pa.
 double pressure_at(const SolvedState& earlier, const ContactRow& row) {
@@ -53,7 +56,8 @@ std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, con
     ZoneState& zone = zones[p];
     if (!zone.relevant || !zone.resolved) continue;
     PairFigures& figures = results.pairs[p];
-    double error = options.safety * figures.pressure_error_estimate;
+    double error = options.safety * std::hypot(figures.pressure_error_estimate, figures.force_part_of_pressure);
+    figures.force_part_of_pressure = 0;  // from here on part of the estimate
     if (zone.width) error *= 1 + std::pow(options.doubtful_width * zone.cell / *zone.width, 2);
     if (earlier.state) {
       const double change = pressure_change(results, static_cast<int>(p), *earlier.state);
@@ -62,7 +66,8 @@ std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, con
       largest = std::max(largest.value_or(0), change);
     }
     zone.error = error;
-    if (!earlier.state && !figures.pressure_on_face) error *= in_line ? alone_in_line : alone;
+    const Alone& alone = figures.pressure_on_face ? on_face : of_stress;
+    if (!earlier.state) error *= in_line ? alone.in_line : alone.in_space;
     if (figures.pressure_error_estimate > 0) factor[p] = error / figures.pressure_error_estimate;
     figures.pressure_error_estimate = error;
   }

@@ -19,7 +19,7 @@ constexpr double same = 1e-6;
 }  // namespace
 
 std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, const std::vector<SymmetryPlane>& planes,
-                                         int across) {
+                                         int across, const Mat3& turned) {
   FaceChart chart;
   Vec3 mean = Vec3::Zero(), centre = Vec3::Zero();
   Mat3 spread = Mat3::Zero();
@@ -45,7 +45,9 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
   if (least > flat) {
     chart.origin_ = middle;
     chart.normal_ = mean;
-    chart.axis_[0] = across >= 0 ? Vec3(Vec3::Unit(across)) : planes.empty() ? tangents(mean).first : -planes[0].normal;
+    chart.axis_[0] = across >= 0      ? Vec3(Vec3::Unit(across))
+                     : planes.empty() ? Vec3(turned * tangents(turned.transpose() * mean).first)
+                                      : Vec3(-planes[0].normal);
     chart.axis_[0] = (chart.axis_[0] - chart.axis_[0].dot(mean) * mean).normalized();
     chart.axis_[1] = mean.cross(chart.axis_[0]);
     if (!chart.set_ends(planes)) return std::nullopt;

@@ -5,8 +5,8 @@
 namespace cgcontact {
 
 std::optional<PressureOnFace> SolvedZone::at(int body, const Vec3& x, const Vec3& normal) const {
-  const double cosine = chart.normal(x).dot(normal) * (body == primary ? 1 : -1);
-  if (cosine < same_side || std::abs(chart.height(x)) > 4 * h) return std::nullopt;
+  const double along = chart.normal(x).dot(normal) * (body == primary ? 1 : -1);
+  if (along < same_side || std::abs(chart.height(x)) > 4 * h) return std::nullopt;
   const FaceGrid& grid = pressure.grid;
   FacePlace place = chart.place(x);
   if (grid.plane_strain) place[0] = 0;
@@ -19,7 +19,9 @@ std::optional<PressureOnFace> SolvedZone::at(int body, const Vec3& x, const Vec3
       const int row = at[0] + i, column = at[1] + j;
       if (row < 0 || column < 0 || row >= grid.size[0] || column >= grid.size[1]) continue;
       const int patch = row * grid.size[1] + column;
-      if (known[patch]) return PressureOnFace{cosine * pressure.at(place), pressure.error[patch]};
+      if (!known[patch]) continue;
+      const double on_primary = body == primary ? along : cosine[patch];
+      return PressureOnFace{on_primary * pressure.at(place), on_primary * pressure.error[patch]};
     }
   return std::nullopt;
 }

@@ -6,6 +6,13 @@
 #include <cmath>
 
 namespace cgcontact {
+namespace {
+
+/// Radians between neighbours of one smooth patch that make it curved.
+constexpr double curved = 0.01;
+
+}  // namespace
+
 std::vector<std::string> coarse_facet_warnings(const SolvedState& state) {
   std::vector<std::string> warnings;
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
@@ -17,7 +24,7 @@ std::vector<std::string> coarse_facet_warnings(const SolvedState& state) {
       for (const ContactPoint& q : pair.points)
         if (q.active) {
           const bool primary = pair.primary == b;
-          const double width = geometry.facet_width(primary ? q.primary_position : q.secondary_position);
+          const double width = geometry.facet_width(primary ? q.primary_position : q.secondary_position, curved);
           widest = std::max(widest, width * body.cut_cells.grid.cell_size);
           in_cells =
               std::max(in_cells, std::ldexp(width, body.cut_cells.level(primary ? q.primary_cell : q.secondary_cell)));

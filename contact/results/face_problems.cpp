@@ -1,11 +1,13 @@
 #include "contact/results/face_problems.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "contact/model/indentation.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/point_buckets.hpp"
+#include "recovery/face/far_field.hpp"
 #include "recovery/zone_edge/connected_sets.hpp"
 
 namespace cgcontact {
@@ -27,6 +29,10 @@ constexpr int patches_along = 2;
 /// (docs/accuracy.md). At fewer than min_per_cell the borders of the groups are lost among them.
 constexpr double most_patches = 8192;
 constexpr int min_per_cell = 5;
+/// Of the facets of a body made of triangles: waves as long as a facet are a thousandth as high with it, (2 pi / 2)^-6.
+constexpr double facet_details = 0.5;
+/// Radians between triangles from which on they are facets of something round: rounding of files makes less.
+constexpr double least_angle = 1e-4;
 /// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.
 constexpr double too_many_patches = 262144;
 
@@ -144,15 +150,17 @@ class ZoneBuilder {
     std::vector<FacePoint> points;
     for (const int q : near_)
       if (is_closed(q)) points.push_back({pair_.points.x(q), pair_.points.normal(q), pair_.points.weight(q)});
-    chart_ = FaceChart::make(points, planes_, across_);
+    chart_ = FaceChart::make(points, planes_, across_, state_.bodies[pair_.primary].cut_cells.grid.rotation);
     if (!chart_) return std::nullopt;
     if (!lay_grid()) return std::nullopt;
     assign_points();
     place_patches();
-    const FaceZone zone = make_zone();
+    FaceZone zone = make_zone();
     if (zone.shares.empty()) return std::nullopt;
-    SolvedZone solved{static_cast<int>(&pair_ - state_.pairs.data()), pair_.primary, *chart_, h_, {}, {}};
+    smooth_facets(zone);
+    SolvedZone solved{static_cast<int>(&pair_ - state_.pairs.data()), pair_.primary, *chart_, h_, {}, {}, {}};
     solved.known = zone.inside;
+    solved.cosine = cosine_;
     solved.pressure = solve_face_zone(exec, zone, options_);
     return solved;
   }
@@ -215,7 +223,9 @@ class ZoneBuilder {
         const double spacing = h_ / (grid_.end[a] == FaceEnd::period ? patches_along : per_cell);
         grid_.size[a] = even(std::ceil(length / spacing - 1e-6));
         grid_.spacing[a] = grid_.end[a] == FaceEnd::period ? length / grid_.size[a] : spacing;
-        grid_.low[a] = begin;
+        // Mirror images have mirrored patches.
+        const bool free = grid_.end[a] == FaceEnd::free;
+        grid_.low[a] = begin - (free ? (grid_.size[a] * grid_.spacing[a] - length) / 2 : 0);
       }
       if (grid_.plane_strain) {
         grid_.size[0] = 1;
@@ -314,6 +324,8 @@ class ZoneBuilder {
     const Grid& grid = body.cut_cells.grid;
     const Solid& solid = body.cut_cells.solid;
     distance_.assign(nearest_.size(), 0.0);
+    cosine_.assign(nearest_.size(), 1.0);
+    height_ = {distance_, distance_};
     shares_.assign(nearest_.size(), {});
     parallel_for("cgcontact::face_problems::distances", nearest_.size(), 16, [&](std::size_t n) {
       if (nearest_[n] < 0) return;
@@ -347,8 +359,41 @@ class ZoneBuilder {
         return;
       }
       distance_[n] = opposite->distance;
+      height_[0][n] = chart_->height(x);
+      height_[1][n] = chart_->height(state_.bodies[pair_.secondary].cut_cells.grid.to_global(opposite->position));
+      cosine_[n] = std::max(normal.dot(up), 0.0);
       shares_[n] = shares_of(static_cast<int>(n), place, x, *opposite);
     });
+  }
+
+  /// Width of the widest facets of a body where it touches, m; 0: it is not made of triangles there.
+  double widest_facet(int body) const {
+    const CutCells& cells = state_.bodies[body].cut_cells;
+    double widest = 0;
+    for (const int q : near_) {
+      if (!is_closed(q)) continue;
+      const ContactPoint point = pair_.points[q];
+      const Vec3& position = body == pair_.primary ? point.primary_position : point.secondary_position;
+      widest = std::max(widest, cells.grid.cell_size * cells.solid.geometry().facet_width(position, least_angle));
+    }
+    return widest;
+  }
+
+  /// Patches are finer than triangles, whose edges are no part of the body that they stand for: its face has no details
+  /// shorter than the widest facets.
+  void smooth_facets(FaceZone& zone) const {
+    for (const int body : {pair_.primary, pair_.secondary}) {
+      const double facet = widest_facet(body);
+      if (facet <= grid_.spacing[grid_.plane_strain || grid_.spacing[1] < grid_.spacing[0] ? 1 : 0]) continue;
+      const std::vector<double>& height = height_[body == pair_.primary ? 0 : 1];
+      std::vector<FarMean> heights;
+      for (int n = 0; n < grid_.num_patches(); ++n)
+        if (zone.inside[n]) heights.push_back({{{n, 1.0}}, height[n], 1, 1});
+      const std::vector<double> smooth = FarField(grid_, facet, zone.inside, heights).with_details(facet_details);
+      const double side = body == pair_.primary ? -1 : 1;
+      for (int n = 0; n < grid_.num_patches(); ++n)
+        if (zone.inside[n]) zone.distance[n] += side * cosine_[n] * (smooth[n] - height[n]);
+    }
   }
 
   FaceZone make_zone() const {
@@ -407,7 +452,8 @@ class ZoneBuilder {
   std::vector<Vec3> places_;            ///< coordinates of near_
   std::vector<int> nearest_;            ///< contact point nearest to each patch; -1: it is no part of the faces
   std::vector<std::vector<std::pair<int, double>>> shares_;  ///< groups of each patch and their parts of it
-  std::vector<double> distance_;
+  std::vector<double> distance_, cosine_;                    ///< m; between the normals of the face and of the chart
+  std::array<std::vector<double>, 2> height_;  ///< of the primary and of the opposite face above the chart, m
 };
 
 }  // namespace

@@ -69,7 +69,8 @@ void estimate_peak_errors(Results& results) {
       area += row->weight;
     }
     const double excess = std::abs(figures.max_pressure - largest_of_fit(peak, figures));
-    figures.max_pressure_error_estimate = (excess + std::sqrt(squares / area)) / figures.max_pressure;
+    figures.max_pressure_error_estimate =
+        std::hypot((excess + std::sqrt(squares / area)) / figures.max_pressure, figures.force_part_of_pressure);
   }
 }
 

@@ -187,14 +187,18 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     std::vector<double> errors(rows.size(), 0.0);
     std::vector<char> of_stress(rows.size(), 0);
     figures.pressure_on_face = touches;
+    figures.zones_of_stress = state.faces.left_out.empty() ? 0 : state.faces.left_out[p];
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (rows[i].pair != pair) continue;
       const auto face = state.faces.at(pair, rows[i].body, rows[i].x, rows[i].normal);
       of_stress[i] = !face;
       figures.pressure_on_face = figures.pressure_on_face && (face || !rows[i].touching);
-      if (face)
-        errors[i] = std::hypot(face->error, figures.force_error_estimate.value_or(energy_error) * face->pressure);
+      if (!face) continue;
+      errors[i] = face->error;
+      if (verdict.state == Verdict::State::not_resolved)
+        errors[i] = std::hypot(errors[i], face->pressure - rows[i].pressure_spr);
     }
+    if (figures.pressure_on_face) figures.force_part_of_pressure = figures.force_error_estimate.value_or(energy_error);
     estimate_from_stress(state, pair, energy_error, verdict, rows, of_stress, errors);
     double error = 0, norm = 0;
     for (ContactRow& row : rows) {

@@ -18,14 +18,14 @@ namespace cgcontact {
 /// - the pressure times the square of the relative error of the energy norm: what is wrong with the solution's forces;
 /// - in zones of less than four cells the difference to the pressure of plain SPR: all the others look
 ///   for errors that are small, and SPR-C may be no better than SPR there.
-/// Where the pressure is that of a problem on the face (recovery/face/face_zone.hpp) it is the root of the squares of
-/// what that problem says of itself, and of the pressure times the estimate of the force, to which it is scaled.
-/// The pair's pressure estimate is the L2 norm of that relative to that of the pressure. The force is exact where the
-/// loads give it; where the zone is not resolved it has no estimate. Else its estimate is the square of the relative
-/// error of the energy norm: the force is a functional of the solution, and its error the product of that of the
-/// solution and that of a dual problem; under prescribed displacements alone the two are the same. Twice that where the
-/// zone ends inside the faces. Needs the contact rows with pressure_opposite and pressure_transmitted, the verdict, and
-/// estimated_error_relative.
+/// Where the pressure is that of a problem on the face (recovery/face/face_zone.hpp) it is what that problem says of
+/// itself, at the force of the run, whose own estimate stands beside it (PairFigures::force_part_of_pressure); where
+/// the zone is not resolved with the difference to plain SPR. The pair's pressure estimate is the L2 norm of that
+/// relative to that of the pressure. The force is exact where the loads give it; where the zone is not resolved it has
+/// no estimate. Else its estimate is the square of the relative error of the energy norm: the force is a functional of
+/// the solution, and its error the product of that of the solution and that of a dual problem; under prescribed
+/// displacements alone the two are the same. Twice that where the zone ends inside the faces. Needs the contact rows
+/// with pressure_opposite and pressure_transmitted, the verdict, and estimated_error_relative.
 void estimate_contact_errors(const SolvedState& state, Results& results);
 
 }  // namespace cgcontact

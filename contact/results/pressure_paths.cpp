@@ -180,10 +180,10 @@ FaceProjection::FaceProjection(const SolvedState& state, const Results& results)
     rows_[results.contact_rows[i].body].add(results.contact_rows[i].x, static_cast<int>(i));
 }
 
-std::optional<ContactRow> FaceProjection::operator()(int body, int pair, const Vec3& place) const {
+std::optional<ContactRow> FaceProjection::operator()(int body, int pair, const Vec3& anywhere) const {
   const BodyModel& model = state_.bodies[body];
   const Grid& grid = model.cut_cells.grid;
-  const Vec3 x = grid.is_quadtree() ? grid.to_global(grid.to_grid(place)) : place;  // nothing varies across
+  const Vec3 x = grid.in_layer(anywhere);
   const ContactRow* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
   rows_[body].each_near(x, [&](int i) {

@@ -15,9 +15,9 @@ class FaceProjection {
  public:
   FaceProjection(const SolvedState& state, const Results& results);
 
-  /// The point of a body's contact faces nearest to x: on the surface of the nearest contact row, which is a cell away
-  /// at most. pair: of that row, or -1: any.
-  std::optional<ContactRow> operator()(int body, int pair, const Vec3& x) const;
+  /// The point of a body's contact faces nearest to a place: on the surface of the nearest contact row, which is a cell
+  /// away at most; in plane strain the place lies anywhere across. pair: of that row, or -1: any.
+  std::optional<ContactRow> operator()(int body, int pair, const Vec3& anywhere) const;
 
  private:
   const SolvedState& state_;

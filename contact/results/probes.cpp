@@ -64,7 +64,8 @@ class Prober {
 
   double contact_pressure(int body, const Vec3& x) const {
     const auto row = project_(body, -1, x);
-    const bool there = row && (row->x - x).norm() < on_face * state_.bodies[body].cut_cells.h(row->cell);
+    const CutCells& cells = state_.bodies[body].cut_cells;
+    const bool there = row && (row->x - cells.grid.in_layer(x)).norm() < on_face * cells.h(row->cell);
     return there ? row->pressure_sprc : std::numeric_limits<double>::quiet_NaN();
   }
 

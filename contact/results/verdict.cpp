@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/results/contact_rows.hpp"
 #include "contact/results/holding.hpp"
 #include "contact/results/missed_contact.hpp"
 #include "contact/results/open_gaps.hpp"
@@ -230,6 +231,34 @@ Verdict judge(const SolvedState& state, const Results& results) {
     verdict.text = pairs.empty() ? "the scene has no contact pair" : "nothing touches: no contact carries a force";
   }
   return verdict;
+}
+
+void judge_errors(const SolvedState& state, Results& results) {
+  Verdict& verdict = results.verdict;
+  std::vector<double> error(results.pairs.size(), 0.0), pressure(error), cell(error);
+  for (const ContactRow& row : results.contact_rows) {
+    error[row.pair] += row.weight * row.pressure_error;
+    pressure[row.pair] += row.weight * size_of_traction(row, state.pairs[row.pair].bonded());
+    if (row.touching) cell[row.pair] = std::max(cell[row.pair], row.larger_cell);
+  }
+  double largest = 0;
+  for (const PairFigures& pair : results.pairs) largest = std::max(largest, pressing_force(pair));
+  for (std::size_t p = 0; p < results.pairs.size(); ++p) {
+    Verdict::Pair& pair = verdict.pairs[p];
+    if (pair.state != State::resolved || error[p] <= state.scene.results.largest_error * pressure[p]) continue;
+    pair.state = State::not_resolved;
+    pair.cell_size_needed = cell[p] / 2;
+    std::optional<double>& of_force = results.pairs[p].force_error_estimate;
+    if (of_force && *of_force > 0) of_force.reset();
+    if (verdict.state != State::resolved || pressing_force(results.pairs[p]) < relevant_part_of_force * largest)
+      continue;
+    verdict.state = State::not_resolved;
+    verdict.text = fmt::format(
+        "the estimated errors of the pressure of \"{}\" add up to {:.2g} of its integral: it cannot be relied on; "
+        "cells "
+        "of {:.2g} m or less are needed",
+        pair.name, error[p] / pressure[p], *pair.cell_size_needed);
+  }
 }
 
 }  // namespace cgcontact

@@ -19,8 +19,6 @@ namespace {
 constexpr double flat_tolerance = 1e-6, flat_angle = 1e-2;
 /// Of normals, and of the length of a prism: its sides and ends.
 constexpr double flat_end = 1e-3;
-/// Radians between neighbours of one smooth patch that make it curved.
-constexpr double curved = 0.01;
 
 /// The triangles of one patch, -1: of all.
 class TrianglePatch final : public SurfacePatch {
@@ -149,13 +147,13 @@ CellEstimate TriangleBody::estimate_cells(const Grid& grid, double most_cells) c
   return estimate_triangle_cells(*triangles_, grid, most_cells);
 }
 
-double TriangleBody::facet_width(const Vec3& x) const {
+double TriangleBody::facet_width(const Vec3& x, double least_angle) const {
   const int triangle = triangles_->nearest(x).triangle;
   double widest = 0;
   for (int k = 0; k < 3; ++k) {
     const int other = triangles_->neighbour(triangle, k);
     if (other < 0 || triangles_->patch(other) != triangles_->patch(triangle)) continue;
-    if (triangles_->normal(triangle).dot(triangles_->normal(other)) > std::cos(curved)) continue;
+    if (triangles_->normal(triangle).dot(triangles_->normal(other)) > std::cos(least_angle)) continue;
     int edge = 0;
     while (edge < 2 && triangles_->neighbour(other, edge) != triangle) ++edge;
     widest = std::max(widest, std::min(width(*triangles_, triangle, k), width(*triangles_, other, edge)));

@@ -31,7 +31,7 @@ class TriangleBody final : public BodyGeometry {
   CellEstimate estimate_cells(const Grid& grid, double most_cells) const override;
 
   std::size_t num_facets() const override { return triangles_->triangles().size(); }
-  double facet_width(const Vec3& x) const override;
+  double facet_width(const Vec3& x, double least_angle) const override;
 
   std::vector<int> surfaces_near(const Vec3& centre, double half_size, double slack,
                                  const std::vector<int>& candidates) const override;

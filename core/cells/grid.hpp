@@ -38,8 +38,9 @@ struct Grid {
     if (is_quadtree()) g[plane_strain] = std::ldexp(0.5, 1 - num_levels);
     return g;
   }
-  Vec3 to_global(const Vec3& g) const {
-    Vec3 x = origin + cell_size * (rotation * g);
+  Vec3 to_global(const Vec3& g) const { return in_layer(origin + cell_size * (rotation * g)); }
+  /// The place where all points of a quadtree are across, for one anywhere across: nothing varies there.
+  Vec3 in_layer(Vec3 x) const {
     if (is_quadtree()) x[plane_strain] = middle;
     return x;
   }

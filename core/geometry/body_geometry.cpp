@@ -7,7 +7,7 @@ namespace cgcontact {
 
 int BodyGeometry::side_of_block(const Vec3&, const Vec3&, std::vector<signed char>&) const { return -1; }
 
-double BodyGeometry::facet_width(const Vec3&) const { return 0; }
+double BodyGeometry::facet_width(const Vec3&, double) const { return 0; }
 
 std::vector<int> BodyGeometry::surfaces_near(const Vec3& centre, double half_size, double slack,
                                              const std::vector<int>& candidates) const {

@@ -78,9 +78,9 @@ class BodyGeometry {
   // Of bodies that are made of flat facets.
 
   virtual std::size_t num_facets() const { return 0; }
-  /// Width of the narrower of two facets that meet at an angle although they stand for one smooth surface, at the facet
-  /// nearest to x; 0: the surface there is what it stands for.
-  virtual double facet_width(const Vec3& x) const;
+  /// Width of the narrower of two facets that meet at an angle (at least_angle, radians, or more) although they stand
+  /// for one smooth surface, at the facet nearest to x; 0: the surface there is what it stands for.
+  virtual double facet_width(const Vec3& x, double least_angle) const;
 
   // For drawing.
 

@@ -557,9 +557,9 @@ std::string profile_section(const Results& results, const PageParts& parts) {
   const std::string from = results.path_from_largest ? "The line follows the face through the largest pressure. " : "";
   for (std::size_t pair = 0; pair < results.pairs.size(); ++pair)
     text += picture(parts.directory, path_picture(pair), "Contact pressure along the path",
-                    from + (results.pairs[pair].pressure_on_face ? "That on the face" : "SPR-C") +
-                        " is the result; the raw finite element stress and the plain recovery (SPR) show what it "
-                        "gains.");
+                    fmt::format("{}The pressure \"{}\" is the result; the raw finite element stress and the plain "
+                                "recovery (SPR) show what it gains.",
+                                from, name_of_pressure(results.pairs[pair].pressure_on_face)));
   text += picture(parts.directory, "stress_error.svg", "Error of the stress on the contact face",
                   "Error of the whole stress tensor against the scene's reference.");
   return text;
@@ -734,7 +734,7 @@ std::string reference_section(const Results& results) {
     rows.push_back(name_cell(html_text(zone.zone)) + cell(percent(zone.raw)) + cell(percent(zone.spr)) +
                    cell(percent(zone.sprc)));
   return paragraph("Relative error (L2 norm) of the contact pressure against the reference of the scene.") +
-         table({"Zone", "raw stress", "SPR", "SPR-C"}, rows);
+         table({"Zone", "raw stress", "SPR", name_of_pressure(results)}, rows);
 }
 
 template <std::size_t n>

@@ -75,7 +75,7 @@ std::string pressure_curves(const Results& results, const std::vector<std::vecto
     double width;
   };
   std::vector<Curve> curves{{2, "raw stress", "#b0b0b0", 1.0}, {3, "SPR", "#2070b8", 1.8}};
-  curves.push_back({4, name_of_pressure(results.pairs[bodies.front().front().pair]), "#d2501e", 2.4});
+  curves.push_back({4, name_of_pressure(results.pairs[bodies.front().front().pair].pressure_on_face), "#d2501e", 2.4});
   std::string text;
   for (const Curve& curve : curves)
     for (std::size_t b = 0; b < std::min<std::size_t>(bodies.size(), 2); ++b)
@@ -190,7 +190,12 @@ void write_steps_plot(const Results& results, GnuplotRuns& runs) {
 
 }  // namespace
 
-const char* name_of_pressure(const PairFigures& pair) { return pair.pressure_on_face ? "on the face" : "SPR-C"; }
+const char* name_of_pressure(bool on_face) { return on_face ? "on the face" : "SPR-C"; }
+
+const char* name_of_pressure(const Results& results) {
+  return name_of_pressure(std::all_of(results.pairs.begin(), results.pairs.end(),
+                                      [](const PairFigures& pair) { return pair.pressure_on_face; }));
+}
 
 std::string path_picture(std::size_t pair) {
   return pair == 0 ? "pressure.svg" : fmt::format("pressure_{}.svg", pair + 1);

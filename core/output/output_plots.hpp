@@ -10,7 +10,9 @@ namespace cgcontact {
 std::string path_picture(std::size_t pair);
 
 /// What the best pressure of a pair is called: that of SPR-C, or of a problem on the face.
-const char* name_of_pressure(const PairFigures& pair);
+const char* name_of_pressure(bool on_face);
+/// That of all pairs together.
+const char* name_of_pressure(const Results& results);
 
 /// Starts the plots the results have data for.
 void write_plots(const Results& results, const Scene& scene, GnuplotRuns& runs);

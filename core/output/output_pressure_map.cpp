@@ -144,8 +144,9 @@ Range range_of(const Results& results, std::size_t pair) {
 }
 
 std::string quantity(const Results& results, std::size_t pair) {
-  return results.pairs[pair].bonded ? "normal traction, pressure positive (SPR-C)"
-                                    : fmt::format("contact pressure ({})", name_of_pressure(results.pairs[pair]));
+  return results.pairs[pair].bonded
+             ? "normal traction, pressure positive (SPR-C)"
+             : fmt::format("contact pressure ({})", name_of_pressure(results.pairs[pair].pressure_on_face));
 }
 
 /// A part of a triangle of the face: corners on paper (m), on the grid, pressure over the largest one.

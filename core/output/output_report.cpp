@@ -78,6 +78,7 @@ Json json_of(const PairFigures& pair) {
   json["max_pressure_error_estimate"] = json_of(pair.max_pressure_error_estimate);
   json["force_given_by_loads"] = pair.force_given_by_loads;
   json["pressure_from"] = pair.pressure_on_face ? "face" : "stress";
+  json["zones_of_stress"] = pair.zones_of_stress;
   json["least_gap"] = pair.least_gap ? Json(*pair.least_gap) : Json();
   json["least_gap_error"] = pair.least_gap_error ? Json(*pair.least_gap_error) : Json();
   add_zone(pair, json);

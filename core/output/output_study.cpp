@@ -229,7 +229,7 @@ std::string figures_table(const Study& study) {
 
 std::string error_table(const Study& study, const std::string& zone) {
   std::vector<std::vector<std::string>> lines{
-      {"variant", study.key, "raw [%]", "SPR [%]", "SPR-C [%]", "SPR/SPR-C", "rate raw", "rate SPR", "rate SPR-C"}};
+      {"variant", study.key, "raw [%]", "SPR [%]", "result [%]", "SPR/result", "rate raw", "rate SPR", "rate result"}};
   for (const StudyRow& row : study.rows) {
     if (row.errors.empty() || row.status != StudyRow::Status::solved) continue;
     std::vector<std::string> line{row.variant, row.size};

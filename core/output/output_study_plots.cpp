@@ -54,7 +54,7 @@ struct LogRange {
 };
 
 /// The estimate is of the whole face only; elsewhere its curve has no points.
-const PressureKind estimated{"SPR-C, estimated", "estimated", "#1a9850", nullptr};
+const PressureKind estimated{"result, estimated", "estimated", "#1a9850", nullptr};
 
 std::optional<double> drawn_error(const StudyRow& row, const std::string& zone, const PressureKind& kind) {
   if (kind.error) return pressure_error(row, zone, kind);

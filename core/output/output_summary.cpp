@@ -10,6 +10,7 @@
 #include "core/base/text.hpp"
 #include "core/drawing/extremes.hpp"
 #include "core/output/asked_accuracy.hpp"
+#include "core/output/output_plots.hpp"
 
 namespace cgcontact {
 
@@ -229,9 +230,7 @@ std::string error_text(const Results& results) {
 
 /// The pressure's errors against the scene's reference.
 std::string reference_text(const Results& results) {
-  const bool on_face = std::all_of(results.pairs.begin(), results.pairs.end(),
-                                   [](const PairFigures& pair) { return pair.pressure_on_face; });
-  std::string text = on_face ? "on the face" : "SPR-C";
+  std::string text = name_of_pressure(results);
   for (std::size_t k = 0; k < results.pressure_errors.size(); ++k)
     text += fmt::format("{} {} {}", k ? "," : "", results.pressure_errors[k].zone,
                         percent(results.pressure_errors[k].sprc));

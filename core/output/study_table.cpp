@@ -26,7 +26,7 @@ const StudyRow* next_coarser(const Study& study, const StudyRow& row) {
 const std::vector<PressureKind>& pressure_kinds() {
   static const std::vector<PressureKind> kinds{{"raw stress", "raw", "#909090", &ZoneError::raw},
                                                {"SPR", "spr", "#2070b8", &ZoneError::spr},
-                                               {"SPR-C", "sprc", "#d2501e", &ZoneError::sprc}};
+                                               {"result", "sprc", "#d2501e", &ZoneError::sprc}};
   return kinds;
 }
 

@@ -66,7 +66,7 @@ std::vector<std::string> phase_names(const Study& study);
 /// Error of a row in a zone, or nothing.
 std::optional<double> pressure_error(const StudyRow& row, const std::string& zone, const PressureKind& kind);
 
-/// Error of SPR over that of SPR-C.
+/// Error of plain SPR over that of the result.
 std::optional<double> error_ratio(const StudyRow& row, const std::string& zone);
 
 /// Relative error of the contact force, if the row has a reference.

@@ -143,7 +143,13 @@ struct PairFigures {
   double interference = 0;             ///< m, as the scene gives it, or as found for the preload
   std::optional<double> preload;       ///< N
   double pressure_error_estimate = 0;  ///< of the recovered pressure, relative L2 over both faces
-  bool pressure_on_face = false;       ///< that is from problems on the faces wherever the faces touch
+  /// Relative, what the pressure may be off with the force: beside the estimate where a problem on the face, which
+  /// takes the force as it is, gives the pressure; else part of it, and 0.
+  double force_part_of_pressure = 0;
+  bool pressure_on_face = false;  ///< that is from problems on the faces wherever the faces touch
+  /// Zones without a problem on the face, whose pressure is that of the stress: the zone ends with the face, or the
+  /// face turns by more than 30 degrees and is not round about one axis, or the zone is more than some 90 cells across.
+  int zones_of_stress = 0;
   /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
   std::optional<double> force_error_estimate;
   std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there

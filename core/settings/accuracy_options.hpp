@@ -38,7 +38,7 @@ struct AccuracyOptions {
   /// The cells of a zone's size go on by that part of half its width beyond its closed points.
   double beyond_zone = 0.15;
   /// Cells over half the width of a zone on the first grid that resolves it.
-  double middle_cells = 7;
+  double middle_cells = 4;
   /// How many times smaller cells become where nothing but the group of a zone is known.
   double narrowing = 24;
   /// Part of the target that the next grid aims at, and the power of the size that errors are taken to fall with.

@@ -11,13 +11,15 @@ struct FaceOptions {
   int patches_per_cell_2d = 16, patches_per_cell_3d = 12;
   /// So far beyond the closed groups open ones tell of the far field.
   double reach = 4;
-  /// The far field has no details shorter than this.
-  double smooth_length = 1.5;
+  /// Bounds of how short the far field's details are: as long as the groups' mean gaps allow, which are off by a part
+  /// `gap_error` of what the compliance's curvature and the pressure change them by in a cell.
+  double shortest_details = 0.5, longest_details = 1.5, gap_error = 0.045;
   /// Open groups so far away count exp(-1/2).
   double fall = 2;
   /// Stiffness of trilinear cells that the groups' mean gaps lack, times h^2 of the curvature of the compliance.
   double cell_stiffness = 0.08;
-  double tolerance = 1e-5;
+  /// Change of the pressure in the last iteration: as small as mirrored and turned bodies are to be alike.
+  double tolerance = 1e-10;
   int max_iterations = 300;
 
   std::vector<Setting> settings();

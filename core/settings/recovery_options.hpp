@@ -30,7 +30,7 @@ struct BalanceOptions {
 /// What the contact pressure comes from.
 enum class PressureSource {
   stress,  ///< SPR-C: the normal traction of the recovered stress
-  face     ///< a problem on the face of each zone
+  face     ///< a problem on the face of each zone that has one; of others the stress
 };
 
 struct RecoveryOptions {
@@ -38,7 +38,7 @@ struct RecoveryOptions {
   double rank_tolerance = 0.1;   ///< constraints weaker than that, of the strongest of a patch, are redundant
   double auxiliary_depth = 0.5;  ///< of the auxiliary patch in the other body, its cells
   bool contact_edge = true;      ///< fit the square root at the edge of the contact zone
-  PressureSource pressure = PressureSource::stress;
+  PressureSource pressure = PressureSource::face;
   RecoveryDegree degree = {};  ///< of the polynomials
   int quadratic_rings = 0;  ///< rings of cells around a node that polynomials of degree 2 are fitted to; 0: automatic
   int points_per_face = 0;  ///< 1, 3 or 6 constraint points; 0: by the degree

@@ -15,6 +15,7 @@ std::vector<Setting> ResultOptions::settings() {
           method_constant("lost_load", lost_load, Range::fraction()),
           method_constant("largest_imbalance", largest_imbalance, Range::fraction()),
           method_constant("largest_hold", largest_hold, Range::fraction()),
+          method_constant("largest_error", largest_error, Range::fraction()),
           method_constant("largest_strain", largest_strain, Range::fraction()),
           method_constant("largest_displacement", largest_displacement, Range::fraction()),
           method_constant("largest_pressure", largest_pressure, Range::fraction()),

@@ -23,6 +23,9 @@ struct ResultOptions {
   /// nothing resists may replace it, before the result is marked: the accuracy of what is called known, and one that is
   /// coarse.
   double largest_imbalance = 0.01, largest_hold = 0.05;
+  /// Part of the integral of a contact's pressure that its estimated errors may add up to: beyond a half nothing is
+  /// known of it but the order of magnitude. Scenes with a known answer have 0.04 at most.
+  double largest_error = 0.5;
   /// Strain whose terms of second order, which the theory leaves out, are some 5 % of those that it keeps.
   double largest_strain = 0.05;
   /// Of the body's longest side: contact is looked for where the bodies were before the deformation.

@@ -30,6 +30,8 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
 
 /// Part of a group's area that its patches may miss; those at the border of what is looked at miss more.
 constexpr double cover = 0.1;
+/// By which the details of the far field may be shorter as well, for the estimate (docs/recovery.md, "Error figures").
+constexpr double other_details = 1.15;
 
 /// Sums of what patches share of each group, patches.
 std::vector<double> sizes_of_groups(const FaceZone& zone) {
@@ -69,29 +71,41 @@ std::vector<double> respond(const ExecSpace& exec, const FaceZone& zone, const s
   return response;
 }
 
-/// Gap at the patches without their pressure: the distance and the far field, which is known in the mean over groups.
-std::vector<double> gap_without_pressure(const FaceZone& zone, const std::vector<double>& sizes,
-                                         const std::vector<double>& response, const FaceOptions& options) {
+/// What the groups say of the far field: their mean gaps less what the half-spaces give way by.
+std::vector<FarMean> far_means(const FaceZone& zone, const std::vector<double>& sizes,
+                               const std::vector<double>& response, const FaceOptions& options) {
   const FaceGrid& grid = zone.grid;
   const double cell = grid.plane_strain ? zone.h : zone.h * zone.h;
   std::vector<FarMean> means(zone.groups.size());
+  std::vector<double> bent(zone.groups.size(), 0.0);
   for (const FaceShare& share : zone.shares) {
-    FarMean& mean = means[share.group];
     const double part = share.part / sizes[share.group];
-    mean.patches.emplace_back(share.patch, part);
-    mean.value -=
-        part * (response[share.patch] + options.cell_stiffness * curvature(grid, response, zone.h, share.patch));
+    means[share.group].patches.emplace_back(share.patch, part);
+    means[share.group].value -= part * response[share.patch];
+    bent[share.group] += part * curvature(grid, response, zone.h, share.patch);
   }
+  double squares = 0, weights = 0;
   for (std::size_t g = 0; g < zone.groups.size(); ++g) {
     const FaceGroup& group = zone.groups[g];
     const double away = group.away / (options.fall * zone.h);
-    means[g].value += group.gap_change;
+    means[g].value += group.gap_change - options.cell_stiffness * bent[g];
+    means[g].error = std::hypot(bent[g], zone.h * group.force / std::max(group.area, 1e-300) / zone.modulus);
     // The mean over a part of a group is another one.
     const bool whole = std::abs(sizes[g] * grid.area() - group.area) < cover * group.area;
     means[g].weight = whole || group.force > 0 ? group.area / cell * std::exp(-0.5 * away * away) : 0;
+    squares += means[g].weight * means[g].error * means[g].error;
+    weights += means[g].weight;
   }
-  std::vector<double> gap = fit_far_field(grid, zone.h, options.smooth_length, zone.inside, means);
-  for (int n = 0; n < grid.num_patches(); ++n) gap[n] = zone.inside[n] ? gap[n] + zone.distance[n] : 0;
+  // What is wrong at one group is so, in part, around it.
+  for (FarMean& mean : means)
+    mean.error = options.gap_error * std::hypot(mean.error, std::sqrt(squares / std::max(weights, 1e-300)));
+  return means;
+}
+
+/// Gap at the patches without their pressure: the distance and the far field.
+std::vector<double> gap_without_pressure(const FaceZone& zone, const FarField& far, double details) {
+  std::vector<double> gap = far.with_details(details);
+  for (int n = 0; n < zone.grid.num_patches(); ++n) gap[n] = zone.inside[n] ? gap[n] + zone.distance[n] : 0;
   return gap;
 }
 
@@ -143,12 +157,14 @@ FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const 
   for (const FaceGroup& group : zone.groups) whole.force += group.force;
   const PatchBox box = box_of(grid, zone.may_press);
   const std::vector<int> patches = patches_of(grid, box);
-  const auto problem_with = [&](const FaceOptions& variant) {
-    whole.gap = gap_without_pressure(zone, sizes, response, variant);
+  const auto problem_with = [&](const FarField& far, double details) {
+    whole.gap = gap_without_pressure(zone, far, details);
     return cut_out(whole, box);
   };
+  const FarField far(grid, zone.h, zone.inside, far_means(zone, sizes, response, options));
+  const double details = far.longest_details(options.shortest_details, options.longest_details);
 
-  const PatchProblem problem = problem_with(options);
+  const PatchProblem problem = problem_with(far, details);
   std::vector<double> p;
   for (const int n : patches) p.push_back(acting[n]);
   FacePressure result{grid, std::vector<double>(grid.num_patches(), 0.0), {}, {}};
@@ -162,13 +178,13 @@ FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const 
   const auto pressure_of = [&](const PatchProblem& fine) {
     return pressure_to_edge(exec, coarsened(fine, coarse), options, start);
   };
-  FaceOptions shorter = options, softer = options;
-  shorter.smooth_length /= 2;
+  FaceOptions softer = options;
   softer.cell_stiffness /= 2;
+  const FarField of_softer(grid, zone.h, zone.inside, far_means(zone, sizes, response, softer));
   const std::vector<double> base = pressure_of(problem);
   result.error.assign(grid.num_patches(), 0.0);
-  for (const FaceOptions& variant : {shorter, softer}) {
-    const std::vector<double> other = pressure_of(problem_with(variant));
+  for (const PatchProblem& variant : {problem_with(far, details / other_details), problem_with(of_softer, details)}) {
+    const std::vector<double> other = pressure_of(variant);
     for (std::size_t k = 0; k < patches.size(); ++k) {
       double& error = result.error[patches[k]];
       error = std::hypot(error, other[coarse.parent[k]] - base[coarse.parent[k]]);

@@ -39,7 +39,7 @@ struct FacePressure {
   FaceGrid grid;
   std::vector<double> square;  ///< Pa^2, at the patches; negative outside of the zone
   /// Pa, at the patches: what the pressure changes by when what no solution tells is taken otherwise. That is how short
-  /// the far field's details are (half as long), and how much stiffness the cells lack (half as much).
+  /// the far field's details are (15 % shorter), and how much stiffness the cells lack (half as much).
   std::vector<double> error;
   FaceSolution solution;  ///< on the finest patches
   /// Pa, bilinear in the square; zero outside.

@@ -1,6 +1,7 @@
 #include "recovery/face/patch_problem.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cgcontact {
 namespace {
@@ -29,6 +30,7 @@ void narrow(const CoarsePatches& coarse, const std::vector<double>& found, std::
 
 }  // namespace
 
+/// Whole blocks of patches counted from the ends of the grid, whose mirror image has the mirrored box.
 PatchBox box_of(const FaceGrid& grid, const std::vector<char>& may_press) {
   std::array<int, 2> first = grid.size, last{-1, -1};
   for (int n = 0; n < grid.num_patches(); ++n) {
@@ -41,12 +43,9 @@ PatchBox box_of(const FaceGrid& grid, const std::vector<char>& may_press) {
   }
   PatchBox box;
   for (int a = 0; a < 2; ++a) {
-    if (grid.end[a] == FaceEnd::mirror) first[a] = 0;
-    const int wanted = last[a] - first[a] + 1;
-    box.size[a] = wanted < least_to_merge ? wanted : (wanted + multiple - 1) / multiple * multiple;
-    if (last[a] < 0 || grid.end[a] == FaceEnd::period || box.size[a] > grid.size[a])
-      first[a] = 0, box.size[a] = grid.size[a];
-    box.first[a] = std::min(first[a], grid.size[a] - box.size[a]);
+    const bool whole = last[a] < 0 || grid.end[a] == FaceEnd::period || grid.size[a] < least_to_merge;
+    box.first[a] = whole || grid.end[a] == FaceEnd::mirror ? 0 : first[a] / multiple * multiple;
+    box.size[a] = whole ? grid.size[a] : std::min((last[a] / multiple + 1) * multiple, grid.size[a]) - box.first[a];
   }
   return box;
 }
@@ -111,7 +110,9 @@ FaceSolution solve_nested(const ExecSpace& exec, const PatchProblem& problem, co
   std::vector<char> may_press = problem.may_press;
   if (const CoarsePatches coarse = coarse_patches(grid); coarse.any()) {
     std::vector<double> found = coarse.means(p, may_press);
-    solve_nested(exec, coarsened(problem, coarse), options, found);
+    FaceOptions start = options;
+    start.tolerance = std::sqrt(options.tolerance);
+    solve_nested(exec, coarsened(problem, coarse), start, found);
     for (int n = 0; n < grid.num_patches(); ++n) p[n] = may_press[n] ? found[coarse.parent[n]] : 0;
     narrow(coarse, found, may_press);
   }

@@ -133,7 +133,7 @@ class Example(Init):
 class Parts(Init):
     def test_parts_of_all_shapes_run_as_they_are(self):
         """Blocks, round, thin, long, pointed, hollow parts, two shells, far from the origin: solved to the accuracy that the scene asks for (a sharp tip under or above the
-        part: that, or as far as the scene's limits go), with a compressive force, resolved, within the limits. A sharp tip: turned so that a flat face is on top."""
+        part: that, or as far as the scene's limits go), with a compressive force, resolved (a tip: or not, with the reason), within the limits. A sharp tip: turned so that a flat face is on top."""
         for name, triangles in SHAPES.items():
             with self.subTest(shape=name):
                 file = name.replace(" ", "_")
@@ -154,7 +154,9 @@ class Parts(Init):
                 # A limit, or estimates that do not fall: the pressure of a tip has no bound.
                 stopped = "accuracy.max_" in accuracy["text"] or "no longer fall" in accuracy["text"]
                 self.assertTrue(accuracy["reached"] or (name.startswith("tip") and stopped), accuracy)
-                self.assertEqual(done["verdict"]["state"], "resolved")
+                # The pressure of a tip, which has no bound, may be unknown: then the verdict says so.
+                unknown = "errors of the pressure" in done["verdict"]["text"]
+                self.assertEqual(done["verdict"]["state"], "not_resolved" if name.startswith("tip") and unknown else "resolved")
                 self.assertLessEqual(done["unknowns"], 4e5)
                 self.assertLess(sum(solve["seconds"] for solve in accuracy["solves"]), 60 * harness.PATIENCE)
                 self.assertLess(done["contact"][0]["force"]["part"][2], 0, "the plate presses the part down")

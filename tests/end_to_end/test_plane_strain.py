@@ -46,10 +46,13 @@ class PlaneStrain(unittest.TestCase):
                 errors = [run["pressure_error"][0]["sprc"] for run in (shared, slab)]
                 self.assertLess(abs(errors[0] / errors[1] - 1), 0.05)
 
-    def test_path_anywhere_across(self):
-        """Nothing varies across: a path on the body's border there is one through its middle."""
+    def test_places_anywhere_across(self):
+        """Nothing varies across: a path on the body's border there is one through its middle, and so are probes."""
+        probes = "".join(f'[[probe]]\nname = "p{k}"\npoint = [{x}, 1e-4, 0]\nbody = "block"\nfields = ["pressure"]\n'
+                         for k, x in enumerate((0, 0.005, 0.01)))
+        pathlib.Path("roller.toml").write_text(scene("roller").read_text() + probes)
         for x in (0, 0.005, 0.01):
-            outcome = cgcontact("run", scene("roller"), "--out", f"path-{x}", *QUIET, "--set", 'accuracy.pressure="5 %"',
+            outcome = cgcontact("run", "roller.toml", "--out", f"path-{x}", *QUIET, "--set", 'accuracy.pressure="5 %"',
                                 "--set", f"output.path={{from=[{x}, 0, 0], to=[{x}, 0.0006, 0]}}")
             self.assertEqual(outcome.code, 0, outcome.err)
             self.assertNotIn("path", outcome.err)
@@ -57,6 +60,9 @@ class PlaneStrain(unittest.TestCase):
         self.assertEqual(paths[0], paths[1])
         self.assertEqual(paths[0], paths[2])
         self.assertGreater(paths[0].count("\n"), 100)
+        found = [probe["fields"]["pressure"]["max"] for probe in report("path-0")["probes"]]
+        self.assertGreater(found[0], 0)
+        self.assertEqual(found, found[:1] * 3)
 
     def test_check_says_it_and_draws_it(self):
         pathlib.Path("shared.toml").write_text(in_plane_strain("two_solids", "x"))

@@ -133,7 +133,7 @@ class Results(unittest.TestCase):
 
     def test_pictures(self):
         """The SVG files are XML, sized, and name their curves; the PNG file is one."""
-        curves = {"pressure.svg": ("SPR", "SPR-C"), "stress_error.svg": ("SPR", "SPR-C")}
+        curves = {"pressure.svg": ("SPR", "on the face"), "stress_error.svg": ("SPR", "SPR-C")}
         for name in [name for name in self.report["files"] if name.endswith(".svg")]:
             root = xml.etree.ElementTree.parse(self.directory / name).getroot()
             self.assertTrue(root.tag.endswith("svg") and float(root.get("width")) > 0)
@@ -166,7 +166,7 @@ class TwoSolids(Results):
     force_errors = {"pressure_sprc": 0.05}
 
     def test_reference(self):
-        """With a reference: its pictures, and errors for the whole face and every zone, SPR-C's below SPR's."""
+        """With a reference: its pictures, and errors for the whole face and every zone, the result's below SPR's."""
         self.assertIn("pressure.svg", self.report["files"])
         self.assertIn("stress_error.svg", self.report["files"])
         errors = {entry["zone"]: entry for entry in self.report["pressure_error"]}

@@ -89,8 +89,8 @@ class Verdict(unittest.TestCase):
 
     def test_cells_across(self):
         """The cells across Hertz's zone at the computed force: within a fifth from five on (measured: 0.9 to 1.0 over eight positions), with a
-        third below; under five the verdict is not_resolved, with a cell size that gives ten, and nothing says plainly "solved"."""
-        for n in (3, 4, 7, 12):
+        two fifths below; under three the verdict is not_resolved, with a cell size that gives ten, and nothing says plainly "solved"."""
+        for n in (2, 4, 7, 12):
             with self.subTest(n=n):
                 written, out = self.solve(LINE + SYMMETRY + MOVED, n=n)
                 h, t, modulus = 0.12 / n, 0.12 / n / 1.3, 3e9 / (2 * (1 - 0.35**2))
@@ -98,12 +98,12 @@ class Verdict(unittest.TestCase):
                 true = 2 * math.sqrt(4 * 2 * force / t * 0.5 / (math.pi * modulus)) / h
                 verdict = written["verdict"]
                 pair = verdict["pairs"][0]
-                self.assertLess(abs(pair["cells_across"] / true - 1), 0.2 if n > 4 else 0.35)
-                self.assertEqual(pair["state"], "resolved" if n > 6 else "not_resolved")
+                self.assertLess(abs(pair["cells_across"] / true - 1), 0.2 if n > 4 else 0.4)
+                self.assertEqual(pair["state"], "resolved" if n > 2 else "not_resolved")
                 self.assertEqual(verdict["state"], pair["state"])
                 self.assertIn(f"{pair['cells_across']:.2g} cells across", verdict["text"])
                 self.assertIn(verdict["text"], harness.unwrapped(out))
-                if n > 6:
+                if n > 2:
                     self.assertTrue(out.startswith("solved\n") or out.startswith("solved:"), out)
                     self.assertIsNone(pair["cell_size_needed"])
                     continue
@@ -145,11 +145,11 @@ class Verdict(unittest.TestCase):
             self.assertGreater(abs(forces[10, tilt]), 1.3 * abs(forces[20, tilt]))
 
     def test_faces_that_overlap_by_less_than_points_are_apart(self):
-        """Blocks whose faces have a strip in common, far narrower than a cell: the force is right, no boundary point has a pressure, and
-        nothing is called resolved."""
+        """Blocks whose faces have a strip in common, narrower than a cell: the force is right, few boundary points or none have a pressure,
+        and nothing is called resolved."""
         block = lambda name, low, high: (f'[[body]]\nname = "{name}"\nshape = {{box = {{min = {low}, max = {high}}}}}\n'
                                          f'material = {{E = 2e11, nu = 0.3}}\ncell_size = 0.2\n')
-        for strip in (1e-2, 1e-5):
+        for strip in (0.1, 0.03, 1e-2, 1e-5):
             with self.subTest(strip=strip):
                 pathlib.Path("strip.toml").write_text(
                     block("lower", [0, 0, 0], [1, 1, 1]) + block("upper", [1 - strip, 0, 1], [2, 1, 2]) +
@@ -162,7 +162,8 @@ class Verdict(unittest.TestCase):
                 written = report("strip")
                 self.assertAlmostEqual(written["contact"][0]["force"]["lower"][2], -1e3, delta=1e-3)
                 self.assertEqual(written["verdict"]["state"], "not_resolved")
-                self.assertAlmostEqual(written["verdict"]["pairs"][0]["cells_across"] / (strip / 0.2), 1, delta=1e-3)
+                if strip < 0.03:  # no boundary point: the width is that of the pieces
+                    self.assertAlmostEqual(written["verdict"]["pairs"][0]["cells_across"] / (strip / 0.2), 1, delta=1e-3)
 
     def test_not_a_matter_of_cells(self):
         """Zones that end where a face ends (rings one cell thick, stacked blocks) have no width; nothing that touches is no contact."""

@@ -28,7 +28,7 @@ TEST(FarField, Quadratic) {
       mean.weight = 1;
       means.push_back(mean);
     }
-  const std::vector<double> field = fit_far_field(grid, 1, 2, std::vector<char>(grid.num_patches(), 1), means);
+  const std::vector<double> field = FarField(grid, 1, std::vector<char>(grid.num_patches(), 1), means).with_details(2);
   for (int n = 0; n < grid.num_patches(); ++n) EXPECT_NEAR(field[n], exact(grid.centre(n)), 1e-6);
 }
 
@@ -49,8 +49,80 @@ TEST(FarField, Mirror) {
     mean.weight = 1;
     means.push_back(mean);
   }
-  const std::vector<double> field = fit_far_field(grid, 1, 2, std::vector<char>(64, 1), means);
+  const std::vector<double> field = FarField(grid, 1, std::vector<char>(64, 1), means).with_details(2);
   for (int j = 0; j < 64; ++j) EXPECT_NEAR(field[j], std::pow(grid.centre(j)[1], 2), 1e-6);
+}
+
+/// Twenty cells in a row of sixteen patches each, whose means are those of a wave; grid and knots have nothing in
+/// common.
+struct Wave {
+  FaceGrid grid;
+  std::vector<FarMean> means;
+  std::vector<char> inside;
+
+  Wave(double length, double error) : inside(323, 1) {
+    grid.plane_strain = true;
+    grid.size = {1, 323};
+    grid.spacing = {1, 0.0625};
+    for (int j = 3; j < 323; j += 16) {
+      FarMean mean;
+      for (int k = 0; k < 16; ++k) {
+        mean.patches.emplace_back(j + k, 1.0 / 16);
+        mean.value += std::cos(2 * M_PI * grid.centre(j + k)[1] / length) / 16;
+      }
+      mean.weight = 1;
+      mean.error = error;
+      means.push_back(mean);
+    }
+  }
+  double misfit(double details) const {
+    const std::vector<double> field = FarField(grid, 1, inside, means).with_details(details);
+    double sum = 0;
+    for (const FarMean& mean : means) {
+      double value = -mean.value;
+      for (const auto& [patch, part] : mean.patches) value += part * field[patch];
+      sum += value * value;
+    }
+    return std::sqrt(sum / static_cast<double>(means.size()));
+  }
+};
+
+/// The discrepancy principle: details as long as the errors of the means allow. What allows nothing, or everything, has
+/// the bounds; between, the means are met as well as they are known, up to the hundredth of a cell to which lengths are
+/// sought.
+TEST(FarField, LongestDetails) {
+  for (const double error : {0.01, 0.03, 0.1}) {
+    const Wave wave(4, error);
+    const double found = FarField(wave.grid, 1, wave.inside, wave.means).longest_details(0.1, 2);
+    EXPECT_GT(found, 0.2) << error;
+    EXPECT_LT(found, 1.9) << error;
+    EXPECT_LE(wave.misfit(found), error);
+    EXPECT_GT(wave.misfit(found + 0.02), error);
+  }
+  const Wave exact(4, 1e-12), any(4, 10);
+  EXPECT_NEAR(FarField(exact.grid, 1, exact.inside, exact.means).longest_details(0.5, 1.5), 0.5, 1e-12);
+  EXPECT_NEAR(FarField(any.grid, 1, any.inside, any.means).longest_details(0.5, 1.5), 1.5, 1e-12);
+}
+
+/// Means that are known better count more: with an error a thousand times as large a wrong one changes nothing.
+TEST(FarField, BetterMeansCountMore) {
+  Wave wave(40, 0.01), spoilt(40, 0.01);
+  spoilt.means[9].value += 1;
+  spoilt.means[9].error = 10;
+  const std::vector<double> field = FarField(wave.grid, 1, wave.inside, wave.means).with_details(1),
+                            other = FarField(spoilt.grid, 1, spoilt.inside, spoilt.means).with_details(1);
+  for (std::size_t n = 0; n < field.size(); ++n) EXPECT_NEAR(field[n], other[n], 1e-3);
+}
+
+/// The mirror image of the means has the mirrored field, to rounding.
+TEST(FarField, MirroredFace) {
+  Wave wave(7, 0.01), mirrored(7, 0.01);
+  const int last = wave.grid.size[1] - 1;
+  for (FarMean& mean : mirrored.means)
+    for (auto& [patch, part] : mean.patches) patch = last - patch;
+  const std::vector<double> field = FarField(wave.grid, 1, wave.inside, wave.means).with_details(1),
+                            other = FarField(mirrored.grid, 1, mirrored.inside, mirrored.means).with_details(1);
+  for (int n = 0; n <= last; ++n) EXPECT_NEAR(field[n], other[last - n], 1e-9);
 }
 
 /// Hertz's ball on cells of half the zone's radius and less: groups that close as wholes with the force of the exact
