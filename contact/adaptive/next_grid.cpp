@@ -144,7 +144,14 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
     ZoneState zone = zones[p];
     if (!zone.relevant) continue;
     all_resolved &= zone.resolved;
-    const double ratio = next_size_ratio(zone, results.pairs[p].pressure_error_estimate, options.pressure, options);
+    // Cells of the zone answer for what the pressure is off at its force, those elsewhere for the force.
+    const double estimate = results.pairs[p].pressure_error_estimate,
+                 by_force = results.pairs[p].force_part_of_pressure;
+    const double ratio =
+        by_force > 0 && options.pressure
+            ? next_size_ratio(zone, std::sqrt(std::max(estimate * estimate - by_force * by_force, 0.0)),
+                              *options.pressure * std::sqrt(1 - options.force_part * options.force_part), options)
+            : next_size_ratio(zone, estimate, options.pressure, options);
     next.change = std::min(next.change, ratio);
     if (zone.resolved && !zone.width && ratio < 1)
       size_by_error(state, results, static_cast<int>(p), options.aim * *options.pressure, zone);

@@ -198,7 +198,8 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
       if (verdict.state == Verdict::State::not_resolved)
         errors[i] = std::hypot(errors[i], face->pressure - rows[i].pressure_spr);
     }
-    if (figures.pressure_on_face) figures.force_part_of_pressure = figures.force_error_estimate.value_or(energy_error);
+    if (figures.pressure_on_face && !(figures.force_error_estimate && *figures.force_error_estimate == 0))
+      figures.force_part_of_pressure = energy_error;
     estimate_from_stress(state, pair, energy_error, verdict, rows, of_stress, errors);
     double error = 0, norm = 0;
     for (ContactRow& row : rows) {

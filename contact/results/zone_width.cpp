@@ -28,6 +28,9 @@ constexpr double narrower = 1.5, wider = 1;
 
 /// Points per chunk of the parallel loop.
 constexpr std::size_t grain = 1024;
+/// One point of so many is glanced at first; equal distances differ by less than the rounding.
+constexpr std::size_t stride = 64;
+constexpr double rounding = 1e-12;
 
 /// The closed cells of one pair (images too), joined to zones, and the open points around them.
 class PairZones {
@@ -100,9 +103,15 @@ class PairZones {
   /// points need a glance only: one open point that is nearer than the farthest so far.
   Middle farthest_from_open(const std::vector<const TransmittedForce*>& points) const {
     std::vector<Middle> chunks(num_chunks(points.size(), grain));
+    double at_least = -1;  // by a glance at a few of them: the others need not search farther
+    for (std::size_t i = 0; i < points.size(); i += stride) {
+      const Middle here = nearest_open(*points[i], nullptr, at_least);
+      if (here.open) at_least = std::max(at_least, (1 - rounding) * here.distance);
+    }
     parallel_chunks("cgcontact::zone_width::farthest_from_open", points.size(), grain,
                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                       Middle& farthest = chunks[chunk];
+                      farthest.distance = at_least;
                       const TransmittedForce* latest = nullptr;  // the open point that counted last
                       for (std::size_t i = begin; i < end; ++i) {
                         const Middle here = nearest_open(*points[i], latest, farthest.distance);
@@ -112,7 +121,7 @@ class PairZones {
                     });
     Middle farthest;
     for (const Middle& each : chunks)
-      if (each.distance > farthest.distance) farthest = each;
+      if (each.closed && each.distance > farthest.distance) farthest = each;
     return farthest;
   }
 

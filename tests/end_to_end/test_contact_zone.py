@@ -129,10 +129,11 @@ class ContactZone(unittest.TestCase):
                     self.assertAlmostEqual(x, middle, delta=0.04)  # a third of a cell: the zone consists of whole pieces
                 for force in zip(pair["force"]["b"], found[0]["force"]["b"]):  # equilibrium knows no names
                     self.assertAlmostEqual(*force, delta=1e-8 * abs(found[0]["force"]["b"][2]))
-                # The rim of a declared face cuts pieces: other points there, and the area consists of whole points. The
-                # largest pressure of a zone of one cell, which is not resolved, hangs on what patches know of the rim.
-                self.assertAlmostEqual(pair["area"] / found[0]["area"], 1, delta=1e-2)
-                self.assertAlmostEqual(pair["max_pressure"] / found[0]["max_pressure"], 1, delta=1e-3 if h < 0.1 else 3e-2)
+                # The rim of a declared face cuts pieces: other points there, and the area consists of whole points (some
+                # ninety in a zone of one cell). It lies three cells from the zone, within the reach of the far field, which
+                # knows nothing beyond it: 0.4 % of the largest pressure, and more where a zone of one cell is not resolved.
+                self.assertAlmostEqual(pair["area"] / found[0]["area"], 1, delta=1e-2 if h < 0.1 else 2e-2)
+                self.assertAlmostEqual(pair["max_pressure"] / found[0]["max_pressure"], 1, delta=1e-2 if h < 0.1 else 3e-2)
 
 
 if __name__ == "__main__":

@@ -129,9 +129,11 @@ class FacePressure(unittest.TestCase):
                     ratios.append(pair["pressure_error_estimate"] / whole(result))
                 else:
                     self.assertEqual(result["contact"][0]["pressure_from"], "stress")
-        self.assertGreater(min(ratios), 0.7, ratios)
+        # At single positions the estimate is down to 0.5, where details of the far field matter less than what its groups miss.
+        self.assertGreater(min(ratios), 0.4, ratios)
+        self.assertGreater(sum(ratios) / len(ratios), 1, ratios)
         self.assertLess(sum(ratios) / len(ratios), 4, ratios)
-        self.assertLess(max(errors["face"]), 0.025, errors)
+        self.assertLess(max(errors["face"]), 0.02, errors)
         self.assertLess(sum(errors["face"]), sum(errors["stress"]) / 2, errors)
 
     # The same target with fewer unknowns, because the estimate is the problem's own; and it holds.

@@ -133,7 +133,8 @@ class Results(unittest.TestCase):
 
     def test_pictures(self):
         """The SVG files are XML, sized, and name their curves; the PNG file is one."""
-        curves = {"pressure.svg": ("SPR", "on the face"), "stress_error.svg": ("SPR", "SPR-C")}
+        source = {"face": "on the face", "stress": "SPR-C"}[self.report["contact"][0]["pressure_from"]]
+        curves = {"pressure.svg": ("SPR", source), "stress_error.svg": ("SPR", "SPR-C")}
         for name in [name for name in self.report["files"] if name.endswith(".svg")]:
             root = xml.etree.ElementTree.parse(self.directory / name).getroot()
             self.assertTrue(root.tag.endswith("svg") and float(root.get("width")) > 0)

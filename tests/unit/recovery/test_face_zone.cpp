@@ -60,11 +60,11 @@ struct Wave {
   std::vector<FarMean> means;
   std::vector<char> inside;
 
-  Wave(double length, double error) : inside(323, 1) {
+  Wave(double length, double error) : inside(322, 1) {
     grid.plane_strain = true;
-    grid.size = {1, 323};
+    grid.size = {1, 322};
     grid.spacing = {1, 0.0625};
-    for (int j = 3; j < 323; j += 16) {
+    for (int j = 1; j < 321; j += 16) {
       FarMean mean;
       for (int k = 0; k < 16; ++k) {
         mean.patches.emplace_back(j + k, 1.0 / 16);
