@@ -87,7 +87,7 @@ TEST(EnergySizes, OfEqualErrors) {
 /// Each solve of a run begins with the zone of the one before: fewer outer iterations than from nothing, and the same
 /// solution to the tolerance of the outer iteration (1e-6; forces of the last solve are in equilibrium to 1e-8).
 TEST(OuterStart, SameSolutionInFewerIterations) {
-  const Scene given = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/ball_on_plate.toml",
+  const Scene given = read_scene(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/wheel_on_rail.toml",
                                  {"accuracy.pressure=1%", "accuracy.max_solves=3"});
   AdaptiveRun run(given);
   run.run({});
