@@ -33,6 +33,8 @@ constexpr int min_per_cell = 5;
 constexpr double facet_details = 0.5;
 /// Radians between triangles from which on they are facets of something round: rounding of files makes less.
 constexpr double least_angle = 1e-4;
+/// Of a zone's force: less decides nothing.
+constexpr double relevant_part = 0.01;
 /// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.
 constexpr double too_many_patches = 262144;
 
@@ -156,7 +158,7 @@ class ZoneBuilder {
     assign_points();
     place_patches();
     FaceZone zone = make_zone();
-    if (zone.shares.empty()) return std::nullopt;
+    if (zone.shares.empty() || reaches_end(zone)) return std::nullopt;
     smooth_facets(zone);
     SolvedZone solved{static_cast<int>(&pair_ - state_.pairs.data()), pair_.primary, *chart_, h_, {}, {}, {}};
     solved.known = zone.inside;
@@ -364,6 +366,29 @@ class ZoneBuilder {
       cosine_[n] = std::max(normal.dot(up), 0.0);
       shares_[n] = shares_of(static_cast<int>(n), place, x, *opposite);
     });
+  }
+
+  /// Bodies are no half-spaces where a face ends: does the zone transmit forces there, in groups with the end of a face
+  /// along half a cell or more?
+  bool reaches_end(const FaceZone& zone) const {
+    std::vector<double> end(zone.groups.size(), 0.0);  // m, of the face within each group
+    for (const FaceShare& share : zone.shares) {
+      if (!(zone.groups[share.group].force > 0)) continue;
+      for (int a = grid_.plane_strain ? 1 : 0; a < 2; ++a)
+        for (const int step : {-1, 1}) {
+          std::array<int, 2> steps{0, 0};
+          steps[a] = step;
+          const int next = grid_.beyond(share.patch, steps);
+          if (next < 0 || shares_[next].empty())
+            end[share.group] += share.part * (grid_.plane_strain ? h_ : grid_.spacing[1 - a]);
+        }
+    }
+    double at_end = 0, force = 0;
+    for (std::size_t g = 0; g < zone.groups.size(); ++g) {
+      force += zone.groups[g].force;
+      if (end[g] >= h_ / 2) at_end += zone.groups[g].force;
+    }
+    return at_end > relevant_part * force;
   }
 
   /// Width of the widest facets of a body where it touches, m; 0: it is not made of triangles there.

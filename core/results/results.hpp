@@ -148,8 +148,9 @@ struct PairFigures {
   /// gives the pressure, whose estimate has it.
   double force_part_of_pressure = 0;
   bool pressure_on_face = false;  ///< that is from problems on the faces wherever the faces touch
-  /// Zones without a problem on the face, whose pressure is that of the stress: the zone ends with the face, or the
-  /// face turns by more than 30 degrees and is not round about one axis, or the zone is more than some 90 cells across.
+  /// Zones without a problem on the face, whose pressure is that of the stress: the zone reaches the end of a face, or
+  /// the face turns by more than 30 degrees and is not round about one axis, or the zone is more than some 90 cells
+  /// across.
   int zones_of_stress = 0;
   /// Relative; zero where the loads give the force, none where nothing is transmitted or the zone is not resolved.
   std::optional<double> force_error_estimate;

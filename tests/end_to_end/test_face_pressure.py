@@ -173,6 +173,15 @@ class FacePressure(unittest.TestCase):
             rows.append(contact_rows(source))
         self.assertEqual(rows[0], rows[1])
 
+    # Where a face ends its body is no half-space: a quarter of a ball on a narrow block, as wide as three quarters of the zone.
+    def test_zone_that_reaches_the_end_of_a_face(self):
+        for wide, source in (("R", "face"), ("0.3e-3", "stress")):
+            harness.pathlib.Path("ball.toml").write_text(BALL.replace('max = ["R", "R", 0]', f'max = ["{wide}", "R", 0]'))
+            run, result = solve("out", "ball.toml")
+            self.assertEqual(run.code, 0, run.err)
+            pair = result["contact"][0]
+            self.assertEqual((pair["pressure_from"], pair["zones_of_stress"]), (source, 0 if source == "face" else 1))
+
     def test_sources(self):
         harness.pathlib.Path("ball.toml").write_text(BALL)
         run = cgcontact("run", "ball.toml", "-o", "out", *settings(recovery__pressure="spr"))

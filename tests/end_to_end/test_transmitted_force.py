@@ -136,6 +136,8 @@ class TransmittedForce(unittest.TestCase):
                 integral = math.fsum((max(b, 0) - max(a, 0)) * (p + q) / 2 for (a, p), (b, q) in zip(path, path[1:]))
                 force = math.hypot(*report["contact"][0]["force"]["block"])
                 self.assertLess(abs(thickness * integral / force - 1), CARRIED)
+                if "fillet=2" in overrides:  # a peak of a fraction of a cell: 650 MPa with n = 8, 1121 MPa with cells eight times smaller
+                    self.assertGreater(report["contact"][0]["max_pressure_error_estimate"], 0.3)
 
     def test_fillets_on_the_face(self):
         """Of two cells and more; a zone that ends with a smaller one has the pressure of the stress."""
