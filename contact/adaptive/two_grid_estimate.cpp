@@ -12,14 +12,14 @@ namespace {
 
 /// Rows per chunk of the parallel loop.
 constexpr std::size_t grain = 128;
-/// What the estimate of one solution is multiplied by while there is no other to compare it with, in three dimensions
-/// and in line contact (docs/adaptivity.md). Of the stress it was down to 0.43 of the true error on the first grid that
+/// Factors of the estimate of one solution while there is no other to compare it with, in three dimensions and in line
+/// contact (docs/adaptivity.md). Of the stress it was down to 0.43 of the true error on the first grid that
 /// resolves an elliptic zone, and not below 1.4 with that factor in line contact, 4.3 in the mean of 20 positions: a
 /// smaller one does. On the face it sees a third to a half of the error in line contact, with another grid or without.
-struct Alone {
+struct Factors {
   double in_space, in_line;
 };
-constexpr Alone of_stress{1.8, 1.2}, on_face{1, 1.8};
+constexpr Factors of_stress{1.8, 1.2}, on_face{1, 1.8};
 
 /// SPR-C pressure of the earlier solution at a row, Pa.
 double pressure_at(const SolvedState& earlier, const ContactRow& row) {
@@ -65,8 +65,8 @@ std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, con
       largest = std::max(largest.value_or(0), change);
     }
     zone.error = error;
-    const Alone& alone = figures.pressure_on_face ? on_face : of_stress;
-    if (!earlier.state || (in_line && figures.pressure_on_face)) error *= in_line ? alone.in_line : alone.in_space;
+    const Factors& factors = figures.pressure_on_face ? on_face : of_stress;
+    if (!earlier.state || (in_line && figures.pressure_on_face)) error *= in_line ? factors.in_line : factors.in_space;
     if (figures.pressure_error_estimate > 0) factor[p] = error / figures.pressure_error_estimate;
     figures.pressure_error_estimate = std::hypot(error, figures.force_part_of_pressure);
   }

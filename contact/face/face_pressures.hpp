@@ -22,7 +22,8 @@ struct SolvedZone {
   FaceChart chart;
   double h = 0;             ///< m
   std::vector<char> known;  ///< patches that are part of the faces
-  /// Of each patch, between the normals of the primary face and of the chart: pressures are per area of the chart.
+  /// Cosines between the normals of the primary face and of the chart at each patch: pressures are per area of the
+  /// chart.
   std::vector<double> cosine;
   FacePressure pressure;
 

@@ -29,11 +29,12 @@ constexpr int patches_along = 2;
 /// (docs/accuracy.md). At fewer than min_per_cell the borders of the groups are lost among them.
 constexpr double most_patches = 8192;
 constexpr int min_per_cell = 5;
-/// Of the facets of a body made of triangles: waves as long as a facet are a thousandth as high with it, (2 pi / 2)^-6.
+/// Length of the details of a face made of triangles, in facets: waves as long as a facet are a thousandth as high with
+/// it, (2 pi / 2)^-6.
 constexpr double facet_details = 0.5;
 /// Radians between triangles from which on they are facets of something round: rounding of files makes less.
 constexpr double least_angle = 1e-4;
-/// Of a zone's force: less decides nothing.
+/// Part of a zone's force that decides nothing.
 constexpr double relevant_part = 0.01;
 /// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.
 constexpr double too_many_patches = 262144;
@@ -368,8 +369,8 @@ class ZoneBuilder {
     });
   }
 
-  /// Bodies are no half-spaces where a face ends: does the zone transmit forces there, in groups with the end of a face
-  /// along half a cell or more?
+  /// Tells whether the zone transmits forces where a face ends, in groups with the end along half a cell or more:
+  /// bodies are no half-spaces there.
   bool reaches_end(const FaceZone& zone) const {
     std::vector<double> end(zone.groups.size(), 0.0);  // m, of the face within each group
     for (const FaceShare& share : zone.shares) {
@@ -407,9 +408,10 @@ class ZoneBuilder {
   /// Patches are finer than triangles, whose edges are no part of the body that they stand for: its face has no details
   /// shorter than the widest facets.
   void smooth_facets(FaceZone& zone) const {
+    const double patch = grid_.plane_strain ? grid_.spacing[1] : std::min(grid_.spacing[0], grid_.spacing[1]);
     for (const int body : {pair_.primary, pair_.secondary}) {
       const double facet = widest_facet(body);
-      if (facet <= grid_.spacing[grid_.plane_strain || grid_.spacing[1] < grid_.spacing[0] ? 1 : 0]) continue;
+      if (facet <= patch) continue;
       const std::vector<double>& height = height_[body == pair_.primary ? 0 : 1];
       std::vector<FarMean> heights;
       for (int n = 0; n < grid_.num_patches(); ++n)

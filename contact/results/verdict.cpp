@@ -255,8 +255,7 @@ void judge_errors(const SolvedState& state, Results& results) {
     verdict.state = State::not_resolved;
     verdict.text = fmt::format(
         "the estimated errors of the pressure of \"{}\" add up to {:.2g} of its integral: it cannot be relied on; "
-        "cells "
-        "of {:.2g} m or less are needed",
+        "cells of {:.2g} m or less are needed",
         pair.name, error[p] / pressure[p], *pair.cell_size_needed);
   }
 }

@@ -174,7 +174,7 @@ void StudyRunner::compare_with_finest() {
   const StudyRow* const finest = study_.own_reference ? finest_row(study_) : nullptr;
   if (!finest) return;
   const Scene& scene = plan_.scenes[finest - study_.rows.data()];
-  study_.reference = fmt::format("the SPR-C pressure of the study's own finest run ({}, {} = {}, {} unknowns)",
+  study_.reference = fmt::format("the pressure of the study's own finest run ({}, {} = {}, {} unknowns)",
                                  finest->variant, study_.key, finest->size, finest->figures.unknowns);
   const auto points = [&](const StudyRow& row) {
     const fs::path file = folder(row) / "contact.csv";  // there is none if the bodies are far apart

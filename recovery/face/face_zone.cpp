@@ -71,7 +71,7 @@ std::vector<double> respond(const ExecSpace& exec, const FaceZone& zone, const s
   return response;
 }
 
-/// What the groups say of the far field: their mean gaps less what the half-spaces give way by.
+/// Gives what the groups say of the far field: their mean gaps less what the half-spaces give way by.
 std::vector<FarMean> far_means(const FaceZone& zone, const std::vector<double>& sizes,
                                const std::vector<double>& response, const FaceOptions& options) {
   const FaceGrid& grid = zone.grid;

@@ -81,7 +81,6 @@ class FaceSplines {
   }
   int count() const { return (axes_ == 1 ? 1 : knots_[0].num_splines()) * knots_[1].num_splines(); }
   int num_intervals() const { return (axes_ == 1 ? 1 : knots_[0].count()) * knots_[1].count(); }
-  int axes() const { return axes_; }
 
   /// Calls use(spline, value) for the splines that are not zero at a patch.
   template <class Use>
@@ -135,7 +134,7 @@ class FaceSplines {
   int spline(int i, int j, int k, int l) const {
     return knots_[0].spline(i, k) * knots_[1].num_splines() + knots_[1].spline(j, l);
   }
-  /// Of an integral along an axis from knot intervals to lengths in h.
+  /// Gives the factor of an integral along an axis from knot intervals to lengths in h.
   double scale(int axis, double h, int derivative) const {
     return std::pow(knots_[axis].spacing() / h, 1 - 2 * derivative);
   }

@@ -167,7 +167,8 @@ class Accuracy(unittest.TestCase):
         self.assertFalse(run["accuracy"]["reached"])
 
     def test_same_results_in_other_units_of_length(self):
-        """A scene a thousand times larger at the same stress has the same relative figures, to some times what the outer iteration leaves (1e-6)."""
+        """A scene a thousand times larger at the same stress has the same relative figures, to some times what the outer
+        iteration leaves (1e-6)."""
         small = self.run_scene("ball_on_plate", "accuracy.pressure=5%")
         text = scene("ball_on_plate").read_text()
         text = text.replace("R = 10e-3", "R = 10").replace("F = 500 ", "F = 500e6 ").replace("0.02", "20").replace(

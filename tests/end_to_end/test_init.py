@@ -133,7 +133,8 @@ class Example(Init):
 class Parts(Init):
     def test_parts_of_all_shapes_run_as_they_are(self):
         """Blocks, round, thin, long, pointed, hollow parts, two shells, far from the origin: solved to the accuracy that the scene asks for (a sharp tip under or above the
-        part: that, or as far as the scene's limits go), with a compressive force, resolved (a tip: or not, with the reason), within the limits. A sharp tip: turned so that a flat face is on top."""
+        part: that, or as far as the scene's limits go), with a compressive force, resolved (a tip: or not, with
+        the reason), within the limits. A sharp tip: turned so that a flat face is on top."""
         for name, triangles in SHAPES.items():
             with self.subTest(shape=name):
                 file = name.replace(" ", "_")

@@ -28,7 +28,8 @@ class Ranks(unittest.TestCase):
 
     def test_results_do_not_depend_on_the_number_of_ranks(self):
         """2, 3 and 4 ranks, with all grids divided: the same counts of all kinds, iterations too; figures to 1e-9, which is
-        what linear solves to 1e-10 and the last of ten printed digits leave; estimates, differences of a hundredth of what they are made of, to 1e-8."""
+        what linear solves to 1e-10 and the last of ten printed digits leave; estimates, differences of a
+        hundredth of what they are made of, to 1e-8."""
         for name, values in CASES:
             outcome = cgcontact("run", scene(name), "--out", f"{name}1", *settings(**values, **FAST))
             self.assertEqual(outcome.code, 0, outcome.err)

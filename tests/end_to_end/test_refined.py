@@ -43,7 +43,8 @@ class Refined(unittest.TestCase):
             self.assertLess(max(abs(row["pressure_raw"] / 1e8 - 1) for row in rows), 1e-7, f"angle {angle}")
 
     def test_as_accurate_as_uniform_grids(self):
-        """The stress as accurate as on uniform grids; the pressure on the face within 1 % on both (single positions 0.2 to 0.8 %)."""
+        """The stress as accurate as on uniform grids; the pressure on the face within 1 % on both (single positions 0.2 to
+        0.8 %)."""
         text = scene("hertz").read_text()
         regions = ('refine = [{sphere = {center = [0, 0, 0], radius = 0.115}, size = "0.5/12", grading = 0.25}]')
         finer = regions.replace("0.5/12", "0.5/14.4")

@@ -129,7 +129,8 @@ class Table(unittest.TestCase):
         """Both plots name their curves, zones and axes with units."""
         for plot, axis in zip(PLOTS, ("time of the run [s]", "unknowns [-]")):
             found = texts(f"kept/{plot}")
-            for text in (axis, "error of the contact pressure [%]", "raw stress", "SPR", "result", "result, estimated", "interior"):
+            for text in (axis, "error of the contact pressure [%]", "raw stress", "SPR", "result", "result, estimated",
+                         "interior"):
                 self.assertIn(text, found, plot)
             self.assertTrue(any("Two solids, plane strain" in text for text in found))
 

@@ -125,18 +125,21 @@ class TransmittedForce(unittest.TestCase):
                 self.assertIn("balanced", report["recovery"]["status"])
 
     def check_force_on_face(self, thickness, *overrides):
-        """The pressure on the face along the path of the punch, from the middle: boundary points a third of a cell apart would miss the peak
-        beside the fillet, which is narrower (by up to 0.09)."""
+        """The pressure on the face along the path of the punch, from the middle: boundary points a third of a cell apart
+        would miss the peak beside the fillet, which is narrower (by up to 0.09)."""
         for offset in OFFSETS:
             with self.subTest(overrides=overrides, offset=offset):
-                report, _ = self.run_scene(harness.SOURCE / "tests/scenes/rounded_punch.toml", f"body.block.grid.offset={offset}", *overrides)
+                report, _ = self.run_scene(harness.SOURCE / "tests/scenes/rounded_punch.toml",
+                                           f"body.block.grid.offset={offset}", *overrides)
                 self.assertEqual(report["contact"][0]["pressure_from"], "face")
                 with open(self.directory / "out/pressure.csv", encoding="utf-8") as file:
-                    path = sorted((float(row["x"]), float(row["pressure_sprc"])) for row in csv.DictReader(file) if row["body"] == "block")
+                    path = sorted((float(row["x"]), float(row["pressure_sprc"])) for row in csv.DictReader(file)
+                                  if row["body"] == "block")
                 integral = math.fsum((max(b, 0) - max(a, 0)) * (p + q) / 2 for (a, p), (b, q) in zip(path, path[1:]))
                 force = math.hypot(*report["contact"][0]["force"]["block"])
                 self.assertLess(abs(thickness * integral / force - 1), CARRIED)
-                if "fillet=2" in overrides:  # a peak of a fraction of a cell: 650 MPa with n = 8, 1121 MPa with cells eight times smaller
+                # The peak is a fraction of a cell wide: 650 MPa with n = 8, 1121 MPa with cells eight times smaller.
+                if "fillet=2" in overrides:
                     self.assertGreater(report["contact"][0]["max_pressure_error_estimate"], 0.3)
 
     def test_fillets_on_the_face(self):
@@ -166,7 +169,8 @@ class TransmittedForce(unittest.TestCase):
         """The pressure on flanks of 22 degrees and its force along z; plain SPR keeps a shear on them and loses an eighth of it (measured: 0.989, SPR 0.88)."""
         self.check_force("wedge.toml", "angle=22", "d=0.35")
         for offset in OFFSETS:  # on the face, from points that sum the peak at the tip to 2 % (measured: 0.022 at most)
-            report, rows = self.run_scene(harness.SOURCE / "tests/scenes/wedge.toml", f"body.block.grid.offset={offset}", "angle=22", "d=0.35")
+            report, rows = self.run_scene(harness.SOURCE / "tests/scenes/wedge.toml", f"body.block.grid.offset={offset}",
+                                          "angle=22", "d=0.35")
             for body, part in self.carried(report, rows, "pressure_sprc").items():
                 self.assertLess(abs(part - 1), 0.03, body)
 

@@ -88,9 +88,9 @@ class Verdict(unittest.TestCase):
         return report("out"), outcome.out
 
     def test_cells_across(self):
-        """The cells across Hertz's zone at the computed force: within a fifth from five on (measured: 0.9 to 1.0 over eight positions),
-        within a third below, and within two thirds at two; under three the verdict is not_resolved, with a cell size that gives ten, and nothing
-        says plainly "solved"."""
+        """The cells across Hertz's zone at the computed force: within a fifth from five on (measured: 0.9 to 1.0 over eight
+        positions), within a third below, and within two thirds at two; under three the verdict is not_resolved, with a cell
+        size that gives ten, and nothing says plainly "solved"."""
         for n in (2, 4, 7, 12):
             with self.subTest(n=n):
                 written, out = self.solve(LINE + SYMMETRY + MOVED, n=n)
@@ -146,8 +146,8 @@ class Verdict(unittest.TestCase):
             self.assertGreater(abs(forces[10, tilt]), 1.3 * abs(forces[20, tilt]))
 
     def test_faces_that_overlap_by_less_than_points_are_apart(self):
-        """Blocks whose faces have a strip in common, narrower than a cell: the force is right, few boundary points or none have a pressure,
-        and nothing is called resolved."""
+        """Blocks whose faces have a strip in common, narrower than a cell: the force is right, few boundary points or none
+        have a pressure, and nothing is called resolved."""
         block = lambda name, low, high: (f'[[body]]\nname = "{name}"\nshape = {{box = {{min = {low}, max = {high}}}}}\n'
                                          f'material = {{E = 2e11, nu = 0.3}}\ncell_size = 0.2\n')
         for strip in (0.1, 0.03, 1e-2, 1e-5):
