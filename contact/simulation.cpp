@@ -339,8 +339,11 @@ void Simulation::recover() {
     state.sprc.push_back(field);
     input.push_back({&mesh, &patches[b], &boundary, field});
   }
+  const bool on_face = options.spr_c && options.pressure == PressureSource::face;
+  if (on_face) solve_faces();
   if (options.spr_c) {
-    ConstrainedRecovery recovery = recover_constrained(input, state.outer.u, state.scales, options);
+    ConstrainedRecovery recovery =
+        recover_constrained(input, state.outer.u, state.scales, options, on_face ? &state.faces : nullptr);
     state.recovery_counts = recovery.counts;
     state.patch_states = std::move(recovery.states);
     for (std::size_t b = 0; b < state.bodies.size(); ++b) {
@@ -354,7 +357,9 @@ void Simulation::recover() {
             divergence_at_nodes(state.system.meshes[b], state.bodies[b].boundary, state.scales.stress));
     }
   }
-  if (options.pressure == PressureSource::stress || !options.spr_c) return;
+}
+
+void Simulation::solve_faces() {
   state.faces = solve_face_pressures(exec_, state);
   for (const SolvedZone& zone : state.faces.zones)
     if (const FaceSolution& solution = zone.pressure.solution; !solution.converged)

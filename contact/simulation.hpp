@@ -50,6 +50,7 @@ class Simulation {
   void fill_results();
 
  private:
+  void solve_faces();
   void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
   bool see_farther();

@@ -6,8 +6,8 @@
 #include "contact/model/gap_samples.hpp"
 #include "contact/model/indentation.hpp"
 #include "core/base/parallel.hpp"
-#include "recovery/zone_edge/connected_sets.hpp"
-#include "recovery/zone_edge/symmetry_planes.hpp"
+#include "recovery/face/connected_sets.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 
 namespace cgcontact {
 namespace {

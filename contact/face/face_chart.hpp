@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "recovery/face/face_grid.hpp"
-#include "recovery/zone_edge/symmetry_planes.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 
 namespace cgcontact {
 

@@ -1,10 +1,21 @@
 #include "contact/face/face_pressures.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-namespace cgcontact {
+#include "recovery/face/zone_border.hpp"
 
-std::optional<PressureOnFace> SolvedZone::at(int body, const Vec3& x, const Vec3& normal) const {
+namespace cgcontact {
+namespace {
+
+/// Cells around a patch whose squares say where the edge is.
+constexpr double border_reach = 1.5;
+/// Cells around a place within which an edge is looked for: patches of two rings are as wide.
+constexpr double edge_reach = 6;
+
+}  // namespace
+
+std::optional<SolvedZone::Place> SolvedZone::place_of(int body, const Vec3& x, const Vec3& normal) const {
   const double along = chart.normal(x).dot(normal) * (body == primary ? 1 : -1);
   if (along < same_side || std::abs(chart.height(x)) > 4 * h) return std::nullopt;
   const FaceGrid& grid = pressure.grid;
@@ -20,10 +31,92 @@ std::optional<PressureOnFace> SolvedZone::at(int body, const Vec3& x, const Vec3
       if (row < 0 || column < 0 || row >= grid.size[0] || column >= grid.size[1]) continue;
       const int patch = row * grid.size[1] + column;
       if (!known[patch]) continue;
-      const double on_primary = body == primary ? along : cosine[patch];
-      return PressureOnFace{on_primary * pressure.at(place), on_primary * pressure.error[patch]};
+      return Place{place, patch, body == primary ? along : cosine[patch]};
     }
   return std::nullopt;
+}
+
+std::optional<PressureOnFace> SolvedZone::at(int body, const Vec3& x, const Vec3& normal) const {
+  const auto found = place_of(body, x, normal);
+  if (!found) return std::nullopt;
+  return PressureOnFace{found->cosine * pressure.at(found->place), found->cosine * pressure.error[found->patch]};
+}
+
+std::optional<double> SolvedZone::square_at(int body, const Vec3& x, const Vec3& normal) const {
+  const auto found = place_of(body, x, normal);
+  if (!found) return std::nullopt;
+  return found->cosine * found->cosine * pressure.square_at(found->place);
+}
+
+std::vector<EdgePiece> edge_of_zone(const SolvedZone& zone) {
+  const FaceGrid& grid = zone.pressure.grid;
+  const auto patch_at = [&](const FacePlace& place) {
+    const FacePlace at = grid.folded(place);
+    std::array<int, 2> index{0, 0};
+    for (int a = 0; a < 2; ++a)
+      index[a] = std::clamp(static_cast<int>(std::floor((at[a] - grid.low[a]) / grid.spacing[a])), 0, grid.size[a] - 1);
+    return index[0] * grid.size[1] + index[1];
+  };
+  std::vector<EdgePiece> edge;
+  for (const BorderPoint& border : border_of_zone(grid, zone.pressure.square, zone.known, border_reach * zone.h)) {
+    const int patch = patch_at(border.place);
+    FacePlace slope = FacePlace::Zero();  // of the face's height
+    for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
+      std::array<int, 2> step{0, 0};
+      step[a] = 1;
+      const int after = grid.beyond(patch, step);
+      step[a] = -1;
+      const int before = grid.beyond(patch, step);
+      if (after < 0 || before < 0 || !zone.known[after] || !zone.known[before]) continue;
+      slope[a] = (zone.height[after] - zone.height[before]) / (2 * grid.spacing[a]);
+    }
+    const Vec3 below = zone.chart.point(border.place), up = zone.chart.normal(below);
+    const auto tangent = [&](const FacePlace& direction) {
+      const double small = 1e-3 * zone.h;
+      return Vec3((zone.chart.point(border.place + small * direction) - below) / small + slope.dot(direction) * up);
+    };
+    const Vec3 closed = tangent(border.inward), along = tangent({-border.inward[1], border.inward[0]});
+    const double stretch = closed.norm(), cosine = zone.cosine[patch];
+    EdgePiece& piece = edge.emplace_back();
+    piece.origin = below + (zone.height[patch] + slope.dot(border.place - grid.centre(patch))) * up;
+    piece.closed = closed / stretch;
+    piece.along = (along - along.dot(piece.closed) * piece.closed).normalized();
+    piece.curvature = border.curvature * stretch / along.squaredNorm();
+    piece.inverse_width = border.inverse_width / stretch;
+    piece.factor = cosine * std::sqrt(border.slope / stretch);
+  }
+  return edge;
+}
+
+void FacePressures::add(SolvedZone zone) {
+  PointBuckets& pieces = pieces_.emplace_back(edge_reach * zone.h);
+  for (std::size_t i = 0; i < zone.edge.size(); ++i) pieces.add(zone.edge[i].origin, static_cast<int>(i));
+  zones.push_back(std::move(zone));
+}
+
+std::optional<double> FacePressures::square(int pair, int body, const Vec3& x, const Vec3& n) const {
+  std::optional<double> found;
+  for (const SolvedZone& zone : zones) {
+    if (zone.pair != pair) continue;
+    if (const auto square = zone.square_at(body, x, n); square && (!found || *square > *found)) found = square;
+  }
+  return found;
+}
+
+bool FacePressures::has_zone(int pair) const {
+  return std::any_of(zones.begin(), zones.end(), [&](const SolvedZone& zone) { return zone.pair == pair; });
+}
+
+bool FacePressures::edge_near(int pair, const Vec3& x, EdgePiece& piece) const {
+  double least = 1e300;
+  for (std::size_t z = 0; z < zones.size(); ++z) {
+    if (zones[z].pair != pair) continue;
+    pieces_[z].each_near(x, [&](int i) {
+      const double distance = (zones[z].edge[i].origin - x).norm();
+      if (distance < least && distance < edge_reach * zones[z].h) least = distance, piece = zones[z].edge[i];
+    });
+  }
+  return least < 1e300;
 }
 
 std::optional<PressureOnFace> FacePressures::at(int pair, int body, const Vec3& x, const Vec3& normal) const {

@@ -4,7 +4,9 @@
 #include <optional>
 
 #include "contact/face/face_chart.hpp"
+#include "core/base/point_buckets.hpp"
 #include "recovery/face/face_zone.hpp"
+#include "recovery/patch/known_pressures.hpp"
 
 namespace cgcontact {
 
@@ -25,18 +27,42 @@ struct SolvedZone {
   /// Cosines between the normals of the primary face and of the chart at each patch: pressures are per area of the
   /// chart.
   std::vector<double> cosine;
+  std::vector<double> height;  ///< of the primary face above the chart at each patch, m
   FacePressure pressure;
+  std::vector<EdgePiece> edge;  ///< places along it
 
   /// At a point on the face of a body; none: the zone does not reach there.
   std::optional<PressureOnFace> at(int body, const Vec3& x, const Vec3& normal) const;
+  /// Square of the pressure there, Pa^2; negative outside of the zone.
+  std::optional<double> square_at(int body, const Vec3& x, const Vec3& normal) const;
+
+ private:
+  struct Place {
+    FacePlace place;
+    int patch;
+    double cosine;  ///< between the normals of the body's face and of the chart
+  };
+  std::optional<Place> place_of(int body, const Vec3& x, const Vec3& normal) const;
 };
 
-struct FacePressures {
+/// Places along the edge of a zone whose pressure is known; global axes.
+std::vector<EdgePiece> edge_of_zone(const SolvedZone& zone);
+
+class FacePressures : public KnownPressures {
+ public:
+  void add(SolvedZone zone);
+
   std::vector<SolvedZone> zones;
   /// Zones of each pair that have no such problem: faces that turn about no single axis, or no open face around.
   std::vector<int> left_out;
 
   std::optional<PressureOnFace> at(int pair, int body, const Vec3& x, const Vec3& normal) const;
+  std::optional<double> square(int pair, int body, const Vec3& x, const Vec3& n) const override;
+  bool has_zone(int pair) const override;
+  bool edge_near(int pair, const Vec3& x, EdgePiece& piece) const override;
+
+ private:
+  std::vector<PointBuckets> pieces_;  ///< of each zone, its edge
 };
 
 }  // namespace cgcontact

@@ -27,26 +27,43 @@ constexpr double mean_grain = 1. / 16;
 /// Part of a pair's force: less than that is the tolerance of the solver.
 constexpr double solved_part = 1e-4;
 
-/// The edge's square-root term around a row.
-struct EdgeAtRow {
-  double inside = 1e300;  ///< distance from the edge, m
-  double change = 0;      ///< of the terms when the edge moves by its expected error, Pa
-};
+/// Marks the rows of a pair that have closed as well as open ones within ResultOptions::spoilt_at_edge cells: where the
+/// contact ends inside of both faces. Rows with nothing opposite are not open ones.
+std::vector<char> rows_at_border(const std::vector<ContactRow>& rows, int pair, const ResultOptions& options) {
+  double largest = 0;
+  for (const ContactRow& row : rows)
+    if (row.pair == pair) largest = std::max(largest, row.larger_cell);
+  PointBuckets open(options.spoilt_at_edge * largest), closed(options.spoilt_at_edge * largest);
+  const auto counts = [&](const ContactRow& row) {
+    return row.pair == pair && (row.active || std::isfinite(row.distance));
+  };
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (counts(rows[i])) (rows[i].active ? closed : open).add(rows[i].x, static_cast<int>(i));
+  std::vector<char> marks(rows.size(), 0);
+  parallel_for("cgcontact::pressure_estimate::border", rows.size(), 128, [&](std::size_t i) {
+    const ContactRow& row = rows[i];
+    if (!counts(row)) return;
+    const double reach = options.spoilt_at_edge * row.larger_cell;
+    (row.active ? open : closed).each_near(row.x, [&](int k) {
+      const ContactRow& other = rows[k];
+      if (other.body == row.body && other.normal.dot(row.normal) > same_side && (other.x - row.x).norm() < reach)
+        marks[i] = 1;
+    });
+  });
+  return marks;
+}
 
 /// The mean of transmitted less recovered pressure around a place. Rows near each other, beside the width of the mean
 /// there, count as one, at their centroid.
 class LocalMean {
  public:
-  /// edges: of the rows, those nearer than spoilt_at_edge do not count.
-  LocalMean(const std::vector<ContactRow>& rows, const std::vector<EdgeAtRow>& edges, int pair,
+  /// Rows at a border between closed and open ones do not count.
+  LocalMean(const std::vector<ContactRow>& rows, const std::vector<char>& at_border, int pair,
             const ResultOptions& options)
       : options_(options) {
     std::map<std::tuple<int, int>, Source> cells;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      const ContactRow& r = rows[i];
-      if (r.pair != pair || !std::isfinite(r.pressure_transmitted) ||
-          edges[i].inside < options.spoilt_at_edge * r.larger_cell)
-        continue;
+    for (const ContactRow& r : rows) {
+      if (r.pair != pair || at_border[&r - rows.data()] || !std::isfinite(r.pressure_transmitted)) continue;
       cells[{r.body, r.cell}].add(r.weight, r.weight * r.x, r.weight * (r.pressure_transmitted - r.pressure_sprc));
     }
     for (const ContactRow& r : rows)
@@ -99,45 +116,6 @@ class LocalMean {
   std::map<double, Surroundings> surroundings_;  ///< by the rows' larger cells: few sizes
 };
 
-/// The place of a row, grid coordinates, in the body whose stress it has: opposite a rigid one; none opposite: cell -1.
-struct StressedPlace {
-  int body, cell;
-  Vec3 position;
-};
-
-StressedPlace stressed_place(const SolvedState& state, const ContactRow& row) {
-  if (!state.bodies[row.body].spec->rigid())
-    return {row.body, row.cell, state.bodies[row.body].cut_cells.grid.to_grid(row.x)};
-  const ContactPair& pair = state.pairs[row.pair];
-  const auto opposite = find_opposite(state.bodies, pair, row.body, row.x, row.normal);
-  return opposite ? StressedPlace{pair.other(row.body), opposite->cell, opposite->position}
-                  : StressedPlace{pair.other(row.body), -1, Vec3::Zero()};
-}
-
-EdgeAtRow edge_at_row(const SolvedState& state, const ContactRow& row) {
-  EdgeAtRow result;
-  const auto [body, cell, position] = stressed_place(state, row);
-  const RecoveredField& field = state.sprc[body];
-  if (!field.edge || cell < 0) return result;
-  const BodyMesh& mesh = state.system.meshes[body];
-  const CutCells& cc = state.bodies[body].cut_cells;
-  const double h = cc.h(cell);
-  const Vec3 xi = cell_coordinates(cc, cell, position);
-  double N[8];
-  hex_shape(xi.data(), N);
-  for (int a = 0; a < 8; ++a)
-    each_master(mesh, mesh.cell_nodes[cell][a] - mesh.first_node, [&, &place = position](int node, double weight) {
-      const EdgeTerms::Term* term = field.edge->of_node(node);
-      if (!term) return;
-      const ContactEdge& edge = term->edge;
-      const double s = edge.inside(place);
-      result.inside = std::min(result.inside, s / edge.scale * h);
-      result.change += weight * N[a] * std::abs(term->factor) *
-                       std::abs(edge.root(s + edge.place_error * edge.scale) - edge.root(s)) * state.scales.stress;
-    });
-  return result;
-}
-
 /// Estimate of a pair's force, relative; none where the zone is not resolved.
 std::optional<double> force_error(const SolvedState& state, const Statics& statics, int pair, PairFigures& figures,
                                   const Verdict::Pair& verdict, double energy_error) {
@@ -150,24 +128,18 @@ std::optional<double> force_error(const SolvedState& state, const Statics& stati
 }
 
 /// Errors of the rows whose pressure is that of the stress, Pa; 0 at others.
-void estimate_from_stress(const SolvedState& state, int pair, double energy_error, const Verdict::Pair& verdict,
-                          std::vector<ContactRow>& rows, const std::vector<char>& wanted, std::vector<double>& errors) {
+void estimate_from_stress(const SolvedState& state, int pair, double energy_error, std::vector<ContactRow>& rows,
+                          const std::vector<char>& wanted, std::vector<double>& errors) {
   if (std::none_of(wanted.begin(), wanted.end(), [](char wants) { return wants != 0; })) return;
   const ResultOptions& options = state.scene.results;
-  std::vector<EdgeAtRow> edges(rows.size());
-  parallel_for("cgcontact::pressure_estimate::edges", rows.size(), 128, [&](std::size_t i) {
-    if (wanted[i]) edges[i] = edge_at_row(state, rows[i]);
-  });
-  const LocalMean mean(rows, edges, pair, options);
-  const double across = verdict.cells_across.value_or(options.no_coarse_zone);
-  const double coarse =
-      std::clamp((options.no_coarse_zone - across) / (options.no_coarse_zone - options.coarse_zone), 0.0, 1.0);
+  const std::vector<char> at_border = rows_at_border(rows, pair, options);
+  const LocalMean mean(rows, at_border, pair, options);
   compute_together("cgcontact::pressure_estimate::mean_difference", 128, errors, [&](std::size_t i) {
     if (!wanted[i]) return errors[i];
     const ContactRow& row = rows[i];
     const double jump = std::isfinite(row.pressure_opposite) ? row.pressure_opposite - row.pressure_sprc : 0;
     const double common = std::hypot(mean.at(row), energy_error * row.pressure_sprc);
-    return std::hypot(std::hypot(jump / 2, common, edges[i].change), coarse * (row.pressure_spr - row.pressure_sprc));
+    return std::hypot(jump / 2, common, at_border[i] ? row.pressure_spr - row.pressure_sprc : 0.0);
   });
 }
 
@@ -200,7 +172,7 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     }
     if (figures.pressure_on_face && !(figures.force_error_estimate && *figures.force_error_estimate == 0))
       figures.force_part_of_pressure = energy_error;
-    estimate_from_stress(state, pair, energy_error, verdict, rows, of_stress, errors);
+    estimate_from_stress(state, pair, energy_error, rows, of_stress, errors);
     double error = 0, norm = 0;
     for (ContactRow& row : rows) {
       if (row.pair != pair) continue;

@@ -69,7 +69,7 @@ double least_cells_across(const SolvedState& state, int pair) {
   const bool on_face =
       std::any_of(zones.begin(), zones.end(), [&](const SolvedZone& zone) { return zone.pair == pair; }) &&
       state.faces.left_out[pair] == 0;
-  return on_face ? options.coarse_zone : options.least_cells_across;
+  return on_face ? options.least_cells_on_face : options.least_cells_across;
 }
 
 std::vector<Judged> judge_pairs(const SolvedState& state, const Results& results,

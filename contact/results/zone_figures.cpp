@@ -9,7 +9,7 @@
 #include "contact/model/indentation.hpp"
 #include "contact/results/hertz.hpp"
 #include "contact/results/pair_figures.hpp"
-#include "recovery/zone_edge/symmetry_planes.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 
 namespace cgcontact {
 namespace {

@@ -7,9 +7,9 @@
 #include <map>
 #include <set>
 
+#include "contact/results/contact_zone.hpp"
 #include "core/base/parallel.hpp"
-#include "recovery/zone_edge/connected_sets.hpp"
-#include "recovery/zone_edge/contact_zone.hpp"
+#include "recovery/face/connected_sets.hpp"
 
 namespace cgcontact {
 namespace {
@@ -179,7 +179,7 @@ std::vector<ZoneWidth> zone_widths(const SolvedState& state) {
   std::vector<ZoneWidth> widths(state.pairs.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (state.bodies[b].boundary.links.empty()) continue;
-    const ContactZone zone(bodies, b, state.scene.recovery.edge);
+    const ContactZone zone(bodies, b);
     std::set<int> pairs;
     for (const TransmittedForce& f : zone.forces()) pairs.insert(f.pair);
     const std::vector<TransmittedForce> closed = zone.closed_cells();

@@ -16,7 +16,7 @@
 #include "contact/kernels/group_kernels.hpp"
 #include "contact/model/contact_pairs.hpp"
 #include "contact/model/gap_samples.hpp"
-#include "recovery/zone_edge/symmetry_planes.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 
 namespace cgcontact {
 

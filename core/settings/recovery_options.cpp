@@ -37,13 +37,12 @@ std::vector<Setting> RecoveryOptions::settings() {
       method_constant("most_weight", most_weight, Range::from_to(1, 1e12, "1 to 1e12")),
       method_constant("conflict", conflict, Range::positive()),
       method_constant("firm_tolerance", firm_tolerance, Range::fraction()),
+      method_constant("term_reach", term_reach, Range::not_negative("cells")),
       method_constant("balance.node_scatter", balance.node_scatter, Range::not_negative()),
       method_constant("balance.mean_width", balance.mean_width, Range::positive("cells")),
       method_constant("balance.mean_exact", balance.mean_exact, Range::fraction()),
       method_constant("balance.mean_wrong", balance.mean_wrong, Range::fraction()),
       method_constant("balance.total_exact", balance.total_exact, Range::not_negative())};
-  const std::vector<Setting> of_edge = edge.settings();
-  all.insert(all.end(), of_edge.begin(), of_edge.end());
   const std::vector<Setting> of_face = face.settings();
   all.insert(all.end(), of_face.begin(), of_face.end());
   return all;
@@ -57,8 +56,6 @@ void RecoveryOptions::check() const {
       throw InputError(SourcePlace{"", 0, "recovery." + key}, fmt::format("{}", value), "out of range",
                        "> recovery." + other);
   };
-  above("edge.nearer_end", edge.nearer_end, edge.plateau, "edge.plateau");
-  above("edge.farther_end", edge.farther_end, edge.nearer_end, "edge.nearer_end");
   above("balance.mean_wrong", balance.mean_wrong, balance.mean_exact, "balance.mean_exact");
 }
 

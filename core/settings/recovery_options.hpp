@@ -1,7 +1,6 @@
 /// Settings of the recovery of the stress.
 #pragma once
 
-#include "core/settings/edge_options.hpp"
 #include "core/settings/face_options.hpp"
 
 namespace cgcontact {
@@ -62,9 +61,10 @@ struct RecoveryOptions {
   double most_weight = 1e4;
   /// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
   double conflict = 0.01;
+  /// Patches whose contact face begins closer to the edge of a zone than that carry the edge's term, cells of the body.
+  double term_reach = 2;
   /// Rank tolerance of the rows of open faces alone: they agree with each other (docs/recovery.md, "Truncation").
   double firm_tolerance = 1e-3;
-  EdgeOptions edge = {};
   FaceOptions face = {};
   BalanceOptions balance = {};
 

@@ -1,14 +1,11 @@
 #include "core/settings/result_options.hpp"
 
-#include <fmt/format.h>
-
-#include "core/base/errors.hpp"
-
 namespace cgcontact {
 
 std::vector<Setting> ResultOptions::settings() {
   return {method_constant("least_cells_across", least_cells_across, Range::positive("cells")),
           method_constant("wanted_cells_across", wanted_cells_across, Range::positive("cells")),
+          method_constant("least_cells_on_face", least_cells_on_face, Range::positive("cells")),
           method_constant("least_thickness", least_thickness, Range::positive("cells")),
           method_constant("wanted_thickness", wanted_thickness, Range::positive("cells")),
           method_constant("lost_force", lost_force, Range::fraction()),
@@ -22,17 +19,12 @@ std::vector<Setting> ResultOptions::settings() {
           method_constant("mean_width", mean_width, Range::positive("cells")),
           method_constant("spoilt_at_edge", spoilt_at_edge, Range::not_negative("cells")),
           method_constant("edge_factor", edge_factor, Range::not_negative()),
-          method_constant("coarse_zone", coarse_zone, Range::positive("cells")),
-          method_constant("no_coarse_zone", no_coarse_zone, Range::positive("cells")),
           method_constant("largest_jump", largest_jump, Range::fraction())};
 }
 
 void ResultOptions::check() const {
   ResultOptions copy = *this;
   check_settings("results", copy.settings());
-  if (!(no_coarse_zone > coarse_zone))
-    throw InputError(SourcePlace{"", 0, "results.no_coarse_zone"}, fmt::format("{}", no_coarse_zone), "out of range",
-                     "> results.coarse_zone");
 }
 
 std::string ResultOptions::print() const {

@@ -11,6 +11,8 @@ struct ResultOptions {
   /// Cells across a zone below which neither its pressure nor the estimate of its error can be relied on, and those
   /// that are recommended, five over half the width or the radius (docs/recovery.md, "Error figures").
   double least_cells_across = 5, wanted_cells_across = 10;
+  /// The same where problems on the faces give all of the pressure (docs/accuracy.md, "The pressure on the face").
+  double least_cells_on_face = 3;
   /// Cells over the thickness of a body below which its bending is not resolved, 11 to 26 % too stiff at 1.5 cells, 6
   /// to 12 % at two, and those that are recommended (docs/decisions.md, "Bodies thinner than their cells").
   double least_thickness = 1.75, wanted_thickness = 3;
@@ -37,14 +39,12 @@ struct ResultOptions {
 
   /// Width of the Gaussian of the local mean, the larger one of both bodies' cells there.
   double mean_width = 1;
-  /// So near to an edge, such cells, the solution's zone of whole groups spoils the transmitted pressure.
+  /// So near to the border between closed and open points, such cells, the solution's zone of whole groups spoils the
+  /// transmitted pressure, and no polynomial follows how the pressure ends.
   double spoilt_at_edge = 1.5;
   /// Where a zone ends inside the faces its ends lie at whole contact groups, and the force is up to that many times as
   /// wrong as the square of the energy norm's error.
   double edge_factor = 2;
-  /// The difference to plain SPR counts in full on zones of that many cells across and less, on wider ones less and
-  /// less.
-  double coarse_zone = 3, no_coarse_zone = 4;
   /// Part of the largest pressure by which the recovered pressure may leave the range of the others around it
   /// (docs/recovery.md, "Error figures": 0.05 at most in contacts that are right, 0.4 in a hole).
   double largest_jump = 0.1;

@@ -29,9 +29,10 @@ void append(const std::vector<T>& from, std::vector<T>& to) {
 }  // namespace
 
 ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
-                           int index, double depth) {
+                           int index, double depth, const KnownPressures* known) {
   const BoundaryData& boundary = *bodies[index].boundary;
-  const Mat3& rotation = bodies[index].mesh->cut_cells->grid.rotation;
+  const Grid& grid = bodies[index].mesh->cut_cells->grid;
+  const Mat3& rotation = grid.rotation;
   const int num_cells = static_cast<int>(bodies[index].mesh->cell_nodes.size());
   row_of_cell_.assign(num_cells, -1);
   std::vector<int> cells;
@@ -45,13 +46,18 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
     if (piece.num_points++ == 0) piece.low = piece.high = link.position;
     piece.area += link.weight;
     piece.larger_cell = std::max(piece.larger_cell, link.larger_cell);
-    if (link.active) piece.closed_area += link.weight;
+    std::optional<double> square;
+    if (known && !boundary.is_bonded(link.pair))
+      square = known->square(link.pair, index, grid.to_global(link.position), rotation * link.normal);
+    const bool pressed = square ? *square > 0 : link.active;
+    if (pressed) piece.closed_area += link.weight;
+    if (pressed && !square) piece.unknown_area += link.weight;
     piece.position += link.weight * link.position;
     piece.other_position += link.weight * link.other_position;
     piece.normal += link.weight * link.normal;
     piece.low = piece.low.cwiseMin(link.position);
     piece.high = piece.high.cwiseMax(link.position);
-    lists.points.push_back({link.position, link.normal, link.distance, link.active});
+    lists.points.push_back({link.position, link.normal, link.distance, pressed});
     const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
     const Vec3 inward =
         depth * other.size(link.other_cell) * (other.grid.rotation.transpose() * (rotation * link.normal));

@@ -1,6 +1,7 @@
 /// What the contact points of each cell add up to: patches are made of cells, and each cell is in eight of them.
 #pragma once
 
+#include "recovery/patch/known_pressures.hpp"
 #include "recovery/spr/recovery_input.hpp"
 
 namespace cgcontact {
@@ -9,13 +10,14 @@ namespace cgcontact {
 struct PatchContactPoint {
   Vec3 position, normal;  ///< grid coordinates and axes of the body
   double distance;        ///< m, to the other body
-  bool active;
+  bool pressed;           ///< the pressure on the face is more than zero there; where nothing knows it, it is closed
 };
 
 /// The contact points of one pair in one cell.
 struct ContactPiece {
   int pair = -1, other_body = -1;
-  double area = 0, closed_area = 0;       ///< m^2
+  double area = 0, closed_area = 0;       ///< m^2; of points that are pressed
+  double unknown_area = 0;                ///< m^2, of the closed area: where no problem on the face knows the pressure
   double cell_size = 0, larger_cell = 0;  ///< m: of the cell, and the largest that meets it
   /// Sums over the points by their area: places (grid coordinates of each body), outward normals.
   Vec3 position = Vec3::Zero(), other_position = Vec3::Zero(), normal = Vec3::Zero();
@@ -35,10 +37,10 @@ struct ListPart {
 /// Lists of pieces, points and cells below them, one after the other in the order of the cells.
 class ContactCells {
  public:
-  /// `integrals`: by body; cells below the points count down to `depth` (cells of the other body at the point) if they
-  /// are there.
+  /// known: may be null. `integrals`: by body; cells below the points count down to `depth` (cells of the other body at
+  /// the point) if they are there.
   ContactCells(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals, int index,
-               double depth);
+               double depth, const KnownPressures* known);
 
   /// use(piece) for all pieces of a pair in these cells, or of all pairs (-1).
   template <class Use>

@@ -561,7 +561,7 @@ void balance_bond(const RecoveryBody& body, int pair, const RecoveredField& fiel
   for (std::size_t n = 0; n < size; ++n) {
     magnitude[n] = Vec3(face[0].transmitted[n], face[1].transmitted[n], face[2].transmitted[n]).norm();
     term[n] = field.edge && field.edge->of_node(face[0].nodes[n]);
-    pressed[n] = !term[n] && face[0].area[n] > 0 && states.is_pressed(face[0].nodes[n], pair);
+    pressed[n] = !term[n] && face[0].area[n] > 0 && states.is_of_stress(face[0].nodes[n], pair);
   }
   const std::vector<double> level = level_of(face[0], magnitude, options);
   for (int k = 0; k < 3; ++k) added[k] = missing_pressure(face[k], pressed, term, level, false, options);
@@ -585,7 +585,7 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
     std::vector<char> pressed(face.nodes.size()), term(face.nodes.size());
     for (std::size_t n = 0; n < face.nodes.size(); ++n) {
       term[n] = field.edge && field.edge->of_node(face.nodes[n]);
-      pressed[n] = !term[n] && face.area[n] > 0 && states.is_pressed(face.nodes[n], pair.number);
+      pressed[n] = !term[n] && face.area[n] > 0 && states.is_of_stress(face.nodes[n], pair.number);
     }
     const std::vector<double> level = level_of(face, face.transmitted, options);
     const std::vector<double> added = missing_pressure(face, pressed, term, level, true, options);
@@ -600,27 +600,6 @@ void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, 
   });
   for (int pair = 0; pair < static_cast<int>(body.boundary->bonded.size()); ++pair)
     if (body.boundary->is_bonded(pair)) balance_bond(body, pair, field, scales, options, states);
-}
-
-std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
-                                 const RecoveredField& field, const Scales& scales, const PatchStates& states,
-                                 const FoundEdges& edges, double mean_width) {
-  const BodyMesh& mesh = *bodies[index].mesh;
-  std::vector<double> missed(edges.num_zones(), 0.0), force(edges.num_zones(), 0.0);
-  each_pressed_face(bodies, index, field, {}, scales, states, [&](const PairFace& face, const PressedPair& pair) {
-    std::vector<double> defect(face.nodes.size());
-    for (std::size_t n = 0; n < defect.size(); ++n) defect[n] = face.transmitted[n] - face.carried[n];
-    face.smooth(std::vector<char>(defect.size(), 1), face.passes_of_mean(mean_width), defect);
-    for (std::size_t n = 0; n < defect.size(); ++n) {
-      const Vec3 x = mesh.node_position(face.nodes[n]);
-      const int zone = edges.zone(pair.number, mesh.cut_cells->grid.to_global(x));
-      if (zone < 0) continue;
-      missed[zone] += std::abs(defect[n]);
-      force[zone] += std::abs(face.transmitted[n]);
-    }
-  });
-  for (std::size_t z = 0; z < missed.size(); ++z) missed[z] = force[z] > 0 ? missed[z] / force[z] : 0.0;
-  return missed;
 }
 
 }  // namespace cgcontact

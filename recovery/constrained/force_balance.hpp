@@ -6,7 +6,6 @@
 
 #include "recovery/constrained/patch_states.hpp"
 #include "recovery/spr/recovery_input.hpp"
-#include "recovery/zone_edge/found_edges.hpp"
 
 namespace cgcontact {
 
@@ -24,13 +23,6 @@ namespace cgcontact {
 void balance_forces(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
                     const std::vector<double>& plain, const Scales& scales, const BalanceOptions& options,
                     PatchStates& states);
-
-/// Of the forces near the edges of each zone (FoundEdges::zone) the part that the pressure of a body misses: sums of
-/// the magnitudes of what it misses in the mean over `mean_width` (standard deviation, cells), alike where it carries
-/// too much or elsewhere.
-std::vector<double> zone_misfits(const std::vector<RecoveryBody>& bodies, std::size_t index,
-                                 const RecoveredField& field, const Scales& scales, const PatchStates& states,
-                                 const FoundEdges& edges, double mean_width);
 
 /// Pressure (Scales::stress, positive in compression) at the boundary points of a body that see another one; 0 at the
 /// others.

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "recovery/constrained/divergence.hpp"
-#include "recovery/zone_edge/edge_moments.hpp"
+#include "recovery/patch/edge_moments.hpp"
 
 namespace cgcontact {
 namespace {
@@ -62,7 +62,7 @@ const PairState* find_state(const std::vector<PairState>& states, int pair) {
 }
 
 bool is_on_face_of(const ContactEdge& edge, const ConstraintGroup& group) {
-  return std::abs(edge.closed.cross(edge.along).dot(group.normal[0])) >= same_face;
+  return edge.orientation * edge.surface.gradient(edge.origin).dot(group.normal[0]) >= same_face;
 }
 
 /// The row holds for the whole stress: what the term of the edge contributes goes to the right-hand side.
@@ -80,7 +80,7 @@ bool PairState::is_closed(double fraction) const {
 
 PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
                              const std::vector<std::vector<PatchPolynomial>>& polynomials, int index,
-                             const Scales& scales, const RecoveryOptions& options)
+                             const Scales& scales, const RecoveryOptions& options, const KnownPressures* known)
     : bodies_(bodies),
       integrals_(integrals),
       body_(bodies[index]),
@@ -91,7 +91,8 @@ PatchAssembly::PatchAssembly(const std::vector<RecoveryBody>& bodies, const std:
       scales_(scales),
       options_(options),
       pieces_(*body_.mesh->cut_cells, *body_.boundary),
-      contact_(bodies, integrals, index, options.auxiliary_depth) {}
+      known_(known),
+      contact_(bodies, integrals, index, options.auxiliary_depth, known) {}
 
 Vec3 PatchAssembly::divergence(const RecoveryBody& body, const Vec3& centre, double unit) const {
   return divergence_at(*body.boundary, body.mesh->cut_cells->grid, scales_.stress, centre, unit);
@@ -125,6 +126,7 @@ void PatchAssembly::pair_states(int node, std::vector<PairState>& states) const 
       state = states.insert(state, PairState{piece.pair, piece.other_body});
     state->area += piece.area;
     state->closed_area += piece.closed_area;
+    state->unknown_area += piece.unknown_area;
   });
 }
 
@@ -214,6 +216,20 @@ const PatchContactPoint* PatchAssembly::nearest_point(int node, int pair, const 
   return nearest;
 }
 
+void PatchAssembly::add_known_pressure(const ConstraintGroup& group, const PatchProblem& problem,
+                                       std::vector<PatchRow>& rows) const {
+  const bool on_face = problem.has_edge && is_on_face_of(problem.edge, group);
+  add_zero_shear(group, problem.fit[0], rows);
+  for (int p = 0; p < group.num_points; ++p) {
+    const Vec3 x = group.position[p], n = group.normal[p];
+    const auto square = known_->square(group.pair, index_, grid_.to_global(x), grid_.rotation * n);
+    if (!square) continue;
+    double value = -std::sqrt(std::max(*square, 0.0)) / scales_.stress;
+    if (on_face) value -= problem.factor * problem.edge.root(problem.edge.inside(x));
+    add_traction_row(rows, 0, problem.fit[0].place(x), n, n, value);
+  }
+}
+
 /// Bonded faces: equal tractions of both bodies, in all directions.
 void PatchAssembly::add_bond(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit& auxiliary,
                              const PairState& state, std::vector<PatchRow>& rows) const {
@@ -236,7 +252,7 @@ bool PatchAssembly::has_closed_points(const ConstraintGroup& group, const int* c
   contact_.each(cells, num_cells, group.pair, [&](const ContactPiece& piece) {
     if (found || piece.closed_area == 0) return;
     for (const PatchContactPoint& point : contact_.points(piece))
-      for (int p = 0; p < group.num_points && point.active && !found; ++p)
+      for (int p = 0; p < group.num_points && point.pressed && !found; ++p)
         found = point.normal.dot(group.normal[p]) >= same_face;
   });
   return found;
@@ -252,7 +268,6 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
   edge.along = grid.rotation.transpose() * piece.along;
   edge.curvature = piece.curvature * grid.cell_size;
   edge.inverse_width = piece.inverse_width * grid.cell_size;
-  edge.place_error = piece.place_error / grid.cell_size;
   const Vec3 x = grid.to_grid(face_point), n = grid.rotation.transpose() * normal;
   const Solid& solid = mesh.cut_cells->solid;
   edge.surface = solid.surfaces()[solid.surface_at(x, n)].near(x);
@@ -262,51 +277,41 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
   return edge;
 }
 
-/// How a pair stands by the place of its edge; sets the patch's term if the edge is near.
-PatchAssembly::ContactMode PatchAssembly::mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells,
-                                                       int num_cells, PatchProblem& problem) const {
-  const ContactMode plain = state.is_mixed()                            ? ContactMode::unclear
-                            : state.is_closed(options_.closed_fraction) ? ContactMode::closed
-                                                                        : ContactMode::open;
-  Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero(), opposite = Vec3::Zero();
-  const Grid& other_grid = bodies_[state.other_body].mesh->cut_cells->grid;
+/// How a pair stands in a patch; sets the patch's term if the edge of a zone with a known pressure is near.
+PatchAssembly::ContactMode PatchAssembly::mode_of_pair(const PairState& state, const int* cells, int num_cells,
+                                                       PatchProblem& problem) const {
+  const ContactMode plain = state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
+  if (body_.boundary->is_bonded(state.pair)) return ContactMode::closed;
+  if (!knows(state)) return known_ && state.is_mixed() ? ContactMode::unclear : plain;
+  if (state.closed_area == 0) return ContactMode::open;
+  Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
   contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
     centroid += part.position / state.area;
     normal += part.normal;
-    opposite += part.other_position / state.area;
   });
   EdgePiece piece;
-  const Vec3 x = grid_.to_global(centroid), n = grid_.rotation * normal.normalized();
-  if (!edges.near(state.pair, x, piece)) return plain;
-  double least = 1e300, most = -1e300, most_closed = -1e300, larger = 1;  // cells of the body
+  const Vec3 x = grid_.to_global(centroid);
+  if (!options_.contact_edge || problem.has_edge || !known_->edge_near(state.pair, x, piece))
+    return ContactMode::closed;
+  double least = 1e300;  // cells of the body
   contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
-    larger = std::max(larger, part.larger_cell / part.cell_size);
-    for (const PatchContactPoint& point : contact_.points(part)) {
-      const double inside = piece.inside(grid_.to_global(point.position)) / part.cell_size;
-      least = std::min(least, inside);
-      most = std::max(most, inside);
-      if (point.active) most_closed = std::max(most_closed, inside);
-    }
+    for (const PatchContactPoint& point : contact_.points(part))
+      least = std::min(least, piece.inside(grid_.to_global(point.position)) / part.cell_size);
   });
-  // The edge of another zone, or none.
-  const double far = options_.edge.contradiction * larger;
-  if (state.closed_area > 0 ? most_closed < -far : least > far) return plain;
-  if (most <= 0) return ContactMode::open;
-  if (least > options_.edge.term_reach || problem.has_edge) return least > 0 ? ContactMode::closed : plain;
+  if (least > options_.term_reach) return ContactMode::closed;
   problem.has_edge = true;
   const double h = problem.fit[0].unit * grid_.cell_size;
-  problem.edge[0] = seen_from(body_, x, n, piece, h);
-  problem.edge[1] = seen_from(bodies_[state.other_body], other_grid.to_global(opposite), -n, piece, h);
-  problem.factor = piece.factor * std::sqrt(h);
-  return least > 0 ? ContactMode::closed : ContactMode::edge;
+  problem.edge = seen_from(body_, x, grid_.rotation * normal.normalized(), piece, h);
+  problem.factor = -piece.factor / scales_.stress * std::sqrt(h);
+  return state.is_mixed() ? ContactMode::edge : ContactMode::closed;
 }
 
-void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
+void PatchAssembly::assemble(int node, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
                              PatchProblem& problem) const {
-  assemble(node, edges, polynomials_[node], workspace, rows, problem);
+  assemble(node, polynomials_[node], workspace, rows, problem);
 }
 
-void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial polynomial, PatchWorkspace& workspace,
+void PatchAssembly::assemble(int node, PatchPolynomial polynomial, PatchWorkspace& workspace,
                              std::vector<PatchRow>& rows, PatchProblem& problem) const {
   const PatchSet& patches = *body_.patches;
   const int* cells = patches.cells.data() + patches.begin[node];
@@ -319,7 +324,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   own_fit(node, degree, workspace.own, own);
   const auto lowered = [&] {
     problem = PatchProblem();
-    assemble(node, edges, PatchPolynomial{}, workspace, rows, problem);
+    assemble(node, PatchPolynomial{}, workspace, rows, problem);
     problem.status = std::max(problem.status, PatchStatus::degree_lowered);
     problem.lowered = true;
   };
@@ -342,13 +347,13 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
   };
   const PairState* coupled = nullptr;  // the pair with the largest closed area gets the auxiliary patch
   for (const PairState& state : states) {
-    const bool bonded = body_.boundary->is_bonded(state.pair);
-    ContactMode mode = bonded || state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
-    if (edges && !bonded) mode = mode_at_edge(state, *edges, cells, num_cells, problem);
+    const ContactMode mode = mode_of_pair(state, cells, num_cells, problem);
     workspace.modes[&state - states.data()] = static_cast<char>(mode);
     if (mode != ContactMode::open) problem.pressed.push_back(state.pair);
-    const bool wants =
-        mode == ContactMode::closed || (mode == ContactMode::unclear && state.is_closed(options_.closed_fraction));
+    const bool couples = body_.boundary->is_bonded(state.pair) || !knows(state);
+    if (mode != ContactMode::open && !couples) problem.known.push_back(state.pair);
+    const bool wants = couples && (mode == ContactMode::closed || mode == ContactMode::unclear) &&
+                       (body_.boundary->is_bonded(state.pair) || state.is_closed(options_.closed_fraction));
     if (wants && (!coupled || state.closed_area > coupled->closed_area)) coupled = &state;
   }
   if (coupled && !bodies_[coupled->other_body].mesh->rigid) {  // a rigid body has no stress to be continuous with
@@ -364,13 +369,9 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
       problem.status = PatchStatus::uncoupled;
   }
   if (problem.coupled && degree == 1) own.variance = fit_variance(*body_.mesh, integrals_[index_], workspace.own, own);
-  if (problem.has_edge) {
-    const std::vector<int>*list = &workspace.own, *other = &workspace.auxiliary;
-    subtract_edge_term(*body_.mesh, list->data(), static_cast<int>(list->size()), problem.edge[0], problem.factor, own);
-    if (problem.coupled)
-      subtract_edge_term(*bodies_[problem.other_body].mesh, other->data(), static_cast<int>(other->size()),
-                         problem.edge[1], problem.factor, problem.fit[1]);
-  }
+  if (problem.has_edge)
+    subtract_edge_term(*body_.mesh, workspace.own.data(), static_cast<int>(workspace.own.size()), problem.edge,
+                       problem.factor, own);
 
   // Area on the side that a group lies on, where a pair is closed.
   const auto closed_beside = [&](const ConstraintGroup& group) {
@@ -389,13 +390,19 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     return area;
   };
   const auto set_kind = [&](PatchKind kind) { problem.kind = std::max(problem.kind, kind); };
+  const auto subtract_term = [&](std::size_t first) {
+    for (std::size_t r = first; r < rows.size() && problem.has_edge; ++r)
+      subtract_term_of_row(problem.edge, problem.factor, own, rows[r]);
+  };
   if (grid_.is_quadtree()) add_plane_strain(degree, rows);
   for (const ConstraintGroup& group : groups) {
+    const std::size_t first = rows.size();
     const TractionCondition& condition = body_.boundary->conditions[group.condition];
     const PairState* state = find_state(states, group.pair);
     if (body_.boundary->is_bonded(group.pair)) {  // without an auxiliary patch nothing is known
       set_kind(PatchKind::contact);
       if (problem.coupled && state && state == coupled) add_bond(group, node, own, problem.fit[1], *state, rows);
+      subtract_term(first);
       continue;
     }
     // Free beside a bonded part of the same surface: the traction jumps, which no polynomial follows.
@@ -407,7 +414,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
     // Where the pair is closed in the patch (or its edge runs through it), but on another side of the body.
     const bool elsewhere =
         state && mode_of(*state) != ContactMode::open && !has_closed_points(group, cells, num_cells) &&
-        (mode_of(*state) == ContactMode::edge ? !is_on_face_of(problem.edge[0], group) : state->closed_area > 0);
+        (mode_of(*state) == ContactMode::edge ? !is_on_face_of(problem.edge, group) : state->closed_area > 0);
     // Points that see the other body although none of its contact points is here: the rim of what is closed beside
     // them, or open.
     const bool unseen =
@@ -424,13 +431,20 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
       problem.status = std::max(problem.status, PatchStatus::edge_unclear);
       mode = state->is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
     }
+    if (state && !elsewhere && mode == ContactMode::closed && knows(*state)) {
+      add_known_pressure(group, problem, rows);
+      if (problem.has_edge && !is_on_face_of(problem.edge, group)) subtract_term(first);
+      continue;
+    }
     if (state && !elsewhere && !(is_open && is_loaded)) {
-      add_contact(group, node, own, problem.coupled && state == coupled ? &problem.fit[1] : nullptr, state, mode, rows);
+      const bool with_other = problem.coupled && state == coupled;
+      add_contact(group, node, own, with_other ? &problem.fit[1] : nullptr, state, mode, rows);
+      // On the face of the edge the term has no shear and nothing outside of the zone.
+      if (with_other || (problem.has_edge && !is_on_face_of(problem.edge, group))) subtract_term(first);
       continue;
     }
     // The rim of a contact face that reaches beyond the other body (rounding, an overhang of a small part of the
     // patch): the closed part decides, as among contact points.
-    const std::size_t first = rows.size();
     if (is_open && !is_loaded) {
       add_contact(group, node, own, nullptr, state, mode, rows);
     } else if (!is_open && (group.pair >= 0 || closed_part > options_.closed_fraction * (closed_part + group.area))) {
@@ -442,9 +456,7 @@ void PatchAssembly::assemble(int node, const EdgeMap* edges, PatchPolynomial pol
                : condition.traction     ? PatchKind::loaded
                                         : PatchKind::boundary);
     }
-    if (problem.has_edge)
-      for (std::size_t r = first; r < rows.size(); ++r)
-        subtract_term_of_row(problem.edge[0], problem.factor, own, rows[r]);
+    subtract_term(first);
   }
   problem.num_rows = static_cast<int>(rows.size() - problem.first_row);
 }

@@ -6,7 +6,7 @@
 #include "recovery/constrained/boundary_pieces.hpp"
 #include "recovery/constrained/contact_cells.hpp"
 #include "recovery/patch/contact_edge.hpp"
-#include "recovery/patch/edge_map.hpp"
+#include "recovery/patch/known_pressures.hpp"
 #include "recovery/patch/patch_arrays.hpp"
 #include "recovery/spr/recovery_input.hpp"
 
@@ -31,16 +31,16 @@ double fit_variance(const BodyMesh& mesh, const StressIntegrals& integrals, cons
 /// Contact points of one pair inside a patch.
 struct PairState {
   int pair = -1, other_body = -1;
-  double area = 0, closed_area = 0;       ///< m^2
-  bool is_closed(double fraction) const;  ///< RecoveryOptions::closed_fraction
+  double area = 0, closed_area = 0, unknown_area = 0;  ///< m^2; as of ContactPiece
+  bool is_closed(double fraction) const;               ///< RecoveryOptions::closed_fraction
   bool is_mixed() const { return closed_area > 0 && closed_area < area * (1 - 1e-12); }
 };
 
 /// The polynomial of every node of a body. Automatic at the contact: degree 2 in patches with closed points where both
-/// bodies are at least four cells thick in all directions of their grids, over as many rings as suit that thickness and
-/// the edge of the contact zone if that is near; `edges` may be null. Elsewhere one ring.
+/// bodies are at least four cells thick in all directions of their grids, over as many rings as suit that thickness
+/// where nothing knows the pressure; `known` may be null. Elsewhere one ring.
 std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
-                                               const EdgeMap* edges, const RecoveryOptions& options);
+                                               const KnownPressures* known, const RecoveryOptions& options);
 
 /// Memory that is used again for patch after patch.
 struct PatchWorkspace {
@@ -65,9 +65,10 @@ struct PatchProblem {
   int num_rows = 0;
   int pair = -1, other_body = -1;  ///< of the auxiliary patch
   bool has_edge = false;           ///< the term of the contact edge is part of the stress
-  ContactEdge edge[2];             ///< own, auxiliary
+  ContactEdge edge;
   double factor = 0;
   std::vector<int> pressed;     ///< pairs that are not open, ascending
+  std::vector<int> known;       ///< those of them whose pressure is given
   std::vector<int> open_sides;  ///< surfaces of these that are open all the same
   bool loose = false;           ///< after the solution: not all rows are met
 
@@ -78,18 +79,16 @@ struct PatchProblem {
 /// Assembles the patches of one body.
 class PatchAssembly {
  public:
-  /// `integrals`, `polynomials`: by body.
+  /// `integrals`, `polynomials`: by body. known: may be null: all contact is coupled with the other body.
   PatchAssembly(const std::vector<RecoveryBody>& bodies, const std::vector<StressIntegrals>& integrals,
                 const std::vector<std::vector<PatchPolynomial>>& polynomials, int index, const Scales& scales,
-                const RecoveryOptions& options);
+                const RecoveryOptions& options, const KnownPressures* known);
 
   /// What div sigma must be at a place, per `unit` of length (both in grid coordinates of a body).
   Vec3 divergence(const RecoveryBody& body, const Vec3& centre, double unit) const;
 
-  /// The patch of a node into a new `problem`, its rows appended to `rows`. `edges` may be null: edges are then not
-  /// looked for.
-  void assemble(int node, const EdgeMap* edges, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
-                PatchProblem& problem) const;
+  /// The patch of a node into a new `problem`, its rows appended to `rows`.
+  void assemble(int node, PatchWorkspace& workspace, std::vector<PatchRow>& rows, PatchProblem& problem) const;
   /// Contact points by pair in the patch of a node.
   void pair_states(int node, std::vector<PairState>& states) const;
   const RecoveryBody& body() const { return body_; }
@@ -99,16 +98,16 @@ class PatchAssembly {
 
  private:
   enum class ContactMode { open, closed, edge, unclear };
-  void assemble(int node, const EdgeMap* edges, PatchPolynomial polynomial, PatchWorkspace& workspace,
-                std::vector<PatchRow>& rows, PatchProblem& problem) const;
+  void assemble(int node, PatchPolynomial polynomial, PatchWorkspace& workspace, std::vector<PatchRow>& rows,
+                PatchProblem& problem) const;
   void interior_values(const RecoveryBody& body, const PatchFit& fit, double* values) const;
   /// Whether any point of the group's pair is closed on the same side of the body.
   bool has_closed_points(const ConstraintGroup& group, const int* cells, int num_cells) const;
   /// An edge (global axes, m) seen from a body; `unit`: m.
   ContactEdge seen_from(const RecoveryBody& body, const Vec3& face_point, const Vec3& normal, const EdgePiece& piece,
                         double unit) const;
-  ContactMode mode_at_edge(const PairState& state, const EdgeMap& edges, const int* cells, int num_cells,
-                           PatchProblem& problem) const;
+  ContactMode mode_of_pair(const PairState& state, const int* cells, int num_cells, PatchProblem& problem) const;
+  bool knows(const PairState& state) const { return known_ && state.unknown_area == 0; }
   void own_fit(int node, int degree, const std::vector<int>& cells, PatchFit& fit) const;
   void auxiliary_fit(int node, const PairState& state, PatchPolynomial polynomial, PatchWorkspace& workspace,
                      PatchFit& fit) const;
@@ -117,6 +116,8 @@ class PatchAssembly {
   void add_zero_shear(const ConstraintGroup& group, const PatchFit& own, std::vector<PatchRow>& rows) const;
   void add_contact(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit* auxiliary,
                    const PairState* state, ContactMode mode, std::vector<PatchRow>& rows) const;
+  /// Equation 5 with the pressure that the problem on the face gives, less what the term of the edge carries.
+  void add_known_pressure(const ConstraintGroup& group, const PatchProblem& problem, std::vector<PatchRow>& rows) const;
   void add_bond(const ConstraintGroup& group, int node, const PatchFit& own, const PatchFit& auxiliary,
                 const PairState& state, std::vector<PatchRow>& rows) const;
   /// The contact point of a pair in a patch that is nearest to a constraint point on the same side of the body; null:
@@ -133,6 +134,7 @@ class PatchAssembly {
   const Scales& scales_;
   const RecoveryOptions& options_;
   const BoundaryPieces pieces_;
+  const KnownPressures* known_;
   const ContactCells contact_;
 };
 

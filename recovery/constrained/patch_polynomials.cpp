@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t grain = 64;
 
-/// In a zone without edges patches of degree 2 extend over half of the thickness: the scatter of sigma_h in cut cells
-/// averages out over as large a patch as a polynomial follows.
+/// In a zone whose pressure nothing knows patches of degree 2 extend over half of the thickness: the scatter of sigma_h
+/// in cut cells averages out over as large a patch as a polynomial follows.
 constexpr int most_rings = 4;
 int rings_of_thickness(int cells) { return (cells + 2) / 4; }
 /// Are there active cells at the place of a cell, whatever their size?
@@ -105,26 +105,13 @@ CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const 
   return least;
 }
 
-/// In a zone with edges their distance counts, in one without the thickness of the bodies.
-int rings_at_contact(const RecoveryBody& body, int node, const EdgeMap& edges, int across, const EdgeOptions& options) {
-  const Grid& grid = body.mesh->cut_cells->grid;
-  const Vec3 x = grid.to_global(body.mesh->node_position(node));
+/// Whether a problem on the face knows the pressure of a pair at the patch of a node.
+bool is_known(const RecoveryBody& body, int node, const KnownPressures& known) {
   const PatchSet& patches = *body.patches;
-  int pair = -1;
-  bool has_edges = false;
   for (int p = patches.begin[node]; p < patches.begin[node + 1]; ++p)
-    for (int l : body.boundary->links_of_cell[patches.cells[p]]) {
-      if (body.boundary->links[l].pair == pair) continue;
-      pair = body.boundary->links[l].pair;
-      if (!edges.has(pair)) continue;
-      EdgePiece piece;
-      const double h = body.mesh->cut_cells->h(patches.cells[p]);
-      const bool wide = edges.near(pair, x, piece) && piece.inside(x) <= options.two_rings_within * h &&
-                        std::abs(piece.curvature) * options.one_ring_below * h < 1;
-      if (!wide) return 1;
-      has_edges = true;
-    }
-  return has_edges ? 2 : rings_of_thickness(across);
+    for (const int l : body.boundary->links_of_cell[patches.cells[p]])
+      if (known.has_zone(body.boundary->links[l].pair)) return true;
+  return false;
 }
 
 }  // namespace
@@ -137,7 +124,7 @@ bool touches_contact(const RecoveryBody& body, int n) {
 }
 
 std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
-                                               const EdgeMap* edges, const RecoveryOptions& options) {
+                                               const KnownPressures* known, const RecoveryOptions& options) {
   const RecoveryBody& body = bodies[index];
   const PatchSet& patches = *body.patches;
   std::vector<Vec3> middles;  // grid coordinates
@@ -160,8 +147,8 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
       degree = options.degree.boundary;
     if (degree == 2 && options.quadratic_rings > 0) {
       rings = options.quadratic_rings;
-    } else if (degree == 2 && least.at_face >= options.thick) {
-      rings = edges ? rings_at_contact(body, node, *edges, least.below, options.edge) : rings_of_thickness(least.below);
+    } else if (degree == 2 && least.at_face >= options.thick && !(known && is_known(body, node, *known))) {
+      rings = rings_of_thickness(least.below);
     }
     polynomials[n] = {static_cast<char>(degree), static_cast<char>(rings)};
   });

@@ -16,11 +16,16 @@ struct PatchStates {
   std::vector<PatchKind> kind;
   std::vector<PatchStatus> status;
   std::vector<std::pair<int, int>>
-      pressed;  ///< free nodes and the pairs that their patches carry pressure of; ascending
+      pressed;                             ///< free nodes and the pairs that their patches carry pressure of; ascending
+  std::vector<std::pair<int, int>> known;  ///< those of `pressed` whose pressure was given as a load
   std::vector<std::pair<int, int>> open_sides;  ///< nodes of these and the surfaces that are open there all the same
 
   bool is_pressed(int node, int pair) const {
     return std::binary_search(pressed.begin(), pressed.end(), std::pair(node, pair));
+  }
+  /// Whether the pressure of a pair came from the patch alone.
+  bool is_of_stress(int node, int pair) const {
+    return is_pressed(node, pair) && !std::binary_search(known.begin(), known.end(), std::pair(node, pair));
   }
   /// Whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are open.
   bool presses(const BodyMesh& mesh, int cell, int pair, int surface) const {

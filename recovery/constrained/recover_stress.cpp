@@ -10,7 +10,6 @@
 #include "recovery/constrained/force_balance.hpp"
 #include "recovery/constrained/interior_patches.hpp"
 #include "recovery/constrained/patch_assembly.hpp"
-#include "recovery/zone_edge/edge_search.hpp"
 
 namespace cgcontact {
 namespace {
@@ -78,8 +77,7 @@ double auxiliary_weight(const PatchFit& own, const PatchFit& other, double most_
 /// Some patches of a body: assembled side by side, then solved in batches by degree and number of bodies.
 class PatchBatch {
  public:
-  PatchBatch(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options)
-      : assembly_(assembly), edges_(edges), options_(options) {}
+  PatchBatch(const PatchAssembly& assembly, const RecoveryOptions& options) : assembly_(assembly), options_(options) {}
 
   void assemble(const int* nodes, std::size_t count) {
     problems_.clear();  // new ones where they lie: they are 4 kB each
@@ -90,7 +88,7 @@ class PatchBatch {
                       static thread_local PatchWorkspace workspace;
                       rows_[chunk].clear();
                       for (std::size_t i = begin; i < end; ++i)
-                        assembly_.assemble(nodes[i], edges_, workspace, rows_[chunk], problems_[i]);
+                        assembly_.assemble(nodes[i], workspace, rows_[chunk], problems_[i]);
                     });
   }
   void solve() {
@@ -219,7 +217,6 @@ class PatchBatch {
   }
 
   const PatchAssembly& assembly_;
-  const EdgeMap* edges_;
   const RecoveryOptions& options_;
   std::vector<PatchProblem> problems_;
   std::vector<std::vector<PatchRow>> rows_;  ///< of each chunk of patches
@@ -234,10 +231,10 @@ class PatchBatch {
 
 /// Solves the patches of these nodes; keep(problem) for each, in the order of the nodes. Returns the rows truncated.
 template <class Keep>
-long long solve_all_patches(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options,
+long long solve_all_patches(const PatchAssembly& assembly, const RecoveryOptions& options,
                             const std::vector<int>& nodes, std::size_t per_part, const Keep& keep) {
   long long truncated = 0;
-  PatchBatch batch(assembly, edges, options);
+  PatchBatch batch(assembly, options);
   for (std::size_t begin = 0; begin < nodes.size(); begin += per_part) {
     batch.assemble(&nodes[begin], std::min(per_part, nodes.size() - begin));
     batch.solve();
@@ -250,7 +247,7 @@ long long solve_all_patches(const PatchAssembly& assembly, const EdgeMap* edges,
 /// The same on several ranks: each solves every so many groups of neighbouring patches, and all take over what all have
 /// found. The edge of a contact zone in a patch, of which there are few, every rank finds again.
 template <class Keep>
-long long share_all_patches(const PatchAssembly& assembly, const EdgeMap* edges, const RecoveryOptions& options,
+long long share_all_patches(const PatchAssembly& assembly, const RecoveryOptions& options,
                             const std::vector<int>& nodes, const Keep& keep) {
   constexpr std::size_t group = 64;
   const auto ranks = static_cast<std::size_t>(num_ranks());
@@ -262,9 +259,10 @@ long long share_all_patches(const PatchAssembly& assembly, const EdgeMap* edges,
   each_of_rank(this_rank(), [&](std::size_t i) { own_nodes.push_back(nodes[i]); });
   Packing own;
   auto truncated = static_cast<double>(
-      solve_all_patches(assembly, edges, options, own_nodes, patches_per_part, [&](const PatchProblem& problem) {
+      solve_all_patches(assembly, options, own_nodes, patches_per_part, [&](const PatchProblem& problem) {
         Packing record;
         record.put(problem.pressed);
+        record.put(problem.known);
         record.put(problem.open_sides);
         record.put(std::array<int, 3>{problem.has_edge, problem.lowered, problem.fit[0].degree});
         record.put(problem.factor);
@@ -285,6 +283,7 @@ long long share_all_patches(const PatchAssembly& assembly, const EdgeMap* edges,
     std::vector<double> coefficients;
     Unpacking record(records[i]);
     record.take(problem.pressed);
+    record.take(problem.known);
     record.take(problem.open_sides);
     record.take(marks);
     record.take(problem.factor);
@@ -299,9 +298,9 @@ long long share_all_patches(const PatchAssembly& assembly, const EdgeMap* edges,
     if (marks[0]) {
       PatchProblem again;
       std::vector<PatchRow> rows;
-      assembly.assemble(nodes[i], edges, workspace, rows, again);
+      assembly.assemble(nodes[i], workspace, rows, again);
       problem.has_edge = true;
-      problem.edge[0] = again.edge[0];
+      problem.edge = again.edge;
     }
     keep(problem);
   }
@@ -313,13 +312,14 @@ void store(const PatchProblem& problem, const RecoveryBody& body, PatchStates& s
            EdgeTerms& terms, QuadraticTerms& quadratic) {
   const int n = problem.node;
   for (const int pair : problem.pressed) states.pressed.emplace_back(n, pair);
+  for (const int pair : problem.known) states.known.emplace_back(n, pair);
   std::vector<int> open_sides = problem.open_sides;
   std::sort(open_sides.begin(), open_sides.end());
   for (const int surface : open_sides) states.open_sides.emplace_back(n, surface);
   if (problem.has_edge) {
     if (terms.row_of_node.empty()) terms.row_of_node.assign(states.kind.size(), -1);
     terms.row_of_node[n] = static_cast<int>(terms.terms.size());
-    terms.terms.push_back({problem.edge[0], problem.factor});
+    terms.terms.push_back({problem.edge, problem.factor});
   }
   recovery.counts.grown += body.patches->grown[n];
   recovery.counts.lowered += problem.lowered;
@@ -351,24 +351,24 @@ void set_constrained_nodes(const RecoveryBody& body, PatchStates& states, Quadra
 
 /// The patches of all bodies one by one, before the forces are balanced.
 ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, const HostVector& u, const Scales& scales,
-                                    const RecoveryOptions& options, const EdgeMap* edges) {
+                                    const RecoveryOptions& options, const KnownPressures* known) {
   ConstrainedRecovery recovery;
   std::vector<StressIntegrals> integrals;
   std::vector<std::vector<PatchPolynomial>> polynomials;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const RecoveryBody& body = bodies[b];
     const CellStress stress = body.stress ? body.stress : stress_of_displacements(*body.mesh, u);
-    polynomials.push_back(patch_polynomials(bodies, b, edges, options));
+    polynomials.push_back(patch_polynomials(bodies, b, known, options));
     integrals.push_back(integrate_stress(body, polynomials.back(), stress, options));
   }
   std::vector<PatchAssembly> assemblies;
   assemblies.reserve(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    assemblies.emplace_back(bodies, integrals, polynomials, static_cast<int>(b), scales, options);
+    assemblies.emplace_back(bodies, integrals, polynomials, static_cast<int>(b), scales, options, known);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const PatchAssembly& assembly = assemblies[b];
     const std::size_t num_nodes = bodies[b].mesh->num_nodes;
-    PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}, {}};
+    PatchStates states{std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}, {}, {}};
     std::vector<int> others;
     if (!bodies[b].mesh->rigid) others = recover_interior(assembly, options);
     EdgeTerms terms;
@@ -377,8 +377,8 @@ ConstrainedRecovery recover_patches(const std::vector<RecoveryBody>& bodies, con
       store(problem, bodies[b], states, recovery, terms, quadratic_terms);
     };
     recovery.counts.truncated_rows += num_ranks() == 1
-                                          ? solve_all_patches(assembly, edges, options, others, patches_per_part, keep)
-                                          : share_all_patches(assembly, edges, options, others, keep);
+                                          ? solve_all_patches(assembly, options, others, patches_per_part, keep)
+                                          : share_all_patches(assembly, options, others, keep);
     set_constrained_nodes(bodies[b], states, quadratic_terms);
     recovery.states.push_back(std::move(states));
     recovery.edges.push_back(std::move(terms));
@@ -396,36 +396,15 @@ RecoveredField field_of(const RecoveryBody& body, const ConstrainedRecovery& rec
   return field;
 }
 
-/// Marks the edges in whose zones the pressure does not carry the transmitted forces in one of the bodies.
-std::vector<char> wrong_edges(const std::vector<RecoveryBody>& bodies, const ConstrainedRecovery& recovery,
-                              const Scales& scales, const FoundEdges& edges, const EdgeOptions& options) {
-  std::vector<char> wrong(edges.num_zones(), 0);
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (recovery.edges[b].terms.empty()) continue;
-    const std::vector<double> misfit = zone_misfits(bodies, b, field_of(bodies[b], recovery, b), scales,
-                                                    recovery.states[b], edges, options.misfit_width);
-    for (std::size_t z = 0; z < wrong.size(); ++z) wrong[z] |= misfit[z] > options.largest_misfit;
-  }
-  return wrong;
-}
-
 }  // namespace
 
 ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u,
-                                        const Scales& scales, const RecoveryOptions& options) {
+                                        const Scales& scales, const RecoveryOptions& options,
+                                        const KnownPressures* known) {
   std::vector<std::vector<double>> plain;  // before the polynomials are replaced
   for (const RecoveryBody& body : bodies) plain.push_back(contact_pressures(body, body.field));
-  FoundEdges edges = find_contact_edges(bodies, scales, options);
   const HostVector host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), u);
-  ConstrainedRecovery recovery =
-      recover_patches(bodies, host, scales, options, options.contact_edge ? &edges : nullptr);
-  // A patch has one edge: without that of one pair it may take that of another.
-  for (;;) {
-    const std::vector<char> wrong = wrong_edges(bodies, recovery, scales, edges, options.edge);
-    if (std::find(wrong.begin(), wrong.end(), 1) == wrong.end()) break;
-    edges = edges.without(wrong);
-    recovery = recover_patches(bodies, host, scales, options, &edges);
-  }
+  ConstrainedRecovery recovery = recover_patches(bodies, host, scales, options, known);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     PatchStates& states = recovery.states[b];
     if (bodies[b].mesh->rigid) continue;

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "recovery/constrained/patch_states.hpp"
+#include "recovery/patch/known_pressures.hpp"
 #include "recovery/spr/recovery_input.hpp"
 
 namespace cgcontact {
@@ -23,8 +24,10 @@ struct ConstrainedRecovery {
 };
 
 /// u: displacements of all bodies, for the auxiliary patches. The polynomials of bodies[].field are replaced; the terms
-/// of the contact edges and the quadratic terms come beside them.
+/// of the contact edges and the quadratic terms come beside them. known: pressures that act as loads; contact whose
+/// pressure nothing knows is coupled with the other body (the paper's equation 12).
 ConstrainedRecovery recover_constrained(const std::vector<RecoveryBody>& bodies, const RealView& u,
-                                        const Scales& scales, const RecoveryOptions& options);
+                                        const Scales& scales, const RecoveryOptions& options,
+                                        const KnownPressures* known = nullptr);
 
 }  // namespace cgcontact

@@ -121,7 +121,9 @@ std::vector<double> pressure_to_edge(const ExecSpace& exec, const PatchProblem& 
 
 }  // namespace
 
-double FacePressure::at(const FacePlace& place) const {
+double FacePressure::at(const FacePlace& place) const { return std::sqrt(std::max(square_at(place), 0.0)); }
+
+double FacePressure::square_at(const FacePlace& place) const {
   const FacePlace x = grid.folded(place);
   int cell[2];
   double part[2];
@@ -145,7 +147,7 @@ double FacePressure::at(const FacePlace& place) const {
       }
       sum += weight * square[at[0] * grid.size[1] + at[1]];
     }
-  return std::sqrt(std::max(sum, 0.0));
+  return sum;
 }
 
 FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const FaceOptions& options) {

@@ -44,6 +44,8 @@ struct FacePressure {
   FaceSolution solution;  ///< on the finest patches
   /// Pa, bilinear in the square; zero outside.
   double at(const FacePlace& x) const;
+  /// Pa^2, bilinear; negative outside.
+  double square_at(const FacePlace& x) const;
 };
 
 FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const FaceOptions& options);

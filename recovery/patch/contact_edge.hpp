@@ -27,7 +27,6 @@ struct ContactEdge {
   Surface surface;              ///< contact face
   double orientation = 1;       ///< outward normal = orientation * gradient of the signed distance
   double inverse_width = 0;     ///< 1 / width of the zone across, cell; 0: not known or wide
-  double place_error = 0;       ///< expected, across, cells
   double scale = 1;             ///< unit of length of the term, per cell of this body
   double poisson_ratio = 0;     ///< plane strain along the edge
 

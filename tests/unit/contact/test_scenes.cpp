@@ -76,20 +76,6 @@ INSTANTIATE_TEST_SUITE_P(Scenes, TwoSolids,
                                          TwoSolidsCase{"scenes/two_solids_3d.toml", "n=8", 0.01, 0.025, 2, 3},
                                          TwoSolidsCase{"scenes/two_solids_3d.toml", "n=16", 0.01, 0.02, 2, 4}));
 
-/// Without the term of the edge the pressure of the stress there is what polynomials can do; with it at least 1.5 times
-/// better.
-TEST(ContactEdge, IsWorthItsTerm) {
-  double error[2];
-  for (const bool with : {false, true}) {
-    const auto solved = test::run_scene(
-        "scenes/two_solids.toml",
-        {"n=32", "recovery.pressure=stress", with ? "recovery.contact_edge=true" : "recovery.contact_edge=false"});
-    error[with] = test::zone(solved->results(), "edge").sprc;
-    EXPECT_LE(test::zone(solved->results(), "outside").sprc, 1e-10);
-  }
-  EXPECT_GT(error[0] / error[1], 1.5);
-}
-
 /// Measured: error .024 / .0064 / .0017, 4.7 / 10.4 / 18.8 times less than SPR, effectivity 1.024 / 1.008 at 16 and 32.
 TEST(Rings, PressureConvergesAndTheEstimateIsHonest) {
   std::vector<double> error;

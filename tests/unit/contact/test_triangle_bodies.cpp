@@ -36,7 +36,8 @@ TEST(TriangleBodies, TwoSolidsAreThoseOfCsg) {
                         std::abs(nearest->pressure_raw - a.contact_rows[i].pressure_raw)});
     }
     EXPECT_LT(worst_place, 1e-15);
-    EXPECT_LT(worst / largest, 1e-9);
+    // The problem on the face stops when its pressure changes by 1e-10 of the force in total, at single places by more.
+    EXPECT_LT(worst / largest, 1e-8);
     EXPECT_LT((a.pairs[0].force_on_first - b.pairs[0].force_on_first).norm() / a.pairs[0].force_on_first.norm(), 1e-9);
     EXPECT_NEAR(a.estimated_error / b.estimated_error, 1, 1e-9);
   }

@@ -143,16 +143,14 @@ TEST(Settings, ValuesOutOfRangeAreNamedWithTheirRange) {
             "contact.reach_in_cells = nan: out of range (allowed: > 0 cells)");
   EXPECT_EQ(refusal<GeometryOptions>([](GeometryOptions& o) { o.boundary_order = 0; }),
             "geometry.boundary_order = 0: out of range (allowed: an integer from 1 to 8)");
-  EXPECT_EQ(refusal<RecoveryOptions>([](RecoveryOptions& o) { o.edge.rounds = 0; }),
-            "recovery.edge.rounds = 0: out of range (allowed: an integer from 1 to 20)");
-  EXPECT_EQ(refusal<RecoveryOptions>([](RecoveryOptions& o) { o.edge.nearer_end = 0.5; }),
-            "recovery.edge.nearer_end = 0.5: out of range (allowed: > recovery.edge.plateau)");
+  EXPECT_EQ(refusal<RecoveryOptions>([](RecoveryOptions& o) { o.term_reach = -1; }),
+            "recovery.term_reach = -1: out of range (allowed: >= 0 cells)");
   EXPECT_EQ(refusal<RecoveryOptions>([](RecoveryOptions& o) { o.balance.mean_exact = 0.07; }),
             "recovery.balance.mean_wrong = 0.06: out of range (allowed: > recovery.balance.mean_exact)");
   EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.lost_force = 2; }),
             "results.lost_force = 2: out of range (allowed: > 0 and < 1)");
-  EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.no_coarse_zone = 3; }),
-            "results.no_coarse_zone = 3: out of range (allowed: > results.coarse_zone)");
+  EXPECT_EQ(refusal<ResultOptions>([](ResultOptions& o) { o.least_cells_on_face = 0; }),
+            "results.least_cells_on_face = 0: out of range (allowed: > 0 cells)");
   EXPECT_EQ(refusal<OutputOptions>([](OutputOptions& o) {
               o.path = {Vec3::Zero(), Vec3::Zero()};
             }),

@@ -2,26 +2,30 @@
 /// mirror images behind symmetry planes.
 #pragma once
 
-#include "core/base/point_buckets.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 #include "recovery/spr/recovery_input.hpp"
-#include "recovery/zone_edge/edge_fit.hpp"
-#include "recovery/zone_edge/symmetry_planes.hpp"
 
 namespace cgcontact {
 
+/// What a contact point transmits; global axes.
+struct TransmittedForce {
+  int pair, cell;  ///< active cell of the pair's primary body
+  int image;       ///< in which planes of symmetry it is mirrored, a bit each; 0: it is no image
+  bool closed;
+  Vec3 position, normal;  ///< m; outward unit normal of one of the bodies
+  double area, force;     ///< m^2; N, compression positive
+  double spread_force;    ///< N, where the group's force is spread over all its points, closed or not
+  double cell_size;       ///< m, of the larger cell of both bodies there: that of its contact group
+};
+
 class ContactZone {
  public:
-  ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index, const EdgeOptions& options = {});
+  ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index);
 
-  double largest_cell() const { return largest_cell_; }  ///< m, of those of both bodies that meet; for searches
   /// Without images.
   const std::vector<TransmittedForce>& forces() const { return forces_; }
   /// Of the points within some cells of a symmetry plane that both bodies of their pair have.
   const std::vector<TransmittedForce>& images() const { return images_; }
-
-  /// The points of a pair on a face turned like n, within a distance (m; at most EdgeOptions::reach_of_sums()) of x; no
-  /// images.
-  std::vector<const TransmittedForce*> forces_near(int pair, const Vec3& x, const Vec3& n, double distance) const;
 
   /// The closed points of every cell, pair and image as one point with their mean place and normal; images last, from
   /// the middle of the body outwards.
@@ -30,10 +34,8 @@ class ContactZone {
  private:
   void add_images(int pair, const std::vector<SymmetryPlane>& planes);
 
-  double largest_cell_ = 0;
   Vec3 middle_;  ///< of the body's bounding box
   std::vector<TransmittedForce> forces_, images_;
-  PointBuckets buckets_;
 };
 
 }  // namespace cgcontact

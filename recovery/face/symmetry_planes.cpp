@@ -1,4 +1,4 @@
-#include "recovery/zone_edge/symmetry_planes.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 
 #include <algorithm>
 #include <map>

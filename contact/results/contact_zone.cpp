@@ -1,33 +1,26 @@
-#include "recovery/zone_edge/contact_zone.hpp"
+#include "contact/results/contact_zone.hpp"
 
 #include <algorithm>
 #include <map>
 
 #include "core/geometry/solid_middle.hpp"
-#include "recovery/zone_edge/narrow_zone.hpp"
 
 namespace cgcontact {
 
 namespace {
 
-double largest_cell_of(const BoundaryData& boundary) {
-  double largest = 0;
-  for (const ContactLink& link : boundary.links)
-    if (link.primary) largest = std::max(largest, link.larger_cell);
-  return largest;
-}
+/// Images count that are no farther behind a plane than the widest zones whose width is counted reach, cells.
+constexpr double image_reach = 9;
 
 }  // namespace
 
-ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index, const EdgeOptions& options)
-    : largest_cell_(largest_cell_of(*bodies[index].boundary)), buckets_(options.reach_of_sums() * largest_cell_) {
+ContactZone::ContactZone(const std::vector<RecoveryBody>& bodies, std::size_t index) {
   const Grid& grid = bodies[index].mesh->cut_cells->grid;
   middle_ = grid.to_global(middle_of(bodies[index].mesh->cut_cells->solid));
   std::map<int, int> other_of_pair;
   for (const ContactLink& link : bodies[index].boundary->links) {
     if (!link.primary || bodies[index].boundary->is_bonded(link.pair)) continue;
     other_of_pair[link.pair] = link.other_body;
-    buckets_.add(grid.to_global(link.position), static_cast<int>(forces_.size()));
     forces_.push_back({link.pair, link.cell, 0, link.active, grid.to_global(link.position), grid.rotation * link.normal,
                        link.weight, link.weight * link.pressure, link.weight * link.spread_pressure, link.larger_cell});
   }
@@ -44,7 +37,7 @@ void ContactZone::add_images(int pair, const std::vector<SymmetryPlane>& planes)
   const std::size_t first_image = images_.size();
   for (std::size_t p = 0; p < planes.size() && p < 31; ++p) {
     const auto add = [&](TransmittedForce f) {
-      if (f.pair != pair || -planes[p].distance(f.position) > narrow_zone_reach * f.cell_size) return;
+      if (f.pair != pair || -planes[p].distance(f.position) > image_reach * f.cell_size) return;
       for (std::size_t k = 0; k < p; ++k)
         if ((f.image >> k & 1) && std::abs(planes[k].normal.dot(planes[p].normal)) > 0.5) return;  // parallel planes
       f.position = planes[p].image(f.position);
@@ -56,17 +49,6 @@ void ContactZone::add_images(int pair, const std::vector<SymmetryPlane>& planes)
     for (const TransmittedForce& f : forces_) add(f);
     for (std::size_t i = first_image; i < last_image; ++i) add(images_[i]);
   }
-}
-
-std::vector<const TransmittedForce*> ContactZone::forces_near(int pair, const Vec3& x, const Vec3& n,
-                                                              double distance) const {
-  std::vector<const TransmittedForce*> found;
-  const double square = std::pow(distance, 2);
-  buckets_.each_near(x, [&](int i) {
-    const TransmittedForce& f = forces_[i];
-    if (f.pair == pair && f.normal.dot(n) > 0.5 && (f.position - x).squaredNorm() < square) found.push_back(&f);
-  });
-  return found;
 }
 
 std::vector<TransmittedForce> ContactZone::closed_cells() const {

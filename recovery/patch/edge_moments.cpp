@@ -1,4 +1,4 @@
-#include "recovery/zone_edge/edge_moments.hpp"
+#include "recovery/patch/edge_moments.hpp"
 
 #include "recovery/patch/cells_in_box.hpp"
 

@@ -1,0 +1,69 @@
+/// The patches of one zone on the contact face: where they lie, how far the other body is, whose groups they are.
+#pragma once
+
+#include "contact/results/pair_groups.hpp"
+#include "core/base/point_buckets.hpp"
+
+namespace cgcontact {
+
+class ZonePatches {
+ public:
+  /// closed: groups of the zone; planes: symmetry planes of both bodies. None: all points around are closed, the face
+  /// has no chart, or the zone is so wide that its problem would take longer than the bodies'.
+  static std::optional<ZonePatches> make(const SolvedState& state, const PairGroups& face,
+                                         const std::vector<int>& closed, const std::vector<SymmetryPlane>& planes,
+                                         const FaceOptions& options);
+
+  const FaceGrid& grid() const { return grid_; }
+  const FaceChart& chart() const { return *chart_; }
+  double h() const { return h_; }                  ///< m, the larger cells of both bodies at the zone
+  double thickness() const { return thickness_; }  ///< m, of plane strain; else 1
+  bool is_closed(int point) const { return face_.groups()[pair_.points.group(point)].closed(); }
+  /// Contact points of the zone and around, and their coordinates on the face.
+  const std::vector<int>& points() const { return near_; }
+  const std::vector<Vec3>& places() const { return places_; }
+  /// Coordinates as a point for searches.
+  Vec3 flat(FacePlace x) const { return {grid_.plane_strain ? 0.0 : x[0], x[1], 0}; }
+
+  // By patch.
+
+  /// Groups and their parts of the patch, none: it is no part of both faces.
+  const std::vector<std::vector<std::pair<int, double>>>& shares() const { return shares_; }
+  const std::vector<double>& distance() const { return distance_; }  ///< m, of the undeformed faces
+  const std::vector<double>& cosine() const { return cosine_; }  ///< between the normals of the primary face and chart
+  /// Of the primary face (0) and of the other one (1) above the chart, m.
+  const std::vector<double>& height(int side) const { return height_[side]; }
+
+ private:
+  ZonePatches(const SolvedState& state, const PairGroups& face, const std::vector<int>& closed,
+              const std::vector<SymmetryPlane>& planes, const FaceOptions& options);
+  bool gather_points();
+  double zone_area() const;
+  bool lay_grid();
+  void assign_points();
+  std::vector<int> groups_near(int patch) const;
+  bool holds(int g, const Vec3& primary, const Vec3& secondary) const;
+  std::vector<std::pair<int, double>> shares_of(int patch, const FacePlace& place, const Vec3& x,
+                                                const OppositePoint& opposite) const;
+  void place_patches();
+
+  const SolvedState& state_;
+  const PairGroups& face_;
+  const ContactPair& pair_;
+  const std::vector<int>& closed_;
+  const FaceOptions& options_;
+  double h_ = 0, thickness_ = 1;
+  int across_ = -1;
+  std::vector<SymmetryPlane> planes_;
+  std::vector<int> near_;
+  std::optional<FaceChart> chart_;
+  FaceGrid grid_;
+  std::optional<PointBuckets> points_;  ///< near_, by places_
+  std::vector<Vec3> places_;
+  std::vector<int> nearest_;  ///< contact point nearest to each patch; -1: it is no part of the faces
+  std::vector<std::vector<std::pair<int, double>>> shares_;
+  std::vector<double> distance_, cosine_;
+  std::array<std::vector<double>, 2> height_;
+};
+
+}  // namespace cgcontact
