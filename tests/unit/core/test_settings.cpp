@@ -161,7 +161,7 @@ TEST(Settings, ConstantsOfTheMethodArePrintedAsComments) {
   const auto constants = printed(SolverOptions().print(), true);
   EXPECT_EQ(constants.at("thin_kappa_factor"), "3");
   EXPECT_EQ(constants.count("kappa"), 0u);
-  EXPECT_EQ(printed(RecoveryOptions().print(), true).at("edge.sums_deficit"), "0.035");
+  EXPECT_EQ(printed(RecoveryOptions().print(), true).at("term_reach"), "2");
 }
 
 }  // namespace
