@@ -291,8 +291,10 @@ PatchAssembly::ContactMode PatchAssembly::mode_of_pair(const PairState& state, c
   });
   EdgePiece piece;
   const Vec3 x = grid_.to_global(centroid);
-  if (!options_.contact_edge || problem.has_edge || !known_->edge_near(state.pair, x, piece))
+  if (!options_.contact_edge || problem.has_edge || !known_->edge_near(state.pair, x, piece)) {
+    if (state.is_mixed()) problem.status = std::max(problem.status, PatchStatus::edge_unclear);
     return ContactMode::closed;
+  }
   double least = 1e300;  // cells of the body
   contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
     for (const PatchContactPoint& point : contact_.points(part))

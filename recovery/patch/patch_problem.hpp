@@ -21,7 +21,7 @@ enum class PatchStatus : char {
   degree_lowered,  ///< not enough material for the quadratic polynomial that was asked for: a linear one
   conflicting,     ///< data that contradict each other, met in least squares
   uncoupled,       ///< closed contact without an auxiliary patch: zero shear only
-  edge_unclear,    ///< the edge of the contact zone runs through the patch and could not be placed
+  edge_unclear,    ///< the contact ends in the patch, and no term follows how
   balanced,        ///< the pressure did not carry the transmitted forces and was changed until it does
   singular,        ///< not enough material for the polynomial: mean stress, no constraints
 };
