@@ -29,7 +29,8 @@ class Ranks(unittest.TestCase):
     def test_results_do_not_depend_on_the_number_of_ranks(self):
         """2, 3 and 4 ranks, with all grids divided: the same counts of all kinds, iterations too; figures to 1e-9, which is
         what linear solves to 1e-10 and the last of ten printed digits leave; estimates, differences of a
-        hundredth of what they are made of, to 1e-8."""
+        hundredth of what they are made of, and the pressure, whose problem on the face ends when it changes by 1e-10 of
+        the force in total, at single places by more, to 1e-8."""
         for name, values in CASES:
             outcome = cgcontact("run", scene(name), "--out", f"{name}1", *settings(**values, **FAST))
             self.assertEqual(outcome.code, 0, outcome.err)
@@ -42,7 +43,8 @@ class Ranks(unittest.TestCase):
                     self.assertEqual(report(f"{name}{ranks}")["ranks"], ranks)
                     difference, where = largest_difference(f"{name}1", f"{name}{ranks}")
                     print(f"{name}, {ranks} ranks: {difference:.1e} {where}")
-                    self.assertLess(difference, 1e-8 if "error_estimate" in where else 1e-9, where)
+                    loose = "error_estimate" in where or where == "pressure_sprc"
+                    self.assertLess(difference, 1e-8 if loose else 1e-9, where)
 
     def test_the_same_files(self):
         """Pictures, page and fields, whichever rank has written them."""

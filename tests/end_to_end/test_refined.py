@@ -43,8 +43,8 @@ class Refined(unittest.TestCase):
             self.assertLess(max(abs(row["pressure_raw"] / 1e8 - 1) for row in rows), 1e-7, f"angle {angle}")
 
     def test_as_accurate_as_uniform_grids(self):
-        """The stress as accurate as on uniform grids; the pressure on the face within 1 % on both (single positions 0.2 to
-        0.8 %)."""
+        """The paper's pressure, from coupled patches, as accurate as on uniform grids (17 % on two and a half cells over the
+        radius); the pressure on the face within 1 % on both (single positions 0.2 to 0.8 %)."""
         text = scene("hertz").read_text()
         regions = ('refine = [{sphere = {center = [0, 0, 0], radius = 0.115}, size = "0.5/12", grading = 0.25}]')
         finer = regions.replace("0.5/12", "0.5/14.4")
@@ -55,7 +55,7 @@ class Refined(unittest.TestCase):
                     for scene, more in ((text, ("--set", "n=12")), (changed, ()))]
             errors = [run["pressure_error"][0]["sprc"] for run in runs]
             self.assertLess(errors[1], 1.3 * errors[0] if source == "stress" else 0.01)
-            self.assertLess(errors[0], 0.1 if source == "stress" else 0.01)
+            self.assertLess(errors[0], 0.2 if source == "stress" else 0.01)
         uniform, local = runs
         self.assertLess(local["unknowns"], 0.55 * uniform["unknowns"], "at three cells over the radius; less with more")
         forces = [run["contact"][0]["force"]["cap"][2] for run in (uniform, local)]
