@@ -97,10 +97,12 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
 /// radius from closed points 2 to 3 % too small, from this within 0.2 %).
 void add_zone(const SolvedState& state, int k, const Results& results, PairFigures& figures) {
   for (const ContactRow& r : results.contact_rows)
-    if (r.pair == k && r.touching && r.pressure_sprc > figures.max_pressure) {
-      figures.max_pressure = r.pressure_sprc;
-      figures.max_pressure_at = r.x;
-    }
+    if (r.pair == k && r.touching) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
+  constexpr double equal = 1 - 1e-9;  // of equal places the first, whatever the rounding
+  const auto largest = std::find_if(results.contact_rows.begin(), results.contact_rows.end(), [&](const ContactRow& r) {
+    return r.pair == k && r.touching && r.pressure_sprc > equal * figures.max_pressure;
+  });
+  if (figures.max_pressure > 0 && largest != results.contact_rows.end()) figures.max_pressure_at = largest->x;
   const ContactPair& pair = state.pairs[k];
   if (state.scene.recovery.spr_c && !pair.bonded()) {
     for (const ContactRow& r : results.contact_rows)
