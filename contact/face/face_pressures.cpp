@@ -10,7 +10,8 @@ namespace {
 
 /// Cells around a patch whose squares say where the edge is.
 constexpr double border_reach = 1.5;
-/// Cells around a place within which an edge is looked for: patches of two rings are as wide.
+/// Cells around the middle of a patch within which an edge is looked for: more than half a patch and the reach of the
+/// term together.
 constexpr double edge_reach = 6;
 
 }  // namespace

@@ -65,10 +65,7 @@ ZoneWidth width_between_points(const ContactPair& pair) {
 /// pressure, whose errors and estimates hold there (docs/accuracy.md, "The pressure on the face").
 double least_cells_across(const SolvedState& state, int pair) {
   const ResultOptions& options = state.scene.results;
-  const std::vector<SolvedZone>& zones = state.faces.zones;
-  const bool on_face =
-      std::any_of(zones.begin(), zones.end(), [&](const SolvedZone& zone) { return zone.pair == pair; }) &&
-      state.faces.left_out[pair] == 0;
+  const bool on_face = state.faces.has_zone(pair) && state.faces.left_out[pair] == 0;
   return on_face ? options.least_cells_on_face : options.least_cells_across;
 }
 

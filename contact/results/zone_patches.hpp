@@ -31,7 +31,7 @@ class ZonePatches {
   const std::vector<std::vector<std::pair<int, double>>>& shares() const { return shares_; }
   const std::vector<double>& distance() const { return distance_; }  ///< m, of the undeformed faces
   const std::vector<double>& cosine() const { return cosine_; }  ///< between the normals of the primary face and chart
-  /// Of the primary face (0) and of the other one (1) above the chart, m.
+  /// Heights of the primary face (0) and of the other one (1) above the chart, m.
   const std::vector<double>& height(int side) const { return height_[side]; }
 
  private:

@@ -89,8 +89,8 @@ TEST(PlaneStrain, IsTheSlabBetweenRigidPlanes) {
           difference[k][kind][i] = (difference[k][kind][i] - other[kind][i]) / largest;
       }
     }
-    // Of 1e-7 to 1e-5 at kappa = 1e4. The recovered stress has the pressures of two problems on the face, a strip and a
-    // sum over the twelve nearest periods of the slab, which differ by some 1e-8.
+    // Parts of 1e-7 to 1e-5 at kappa = 1e4. The recovered stress has the pressures of two problems on the face, a strip
+    // and a sum over the twelve nearest periods of the slab, which differ by some 1e-8.
     const double allowed[3] = {1e-10, 1e-8, 1e-7};
     for (int kind = 0; kind < 3; ++kind) {
       double size[2] = {0, 0}, left = 0;
