@@ -1,6 +1,6 @@
 # cgcontact_end_to_end_tests(FOLDER): every test_*.sh and test_*.py in FOLDER becomes the test end_to_end.<name>. It runs in
 # an empty directory of its own, with the built program and the source directory as arguments, and passes when it exits
-# with 0. A line "# timeout: SECONDS" near its top replaces the 900 seconds that it may take on an idle machine; the
+# with 0. A line "# timeout: SECONDS" near its top replaces the 120 seconds that it may take on an idle machine; the
 # limit is five times that, for machines that others use too (ten times as long with sanitizers, where
 # CGCONTACT_SANITIZED is set). "# alone" keeps ctest from running other tests beside it; "# backend: NAME" is for tests of
 # that backend only. Exit code 77: skipped.
@@ -27,7 +27,7 @@ function(cgcontact_end_to_end_tests folder)
       COMMAND bash -c "rm -rf \"$1\" && mkdir -p \"$1\" && cd \"$1\" && shift && exec \"$@\"" _
         ${work_dir} ${interpreter} ${script} $<TARGET_FILE:cgcontact> ${CMAKE_SOURCE_DIR})
     file(STRINGS ${script} timeout REGEX "^# timeout: [0-9]+$" LIMIT_COUNT 1)
-    string(REGEX MATCH "[0-9]+" timeout "${timeout};900")
+    string(REGEX MATCH "[0-9]+" timeout "${timeout};120")
     math(EXPR timeout "5 * ${timeout}")
     file(STRINGS ${script} alone REGEX "^# alone$" LIMIT_COUNT 1)
     set_tests_properties(end_to_end.${name} PROPERTIES LABELS end_to_end SKIP_RETURN_CODE 77)

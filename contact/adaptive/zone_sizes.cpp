@@ -68,8 +68,7 @@ bool is_closed(const ContactPair& pair, const ContactGroup& group) {
 
 std::vector<ZoneState> zone_states(const SolvedState& state, const Results& results) {
   std::vector<ZoneState> zones(state.pairs.size());
-  double largest = 0;
-  for (const PairFigures& figures : results.pairs) largest = std::max(largest, pressing_force(figures));
+  const double largest = largest_pressing_force(results);
   const std::vector<ZoneWidth> widths = zone_widths(state);
   const std::vector<MissedOverlap> missed = missed_overlaps(results);
   for (std::size_t p = 0; p < zones.size(); ++p) {

@@ -22,9 +22,7 @@ std::optional<SolvedZone::Place> SolvedZone::place_of(int body, const Vec3& x, c
   const FaceGrid& grid = pressure.grid;
   FacePlace place = chart.place(x);
   if (grid.plane_strain) place[0] = 0;
-  const FacePlace folded = grid.folded(place);
-  int at[2];
-  for (int a = 0; a < 2; ++a) at[a] = static_cast<int>(std::floor((folded[a] - grid.low[a]) / grid.spacing[a]));
+  const std::array<int, 2> at = grid.index_of(place);
   // A point at the end of a face lies at the border of the last patch.
   for (const int i : {0, -1, 1})
     for (const int j : {0, -1, 1}) {
@@ -52,11 +50,8 @@ std::optional<double> SolvedZone::square_at(int body, const Vec3& x, const Vec3&
 std::vector<EdgePiece> edge_of_zone(const SolvedZone& zone) {
   const FaceGrid& grid = zone.pressure.grid;
   const auto patch_at = [&](const FacePlace& place) {
-    const FacePlace at = grid.folded(place);
-    std::array<int, 2> index{0, 0};
-    for (int a = 0; a < 2; ++a)
-      index[a] = std::clamp(static_cast<int>(std::floor((at[a] - grid.low[a]) / grid.spacing[a])), 0, grid.size[a] - 1);
-    return index[0] * grid.size[1] + index[1];
+    const std::array<int, 2> at = grid.index_of(place);
+    return std::clamp(at[0], 0, grid.size[0] - 1) * grid.size[1] + std::clamp(at[1], 0, grid.size[1] - 1);
   };
   std::vector<EdgePiece> edge;
   for (const BorderPoint& border : border_of_zone(grid, zone.pressure.square, zone.known, border_reach * zone.h)) {
@@ -97,10 +92,8 @@ void FacePressures::add(SolvedZone zone) {
 
 std::optional<double> FacePressures::square(int pair, int body, const Vec3& x, const Vec3& n) const {
   std::optional<double> found;
-  for (const SolvedZone& zone : zones) {
-    if (zone.pair != pair) continue;
-    if (const auto square = zone.square_at(body, x, n); square && (!found || *square > *found)) found = square;
-  }
+  for (const SolvedZone& zone : zones)
+    if (zone.pair == pair) found = std::max(found, zone.square_at(body, x, n));
   return found;
 }
 
@@ -122,10 +115,8 @@ bool FacePressures::edge_near(int pair, const Vec3& x, EdgePiece& piece) const {
 
 std::optional<PressureOnFace> FacePressures::at(int pair, int body, const Vec3& x, const Vec3& normal) const {
   std::optional<PressureOnFace> found;
-  for (const SolvedZone& zone : zones) {
-    if (zone.pair != pair) continue;
-    if (const auto p = zone.at(body, x, normal); p && (!found || p->pressure > found->pressure)) found = p;
-  }
+  for (const SolvedZone& zone : zones)
+    if (zone.pair == pair) found = std::max(found, zone.at(body, x, normal));
   return found;
 }
 

@@ -16,6 +16,7 @@ constexpr double same_side = 0.5;
 /// A pressure and what it may be off, Pa.
 struct PressureOnFace {
   double pressure = 0, error = 0;
+  bool operator<(const PressureOnFace& other) const { return pressure < other.pressure; }
 };
 
 /// A zone whose pressure was solved for.

@@ -48,17 +48,6 @@ double largest_of_fit(const std::vector<const ContactRow*>& peak, const PairFigu
   return (values * solver.solve(root.cwiseProduct(pressure))).maxCoeff();
 }
 
-/// Mean pressure of the rows within half a cell of the largest one, Pa.
-double mean_in_cell(const std::vector<ContactRow>& rows, int pair, const PairFigures& figures) {
-  double sum = 0, area = 0;
-  for (const ContactRow& row : rows) {
-    if (row.pair != pair || (row.x - figures.max_pressure_at).norm() > row.larger_cell / 2) continue;
-    sum += row.weight * row.pressure_sprc;
-    area += row.weight;
-  }
-  return area > 0 ? sum / area : figures.max_pressure;
-}
-
 bool is_singular(const Results& results, const Vec3& x) {
   return std::any_of(results.singular_places.begin(), results.singular_places.end(),
                      [&](const SingularPlace& place) { return (place.x - x).norm() <= reach * place.cell; });
@@ -80,13 +69,8 @@ void estimate_peak_errors(Results& results) {
       area += row->weight;
     }
     const double excess = std::abs(figures.max_pressure - largest_of_fit(peak, figures));
-    // A peak narrower than a cell, as in a fillet, is the half-spaces' alone: no solution tells how high it is.
-    const double within_cell =
-        figures.pressure_on_face
-            ? 1 - mean_in_cell(results.contact_rows, static_cast<int>(p), figures) / figures.max_pressure
-            : 0;
-    figures.max_pressure_error_estimate = std::hypot((excess + std::sqrt(squares / area)) / figures.max_pressure,
-                                                     figures.force_part_of_pressure, within_cell);
+    figures.max_pressure_error_estimate =
+        std::hypot((excess + std::sqrt(squares / area)) / figures.max_pressure, figures.force_part_of_pressure);
   }
 }
 

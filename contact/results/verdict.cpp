@@ -180,6 +180,12 @@ double pressing_force(const PairFigures& figures) {
   return std::max(figures.force_on_first.norm(), figures.max_pressure * figures.area);
 }
 
+double largest_pressing_force(const Results& results) {
+  double largest = 0;
+  for (const PairFigures& figures : results.pairs) largest = std::max(largest, pressing_force(figures));
+  return largest;
+}
+
 std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results) {
   std::vector<std::string> warnings;
   for (const UnclearGap& gap : unclear_gaps(state, results))
@@ -197,8 +203,7 @@ Verdict judge(const SolvedState& state, const Results& results) {
                                               : std::vector<PressureJump>();
   const std::vector<UnclearGap> unclear = unclear_gaps(state, results);
   std::vector<Judged> pairs = judge_pairs(state, results, missed, unclear, jumps);
-  double largest = 0;
-  for (const Judged& j : pairs) largest = std::max(largest, j.unclear ? 0 : j.force);
+  const double largest = largest_pressing_force(results);
   for (Judged& j : pairs) {
     if (j.unclear && j.force < relevant_part_of_force * largest) {  // next to nothing, if they do
       j.pair.state = State::no_contact;
@@ -238,8 +243,7 @@ void judge_errors(const SolvedState& state, Results& results) {
     pressure[row.pair] += row.weight * size_of_traction(row, state.pairs[row.pair].bonded());
     if (row.touching) cell[row.pair] = std::max(cell[row.pair], row.larger_cell);
   }
-  double largest = 0;
-  for (const PairFigures& pair : results.pairs) largest = std::max(largest, pressing_force(pair));
+  const double largest = largest_pressing_force(results);
   for (std::size_t p = 0; p < results.pairs.size(); ++p) {
     Verdict::Pair& pair = verdict.pairs[p];
     if (pair.state != State::resolved || error[p] <= state.scene.results.largest_error * pressure[p]) continue;

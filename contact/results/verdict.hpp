@@ -11,6 +11,8 @@ constexpr double relevant_part_of_force = 0.01;
 
 /// N, of a pair; of a closed zone (a shrink fit), whose resultant is zero, the largest pressure on all of it.
 double pressing_force(const PairFigures& figures);
+/// N, of all pairs.
+double largest_pressing_force(const Results& results);
 
 /// A sentence for each pair without a force whose faces may touch all the same.
 std::vector<std::string> unclear_gap_warnings(const SolvedState& state, const Results& results);

@@ -236,6 +236,23 @@ Solid ShapeReader::read(const TomlCursor& node) {
   return placed(node, is_operation ? read_operation(node, kind) : read_primitive(node, kind));
 }
 
+/// Largest radius in sizes of the body. Points are on a surface to 1e-9 of the size; one of a larger radius departs
+/// from its tangent plane by less than a hundred times that, and planes beside it take its points.
+constexpr double max_radius = 1e6;
+
+/// Fails where a sphere or cylinder of a solid with endless surfaces is as good as plane across the solid.
+void check_radii(const TomlCursor& node, const Solid& solid, double size) {
+  if (!solid.geometry().has_endless_surfaces()) return;
+  for (const Surface& surface : solid.surfaces()) {
+    const bool round = surface.kind == Surface::Kind::sphere || surface.kind == Surface::Kind::cylinder;
+    if (!round || surface.radius <= max_radius * size) continue;
+    const std::string name = surface.names.empty() ? "a surface" : surface.names.front();
+    node.fail(fmt::format("{} has a radius of {:.4g} m, beside which a body of {:.4g} m sees a plane", name,
+                          surface.radius, size),
+              fmt::format("at most {:.4g} m here, or a half_space", max_radius * size));
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> Shape::face_names() const {
@@ -275,6 +292,7 @@ Shape read_shape(const TomlCursor& body) {
   if (!shape.solid.bounding_box(min, max))
     node.fail("is unbounded or empty", "a bounded solid: intersect half-spaces with a box");
   if (!(min.array() < max.array()).all()) node.fail("is empty: its parts do not overlap", "a solid with a volume");
+  check_radii(node, shape.solid, (max - min).norm());
   return shape;
 }
 

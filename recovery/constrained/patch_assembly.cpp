@@ -280,10 +280,9 @@ ContactEdge PatchAssembly::seen_from(const RecoveryBody& body, const Vec3& face_
 /// How a pair stands in a patch; sets the patch's term if the edge of a zone with a known pressure is near.
 PatchAssembly::ContactMode PatchAssembly::mode_of_pair(const PairState& state, const int* cells, int num_cells,
                                                        PatchProblem& problem) const {
-  const ContactMode plain = state.is_closed(options_.closed_fraction) ? ContactMode::closed : ContactMode::open;
   if (body_.boundary->is_bonded(state.pair)) return ContactMode::closed;
-  if (!knows(state)) return known_ && state.is_mixed() ? ContactMode::unclear : plain;
   if (state.closed_area == 0) return ContactMode::open;
+  if (!knows(state)) return state.is_mixed() ? ContactMode::unclear : ContactMode::closed;
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
   contact_.each(cells, num_cells, state.pair, [&](const ContactPiece& part) {
     centroid += part.position / state.area;

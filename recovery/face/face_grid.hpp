@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "core/base/types.hpp"
@@ -43,6 +44,14 @@ struct FaceGrid {
       if (at[a] < 0 || at[a] >= size[a]) return -1;
     }
     return at[0] * size[1] + at[1];
+  }
+  /// Row and column of the patch at a place, in its image behind a symmetry plane too; beyond free ends they are none.
+  std::array<int, 2> index_of(const FacePlace& place) const {
+    const FacePlace x = folded(place);
+    std::array<int, 2> index{0, 0};
+    for (int a = plane_strain ? 1 : 0; a < 2; ++a)
+      index[a] = static_cast<int>(std::floor((x[a] - low[a]) / spacing[a]));
+    return index;
   }
   /// A place behind a symmetry plane is its image.
   FacePlace folded(FacePlace x) const {

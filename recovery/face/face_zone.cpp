@@ -32,6 +32,9 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
 constexpr double cover = 0.1;
 /// By which the details of the far field may be shorter as well, for the estimate (docs/recovery.md, "Error figures").
 constexpr double other_details = 1.15;
+/// Radians by which the faces turn against each other along a cell from which on nothing that varies within one is
+/// trusted (docs/recovery.md, "Error figures").
+constexpr double trusted_turn = 0.25;
 
 /// Sums of what patches share of each group, patches.
 std::vector<double> sizes_of_groups(const FaceZone& zone) {
@@ -109,6 +112,64 @@ std::vector<double> gap_without_pressure(const FaceZone& zone, const FarField& f
   return gap;
 }
 
+/// Calls use(m) for the patches less than half a cell away along an axis, the patch itself too.
+template <class Use>
+void each_within_cell(const FaceGrid& grid, double h, int axis, int patch, const Use& use) {
+  const int reach = static_cast<int>(std::ceil(0.5 * h / grid.spacing[axis])) - 1;
+  for (int k = -reach; k <= reach; ++k) {
+    std::array<int, 2> steps{0, 0};
+    steps[axis] = k;
+    if (const int m = grid.beyond(patch, steps); m >= 0) use(m);
+  }
+}
+
+/// Radians by which the faces turn against each other along a cell, at most within half a cell of each patch.
+std::vector<double> turns_in_cell(const FaceZone& zone) {
+  const FaceGrid& grid = zone.grid;
+  std::vector<double> turns(grid.num_patches(), 0.0);
+  for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
+    const int step = std::max(1, static_cast<int>(std::lround(0.25 * zone.h / grid.spacing[a])));
+    std::array<int, 2> forward{0, 0}, backward{0, 0};
+    forward[a] = step;
+    backward[a] = -step;
+    const double length = step * grid.spacing[a];
+    for (int n = 0; n < grid.num_patches(); ++n) {
+      const int before = grid.beyond(n, backward), after = grid.beyond(n, forward);
+      if (before < 0 || after < 0 || !zone.inside[n] || !zone.inside[before] || !zone.inside[after]) continue;
+      const double bend = zone.distance[before] - 2 * zone.distance[n] + zone.distance[after];
+      turns[n] = std::max(turns[n], zone.h * std::abs(bend) / (length * length));
+    }
+  }
+  for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
+    const std::vector<double> at = turns;
+    for (int n = 0; n < grid.num_patches(); ++n)
+      each_within_cell(grid, zone.h, a, n, [&](int m) { turns[n] = std::max(turns[n], at[m]); });
+  }
+  return turns;
+}
+
+/// What of the pressure varies within a cell is the half-spaces' alone, and faces that turn within a cell belong to
+/// none. Pa, at the patches: by how much the pressure differs from its mean over a cell, as far as they turn.
+std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<double>& square) {
+  const FaceGrid& grid = zone.grid;
+  std::vector<double> pressure(square.size());
+  for (std::size_t n = 0; n < square.size(); ++n) pressure[n] = std::sqrt(std::max(square[n], 0.0));
+  std::vector<double> mean = pressure;
+  for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
+    const std::vector<double> at = mean;
+    for (int n = 0; n < grid.num_patches(); ++n) {
+      double sum = 0;
+      int count = 0;
+      each_within_cell(grid, zone.h, a, n, [&](int m) { sum += at[m], ++count; });
+      mean[n] = sum / count;
+    }
+  }
+  std::vector<double> error = turns_in_cell(zone);
+  for (std::size_t n = 0; n < error.size(); ++n)
+    error[n] = std::min(error[n] / trusted_turn, 1.0) * std::abs(pressure[n] - mean[n]);
+  return error;
+}
+
 /// The pressure of a problem as the root of what is continued to the edge, Pa.
 std::vector<double> pressure_to_edge(const ExecSpace& exec, const PatchProblem& problem, const FaceOptions& options,
                                      const std::vector<double>& start) {
@@ -184,7 +245,7 @@ FacePressure solve_face_zone(const ExecSpace& exec, const FaceZone& zone, const 
   softer.cell_stiffness /= 2;
   const FarField of_softer(grid, zone.h, zone.inside, far_means(zone, sizes, response, softer));
   const std::vector<double> base = pressure_of(problem);
-  result.error.assign(grid.num_patches(), 0.0);
+  result.error = error_within_cell(zone, result.square);
   for (const PatchProblem& variant : {problem_with(far, details / other_details), problem_with(of_softer, details)}) {
     const std::vector<double> other = pressure_of(variant);
     for (std::size_t k = 0; k < patches.size(); ++k) {

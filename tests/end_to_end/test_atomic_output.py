@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 """The output directory is the old result or the new one, never half of one, and never somebody else's files."""
 import math
 import os

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 # alone
 # backend: openmp
 """The serial program beside this one (build/serial) computes the same."""

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 120
 """Bad input ends with exit code 1, one clear message and nothing written, within a second."""
 import os
 import pathlib

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 600
+# timeout: 200
 """CAD bodies: contact from STEP files as from primitives, planes of symmetry cut out of them, init of an assembly, bad files."""
 import pathlib
 import re

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 900
+# timeout: 400
 """CAD files that OpenCASCADE crashes on, hangs on or reads in part: every one is a scene or one message that names it, within a
 minute; and what init makes of sound ones: supports on faces that touch nothing, gaps of the exact surfaces, a plate on one solid."""
 import os

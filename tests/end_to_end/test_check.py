@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 120
 """cgcontact check: what it prints is right and agrees with what a run then takes."""
 import math
 import os

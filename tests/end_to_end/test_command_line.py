@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 120
 """Options, default places and progress as a user sees them."""
 import os
 import pathlib

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 120
 """compare A B: the figures of both reports, their differences, the curves, and what cannot be compared."""
 import csv
 import pathlib

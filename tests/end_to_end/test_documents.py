@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 900
+# timeout: 300
 """The documents are true: commands of the README and the tutorial run, the figures that the tutorial shows are those of the program,
 files and headings that documents and comments name exist, links lead somewhere."""
 import os

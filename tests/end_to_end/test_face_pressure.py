@@ -1,5 +1,7 @@
+# timeout: 200
 """recovery.pressure = "face": the contact pressure as a problem on the face of each zone. On zones of few cells it is better than
 that of the stress wherever the grids lie; where it does not apply report.json says so and the pressure is that of the stress."""
+import bisect
 import math
 import unittest
 
@@ -171,7 +173,7 @@ class FacePressure(unittest.TestCase):
             pair = result["contact"][0]
             self.assertEqual((pair["pressure_from"], pair["zones_of_stress"]), ("stress", 1 if source == "face" else 0))
             rows.append(contact_rows(source))
-        self.assertEqual(rows[0], rows[1])
+        self.assertTrue(rows[0] == rows[1])  # assertEqual looks for the difference of 15,000 rows for hours
 
     # Where a face ends its body is no half-space: a quarter of a ball on a narrow block, as wide as three quarters of the zone.
     def test_zone_that_reaches_the_end_of_a_face(self):
@@ -181,6 +183,41 @@ class FacePressure(unittest.TestCase):
             self.assertEqual(run.code, 0, run.err)
             pair = result["contact"][0]
             self.assertEqual((pair["pressure_from"], pair["zones_of_stress"]), (source, 0 if source == "face" else 1))
+
+    # In a fillet of two and four cells the peak is narrower than a cell, and the punch no half-space at that scale: the
+    # pressure is off by 10 to 100 %, as the grids lie, and says so. The errors of single positions scatter by as much as
+    # they are: a shift of the peak by a twentieth of a cell makes them.
+    def test_fillets_of_few_cells(self):
+        def block(name):
+            rows = [row for row in contact_rows(name) if row["body"] == "block"]
+            return sorted(rows, key=lambda row: row["x"])
+
+        logs = []
+        for fillet in (2, 4):
+            values = {"n": 8, "fillet": fillet, "t": 0.125}
+            fine = [f"body.{body}.refine=[{{sphere = {{center = [1, 0, 0], radius = {0.1 + fillet / 16}}}, size = 0.0156, grading = 0.25}}]"
+                    for body in (0, 1)]
+            run = cgcontact("run", harness.SOURCE / "tests/scenes/rounded_punch.toml", "-o", "fine", *QUICK, *settings(**values),
+                            *(word for setting in fine for word in ("--set", setting)))
+            self.assertEqual(run.code, 0, run.err)
+            exact = block("fine")
+            for position in (0.1, 0.75):
+                run, result = solve("coarse", harness.SOURCE / "tests/scenes/rounded_punch.toml", **values,
+                                    body__0__grid__offset=[position, 0.19, 0.236])
+                self.assertEqual(run.code, 0, run.err)
+                squares = total = 0
+                for row in block("coarse"):
+                    k = max(1, bisect.bisect([other["x"] for other in exact], row["x"]))
+                    a, b = exact[k - 1], exact[min(k, len(exact) - 1)]
+                    part = (row["x"] - a["x"]) / (b["x"] - a["x"]) if b["x"] > a["x"] else 0
+                    p = a["pressure_sprc"] + part * (b["pressure_sprc"] - a["pressure_sprc"])
+                    squares += row["weight"] * (row["pressure_sprc"] - p) ** 2
+                    total += row["weight"] * p * p
+                error = math.sqrt(squares / total)
+                logs.append(math.log(result["contact"][0]["pressure_error_estimate"] / error))
+        self.assertGreater(min(logs), math.log(0.3), logs)
+        self.assertGreater(sum(logs) / len(logs), math.log(0.7), logs)
+        self.assertLess(sum(logs) / len(logs), math.log(3), logs)
 
     def test_sources(self):
         harness.pathlib.Path("ball.toml").write_text(BALL)

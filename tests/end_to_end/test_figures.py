@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 240
 """What a scene can ask for: maxima with their places, moments, zones with Hertz's answer, probes, sections."""
 import csv
 import math

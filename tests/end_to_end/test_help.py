@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 400
 """Help, manual page, completion and environment agree with each other and with the program."""
 import os
 import pathlib

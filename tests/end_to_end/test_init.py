@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 900
+# timeout: 300
 """cgcontact init: the scenes it writes are accepted and solved as they are; it overwrites nothing and says what is wrong."""
 import math
 import os

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 """A run that is stopped at any moment leaves the earlier result whole, no remains, no children, one message."""
 import math
 import os

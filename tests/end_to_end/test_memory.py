@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 """A scene that does not fit into memory is refused before anything large is made, with the cell size that fits."""
 import os
 import pathlib

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 200
 """Scenes and triangle files that users really make: each ends with exit code 1, one message, at once, nothing written."""
 import os
 import pathlib

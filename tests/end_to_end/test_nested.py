@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 600
 """Large grids start from solutions on coarser ones: the same answer in fewer outer iterations, where zones are wide enough."""
 import unittest
 

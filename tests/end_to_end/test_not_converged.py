@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 240
 """A run that does not converge ends with exit code 2, says why, and still writes results, marked so."""
 import pathlib
 import unittest

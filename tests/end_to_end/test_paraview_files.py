@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 240
 """The files for other programs: VTK's own reader opens the fields, gnuplot and Python's csv read contact.csv, and all
 agree with report.json and with what `check` counts."""
 import csv

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 240
 """Plane strain from the scene file: a slab's scene without its supports across x and with plane_strain = "x" gives the
 slab's results from a third of the unknowns; check says so, and what cannot be in plane strain is refused by both."""
 import pathlib

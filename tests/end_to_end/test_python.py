@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 """The Python module: the numbers of the program to the last bit, scenes from dicts, arrays and probes that agree with the fields, the
 program's messages as exceptions, Ctrl-C, and the scripts of examples/."""
 import json

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-# timeout: 900
+# timeout: 200
 # alone
 """mpirun -n N cgcontact run: the number of ranks has no influence on the results; errors are told once; nothing is left."""
 import os

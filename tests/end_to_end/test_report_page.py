@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 240
 """report.html: one page that needs nothing else, with the figures of report.json, for every kind of run."""
 import base64
 import math

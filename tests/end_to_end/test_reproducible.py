@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 120
 """Runs on one thread of the serial backend are reproducible bit for bit."""
 import pathlib
 import unittest

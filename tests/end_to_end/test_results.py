@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 180
 """What a run writes is complete, readable and consistent: report, contact.csv, fields, pictures; and forces balance."""
 import math
 import os

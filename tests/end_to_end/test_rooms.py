@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 60
 """The README.md of every source folder names its files and sub-folders, each once, and nothing else.
 
 Names stand in backquotes before the first colon of the items of its list: "- `a.hpp`, `b.cpp`: what they are". A header

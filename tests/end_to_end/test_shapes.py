@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 """Cones and turned profiles, units and materials by name in whole runs: contact on a cone is exact under uniform pressure."""
 import csv
 import pathlib

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 """Every method of the linear solve gives the same results with both preconditioners, report.json tells what was used, and nothing
 of Trilinos is printed. One of several ranks too."""
 import re

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 180
 """Loads in steps, as a user sees them: report, steps.csv and picture agree; check and study know them."""
 import csv
 import pathlib

@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 """cgcontact study: its table agrees with the runs, failures are rows of it, and stopping it loses nothing."""
 import csv
 import json

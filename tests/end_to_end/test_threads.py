@@ -1,5 +1,4 @@
 #!/usr/bin/python3
-# timeout: 300
 # alone
 """The number of threads: taken from the command line, told in the report, without influence on the results."""
 import os
