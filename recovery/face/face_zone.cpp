@@ -32,9 +32,9 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
 constexpr double cover = 0.1;
 /// By which the details of the far field may be shorter as well, for the estimate (docs/recovery.md, "Error figures").
 constexpr double other_details = 1.15;
-/// Radians by which the faces turn against each other along a cell from which on nothing that varies within one is
-/// trusted (docs/recovery.md, "Error figures").
-constexpr double trusted_turn = 0.25;
+/// Change of the gap's curvature around a patch, over that of a radius of one cell, from which on nothing that varies
+/// within a cell is trusted (docs/recovery.md, "Error figures").
+constexpr double trusted_change = 0.125;
 
 /// Sums of what patches share of each group, patches.
 std::vector<double> sizes_of_groups(const FaceZone& zone) {
@@ -112,10 +112,10 @@ std::vector<double> gap_without_pressure(const FaceZone& zone, const FarField& f
   return gap;
 }
 
-/// Calls use(m) for the patches less than half a cell away along an axis, the patch itself too.
+/// Calls use(m) for the patches less than a distance away along an axis, m, the patch itself too.
 template <class Use>
-void each_within_cell(const FaceGrid& grid, double h, int axis, int patch, const Use& use) {
-  const int reach = static_cast<int>(std::ceil(0.5 * h / grid.spacing[axis])) - 1;
+void each_near(const FaceGrid& grid, double distance, int axis, int patch, const Use& use) {
+  const int reach = static_cast<int>(std::ceil(distance / grid.spacing[axis])) - 1;
   for (int k = -reach; k <= reach; ++k) {
     std::array<int, 2> steps{0, 0};
     steps[axis] = k;
@@ -123,33 +123,39 @@ void each_within_cell(const FaceGrid& grid, double h, int axis, int patch, const
   }
 }
 
-/// Radians by which the faces turn against each other along a cell, at most within half a cell of each patch.
-std::vector<double> turns_in_cell(const FaceZone& zone) {
+/// Change of the gap's curvature along the axes within a cell of each patch, times a cell: of fillets and other faces
+/// that end, not of balls and cylinders.
+std::vector<double> changes_of_curvature(const FaceZone& zone) {
   const FaceGrid& grid = zone.grid;
-  std::vector<double> turns(grid.num_patches(), 0.0);
+  std::vector<double> changes(grid.num_patches(), 0.0);
   for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
     const int step = std::max(1, static_cast<int>(std::lround(0.25 * zone.h / grid.spacing[a])));
     std::array<int, 2> forward{0, 0}, backward{0, 0};
     forward[a] = step;
     backward[a] = -step;
     const double length = step * grid.spacing[a];
+    std::vector<double> curvature(grid.num_patches(), 0.0);
+    std::vector<char> known(grid.num_patches(), 0);
     for (int n = 0; n < grid.num_patches(); ++n) {
       const int before = grid.beyond(n, backward), after = grid.beyond(n, forward);
       if (before < 0 || after < 0 || !zone.inside[n] || !zone.inside[before] || !zone.inside[after]) continue;
-      const double bend = zone.distance[before] - 2 * zone.distance[n] + zone.distance[after];
-      turns[n] = std::max(turns[n], zone.h * std::abs(bend) / (length * length));
+      known[n] = 1;
+      curvature[n] = (zone.distance[before] - 2 * zone.distance[n] + zone.distance[after]) * zone.h / (length * length);
+    }
+    for (int n = 0; n < grid.num_patches(); ++n) {
+      double least = 1e300, most = -1e300;
+      each_near(grid, zone.h, a, n, [&](int m) {
+        if (known[m]) least = std::min(least, curvature[m]), most = std::max(most, curvature[m]);
+      });
+      changes[n] = std::max(changes[n], most - least);  // none where nothing is known
     }
   }
-  for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
-    const std::vector<double> at = turns;
-    for (int n = 0; n < grid.num_patches(); ++n)
-      each_within_cell(grid, zone.h, a, n, [&](int m) { turns[n] = std::max(turns[n], at[m]); });
-  }
-  return turns;
+  return changes;
 }
 
-/// What of the pressure varies within a cell is the half-spaces' alone, and faces that turn within a cell belong to
-/// none. Pa, at the patches: by how much the pressure differs from its mean over a cell, as far as they turn.
+/// What of the pressure varies within a cell is the half-spaces' alone, and a body whose face goes over into another
+/// one there is none. Pa, at the patches: by how much the pressure differs from its mean over a cell, as far as it
+/// does.
 std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   std::vector<double> pressure(square.size());
@@ -160,13 +166,13 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
     for (int n = 0; n < grid.num_patches(); ++n) {
       double sum = 0;
       int count = 0;
-      each_within_cell(grid, zone.h, a, n, [&](int m) { sum += at[m], ++count; });
+      each_near(grid, 0.5 * zone.h, a, n, [&](int m) { sum += at[m], ++count; });
       mean[n] = sum / count;
     }
   }
-  std::vector<double> error = turns_in_cell(zone);
+  std::vector<double> error = changes_of_curvature(zone);
   for (std::size_t n = 0; n < error.size(); ++n)
-    error[n] = std::min(error[n] / trusted_turn, 1.0) * std::abs(pressure[n] - mean[n]);
+    error[n] = std::min(error[n] / trusted_change, 1.0) * std::abs(pressure[n] - mean[n]);
   return error;
 }
 

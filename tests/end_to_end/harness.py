@@ -85,6 +85,14 @@ def figures(value, name=""):
 NOT_COMPARED = ("times_s", "peak_memory_bytes", "rank_figures", "linear_solver", "backend", "threads", "ranks", "warnings", "files", "command")
 
 
+def allowed_difference(where, usual):
+    """What a figure of two runs that round differently may differ by, relative. Estimates are differences of a hundredth of
+    what they are made of; the pressure's problem on the face ends when it changes by 1e-10 of the force in total, at single places
+    by more."""
+    loose = "error_estimate" in where or where in ("pressure_sprc", "pressure_error")
+    return 1e-8 if loose else usual
+
+
 def largest_difference(first, second):
     """The largest difference between the results in two directories, and where it is. Columns of contact.csv: relative to
     the column's largest value; figures of the reports: to the value itself, components of forces and the zones of the pressure

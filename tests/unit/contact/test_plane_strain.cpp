@@ -90,8 +90,10 @@ TEST(PlaneStrain, IsTheSlabBetweenRigidPlanes) {
       }
     }
     // Parts of 1e-7 to 1e-5 at kappa = 1e4. The recovered stress has the pressures of two problems on the face, a strip
-    // and a sum over the twelve nearest periods of the slab, which differ by some 1e-8.
-    const double allowed[3] = {1e-10, 1e-8, 1e-7};
+    // and a sum over the twelve nearest periods of the slab, which differ by some 1e-8; their edges, fitted to the
+    // patches whose pressure is above zero, by up to ten times that, and the stress beside an edge by up to 4e-7
+    // (OpenMP).
+    const double allowed[3] = {1e-10, 1e-8, 1e-6};
     for (int kind = 0; kind < 3; ++kind) {
       double size[2] = {0, 0}, left = 0;
       for (std::size_t i = 0; i < difference[0][kind].size(); ++i) {
