@@ -93,7 +93,7 @@ TEST(PlaneStrain, IsTheSlabBetweenRigidPlanes) {
     // and a sum over the twelve nearest periods of the slab, which differ by some 1e-8; their edges, fitted to the
     // patches whose pressure is above zero, by up to ten times that, and the stress beside an edge by up to 4e-7
     // (OpenMP).
-    const double allowed[3] = {1e-10, 1e-8, 1e-6};
+    const double allowed[3] = {1e-10, 1e-8, 5e-7};
     for (int kind = 0; kind < 3; ++kind) {
       double size[2] = {0, 0}, left = 0;
       for (std::size_t i = 0; i < difference[0][kind].size(); ++i) {
@@ -103,7 +103,7 @@ TEST(PlaneStrain, IsTheSlabBetweenRigidPlanes) {
       }
       std::printf("%s, %d: difference %.1e at kappa = 1e4, %.1e at 1e5, %.1e extrapolated\n", c.name, kind, size[0],
                   size[1], left);
-      EXPECT_LT(size[1], 0.12 * size[0]) << c.name;
+      EXPECT_LT(size[1], 0.12 * size[0] + allowed[kind]) << c.name;
       EXPECT_LT(left, allowed[kind]) << c.name;
     }
   }
