@@ -1,4 +1,4 @@
-# timeout: 200
+# timeout: 120
 """recovery.pressure = "face": the contact pressure as a problem on the face of each zone. On zones of few cells it is better than
 that of the stress wherever the grids lie; where it does not apply report.json says so and the pressure is that of the stress."""
 import bisect
@@ -142,11 +142,12 @@ class FacePressure(unittest.TestCase):
     def test_accuracy(self):
         unknowns = {}
         for source in ("stress", "face"):
-            run, result = solve(source, harness.SOURCE / "scenes/ball_on_plate.toml", recovery__pressure=source)
+            run, result = solve(source, harness.SOURCE / "scenes/ball_on_plate.toml", recovery__pressure=source,
+                                accuracy__pressure="5%")
             self.assertEqual(run.code, 0, run.err)
             self.assertEqual(result["contact"][0]["pressure_from"], source)
-            self.assertLess(result["contact"][0]["pressure_error_estimate"], 0.01)
-            self.assertLess(whole(result), 0.01)
+            self.assertLess(result["contact"][0]["pressure_error_estimate"], 0.05)
+            self.assertLess(whole(result), 0.05)
             unknowns[source] = result["unknowns"]
         self.assertLess(unknowns["face"], 0.8 * unknowns["stress"])
 
