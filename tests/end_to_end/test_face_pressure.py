@@ -202,13 +202,14 @@ class FacePressure(unittest.TestCase):
                             *(word for setting in fine for word in ("--set", setting)))
             self.assertEqual(run.code, 0, run.err)
             exact = block("fine")
+            places = [row["x"] for row in exact]
             for position in (0.1, 0.75):
                 run, result = solve("coarse", harness.SOURCE / "tests/scenes/rounded_punch.toml", **values,
                                     body__0__grid__offset=[position, 0.19, 0.236])
                 self.assertEqual(run.code, 0, run.err)
                 squares = total = 0
                 for row in block("coarse"):
-                    k = max(1, bisect.bisect([other["x"] for other in exact], row["x"]))
+                    k = max(1, bisect.bisect(places, row["x"]))
                     a, b = exact[k - 1], exact[min(k, len(exact) - 1)]
                     part = (row["x"] - a["x"]) / (b["x"] - a["x"]) if b["x"] > a["x"] else 0
                     p = a["pressure_sprc"] + part * (b["pressure_sprc"] - a["pressure_sprc"])
