@@ -2,8 +2,9 @@
 # an empty directory of its own, with the built program and the source directory as arguments, and passes when it exits
 # with 0. A line "# timeout: SECONDS" near its top replaces the 120 seconds that it may take on an idle machine; the
 # limit is five times that, for machines that others use too (ten times as long with sanitizers, where
-# CGCONTACT_SANITIZED is set). "# alone" keeps ctest from running other tests beside it; "# backend: NAME" is for tests of
-# that backend only. Exit code 77: skipped.
+# CGCONTACT_SANITIZED is set). "# alone" keeps ctest from running other tests beside it, "# threads" on backends with
+# threads only: most of its time is solved on all of them. "# backend: NAME" is for tests of that backend only. Exit code
+# 77: skipped.
 find_program(CGCONTACT_PYTHON python3 PATHS /usr/bin NO_DEFAULT_PATH)  # Debian's own: the one that has VTK
 find_program(CGCONTACT_PYTHON python3)
 
@@ -40,6 +41,10 @@ function(cgcontact_end_to_end_tests folder)
       set_tests_properties(end_to_end.${name} PROPERTIES ENVIRONMENT CGCONTACT_SANITIZED=${sanitizer})
     endif()
     set_tests_properties(end_to_end.${name} PROPERTIES TIMEOUT ${timeout})
+    file(STRINGS ${script} threads REGEX "^# threads$" LIMIT_COUNT 1)
+    if(threads)
+      set_tests_properties(end_to_end.${name} PROPERTIES PROCESSORS ${CGCONTACT_TEST_THREADS})
+    endif()
     if(alone)
       set_tests_properties(end_to_end.${name} PROPERTIES RUN_SERIAL ON)
     endif()

@@ -22,7 +22,7 @@ namespace {
 constexpr double mean_reach = 3;
 /// Part of a width: sources in one cube of that size count as one, so that few count around a row however small the
 /// cells.
-constexpr double mean_grain = 1. / 16;
+constexpr double mean_grain = 1. / 4;
 
 /// Part of a pair's force: less than that is the tolerance of the solver.
 constexpr double solved_part = 1e-4;
@@ -30,23 +30,29 @@ constexpr double solved_part = 1e-4;
 /// Marks the rows of a pair that have closed as well as open ones within ResultOptions::spoilt_at_edge cells: where the
 /// contact ends inside of both faces. Rows with nothing opposite are not open ones.
 std::vector<char> rows_at_border(const std::vector<ContactRow>& rows, int pair, const ResultOptions& options) {
-  double largest = 0;
-  for (const ContactRow& row : rows)
-    if (row.pair == pair) largest = std::max(largest, row.larger_cell);
-  PointBuckets open(options.spoilt_at_edge * largest), closed(options.spoilt_at_edge * largest);
   const auto counts = [&](const ContactRow& row) {
     return row.pair == pair && (row.active || std::isfinite(row.distance));
   };
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    if (counts(rows[i])) (rows[i].active ? closed : open).add(rows[i].x, static_cast<int>(i));
+  struct Near {
+    explicit Near(double reach) : open(reach), closed(reach) {}
+    PointBuckets open, closed;
+  };
+  std::map<double, Near> near;  // by the rows' larger cells: few sizes, and none looks farther than its own
+  for (const ContactRow& row : rows)
+    if (counts(row)) near.try_emplace(row.larger_cell, options.spoilt_at_edge * row.larger_cell);
+  for (auto& [cell, around] : near)
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (counts(rows[i])) (rows[i].active ? around.closed : around.open).add(rows[i].x, static_cast<int>(i));
   std::vector<char> marks(rows.size(), 0);
   parallel_for("cgcontact::pressure_estimate::border", rows.size(), 128, [&](std::size_t i) {
     const ContactRow& row = rows[i];
     if (!counts(row)) return;
     const double reach = options.spoilt_at_edge * row.larger_cell;
-    (row.active ? open : closed).each_near(row.x, [&](int k) {
+    const Near& around = near.at(row.larger_cell);
+    (row.active ? around.open : around.closed).each_near(row.x, [&](int k) {
       const ContactRow& other = rows[k];
-      if (other.body == row.body && other.normal.dot(row.normal) > same_side && (other.x - row.x).norm() < reach)
+      if (!marks[i] && other.body == row.body && other.normal.dot(row.normal) > same_side &&
+          (other.x - row.x).norm() < reach)
         marks[i] = 1;
     });
   });

@@ -106,26 +106,33 @@ PatchProblem coarsened(const PatchProblem& fine, const CoarsePatches& coarse) {
 
 FaceSolution solve_nested(const ExecSpace& exec, const PatchProblem& problem, const FaceOptions& options,
                           std::vector<double>& p) {
-  const FaceGrid& grid = problem.grid;
-  std::vector<char> may_press = problem.may_press;
-  if (const CoarsePatches coarse = coarse_patches(grid); coarse.any()) {
-    std::vector<double> found = coarse.means(p, may_press);
+  PatchProblem part = problem;
+  PatchBox box{{0, 0}, problem.grid.size};
+  if (const CoarsePatches coarse = coarse_patches(problem.grid); coarse.any()) {
+    std::vector<double> found = coarse.means(p, problem.may_press);
     FaceOptions start = options;
     start.tolerance = std::sqrt(options.tolerance);
     solve_nested(exec, coarsened(problem, coarse), start, found);
-    for (int n = 0; n < grid.num_patches(); ++n) p[n] = may_press[n] ? found[coarse.parent[n]] : 0;
-    narrow(coarse, found, may_press);
+    for (std::size_t n = 0; n < p.size(); ++n) p[n] = problem.may_press[n] ? found[coarse.parent[n]] : 0;
+    narrow(coarse, found, part.may_press);
+    box = box_of(part.grid, part.may_press);
+    part = cut_out(part, box);
   }
+  const FaceGrid& grid = part.grid;
+  const std::vector<int> patches = patches_of(problem.grid, box);
+  std::vector<double> start;
+  for (const int n : patches) start.push_back(p[n]);
   const HalfSpace::Patches gap("cgcontact::patch_problem::gap", grid.size[0], grid.size[1]),
       pressure("cgcontact::patch_problem::pressure", grid.size[0], grid.size[1]);
   const HalfSpace::Marks marks("cgcontact::patch_problem::may_press", grid.size[0], grid.size[1]);
-  to_device(grid, problem.gap, gap);
-  to_device(grid, p, pressure);
-  to_device(grid, may_press, marks);
+  to_device(grid, part.gap, gap);
+  to_device(grid, start, pressure);
+  to_device(grid, part.may_press, marks);
   const FaceSolution solution = solve_face_problem(exec, grid, HalfSpace(exec, grid, problem.modulus), gap, marks,
                                                    problem.force, options.tolerance, options.max_iterations, pressure);
   const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), pressure);
-  for (int n = 0; n < grid.num_patches(); ++n) p[n] = host(n / grid.size[1], n % grid.size[1]);
+  std::fill(p.begin(), p.end(), 0.0);
+  for (std::size_t k = 0; k < patches.size(); ++k) p[patches[k]] = host(k / grid.size[1], k % grid.size[1]);
   return solution;
 }
 

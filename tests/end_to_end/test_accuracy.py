@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 # timeout: 200
 """Runs to an accuracy from the scene file: the true error is below the target and the estimate above the true error, wherever
 the grids lie and however small the zone is; limits stop a run in plain words; what cannot be is refused with a message."""

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 """Scenes that once stopped without a solution: small bodies with refined cells on turned grids, rigid bodies between elastic
 ones, bodies that nothing touches, first grids that are too coarse, grids of an adaptive run that do not converge."""
 import math

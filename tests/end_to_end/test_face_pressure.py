@@ -1,3 +1,4 @@
+# threads
 # timeout: 120
 """recovery.pressure = "face": the contact pressure as a problem on the face of each zone. On zones of few cells it is better than
 that of the stress wherever the grids lie; where it does not apply report.json says so and the pressure is that of the stress."""

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 """Large grids start from solutions on coarser ones: the same answer in fewer outer iterations, where zones are wide enough."""
 import unittest
 

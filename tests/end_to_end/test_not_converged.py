@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 """A run that does not converge ends with exit code 2, says why, and still writes results, marked so."""
 import pathlib
 import unittest

@@ -1,3 +1,4 @@
+# threads
 """No hole in the pressure where the contact first touches: a box that cuts a quarter or a half out of a round body often touches it
 tangentially just there, and rounding leaves a strip of the box's face of no width. Hertz's answers, many positions of the grids."""
 import math

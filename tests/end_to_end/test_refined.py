@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 """Locally refined grids from the scene file: exact where the solution is linear, as accurate as uniform grids of the finest
 cells where it is not, with a fraction of the unknowns; what cannot be is refused with a message."""
 import pathlib

@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 """What a run writes is complete, readable and consistent: report, contact.csv, fields, pictures; and forces balance."""
 import math
 import os

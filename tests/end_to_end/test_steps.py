@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 """Loads in steps, as a user sees them: report, steps.csv and picture agree; check and study know them."""
 import csv
 import pathlib

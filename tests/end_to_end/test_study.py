@@ -1,4 +1,5 @@
 #!/usr/bin/python3
+# threads
 """cgcontact study: its table agrees with the runs, failures are rows of it, and stopping it loses nothing."""
 import csv
 import json

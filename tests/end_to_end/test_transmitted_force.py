@@ -1,3 +1,4 @@
+# threads
 """The recovered contact pressure carries the force that the solution transmits, also where contact ends at a corner, a
 fillet or a knife edge; and where contact is open it is zero, whatever else acts beside it."""
 import csv

@@ -1,3 +1,4 @@
+# threads
 """The verdict: how many cells lie across the contact zone, and which estimates of errors are given then. Scenes with Hertz's answer."""
 import math
 import pathlib
