@@ -58,11 +58,7 @@ std::vector<EdgePiece> edge_of_zone(const SolvedZone& zone) {
     const int patch = patch_at(border.place);
     FacePlace slope = FacePlace::Zero();  // of the face's height
     for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
-      std::array<int, 2> step{0, 0};
-      step[a] = 1;
-      const int after = grid.beyond(patch, step);
-      step[a] = -1;
-      const int before = grid.beyond(patch, step);
+      const auto [before, after] = grid.beside(patch, a);
       if (after < 0 || before < 0 || !zone.known[after] || !zone.known[before]) continue;
       slope[a] = (zone.height[after] - zone.height[before]) / (2 * grid.spacing[a]);
     }

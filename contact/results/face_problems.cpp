@@ -41,13 +41,9 @@ bool reaches_end(const ZonePatches& patches, const FaceZone& zone) {
   for (const FaceShare& share : zone.shares) {
     if (!(zone.groups[share.group].force > 0)) continue;
     for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a)
-      for (const int step : {-1, 1}) {
-        std::array<int, 2> steps{0, 0};
-        steps[a] = step;
-        const int next = grid.beyond(share.patch, steps);
+      for (const int next : grid.beside(share.patch, a))
         if (next < 0 || patches.shares()[next].empty())
           end[share.group] += share.part * (grid.plane_strain ? patches.h() : grid.spacing[1 - a]);
-      }
   }
   double at_end = 0, force = 0;
   for (std::size_t g = 0; g < zone.groups.size(); ++g) {

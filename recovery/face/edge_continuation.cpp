@@ -106,11 +106,7 @@ class EdgeContinuation {
   double half_change(const std::vector<double>& square, int patch) const {
     double sum = 0;
     for (int a = grid_.plane_strain ? 1 : 0; a < 2; ++a) {
-      std::array<int, 2> step{0, 0};
-      step[a] = 1;
-      const int after = grid_.beyond(patch, step);
-      step[a] = -1;
-      const int before = grid_.beyond(patch, step);
+      const auto [before, after] = grid_.beside(patch, a);
       if (before >= 0 && after >= 0) sum += std::pow((square[after] - square[before]) / 2, 2);
     }
     return std::sqrt(sum) / 2;

@@ -45,6 +45,13 @@ struct FaceGrid {
     }
     return at[0] * size[1] + at[1];
   }
+  /// The patches so many steps before and after another one along an axis, as `beyond` has them.
+  std::array<int, 2> beside(int patch, int axis, int steps = 1) const {
+    std::array<int, 2> forward{0, 0}, backward{0, 0};
+    forward[axis] = steps;
+    backward[axis] = -steps;
+    return {beyond(patch, backward), beyond(patch, forward)};
+  }
   /// Row and column of the patch at a place, in its image behind a symmetry plane too; beyond free ends they are none.
   std::array<int, 2> index_of(const FacePlace& place) const {
     const FacePlace x = folded(place);

@@ -12,14 +12,6 @@ namespace {
 
 using Patches = HalfSpace::Patches;
 
-/// The patches so many steps before and after another one along an axis; -1: none.
-std::array<int, 2> beside(const FaceGrid& grid, int patch, int axis, int step) {
-  std::array<int, 2> forward{0, 0}, backward{0, 0};
-  forward[axis] = step;
-  backward[axis] = -step;
-  return {grid.beyond(patch, backward), grid.beyond(patch, forward)};
-}
-
 /// Patches in a length along an axis, at least one.
 int steps_in(const FaceGrid& grid, int axis, double length) {
   return std::max(1, static_cast<int>(std::lround(length / grid.spacing[axis])));
@@ -30,7 +22,7 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
   double sum = 0;
   for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a) {
     const int step = steps_in(grid, a, h);
-    const auto [before, after] = beside(grid, patch, a, step);
+    const auto [before, after] = grid.beside(patch, a, step);
     if (before < 0 || after < 0) continue;
     const double part = h / (step * grid.spacing[a]);
     sum += part * part * (values[before] - 2 * values[patch] + values[after]);
@@ -144,7 +136,7 @@ std::vector<double> changes_of_curvature(const FaceZone& zone) {
     std::vector<double> curvature(grid.num_patches(), 0.0);
     std::vector<char> known(grid.num_patches(), 0);
     for (int n = 0; n < grid.num_patches(); ++n) {
-      const auto [before, after] = beside(grid, n, a, step);
+      const auto [before, after] = grid.beside(n, a, step);
       if (before < 0 || after < 0 || !zone.inside[n] || !zone.inside[before] || !zone.inside[after]) continue;
       known[n] = 1;
       curvature[n] = (zone.distance[before] - 2 * zone.distance[n] + zone.distance[after]) * zone.h / (length * length);

@@ -71,9 +71,7 @@ std::vector<BorderPoint> border_of_zone(const FaceGrid& grid, const std::vector<
     if (!inside[n] || !(square[n] > 0)) continue;
     for (int a = grid.plane_strain ? 1 : 0; a < 2; ++a)
       for (const int side : {-1, 1}) {
-        std::array<int, 2> step{0, 0};
-        step[a] = side;
-        const int next = grid.beyond(n, step);
+        const int next = grid.beside(n, a)[side > 0];
         if (next < 0 || next == n || !inside[next] || square[next] > 0) continue;
         Quadratic c;
         if (!fit(grid, square, inside, n, reach, c)) continue;
