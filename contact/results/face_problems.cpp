@@ -126,9 +126,8 @@ FaceZone make_zone(const SolvedState& state, const PairGroups& face, const std::
       zone.shares.push_back({static_cast<int>(n), number[g], part});
     }
     const Vec3 x = patches.flat(patches.grid().centre(static_cast<int>(n)));
-    closed_points.each_near(x, [&](int k) {
-      if ((patches.places()[k] - x).norm() < beyond_closed * h) zone.may_press[n] = 1;
-    });
+    zone.may_press[n] =
+        closed_points.any_near(x, [&](int k) { return (patches.places()[k] - x).norm() < beyond_closed * h; });
   }
   return zone;
 }

@@ -49,11 +49,9 @@ std::vector<char> rows_at_border(const std::vector<ContactRow>& rows, int pair, 
     if (!counts(row)) return;
     const double reach = options.spoilt_at_edge * row.larger_cell;
     const Near& around = near.at(row.larger_cell);
-    (row.active ? around.open : around.closed).each_near(row.x, [&](int k) {
+    marks[i] = (row.active ? around.open : around.closed).any_near(row.x, [&](int k) {
       const ContactRow& other = rows[k];
-      if (!marks[i] && other.body == row.body && other.normal.dot(row.normal) > same_side &&
-          (other.x - row.x).norm() < reach)
-        marks[i] = 1;
+      return other.body == row.body && other.normal.dot(row.normal) > same_side && (other.x - row.x).norm() < reach;
     });
   });
   return marks;

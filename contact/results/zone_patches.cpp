@@ -78,9 +78,8 @@ bool ZonePatches::gather_points() {
   bool open = false;
   for (std::size_t q = 0; q < pair_.points.size(); ++q) {
     const Vec3 x = pair_.points.x(q), n = pair_.points.normal(q);
-    bool near = false;
-    buckets.each_near(x, [&](int k) {
-      near = near || ((pair_.points.x(k) - x).norm() < reach && pair_.points.normal(k).dot(n) > same_side);
+    const bool near = mine[pair_.points.group(q)] || buckets.any_near(x, [&](int k) {
+      return (pair_.points.x(k) - x).norm() < reach && pair_.points.normal(k).dot(n) > same_side;
     });
     if (!near) continue;
     near_.push_back(static_cast<int>(q));

@@ -19,12 +19,22 @@ class PointBuckets {
   /// use(index) for all points within the reach of x, and some others.
   template <class Use>
   void each_near(const Vec3& x, const Use& use) const {
+    any_near(x, [&](int index) {
+      use(index);
+      return false;
+    });
+  }
+  /// Asks is(index) of the same points until it holds for one: does it for any?
+  template <class Is>
+  bool any_near(const Vec3& x, const Is& is) const {
     const Bucket centre = bucket(x);
     for (int n = 0; n < 27; ++n) {
       const auto found = buckets_.find({centre[0] + n % 3 - 1, centre[1] + n / 3 % 3 - 1, centre[2] + n / 9 - 1});
       if (found == buckets_.end()) continue;
-      for (int index : found->second) use(index);
+      for (int index : found->second)
+        if (is(index)) return true;
     }
+    return false;
   }
 
  private:
