@@ -1,5 +1,6 @@
 #include "recovery/face/half_space.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cgcontact {
@@ -29,25 +30,36 @@ KOKKOS_FUNCTION double strip(double x, double a) {
   return -2 * (f(x + a) - f(x - a));
 }
 
-/// What with_periods needs of a grid.
+/// Sides of a patch: beyond so many the first two terms of the integral's series are right to 1e-9, and the integral
+/// itself would lose as many digits.
+constexpr double far_away = 100;
+
+/// The same for a rectangle that is far away: its area at its centre, and the second moments.
+KOKKOS_FUNCTION double far_rectangle(double x, double y, double a, double b) {
+  const double squared = x * x + y * y, r = std::sqrt(squared);
+  return 4 * a * b / r *
+         (1 + ((3 * x * x - squared) * a * a + (3 * y * y - squared) * b * b) / (6 * squared * squared));
+}
+
+/// What with_periods needs of a grid. It depends on the length of an axis where that is a period alone.
 struct Lattice {
   double spacing[2], period[2], area, far;
   int num_periods[2];
   bool plane_strain;
 
-  explicit Lattice(const FaceGrid& grid) : area(grid.area()), far(0), plane_strain(grid.plane_strain) {
+  explicit Lattice(const FaceGrid& grid)
+      : area(grid.area()), far(far_away * std::max(grid.spacing[0], grid.spacing[1])), plane_strain(grid.plane_strain) {
     for (int a = 0; a < 2; ++a) {
       spacing[a] = grid.spacing[a];
       period[a] = 2 * grid.size[a] * grid.spacing[a];
       num_periods[a] = grid.end[a] == FaceEnd::period ? cgcontact::num_periods : 0;
-      far += period[a];
     }
   }
 
   KOKKOS_FUNCTION double one(double x, double y) const {
     if (plane_strain) return strip(y, 0.5 * spacing[1]);
-    const double r = std::hypot(x, y);
-    return r > far ? area / r : rectangle(x, y, 0.5 * spacing[0], 0.5 * spacing[1]);
+    const double a = 0.5 * spacing[0], b = 0.5 * spacing[1];
+    return x * x + y * y > far * far ? far_rectangle(x, y, a, b) : rectangle(x, y, a, b);
   }
 
   /// Sums the integrals at the offset (x, y) and all its periods, less what is the same everywhere.

@@ -143,6 +143,39 @@ TEST(HalfSpace, Rectangle) {
   EXPECT_NEAR(influence(1, -1) * pi * 2, sum, 1e-6);
 }
 
+/// Long patches far away, on both sides of where the series takes over: sums of small ones, to 1e-8 (four terms of a
+/// series in 1/100).
+TEST(HalfSpace, LongPatchesFarAway) {
+  FaceGrid grid;
+  grid.size = {4, 4};
+  grid.spacing = {2, 0.1};
+  for (const std::array<int, 2> at : {std::array<int, 2>{99, 3}, {101, 3}, {3, 1990}, {3, 2010}, {80, 1500}}) {
+    double sum = 0;
+    const int n = 400, m = 4;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < m; ++j)
+        sum += 0.2 / (n * m) / std::hypot(2 * at[0] - 1 + (i + 0.5) * 2 / n, 0.1 * at[1] - 0.05 + (j + 0.5) * 0.1 / m);
+    EXPECT_NEAR(HalfSpace::influence(grid, 2.0, at[0], at[1]) * pi * 2 / sum, 1, 1e-8) << at[0] << " " << at[1];
+  }
+}
+
+/// A grid that is cut at its free ends has the same influences, whatever its periods: problems on fewer patches, where
+/// others do not press, have the same solution.
+TEST(HalfSpace, IsThatOfAPart) {
+  for (const FaceEnd end : {FaceEnd::free, FaceEnd::mirror, FaceEnd::period}) {
+    FaceGrid whole, part;
+    whole.size = {3, 72};
+    part.size = {3, 24};
+    for (FaceGrid* grid : {&whole, &part}) {
+      grid->spacing = {0.5, 0.1};
+      grid->end = {end, FaceEnd::free};
+    }
+    for (int j = 0; j < 24; ++j)
+      for (int i = 0; i < 3; ++i)
+        EXPECT_DOUBLE_EQ(HalfSpace::influence(part, 2.0, i, j), HalfSpace::influence(whole, 2.0, i, j));
+  }
+}
+
 /// The product is the plain sum over all patches and their images, whatever the ends of the axes, to rounding.
 TEST(HalfSpace, SumOverPatchesAndImages) {
   const FaceEnd ends[] = {FaceEnd::free, FaceEnd::mirror, FaceEnd::period};
