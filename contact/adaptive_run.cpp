@@ -7,6 +7,7 @@
 
 #include "contact/model/memory.hpp"
 #include "contact/results/peak_estimate.hpp"
+#include "contact/results/small_strain.hpp"
 #include "core/base/ranks.hpp"
 #include "core/base/text.hpp"
 #include "core/results/answer.hpp"
@@ -309,6 +310,10 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
     }
     if (errors.met) {
       figures_.reached = true;
+      break;
+    }
+    if (const std::string text = converged ? beyond_all_grids(simulation_->state) : ""; !text.empty()) {
+      figures_.text = text;
       break;
     }
     if (const std::string text = standstill(); !text.empty()) {

@@ -69,6 +69,18 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
   return all;
 }
 
+StrainExtremes extremes_of(const SolvedState& state, std::size_t b) {
+  return find_extremes(state.bodies[b].cut_cells, state.system.meshes[b], state.outer.u, state.outer.rigid_parts[b],
+                       state.scales.length);
+}
+
+/// Longest side of its bounding box, m.
+double size_of(const BodySpec& spec) {
+  Vec3 low, high;
+  spec.solid.bounding_box(low, high);
+  return (high - low).maxCoeff();
+}
+
 std::string at(const Vec3& x) { return fmt::format(" at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
 
 }  // namespace
@@ -76,16 +88,12 @@ std::string at(const Vec3& x) { return fmt::format(" at ({:.4g}, {:.4g}, {:.4g})
 std::vector<std::string> small_strain_warnings(const SolvedState& state, const Results& results) {
   std::vector<std::string> warnings;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
-    const CutCells& cc = state.bodies[b].cut_cells;
     const BodySpec& spec = *state.bodies[b].spec;
-    const StrainExtremes extremes =
-        find_extremes(cc, state.system.meshes[b], state.outer.u, state.outer.rigid_parts[b], state.scales.length);
+    const StrainExtremes extremes = extremes_of(state, b);
     Largest pressure;
     for (const ContactRow& row : results.contact_rows)
       if (row.body == static_cast<int>(b)) pressure.add(row.pressure_sprc, row.x);
-    Vec3 low, high;
-    spec.solid.bounding_box(low, high);
-    const double size = (high - low).maxCoeff(), modulus = spec.material.youngs_modulus;
+    const double size = size_of(spec), modulus = spec.material.youngs_modulus;
     const ResultOptions& limits = state.scene.results;
     std::string text;
     const auto add = [&](bool too_large, const std::string& part) {
@@ -106,6 +114,20 @@ std::vector<std::string> small_strain_warnings(const SolvedState& state, const R
                       spec.name, text));
   }
   return warnings;
+}
+
+std::string beyond_all_grids(const SolvedState& state) {
+  for (std::size_t b = 0; b < state.bodies.size(); ++b) {
+    const BodySpec& spec = *state.bodies[b].spec;
+    const StrainExtremes extremes = extremes_of(state, b);
+    const double way = extremes.displacement.value / size_of(spec);
+    if (extremes.strain.value > 1 && way > 1)
+      return fmt::format(
+          "body \"{}\": strain {:.2g} %, displacement {:.2g} % of its size, which finer cells do not change "
+          "(E = {:.2g} Pa, is a unit wrong?)",
+          spec.name, 100 * extremes.strain.value, 100 * way, spec.material.youngs_modulus);
+  }
+  return "";
 }
 
 }  // namespace cgcontact

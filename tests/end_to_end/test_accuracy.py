@@ -151,6 +151,13 @@ class Accuracy(unittest.TestCase):
         self.assertRegex(run["accuracy"]["text"], "accuracy.max_solves = 2")
         self.assertEqual(len(run["accuracy"]["solves"]), 2)
 
+    def test_what_no_grid_can_mend_ends_the_refinement(self):
+        """A force in the wrong unit strains a body by more than itself: said after the first solve that sees it."""
+        run = self.run_scene("ball_on_plate", "accuracy.pressure=1%", "F=5e8")
+        self.assertFalse(run["accuracy"]["reached"])
+        self.assertRegex(run["accuracy"]["text"], r"body \".*\": strain .* finer cells do not change .*is a unit wrong")
+        self.assertEqual(len(run["accuracy"]["solves"]), 1)
+
     def test_targets_beyond_all_limits_use_what_is_allowed(self):
         """However far off the target, every solve has a larger grid than the one before, the last one near the limit."""
         for target in (1e-5, 1e-9, 1e-15):
