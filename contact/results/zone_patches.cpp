@@ -47,6 +47,11 @@ ZonePatches::ZonePatches(const SolvedState& state, const PairGroups& face, const
     for (const int g : closed) nearest = std::min(nearest, std::abs(plane.distance(face.groups()[g].centre)));
     if (nearest < h_) planes_.push_back(plane);
   }
+  for (const ContactGroup& group : pair_.groups) {
+    const CutCells& cc = state.bodies[group.body].cut_cells;
+    const Vec3 border = Vec3::Constant(same_cell * cc.size(group.cell)), low = cc.corner(group.cell);
+    cells_.push_back({low - border, low + Vec3::Constant(cc.size(group.cell)) + border, group.body == pair_.primary});
+  }
 }
 
 std::optional<ZonePatches> ZonePatches::make(const SolvedState& state, const PairGroups& face,
@@ -168,15 +173,6 @@ std::vector<int> ZonePatches::groups_near(int patch) const {
   return groups;
 }
 
-/// Tells whether a place of the face, given those of both bodies there, is in the cell of a group.
-bool ZonePatches::holds(int g, const Vec3& primary, const Vec3& secondary) const {
-  const ContactGroup& group = pair_.groups[g];
-  const CutCells& cc = state_.bodies[group.body].cut_cells;
-  const Vec3 inside =
-      ((group.body == pair_.primary ? primary : secondary) - cc.corner(group.cell)) / cc.size(group.cell);
-  return inside.minCoeff() >= -same_cell && inside.maxCoeff() <= 1 + same_cell;
-}
-
 /// Parts of a patch by the groups whose cells hold some places spread over it; of several the nearest, where none
 /// does the nearest as well.
 std::vector<std::pair<int, double>> ZonePatches::shares_of(int patch, const FacePlace& place, const Vec3& x,
@@ -189,15 +185,22 @@ std::vector<std::pair<int, double>> ZonePatches::shares_of(int patch, const Face
   const Vec3 middle = chart_->point(place), across = other.to_global(opposite.position);
   const int samples = std::max(min_samples, static_cast<int>(samples_per_cell * grid_.spacing[1] / h_)),
             rows = grid_.plane_strain ? 1 : samples;
+  const auto group_at = [&](int i, int j) {
+    const FacePlace step((grid_.plane_strain ? 0 : (i + 0.5) / rows - 0.5) * grid_.spacing[0],
+                         ((j + 0.5) / samples - 0.5) * grid_.spacing[1]);
+    const Vec3 shift = chart_->point(place + step) - middle;
+    const Vec3 primary = own.to_grid(x + shift), secondary = other.to_grid(across + shift);
+    const auto holding =
+        std::find_if(groups.begin(), groups.end(), [&](int g) { return cells_[g].holds(primary, secondary); });
+    return holding == groups.end() ? groups.front() : *holding;
+  };
+  // A cell that holds the corners holds all.
+  const auto is_nearest = [&](int i, int j) { return group_at(i, j) == groups.front(); };
+  if (is_nearest(0, 0) && is_nearest(0, samples - 1) && is_nearest(rows - 1, 0) && is_nearest(rows - 1, samples - 1))
+    return {{groups.front(), 1.0}};
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < samples; ++j) {
-      const FacePlace step((grid_.plane_strain ? 0 : (i + 0.5) / rows - 0.5) * grid_.spacing[0],
-                           ((j + 0.5) / samples - 0.5) * grid_.spacing[1]);
-      const Vec3 shift = chart_->point(place + step) - middle;
-      const Vec3 primary = own.to_grid(x + shift), secondary = other.to_grid(across + shift);
-      const auto holding =
-          std::find_if(groups.begin(), groups.end(), [&](int g) { return holds(g, primary, secondary); });
-      const int g = holding == groups.end() ? groups.front() : *holding;
+      const int g = group_at(i, j);
       const auto known =
           std::find_if(shares.begin(), shares.end(), [&](const auto& share) { return share.first == g; });
       if (known == shares.end())

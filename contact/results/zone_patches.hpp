@@ -42,10 +42,20 @@ class ZonePatches {
   bool lay_grid();
   void assign_points();
   std::vector<int> groups_near(int patch) const;
-  bool holds(int g, const Vec3& primary, const Vec3& secondary) const;
   std::vector<std::pair<int, double>> shares_of(int patch, const FacePlace& place, const Vec3& x,
                                                 const OppositePoint& opposite) const;
   void place_patches();
+
+  /// Cell of a group, in its body's grid coordinates.
+  struct Cell {
+    Vec3 low, high;
+    bool primary;
+    /// Is the place of the body that it belongs to in it?
+    bool holds(const Vec3& of_primary, const Vec3& of_secondary) const {
+      const Vec3& x = primary ? of_primary : of_secondary;
+      return (x.array() >= low.array()).all() && (x.array() <= high.array()).all();
+    }
+  };
 
   const SolvedState& state_;
   const PairGroups& face_;
@@ -56,6 +66,7 @@ class ZonePatches {
   int across_ = -1;
   std::vector<SymmetryPlane> planes_;
   std::vector<int> near_;
+  std::vector<Cell> cells_;  ///< of all groups
   std::optional<FaceChart> chart_;
   FaceGrid grid_;
   std::optional<PointBuckets> points_;  ///< near_, by places_

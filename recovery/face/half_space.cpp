@@ -16,12 +16,13 @@ constexpr int block = 16;
 
 /// Integral of 1/r over the rectangle |xi| < a, |eta| < b seen from (x, y), m.
 KOKKOS_FUNCTION double rectangle(double x, double y, double a, double b) {
-  const auto part = [](double u, double above, double below) {
-    return u == 0 ? 0.0 : u * std::log((above + std::hypot(above, u)) / (below + std::hypot(below, u)));
-  };
-  x = std::abs(x);
-  y = std::abs(y);
-  return part(x + a, y + b, y - b) + part(y + b, x + a, x - a) - part(x - a, y + b, y - b) - part(y - b, x + a, x - a);
+  const double right = std::abs(x) + a, left = std::abs(x) - a, upper = std::abs(y) + b, lower = std::abs(y) - b;
+  const auto length = [](double u, double v) { return std::sqrt(u * u + v * v); };
+  const double upper_right = length(upper, right), upper_left = length(upper, left), lower_right = length(lower, right),
+               lower_left = length(lower, left);
+  const auto part = [](double u, double above, double below) { return u == 0 ? 0.0 : u * std::log(above / below); };
+  return part(right, upper + upper_right, lower + lower_right) + part(upper, right + upper_right, left + upper_left) -
+         part(left, upper + upper_left, lower + lower_left) - part(lower, right + lower_right, left + lower_left);
 }
 
 /// Minus twice the integral of ln|x - xi| over |xi| < a, m.
