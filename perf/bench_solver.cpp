@@ -255,7 +255,7 @@ class Way {
 void solve_with_multigrid(const ElasticSystem& system, const RealView& b, const RealView& x, Way& way) {
   Kokkos::deep_copy(x, 0.0);
   way.start();
-  LinearSolver solver(system, Preconditioner::multigrid);
+  LinearSolver solver(ExecSpace(), system, Preconditioner::multigrid);
   solver.update();
   way.lap(way.setup_s);
   way.set_up();

@@ -12,6 +12,8 @@ namespace {
 constexpr double point_spacing = 0.7;
 /// A place at the border of a cell is in it, part of the cell.
 constexpr double same_cell = 1e-6;
+/// A place that moves by less, part of a cell, is on the surface: the distance is seen to 1e-9 of the cell's error.
+constexpr double on_surface = 1e-9;
 /// Places along a cell, and along a patch at least, that are looked at for whose they are.
 constexpr int samples_per_cell = 48, min_samples = 4;
 /// Per cell, along a zone that goes on behind symmetry planes at both ends.
@@ -238,7 +240,9 @@ void ZonePatches::place_patches() {
       normal = gradient.dot(near_normal) < 0 ? Vec3(-gradient) : gradient;
       const double slope = gradient.dot(up);
       if (!(std::abs(slope) > 0.1)) break;
-      x -= surface.signed_distance(g) * grid.cell_size / slope * up;
+      const double step = surface.signed_distance(g) * grid.cell_size / slope;
+      x -= step * up;
+      if (std::abs(step) < on_surface * h_) break;
     }
     if (!((x - near).norm() < 2 * point_spacing * h_)) {
       nearest_[n] = -1;

@@ -78,7 +78,7 @@ struct ContactSolver::Impl {
 ContactSolver::Impl::Impl(const OuterProblem& problem, const SolvedState* earlier)
     : problem_(problem),
       earlier_(earlier),
-      solver_(problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns,
+      solver_(problem.exec, problem.system, problem.scene.solver.preconditioner, problem.scene.solver.shared_unknowns,
               problem.scene.solver.method),
       now_(problem),
       right_hand_side_(problem) {

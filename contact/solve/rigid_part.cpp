@@ -44,7 +44,7 @@ void RigidParts::set_aside(const ExecSpace& exec, const RealView& u) {
   for (std::size_t b = 0; b < meshes_.size(); ++b) {
     const BodyMesh& mesh = meshes_[b];
     const Grid& grid = mesh.cut_cells->grid;
-    const NodeSums found = sums_of_nodes(mesh, centre_[b], u, exec);
+    const NodeSums found = sums_of_nodes(exec, mesh, centre_[b], u);
     Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
     Vec3 rotation = inertia_[b].llt().solve(found.moment);
     if (mesh.in_plane_strain()) {  // the others are zero, but for rounding
@@ -57,7 +57,7 @@ void RigidParts::set_aside(const ExecSpace& exec, const RealView& u) {
           Kokkos::subview(u, std::pair(dof_offset(mesh.first_node), dof_offset(mesh.first_node + mesh.num_nodes))),
           0.0);
     else
-      add_rigid_motion(mesh, centre_[b], -translation, -rotation, u, exec);
+      add_rigid_motion(exec, mesh, centre_[b], -translation, -rotation, u);
     parts_[b].translation += length_ * (grid.rotation * translation);
     parts_[b].rotation += length_ / grid.cell_size * (grid.rotation * rotation);
   }

@@ -36,7 +36,8 @@ Vec3 centre_of_nodes(const BodyMesh& mesh) {
   return centre / mesh.num_nodes;
 }
 
-NodeSums sums_of_nodes(const BodyMesh& mesh, const Vec3& centre, const RealView& u, const ExecSpace& exec) {
+NodeSums sums_of_nodes(const ExecSpace& exec, const BodyMesh& mesh, const Vec3& centre,
+                       const Kokkos::View<const double*, MemSpace>& u) {
   const int num_nodes = mesh.num_nodes, num_blocks = (num_nodes + block - 1) / block;
   const std::size_t first = dof_offset(mesh.first_node);
   const NodePlaces places(mesh, centre);
@@ -62,8 +63,8 @@ NodeSums sums_of_nodes(const BodyMesh& mesh, const Vec3& centre, const RealView&
   return all;
 }
 
-void add_rigid_motion(const BodyMesh& mesh, const Vec3& centre, const Vec3& translation, const Vec3& rotation,
-                      const RealView& u, const ExecSpace& exec) {
+void add_rigid_motion(const ExecSpace& exec, const BodyMesh& mesh, const Vec3& centre, const Vec3& translation,
+                      const Vec3& rotation, const RealView& u) {
   const NodePlaces places(mesh, centre);
   const std::size_t first = dof_offset(mesh.first_node);
   Kokkos::parallel_for(

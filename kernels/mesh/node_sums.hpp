@@ -14,11 +14,11 @@ struct NodeSums {
 };
 
 /// u: of all bodies. In a fixed order: the same on any number of threads.
-NodeSums sums_of_nodes(const BodyMesh& mesh, const Vec3& centre, const RealView& u,
-                       const ExecSpace& exec = ExecSpace());
+NodeSums sums_of_nodes(const ExecSpace& exec, const BodyMesh& mesh, const Vec3& centre,
+                       const Kokkos::View<const double*, MemSpace>& u);
 
 /// u += translation + rotation x (x - centre).
-void add_rigid_motion(const BodyMesh& mesh, const Vec3& centre, const Vec3& translation, const Vec3& rotation,
-                      const RealView& u, const ExecSpace& exec = ExecSpace());
+void add_rigid_motion(const ExecSpace& exec, const BodyMesh& mesh, const Vec3& centre, const Vec3& translation,
+                      const Vec3& rotation, const RealView& u);
 
 }  // namespace cgcontact

@@ -40,19 +40,20 @@ void add_cycles(const std::vector<long long>& more, std::vector<long long>& cycl
 /// Another preconditioner, whose result is made consistent (DofMap): MueLu knows the free values only.
 class Consistent : public TpetraOperator {
  public:
-  Consistent(RCP<const TpetraOperator> inner, const DofMap& dofs) : inner_(std::move(inner)), dofs_(dofs) {}
+  Consistent(const ExecSpace& exec, RCP<const TpetraOperator> inner, const DofMap& dofs)
+      : exec_(exec), inner_(std::move(inner)), dofs_(dofs) {}
 
   RCP<const TpetraMap> getDomainMap() const override { return inner_->getDomainMap(); }
   RCP<const TpetraMap> getRangeMap() const override { return inner_->getRangeMap(); }
   void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override {
     inner_->apply(X, Y, mode, alpha, beta);
-    const ExecSpace exec;
     const auto y = Kokkos::subview(Y.getLocalViewDevice(Tpetra::Access::ReadWrite), Kokkos::ALL, 0);
-    apply_constraints(exec, dofs_, y);
-    exec.fence();
+    apply_constraints(exec_, dofs_, y);
+    exec_.fence();
   }
 
  private:
+  ExecSpace exec_;
   RCP<const TpetraOperator> inner_;
   const DofMap& dofs_;
 };
@@ -68,7 +69,7 @@ class WithRigidMotions : public TpetraOperator {
   void apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha, double beta) const override {
     inner_->apply(X, Y, mode, alpha, beta);
     const auto n = static_cast<std::size_t>(X.getLocalLength());
-    const RealView r(const_cast<double*>(X.getLocalViewDevice(Tpetra::Access::ReadOnly).data()), n);
+    const RigidCoarseSpace::Forces r(X.getLocalViewDevice(Tpetra::Access::ReadOnly).data(), n);
     const RealView z(Y.getLocalViewDevice(Tpetra::Access::ReadWrite).data(), n);
     motions_.correct(r, z);
   }
@@ -81,6 +82,7 @@ class WithRigidMotions : public TpetraOperator {
 }  // namespace
 
 struct LinearSolver::Impl {
+  ExecSpace exec;
   const ElasticSystem& system;
   Preconditioner kind;
   LinearMethod method;
@@ -115,7 +117,7 @@ struct LinearSolver::Impl {
 
   void look_for_rigid_motions() {
     if (!std::exchange(wants_motions, false)) return;
-    auto motions = std::make_unique<RigidCoarseSpace>(system);
+    auto motions = std::make_unique<RigidCoarseSpace>(exec, system);
     has_no_motions = motions->empty();
     if (has_no_motions) return;
     rigid_motions = std::move(motions);
@@ -128,7 +130,7 @@ struct LinearSolver::Impl {
     const std::vector<double> stiffness = group_stiffness(system);
     if (!preconditioner.is_null() && !changed_much(muelu_groups, stiffness)) return;
     const RCP<TpetraOperator> muelu = make_muelu(system, map);
-    preconditioner = on_rigid_motions(rcp(new Consistent(muelu, system.dofs)));
+    preconditioner = on_rigid_motions(rcp(new Consistent(exec, muelu, system.dofs)));
     muelu_groups = stiffness;
     ++report.setups;
     report.muelu_unknowns = muelu_levels(*muelu);
@@ -161,9 +163,9 @@ struct LinearSolver::Impl {
 };
 
 /// With rigid bodies every rank solves the whole.
-LinearSolver::LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns,
-                           LinearMethod method)
-    : impl_(new Impl{system, preconditioner, method, RigidBodies(system)}) {
+LinearSolver::LinearSolver(const ExecSpace& exec, const ElasticSystem& system, Preconditioner preconditioner,
+                           int shared_unknowns, LinearMethod method)
+    : impl_(new Impl{exec, system, preconditioner, method, RigidBodies(exec, system)}) {
   if (!is_flexible(method)) impl_->settings.coarse_steps = 0;
   if (shared_unknowns >= 0) impl_->settings.shared_unknowns = shared_unknowns;
   if (impl_->rigid_bodies.empty()) return;
@@ -229,10 +231,10 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
   const RealView own_b("cgcontact::linear_solver::own_b", n), own_x("cgcontact::linear_solver::own_x", n);
   share->to_local(b, own_b);
   share->to_local(x, own_x);
-  zero_others(ExecSpace(), share->system().dofs, own_b);
+  zero_others(impl_->exec, share->system().dofs, own_b);
   const LinearSolveResult result = impl_->solve(own_b, own_x, tolerance, max_iterations);
   share->to_whole(own_x, x);
-  apply_constraints(ExecSpace(), impl_->system.dofs, x);
+  apply_constraints(impl_->exec, impl_->system.dofs, x);
   Kokkos::fence();
   return result;
 }
@@ -240,7 +242,6 @@ LinearSolveResult LinearSolver::solve(const RealView& b, const RealView& x, doub
 LinearSolveResult LinearSolver::Impl::solve(const RealView& b, const RealView& x, double tolerance,
                                             int max_iterations) {
   LinearSolveResult result;
-  const ExecSpace exec;
   const int n = own_system().num_dofs();
   auto rhs = rcp(new TpetraVector(map, 1));
   auto correction = rcp(new TpetraVector(map, 1));
@@ -281,7 +282,7 @@ LinearSolveResult LinearSolver::Impl::solve(const RealView& b, const RealView& x
 }
 
 double LinearSolver::energy(const RealView& whole) const {
-  const ExecSpace exec;
+  const ExecSpace& exec = impl_->exec;
   const RankShare* share = impl_->share();
   RealView x = whole;
   if (share) {

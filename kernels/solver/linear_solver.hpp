@@ -29,9 +29,9 @@ class LinearSolver {
   /// The system must outlive the solver; of several ranks every one has it whole, and calls all functions in the same
   /// order. Grids of more than `shared_unknowns` are divided among the ranks (-1: MultigridSettings); with MueLu every
   /// rank solves the whole. A method that takes the preconditioner for the same linear map every time has a V-cycle
-  /// instead of the K-cycle.
-  LinearSolver(const ElasticSystem& system, Preconditioner preconditioner, int shared_unknowns = -1,
-               LinearMethod method = LinearMethod::flexible_cg);
+  /// instead of the K-cycle. exec: what kernels run on.
+  LinearSolver(const ExecSpace& exec, const ElasticSystem& system, Preconditioner preconditioner,
+               int shared_unknowns = -1, LinearMethod method = LinearMethod::flexible_cg);
   ~LinearSolver();
 
   /// Takes over the present stiffness of the contact groups; the first call sets the preconditioner up (multigrid

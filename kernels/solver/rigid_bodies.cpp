@@ -3,28 +3,39 @@
 #include <Eigen/LU>
 #include <stdexcept>
 
-#include "core/base/parallel.hpp"
 #include "kernels/mesh/node_sums.hpp"
 
 namespace cgcontact {
 namespace {
 
-/// Nodes per chunk of the parallel loops.
-constexpr std::size_t grain = 4096;
+using Flags = Kokkos::View<char*, MemSpace>;
 
-void set_to_zero(const BodyMesh& mesh, bool only_constrained, const RealView& v) {
-  parallel_for("cgcontact::rigid_bodies::zero", mesh.nodes.size(), grain, [&](std::size_t n) {
-    if (only_constrained && mesh.is_free(static_cast<int>(n))) return;
-    for (int i = 0; i < dofs_per_node; ++i) v(dof_offset(mesh.first_node + n, i)) = 0;
-  });
+Flags free_nodes(const BodyMesh& mesh) {
+  const Flags flags("cgcontact::rigid_bodies::is_free", mesh.num_nodes);
+  const auto host = Kokkos::create_mirror_view(flags);
+  for (int n = 0; n < mesh.num_nodes; ++n) host(n) = mesh.is_free(n) ? 1 : 0;
+  Kokkos::deep_copy(flags, host);
+  return flags;
+}
+
+/// The values of a body's nodes, or of its constrained ones, become zero.
+void set_to_zero(const ExecSpace& exec, const BodyMesh& mesh, const Flags& is_free, bool only_constrained,
+                 const RealView& v) {
+  const std::size_t first = dof_offset(mesh.first_node);
+  Kokkos::parallel_for(
+      "cgcontact::rigid_bodies::zero", Kokkos::RangePolicy<ExecSpace>(exec, 0, mesh.num_nodes),
+      KOKKOS_LAMBDA(const int n) {
+        if (only_constrained && is_free(n)) return;
+        for (int i = 0; i < dofs_per_node; ++i) v(first + dof_offset(n, i)) = 0;
+      });
 }
 
 }  // namespace
 
-RigidBodies::RigidBodies(const ElasticSystem& system) {
+RigidBodies::RigidBodies(const ExecSpace& exec, const ElasticSystem& system) : exec_(exec) {
   for (const BodyMesh& mesh : system.meshes) {
     if (!mesh.rigid) continue;
-    Body body{&mesh, centre_of_nodes(mesh), Eigen::Matrix<double, 6, 6>::Zero()};
+    Body body{&mesh, centre_of_nodes(mesh), Eigen::Matrix<double, 6, 6>::Zero(), free_nodes(mesh)};
     const int axis = mesh.cut_cells->grid.plane_strain;
     std::vector<int> moves;  // in plane strain nothing moves along the axis or turns about another one
     for (int k = 0; k < 6; ++k)
@@ -55,16 +66,16 @@ void RigidBodies::project(NodeValues kind, const RealView& v) const {
   for (const Body& body : bodies_) project(body, kind, v);
 }
 
-void RigidBodies::project(const Body& body, NodeValues kind, const RealView& v) {
+void RigidBodies::project(const Body& body, NodeValues kind, const RealView& v) const {
   const BodyMesh& mesh = *body.mesh;
-  set_to_zero(mesh, true, v);
-  const NodeSums sums = sums_of_nodes(mesh, body.centre, v);
-  set_to_zero(mesh, false, v);
+  set_to_zero(exec_, mesh, body.is_free, true, v);
+  const NodeSums sums = sums_of_nodes(exec_, mesh, body.centre, v);
+  set_to_zero(exec_, mesh, body.is_free, false, v);
   Eigen::Matrix<double, 6, 1> all;
   all << sums.sum, sums.moment;
   const Eigen::Matrix<double, 6, 1> motion = body.motion_of_sums * all;
-  add_rigid_motion(mesh, body.centre, motion.head<3>(), motion.tail<3>(), v);
-  if (kind == NodeValues::forces) set_to_zero(mesh, true, v);
+  add_rigid_motion(exec_, mesh, body.centre, motion.head<3>(), motion.tail<3>(), v);
+  if (kind == NodeValues::forces) set_to_zero(exec_, mesh, body.is_free, true, v);
 }
 
 void OnRigidMotions::apply(const TpetraVector& X, TpetraVector& Y, Teuchos::ETransp mode, double alpha,

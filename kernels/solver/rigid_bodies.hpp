@@ -16,8 +16,8 @@ enum class NodeValues { forces, displacements };
 
 class RigidBodies {
  public:
-  /// The system must outlive this.
-  explicit RigidBodies(const ElasticSystem& system);
+  /// The system must outlive this. exec: what kernels run on.
+  RigidBodies(const ExecSpace& exec, const ElasticSystem& system);
   bool empty() const { return bodies_.empty(); }
   /// v = P v, of all bodies.
   void project(NodeValues kind, const RealView& v) const;
@@ -27,9 +27,11 @@ class RigidBodies {
     const BodyMesh* mesh;
     Vec3 centre;                                 ///< cells
     Eigen::Matrix<double, 6, 6> motion_of_sums;  ///< from the sums of the free nodes' values to the motion
+    Kokkos::View<char*, MemSpace> is_free;       ///< by node
   };
-  static void project(const Body& body, NodeValues kind, const RealView& v);
+  void project(const Body& body, NodeValues kind, const RealView& v) const;
 
+  ExecSpace exec_;
   std::vector<Body> bodies_;
 };
 

@@ -25,7 +25,7 @@ void add_entry(const BodyMesh& mesh, const Vec3& centre, double size, int dof, d
 
 }  // namespace
 
-RigidCoarseSpace::RigidCoarseSpace(const ElasticSystem& system) : system_(system) {
+RigidCoarseSpace::RigidCoarseSpace(const ExecSpace& exec, const ElasticSystem& system) : exec_(exec), system_(system) {
   for (int m = 0; m < static_cast<int>(system.meshes.size()); ++m) {
     Body body = free_motions(m);
     body_of_mesh_.push_back(body.motions.cols() == 0 ? -1 : static_cast<int>(bodies_.size()));
@@ -136,10 +136,10 @@ void RigidCoarseSpace::update() {
   energy_.compute(energy);
 }
 
-Eigen::VectorXd RigidCoarseSpace::sums(const RealView& r) const {
+Eigen::VectorXd RigidCoarseSpace::sums(const Forces& r) const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(num_motions_);
   for (const Body& body : bodies_) {
-    const NodeSums found = sums_of_nodes(mesh_of(body), body.centre, r);
+    const NodeSums found = sums_of_nodes(exec_, mesh_of(body), body.centre, r);
     Motion all;
     all << found.sum, found.moment / body.size;
     result.segment(body.first, body.motions.cols()) = body.motions.transpose() * all;
@@ -150,11 +150,11 @@ Eigen::VectorXd RigidCoarseSpace::sums(const RealView& r) const {
 void RigidCoarseSpace::add(const Eigen::VectorXd& amounts, const RealView& x) const {
   for (const Body& body : bodies_) {
     const Motion motion = body.motions * amounts.segment(body.first, body.motions.cols());
-    add_rigid_motion(mesh_of(body), body.centre, motion.head<3>(), motion.tail<3>() / body.size, x);
+    add_rigid_motion(exec_, mesh_of(body), body.centre, motion.head<3>(), motion.tail<3>() / body.size, x);
   }
 }
 
-void RigidCoarseSpace::correct(const RealView& r, const RealView& z) const {
+void RigidCoarseSpace::correct(const Forces& r, const RealView& z) const {
   Eigen::VectorXd left = sums(r);
   for (const auto* rows : {&supports_, &groups_})
     for (const Row& row : *rows) {

@@ -18,8 +18,9 @@ namespace cgcontact {
 
 class RigidCoarseSpace {
  public:
-  /// The whole system, which must outlive this.
-  explicit RigidCoarseSpace(const ElasticSystem& system);
+  using Forces = Kokkos::View<const double*, MemSpace>;
+  /// The whole system, which must outlive this. exec: what kernels run on.
+  RigidCoarseSpace(const ExecSpace& exec, const ElasticSystem& system);
   /// Of several ranks: what this rank has of the system, whose vectors correct() takes from now on.
   void set_share(const RankShare& share);
 
@@ -28,7 +29,7 @@ class RigidCoarseSpace {
   bool empty() const { return num_motions_ == 0; }
 
   /// z += R E^-1 R^T (r - A z). r, z: num_dofs entries. With a share called by all ranks.
-  void correct(const RealView& r, const RealView& z) const;
+  void correct(const Forces& r, const RealView& z) const;
 
  private:
   /// The free motions of one body: columns (translation, rotation about the centre times its size), grid axes.
@@ -50,9 +51,10 @@ class RigidCoarseSpace {
   Row make_row(std::vector<std::pair<int, double>> entries, double stiffness) const;
   /// That this rank has.
   const BodyMesh& mesh_of(const Body& body) const { return (share_ ? share_->system() : system_).meshes[body.mesh]; }
-  Eigen::VectorXd sums(const RealView& r) const;  ///< R^T r, of this rank
+  Eigen::VectorXd sums(const Forces& r) const;  ///< R^T r, of this rank
   void add(const Eigen::VectorXd& amounts, const RealView& x) const;
 
+  ExecSpace exec_;
   const ElasticSystem& system_;
   const RankShare* share_ = nullptr;
   std::vector<Body> bodies_;

@@ -26,7 +26,7 @@ int iterations(const Scene& scene, const std::string& what, double tolerance = 1
   sim.place_on_grids();
   sim.make_system();
   set_group_stiffness(sim.state.system, sim.state.system.full_group_stiffness);
-  LinearSolver solver(sim.state.system, Preconditioner::multigrid);
+  LinearSolver solver(ExecSpace(), sim.state.system, Preconditioner::multigrid);
   solver.update();
   const int size = sim.state.system.num_dofs();
   const RealView b("b", size), x("x", size);
@@ -58,7 +58,7 @@ TEST(SolverRobustness, FallBack) {
   sim.place_on_grids();
   sim.make_system();
   set_group_stiffness(sim.state.system, sim.state.system.full_group_stiffness);
-  LinearSolver solver(sim.state.system, Preconditioner::multigrid);
+  LinearSolver solver(ExecSpace(), sim.state.system, Preconditioner::multigrid);
   const int size = sim.state.system.num_dofs();
   const RealView b("b", size), first("first", size), second("second", size);
   double sum = 0;

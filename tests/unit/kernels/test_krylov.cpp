@@ -245,7 +245,7 @@ TEST(Krylov, EveryMethodFindsTheSameDisplacementsWithBothPreconditionersAndPrint
     for (std::size_t m = 0; m < linear_method_names().size(); ++m) {
       const LinearMethod method = static_cast<LinearMethod>(m);
       const std::string name = name_of(method) + ", " + name_of(kind);
-      LinearSolver solver(blocks.system, kind, -1, method);
+      LinearSolver solver(ExecSpace(), blocks.system, kind, -1, method);
       solver.update();
       const RealView x("x", n);
       testing::internal::CaptureStdout();

@@ -140,7 +140,7 @@ TEST(Multigrid, FewIterationsOnThinBodiesHeldOnBothSides) {
       for (double offset : {0.0, 1e-6, 0.5, 1 - 1e-4}) {
         if (angle > 0 && offset > 0) continue;
         const HeldPlate plate(30, thickness, offset, angle, 30);
-        LinearSolver solver(plate.system, Preconditioner::multigrid);
+        LinearSolver solver(ExecSpace(), plate.system, Preconditioner::multigrid);
         solver.update();
         const RealView b = test::random_vector(plate.system.num_dofs(), 6), x("x", plate.system.num_dofs());
         const LinearSolveResult result = solver.solve(b, x, 1e-8 * norm(b), 100);
@@ -281,7 +281,7 @@ TEST(Multigrid, IterationsStayFlat) {
   std::vector<int> iterations;
   for (int n : {12, 24, 48}) {
     const HeldBody body(ball(), n, 0.4, 10);
-    LinearSolver solver(body.system, Preconditioner::multigrid);
+    LinearSolver solver(ExecSpace(), body.system, Preconditioner::multigrid);
     solver.update();
     const RealView b = test::random_vector(body.system.num_dofs(), 6);
     const RealView x("x", body.system.num_dofs());
@@ -300,7 +300,7 @@ TEST(Multigrid, SolutionIsThatOfMueLu) {
   for (const Preconditioner kind : {Preconditioner::multigrid, Preconditioner::muelu}) {
     RealView& u = x[kind == Preconditioner::muelu];
     u = RealView("u", body.system.num_dofs());
-    LinearSolver solver(body.system, kind);
+    LinearSolver solver(ExecSpace(), body.system, kind);
     solver.update();
     EXPECT_TRUE(solver.solve(b, u, 1e-12 * norm(b), 300).converged);
   }

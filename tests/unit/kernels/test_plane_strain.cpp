@@ -166,7 +166,7 @@ TEST(PlaneStrain, FewIterations) {
       add_supports(system, cells);
       RealView solution[2];
       for (const Preconditioner kind : {Preconditioner::multigrid, Preconditioner::muelu}) {
-        LinearSolver solver(system, kind);
+        LinearSolver solver(ExecSpace(), system, kind);
         solver.update();
         const RealView b = random_force(system, 6), x("x", system.num_dofs());
         const LinearSolveResult result = solver.solve(b, x, 1e-10 * norm(b), 200);
@@ -300,7 +300,7 @@ TEST(PlaneStrain, FewIterationsOnAQuadtree) {
     const CutCells cells = quadtree(axis, 24);
     ElasticSystem system = make_system(cells);
     add_supports(system, cells);
-    LinearSolver solver(system, Preconditioner::multigrid);
+    LinearSolver solver(ExecSpace(), system, Preconditioner::multigrid);
     solver.update();
     const RealView b = random_force(system, 6), x("x", system.num_dofs());
     const LinearSolveResult result = solver.solve(b, x, 1e-8 * norm(b), 100);

@@ -197,7 +197,7 @@ TEST(Refined, FewIterationsWithManyLevels) {
         }
         add_support_terms(system, b, terms);
       }
-      LinearSolver solver(system, Preconditioner::multigrid);
+      LinearSolver solver(ExecSpace(), system, Preconditioner::multigrid);
       solver.update();
       const RealView b = random_force(system, 6), x("x", system.num_dofs());
       const LinearSolveResult result = solver.solve(b, x, 1e-8 * norm(b), 100);

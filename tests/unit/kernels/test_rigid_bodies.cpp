@@ -49,7 +49,7 @@ struct TwoBalls {
   RealView projected(NodeValues kind, const RealView& v) const {
     const RealView copy("copy", v.size());
     Kokkos::deep_copy(copy, v);
-    RigidBodies(system).project(kind, copy);
+    RigidBodies(ExecSpace(), system).project(kind, copy);
     return copy;
   }
   double product(const RealView& a, const RealView& b) const {
@@ -97,7 +97,7 @@ TEST(RigidBodies, LeaveRigidMotions) {
 TEST(RigidBodies, AreSolvedFor) {
   const TwoBalls balls;
   const RealView b = balls.random(3, NodeValues::forces), x("x", balls.num_dofs());
-  LinearSolver solver(balls.system, Preconditioner::multigrid);
+  LinearSolver solver(ExecSpace(), balls.system, Preconditioner::multigrid);
   solver.update();
   const LinearSolveResult result = solver.solve(b, x, 1e-10, 200);
   EXPECT_TRUE(result.converged) << result.residual << " " << result.iterations;

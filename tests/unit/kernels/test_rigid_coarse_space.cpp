@@ -60,7 +60,7 @@ struct LooseBall {
 /// soft springs make large, at positions of up to 9.
 TEST(RigidCoarseSpace, LeavesNoForceAndNoMoment) {
   const LooseBall ball(1e-4);
-  RigidCoarseSpace space(ball.system);
+  RigidCoarseSpace space(ExecSpace(), ball.system);
   ASSERT_FALSE(space.empty());
   space.update();
   const int n = ball.system.num_dofs();
@@ -80,7 +80,9 @@ TEST(RigidCoarseSpace, LeavesNoForceAndNoMoment) {
 }
 
 /// Supports hold a body as long as they are not much softer than it is.
-TEST(RigidCoarseSpace, IsEmptyWhereSupportsHold) { EXPECT_TRUE(RigidCoarseSpace(LooseBall(10).system).empty()); }
+TEST(RigidCoarseSpace, IsEmptyWhereSupportsHold) {
+  EXPECT_TRUE(RigidCoarseSpace(ExecSpace(), LooseBall(10).system).empty());
+}
 
 }  // namespace
 }  // namespace cgcontact

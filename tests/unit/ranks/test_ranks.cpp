@@ -289,7 +289,7 @@ TEST(Ranks, SolutionIsThatOfTheWhole) {
     RealView solution[2];
     int iterations[2];
     for (const int divided : {0, 1}) {
-      LinearSolver solver(problem.system, Preconditioner::multigrid, divided ? 0 : 1 << 30);
+      LinearSolver solver(ExecSpace(), problem.system, Preconditioner::multigrid, divided ? 0 : 1 << 30);
       solver.update();
       solution[divided] = RealView("x", b.extent(0));
       const LinearSolveResult result = solver.solve(b, solution[divided], tolerance, 200);
