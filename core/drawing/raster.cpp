@@ -11,6 +11,12 @@ namespace {
 /// Half the width of a grid line, in pixels of the averaged image.
 constexpr double line_half_width = 0.55;
 constexpr double line_darkness = 0.45;
+/// Of the normals that pixels keep; below this product of two of length 1 they meet at an edge.
+constexpr int normal_length = 127;
+constexpr double edge_cosine = 0.8;
+/// Depth, in fine pixels, between neighbours that are apart.
+constexpr float depth_apart = 20;
+constexpr unsigned char outline_grey = 31;
 /// Grid lines closer than this many pixels fade out.
 constexpr double line_fade_from = 12, line_fade_to = 4;
 
@@ -23,7 +29,7 @@ RasterImage::RasterImage(int width, int height, int oversampling, const Camera& 
       camera_(camera),
       colour_(colour) {
   camera_.pixels_per_metre *= oversampling;
-  const Pixel background{-std::numeric_limits<float>::max(), 1, 1, 1, 0, 0, 0, -1};
+  const Pixel background{-std::numeric_limits<float>::max(), -1, {255, 255, 255}, {0, 0, 0}};
   fine_.assign(static_cast<std::size_t>(width_) * height_, background);
 }
 
@@ -63,34 +69,26 @@ bool RasterImage::project(const std::array<RasterVertex, 3>& triangle, double sh
         slope < 1e-6 ? 0 : std::clamp((1 / slope - line_fade_to) / (line_fade_from - line_fade_to), 0.0, 1.0);
   }
   const Vec3 side = triangle[1].position - triangle[0].position, other = triangle[2].position - triangle[0].position;
-  screen.normal = side.cross(other).normalized();
+  const Vec3 normal = side.cross(other).normalized();
+  for (int k = 0; k < 3; ++k) screen.normal[k] = static_cast<signed char>(std::lround(normal_length * normal[k]));
   screen.plain = triangle[0].value == triangle[1].value && triangle[0].value == triangle[2].value;
   if (screen.plain) screen.colour = colour_(triangle[0].value);
   const Vec3 light = (camera_.eye + 0.5 * camera_.up + 0.35 * camera_.right).normalized();
-  screen.shade = 1 - shading * 0.4 * (1 - std::max(0.0, screen.normal.dot(light)));
+  screen.shade = 1 - shading * 0.4 * (1 - std::max(0.0, normal.dot(light)));
   return true;
 }
 
-void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row) {
-  Vec3 weight;
-  for (int v = 0; v < 3; ++v) {
-    const int a = (v + 1) % 3;
-    weight[v] = screen.slope(v, 0) * (column + 0.5 - screen.x[a]) + screen.slope(v, 1) * (row + 0.5 - screen.y[a]);
-  }
-  if (weight.minCoeff() < -1e-9) return;
-  Pixel& pixel = fine_[static_cast<std::size_t>(row) * width_ + column];
+/// weight: of the corners, at the pixel's centre.
+inline void RasterImage::draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen,
+                                    const Vec3& weight, Pixel& pixel) {
   const auto depth = static_cast<float>(weight[0] * screen.z[0] + weight[1] * screen.z[1] + weight[2] * screen.z[2]);
   if (depth <= pixel.depth) return;
   const double value = weight[0] * triangle[0].value + weight[1] * triangle[1].value + weight[2] * triangle[2].value;
   const std::array<double, 3> colour = screen.plain ? screen.colour : colour_(value);
-  const double factor = screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
+  const double factor = 255 * screen.shade * (1 - line_darkness * line_cover(screen.grid * weight, screen));
   pixel.depth = depth;
-  pixel.red = static_cast<float>(factor * colour[0]);
-  pixel.green = static_cast<float>(factor * colour[1]);
-  pixel.blue = static_cast<float>(factor * colour[2]);
-  pixel.nx = static_cast<float>(screen.normal[0]);
-  pixel.ny = static_cast<float>(screen.normal[1]);
-  pixel.nz = static_cast<float>(screen.normal[2]);
+  for (int c = 0; c < 3; ++c) pixel.colour[c] = static_cast<unsigned char>(factor * colour[c] + 0.5);
+  pixel.normal = screen.normal;
   pixel.part = screen.part;
 }
 
@@ -107,7 +105,17 @@ void RasterImage::draw(const std::array<RasterVertex, 3>& triangle, int part, do
   const std::array<int, 2> columns = range(screen.x, width_), rows = range(screen.y, height_);
   for (int row = rows[0]; row <= rows[1]; ++row) {
     const std::array<int, 2> inside = columns_of_row(screen, row, columns);
-    for (int column = inside[0]; column <= inside[1]; ++column) draw_pixel(triangle, screen, column, row);
+    const Vec3 step = screen.slope.col(0);
+    Vec3 first;  // weights at the row's first column
+    for (int v = 0; v < 3; ++v) {
+      const int a = (v + 1) % 3;
+      first[v] = step[v] * (0.5 - screen.x[a]) + screen.slope(v, 1) * (row + 0.5 - screen.y[a]);
+    }
+    Pixel* const pixels = fine_.data() + static_cast<std::size_t>(row) * width_;
+    for (int column = inside[0]; column <= inside[1]; ++column) {
+      const Vec3 weight = first + column * step;
+      if (weight.minCoeff() >= -1e-9) draw_pixel(triangle, screen, weight, pixels[column]);
+    }
   }
 }
 
@@ -128,18 +136,26 @@ std::array<int, 2> RasterImage::columns_of_row(const Screen& screen, int row, co
 }
 
 /// Do two neighbouring pixels show different parts, or places of one part that are apart or meet at an edge?
-bool RasterImage::are_apart(const Pixel& a, const Pixel& b) {
+inline bool RasterImage::are_apart(const Pixel& a, const Pixel& b) {
   if (a.part != b.part) return true;
   if (a.part < 0) return false;
-  return a.nx * b.nx + a.ny * b.ny + a.nz * b.nz < 0.8f || std::abs(a.depth - b.depth) > 20.0f;
+  const int product = a.normal[0] * b.normal[0] + a.normal[1] * b.normal[1] + a.normal[2] * b.normal[2];
+  return product < static_cast<int>(edge_cosine * normal_length * normal_length) ||
+         std::abs(a.depth - b.depth) > depth_apart;
 }
 
-bool RasterImage::is_outline(int x, int y) const {
-  const auto pixel = [&](int column, int row) -> const Pixel& {
-    return fine_[static_cast<std::size_t>(row) * width_ + column];
-  };
-  return (x + 1 < width_ && are_apart(pixel(x, y), pixel(x + 1, y))) ||
-         (y + 1 < height_ && are_apart(pixel(x, y), pixel(x, y + 1)));
+inline bool RasterImage::is_outline(int x, int y) const {
+  const Pixel* const pixel = fine_.data() + static_cast<std::size_t>(y) * width_ + x;
+  return (x + 1 < width_ && are_apart(*pixel, pixel[1])) || (y + 1 < height_ && are_apart(*pixel, pixel[width_]));
+}
+
+/// The pixels at outlines, in order.
+std::vector<std::size_t> RasterImage::outline() const {
+  std::vector<std::size_t> found;
+  for (int y = 0; y < height_; ++y)
+    for (int x = 0; x < width_; ++x)
+      if (is_outline(x, y)) found.push_back(static_cast<std::size_t>(y) * width_ + x);
+  return found;
 }
 
 /// A pixel that is apart from all its neighbours, which belong together, is a crack between cells of two sizes on a
@@ -156,10 +172,7 @@ void RasterImage::mend_speck(int x, int y) {
 }
 
 void RasterImage::draw_outlines() {
-  std::vector<std::size_t> outline;
-  for (int y = 0; y < height_; ++y)
-    for (int x = 0; x < width_; ++x)
-      if (is_outline(x, y)) outline.push_back(static_cast<std::size_t>(y) * width_ + x);
+  std::vector<std::size_t> outline = this->outline();
   const auto column = [&](std::size_t place) { return static_cast<int>(place % width_); };
   const auto row = [&](std::size_t place) { return static_cast<int>(place / width_); };
   for (std::size_t place : outline) mend_speck(column(place), row(place));
@@ -171,8 +184,7 @@ void RasterImage::draw_outlines() {
     const int x = column(place), y = row(place);
     for (int j = std::max(0, y - reach); j <= std::min(height_ - 1, y + reach); ++j)
       for (int i = std::max(0, x - reach); i <= std::min(width_ - 1, x + reach); ++i) {
-        Pixel& pixel = fine_[static_cast<std::size_t>(j) * width_ + i];
-        pixel.red = pixel.green = pixel.blue = 0.12f;
+        fine_[static_cast<std::size_t>(j) * width_ + i].colour = {outline_grey, outline_grey, outline_grey};
       }
   }
 }
@@ -181,20 +193,18 @@ std::string RasterImage::pixels() const {
   const int width = width_ / oversampling_, height = height_ / oversampling_;
   std::string bytes;
   bytes.reserve(static_cast<std::size_t>(3) * width * height);
-  const float samples = static_cast<float>(oversampling_ * oversampling_);
+  const int samples = oversampling_ * oversampling_;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      float sum[3] = {0, 0, 0};
-      for (int j = 0; j < oversampling_; ++j)
-        for (int i = 0; i < oversampling_; ++i) {
-          const std::size_t place = (static_cast<std::size_t>(y) * oversampling_ + j) * width_ + x * oversampling_ + i;
-          sum[0] += fine_[place].red;
-          sum[1] += fine_[place].green;
-          sum[2] += fine_[place].blue;
-        }
-      for (float channel : sum)
-        bytes +=
-            static_cast<char>(static_cast<unsigned char>(std::lround(255 * std::clamp(channel / samples, 0.f, 1.f))));
+      int sum[3] = {0, 0, 0};
+      for (int j = 0; j < oversampling_; ++j) {
+        const Pixel* const row =
+            fine_.data() + (static_cast<std::size_t>(y) * oversampling_ + j) * width_ + x * oversampling_;
+        for (int i = 0; i < oversampling_; ++i)
+          for (int c = 0; c < 3; ++c) sum[c] += row[i].colour[c];
+      }
+      for (const int channel : sum)
+        bytes += static_cast<char>(static_cast<unsigned char>((channel + samples / 2) / samples));
     }
   return bytes;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -42,18 +43,19 @@ class RasterImage {
 
  private:
   struct Pixel {
-    float depth, red, green, blue;
-    float nx, ny, nz;
+    float depth;
     int part;
+    std::array<unsigned char, 3> colour;
+    std::array<signed char, 3> normal;  ///< of length 127
   };
   /// A triangle on the screen: corners in pixels, gradients of its barycentric and grid coordinates by pixel.
   struct Screen {
     double x[3], y[3], z[3];
     Mat3 slope, grid;
-    Vec3 normal;
-    Vec3 cells_per_pixel;          ///< by axis, of the averaged image
-    Vec3 line_strength;            ///< of the grid lines across each axis
-    std::array<double, 3> colour;  ///< of a triangle of one value
+    std::array<signed char, 3> normal;  ///< of length 127
+    Vec3 cells_per_pixel;               ///< by axis, of the averaged image
+    Vec3 line_strength;                 ///< of the grid lines across each axis
+    std::array<double, 3> colour;       ///< of a triangle of one value
     double shade;
     int part;
     bool plain;  ///< of one value
@@ -61,11 +63,12 @@ class RasterImage {
   /// False if the triangle is seen from behind or from the side.
   bool project(const std::array<RasterVertex, 3>& triangle, double shading, Screen& screen) const;
   static std::array<int, 2> columns_of_row(const Screen& screen, int row, const std::array<int, 2>& columns);
-  void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, int column, int row);
+  void draw_pixel(const std::array<RasterVertex, 3>& triangle, const Screen& screen, const Vec3& weight, Pixel& pixel);
   /// Fraction of the pixel that lies on a grid line.
   static double line_cover(const Vec3& grid, const Screen& screen);
   static bool are_apart(const Pixel& a, const Pixel& b);
   bool is_outline(int x, int y) const;
+  std::vector<std::size_t> outline() const;
   void mend_speck(int x, int y);
 
   int width_, height_, oversampling_;
