@@ -431,26 +431,29 @@ struct PressedPair {
   const std::vector<int>& points;  ///< boundary points of the body
 };
 
-/// use(face, pair) for all pairs of a body that carry force.
+/// use(face, pair) for all pairs of a body that carry force and have patches whose own the pressure is: what a load
+/// gives is in balance.
 template <class Use>
 void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t index, const RecoveredField& field,
                        const std::vector<double>& plain, const Scales& scales, const PatchStates& states,
                        const Use& use) {
   const RecoveryBody& body = bodies[index];
   const CutCells& cc = *body.mesh->cut_cells;
-  std::map<int, std::vector<int>> points;  // of the pairs
+  const std::set<int> of_stress = states.pairs_of_stress();
   std::set<int> pressing;
+  for (const ContactLink& link : body.boundary->links)
+    if (link.pressure != 0 && !body.boundary->is_bonded(link.pair) && of_stress.count(link.pair) > 0)
+      pressing.insert(link.pair);
+  if (pressing.empty()) return;
+  std::map<int, std::vector<int>> points;  // of the pairs
   for (std::size_t p = 0; p < cc.boundary.size(); ++p) {
     const int pair = body.boundary->pair_of_point[p];
-    if (pair < 0 || is_held(body, p)) continue;
+    if (pressing.count(pair) == 0 || is_held(body, p)) continue;
     const int cell = cc.boundary.cell[p], surface = cc.boundary.surface[p];
     const bool on_open_side =
         states.presses(*body.mesh, cell, pair, -1) && !states.presses(*body.mesh, cell, pair, surface);
     if (!on_open_side) points[pair].push_back(static_cast<int>(p));
   }
-  for (const ContactLink& link : body.boundary->links)
-    if (link.pressure != 0 && !body.boundary->is_bonded(link.pair)) pressing.insert(link.pair);
-  if (pressing.empty()) return;
   const std::vector<double> pressures = contact_pressures(body, field);
   for (const int pair : pressing) {
     PairFace face(*body.mesh);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,13 @@ struct PatchStates {
   /// Whether the pressure of a pair came from the patch alone.
   bool is_of_stress(int node, int pair) const {
     return is_pressed(node, pair) && !std::binary_search(known.begin(), known.end(), std::pair(node, pair));
+  }
+  /// The pairs whose pressure came from the patch alone somewhere.
+  std::set<int> pairs_of_stress() const {
+    std::set<int> pairs;
+    for (const auto& [node, pair] : pressed)
+      if (!std::binary_search(known.begin(), known.end(), std::pair(node, pair))) pairs.insert(pair);
+    return pairs;
   }
   /// Whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are open.
   bool presses(const BodyMesh& mesh, int cell, int pair, int surface) const {
