@@ -12,7 +12,7 @@ namespace {
 constexpr double point_spacing = 0.7;
 /// A place at the border of a cell is in it, part of the cell.
 constexpr double same_cell = 1e-6;
-/// A place that moves by less, part of a cell, is on the surface: the distance is seen to 1e-9 of the cell's error.
+/// Part of a cell: a place that moves by less is on the surface, and its normal that of the surface there.
 constexpr double on_surface = 1e-9;
 /// Places along a cell, and along a patch at least, that are looked at for whose they are.
 constexpr int samples_per_cell = 48, min_samples = 4;

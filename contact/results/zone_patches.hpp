@@ -50,7 +50,7 @@ class ZonePatches {
   struct Cell {
     Vec3 low, high;
     bool primary;
-    /// Is the place of the body that it belongs to in it?
+    /// Tells whether it holds the place of the body that it belongs to.
     bool holds(const Vec3& of_primary, const Vec3& of_secondary) const {
       const Vec3& x = primary ? of_primary : of_secondary;
       return (x.array() >= low.array()).all() && (x.array() <= high.array()).all();

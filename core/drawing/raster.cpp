@@ -11,7 +11,7 @@ namespace {
 /// Half the width of a grid line, in pixels of the averaged image.
 constexpr double line_half_width = 0.55;
 constexpr double line_darkness = 0.45;
-/// Of the normals that pixels keep; below this product of two of length 1 they meet at an edge.
+/// Length of the normals that pixels keep; faces whose normals have a smaller cosine between them meet at an edge.
 constexpr int normal_length = 127;
 constexpr double edge_cosine = 0.8;
 /// Depth, in fine pixels, between neighbours that are apart.
@@ -149,8 +149,8 @@ inline bool RasterImage::is_outline(int x, int y) const {
   return (x + 1 < width_ && are_apart(*pixel, pixel[1])) || (y + 1 < height_ && are_apart(*pixel, pixel[width_]));
 }
 
-/// The pixels at outlines, in order.
-std::vector<std::size_t> RasterImage::outline() const {
+/// Pixels at outlines, in order.
+std::vector<std::size_t> RasterImage::outline_pixels() const {
   std::vector<std::size_t> found;
   for (int y = 0; y < height_; ++y)
     for (int x = 0; x < width_; ++x)
@@ -172,7 +172,7 @@ void RasterImage::mend_speck(int x, int y) {
 }
 
 void RasterImage::draw_outlines() {
-  std::vector<std::size_t> outline = this->outline();
+  std::vector<std::size_t> outline = outline_pixels();
   const auto column = [&](std::size_t place) { return static_cast<int>(place % width_); };
   const auto row = [&](std::size_t place) { return static_cast<int>(place / width_); };
   for (std::size_t place : outline) mend_speck(column(place), row(place));

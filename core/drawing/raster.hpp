@@ -68,7 +68,7 @@ class RasterImage {
   static double line_cover(const Vec3& grid, const Screen& screen);
   static bool are_apart(const Pixel& a, const Pixel& b);
   bool is_outline(int x, int y) const;
-  std::vector<std::size_t> outline() const;
+  std::vector<std::size_t> outline_pixels() const;
   void mend_speck(int x, int y);
 
   int width_, height_, oversampling_;

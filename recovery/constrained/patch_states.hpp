@@ -24,15 +24,17 @@ struct PatchStates {
   bool is_pressed(int node, int pair) const {
     return std::binary_search(pressed.begin(), pressed.end(), std::pair(node, pair));
   }
-  /// Whether the pressure of a pair came from the patch alone.
-  bool is_of_stress(int node, int pair) const {
-    return is_pressed(node, pair) && !std::binary_search(known.begin(), known.end(), std::pair(node, pair));
+  /// Whether it was given as a load.
+  bool is_known(int node, int pair) const {
+    return std::binary_search(known.begin(), known.end(), std::pair(node, pair));
   }
-  /// The pairs whose pressure came from the patch alone somewhere.
+  /// Whether the pressure of a pair came from the patch alone.
+  bool is_of_stress(int node, int pair) const { return is_pressed(node, pair) && !is_known(node, pair); }
+  /// Pairs whose pressure came from the patch alone somewhere.
   std::set<int> pairs_of_stress() const {
     std::set<int> pairs;
     for (const auto& [node, pair] : pressed)
-      if (!std::binary_search(known.begin(), known.end(), std::pair(node, pair))) pairs.insert(pair);
+      if (!is_known(node, pair)) pairs.insert(pair);
     return pairs;
   }
   /// Whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are open.

@@ -31,8 +31,8 @@ KOKKOS_FUNCTION double strip(double x, double a) {
   return -2 * (f(x + a) - f(x - a));
 }
 
-/// Sides of a patch: beyond so many the first two terms of the integral's series are right to 1e-9, and the integral
-/// itself would lose as many digits.
+/// Longer sides of a patch: from so many on the first two terms of the integral's series are right to 1e-8
+/// (HalfSpace.LongPatchesFarAway), and differences of logarithms lose digits.
 constexpr double far_away = 100;
 
 /// The same for a rectangle that is far away: its area at its centre, and the second moments.
@@ -42,7 +42,8 @@ KOKKOS_FUNCTION double far_rectangle(double x, double y, double a, double b) {
          (1 + ((3 * x * x - squared) * a * a + (3 * y * y - squared) * b * b) / (6 * squared * squared));
 }
 
-/// What with_periods needs of a grid. It depends on the length of an axis where that is a period alone.
+/// Spacings and periods that with_periods needs of a grid. It depends on the length of an axis where that is a period
+/// alone.
 struct Lattice {
   double spacing[2], period[2], area, far;
   int num_periods[2];
