@@ -10,10 +10,6 @@ constexpr double pi = 3.14159265358979323846;
 /// Periods that are summed one by one at each end.
 constexpr int num_periods = 12;
 
-/// Columns of a product that are summed side by side: two registers of AVX-512. Four rows at once took four to five
-/// times as long with g++ 12.
-constexpr int block = 16;
-
 /// Integral of 1/r over the rectangle |xi| < a, |eta| < b seen from (x, y), m.
 KOKKOS_FUNCTION double rectangle(double x, double y, double a, double b) {
   const double right = std::abs(x) + a, left = std::abs(x) - a, upper = std::abs(y) + b, lower = std::abs(y) - b;
@@ -89,7 +85,7 @@ struct Axis {
   Axis(const FaceGrid& grid, int a) : size(grid.size[a]) {
     const FaceEnd end = grid.end[a];
     const bool alone = size == 1 && end == FaceEnd::free;
-    cosines = end == FaceEnd::period || alone ? size : 2 * size;
+    cosines = end == FaceEnd::period || alone ? size : Fourier::fast_length(2 * size);
     reach = end == FaceEnd::period ? size : end == FaceEnd::mirror ? 2 * size - 1 : size - 1;
     first = end == FaceEnd::free ? size / 2 : 0;
     if (alone) first = 0;
@@ -100,67 +96,11 @@ HalfSpace::Patches array(const char* label, int rows, int columns) {
   return HalfSpace::Patches(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), rows, columns);
 }
 
-/// c = a b, times `factor` entry by entry where it has any. Blocks of entries sum side by side, each over all of the
-/// inner index in order.
-template <class Exec>
-void multiply(const char* label, const Exec& exec, const HalfSpace::Patches& a, const HalfSpace::Patches& b,
-              const HalfSpace::Patches& factor, const HalfSpace::Patches& c) {
-  const int rows = static_cast<int>(c.extent(0)), columns = static_cast<int>(c.extent(1));
-  const int inner = static_cast<int>(a.extent(1));
-  const int blocks = (columns + block - 1) / block;
-  const bool scaled = factor.extent(0) > 0;
-  Kokkos::parallel_for(
-      label, Kokkos::RangePolicy<Exec>(exec, 0, rows * blocks), KOKKOS_LAMBDA(const int n) {
-        const int i = n / blocks, j = n % blocks * block;
-        const int width = columns - j < block ? columns - j : block;
-        double sum[block] = {};
-        if (width == block) {
-          for (int k = 0; k < inner; ++k) {
-            const double by = a(i, k);
-            const double* const from = &b(k, j);
-            for (int s = 0; s < block; ++s) sum[s] += by * from[s];
-          }
-        } else {
-          for (int k = 0; k < inner; ++k)
-            for (int s = 0; s < width; ++s) sum[s] += a(i, k) * b(k, j + s);
-        }
-        for (int s = 0; s < width; ++s) c(i, j + s) = scaled ? factor(i, j + s) * sum[s] : sum[s];
-      });
-}
-
-/// (rows, columns) of cosines pi k (i + shift) / count, k the column; times `weight` but for the ends.
-HalfSpace::Patches cosines_of(const ExecSpace& exec, int rows, int columns, double shift, int count, double weight,
-                              int last_row) {
-  const HalfSpace::Patches values = array("cgcontact::half_space::cosines", rows, columns);
-  Kokkos::parallel_for(
-      "cgcontact::half_space::cosines", Kokkos::RangePolicy<ExecSpace>(exec, 0, rows), KOKKOS_LAMBDA(const int i) {
-        const double w = i == 0 || i == last_row ? 1 : weight;
-        for (int k = 0; k < columns; ++k) values(i, k) = w * std::cos(pi / count * k * (i + shift));
-      });
-  return values;
-}
-
-HalfSpace::Patches transposed(const ExecSpace& exec, const HalfSpace::Patches& a) {
-  const int rows = static_cast<int>(a.extent(0)), columns = static_cast<int>(a.extent(1));
-  const HalfSpace::Patches b = array("cgcontact::half_space::transpose", columns, rows);
-  Kokkos::parallel_for(
-      "cgcontact::half_space::transpose", Kokkos::RangePolicy<ExecSpace>(exec, 0, columns), KOKKOS_LAMBDA(const int j) {
-        for (int i = 0; i < rows; ++i) b(j, i) = a(i, j);
-      });
-  return b;
-}
-
 }  // namespace
 
 HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus) {
   const Axis axis[2] = {Axis(grid, 0), Axis(grid, 1)};
-  // Eigenvalues: the influences are even, each offset counts twice but those at both ends of the period.
-  Patches even[2];
-  for (int a = 0; a < 2; ++a) {
-    cosines_[a].values = cosines_of(exec, axis[a].size, axis[a].cosines, axis[a].first + 0.5, axis[a].cosines, 1, -1);
-    cosines_[a].transpose = transposed(exec, cosines_[a].values);
-    even[a] = cosines_of(exec, axis[a].reach + 1, axis[a].cosines, 0, axis[a].cosines, 2, axis[a].cosines);
-  }
+  for (int a = 0; a < 2; ++a) cosines_[a] = CosineTransform(axis[a].size, axis[a].first, axis[a].cosines);
   const Lattice lattice(grid);
   const Patches table = array("cgcontact::half_space::table", axis[0].reach + 1, axis[1].reach + 1);
   const int columns = axis[1].reach + 1;
@@ -170,11 +110,12 @@ HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus
         const int i = n / columns, j = n % columns;
         table(i, j) = lattice.with_periods(i * lattice.spacing[0], j * lattice.spacing[1]) / (pi * modulus);
       });
+  // Eigenvalues: the influences are even.
   const int num[2] = {axis[0].cosines, axis[1].cosines};
-  const Patches half = array("cgcontact::half_space::half", axis[0].reach + 1, num[1]);
-  multiply("cgcontact::half_space::spectrum", exec, table, even[1], Patches(), half);
+  const Patches half = array("cgcontact::half_space::half", columns, num[0]);
+  even_spectrum(exec, num[0], table, half);
   spectrum_ = array("cgcontact::half_space::spectrum", num[0], num[1]);
-  multiply("cgcontact::half_space::spectrum", exec, transposed(exec, even[0]), half, Patches(), spectrum_);
+  even_spectrum(exec, num[1], half, spectrum_);
   const auto spectrum = spectrum_;
   const int num_columns = num[1];
   const double all = static_cast<double>(num[0]) * num[1];
@@ -182,9 +123,8 @@ HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus
       "cgcontact::half_space::scale", Kokkos::RangePolicy<ExecSpace>(exec, 0, num[0]), KOKKOS_LAMBDA(const int k) {
         for (int l = 0; l < num_columns; ++l) spectrum(k, l) *= (k > 0 ? 2 : 1) * (l > 0 ? 2 : 1) / all;
       });
-  along_ = array("cgcontact::half_space::along", axis[0].size, num[1]);
-  across_ = array("cgcontact::half_space::across", num[0], num[1]);
-  back_ = array("cgcontact::half_space::back", axis[0].size, num[1]);
+  along_ = array("cgcontact::half_space::along", axis[1].size, num[0]);
+  both_ = array("cgcontact::half_space::both", num[0], num[1]);
   exec.fence();
 }
 
@@ -195,10 +135,10 @@ double HalfSpace::influence(const FaceGrid& grid, double modulus, int rows, int 
 template <class Exec>
 void HalfSpace::apply(const Exec& exec, const Patches& p, const Patches& u) const {
   static_assert(Kokkos::SpaceAccessibility<Exec, Memory>::accessible);
-  multiply("cgcontact::half_space::along", exec, p, cosines_[1].values, Patches(), along_);
-  multiply("cgcontact::half_space::across", exec, cosines_[0].transpose, along_, spectrum_, across_);
-  multiply("cgcontact::half_space::back_across", exec, cosines_[0].values, across_, Patches(), back_);
-  multiply("cgcontact::half_space::back_along", exec, back_, cosines_[1].transpose, Patches(), u);
+  cosines_[0].forward(exec, p, Patches(), along_);
+  cosines_[1].forward(exec, along_, spectrum_, both_);
+  cosines_[1].backward(exec, both_, along_);
+  cosines_[0].backward(exec, along_, u);
 }
 
 template void HalfSpace::apply(const ExecSpace&, const Patches&, const Patches&) const;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "kernels/mesh/views.hpp"
+#include "recovery/face/cosine_transform.hpp"
 #include "recovery/face/face_grid.hpp"
 
 namespace cgcontact {
@@ -13,8 +14,6 @@ namespace cgcontact {
 ///
 /// S depends on the distance of the patches alone. Pressures that are mirrored at both ends of each axis make it
 /// diagonal in cosines; a free end becomes one of those by room for as many patches again, beyond which nothing acts.
-/// The cosine transforms are products with dense matrices: on grids of some 100 x 100 patches those take no longer than
-/// fast ones, run on every execution space and sum in a fixed order.
 class HalfSpace {
  public:
   using Memory = MemSpace;
@@ -35,13 +34,9 @@ class HalfSpace {
   static double influence(const FaceGrid& grid, double modulus, int rows, int columns);
 
  private:
-  /// Along one axis, (patches, cosines) and its transpose.
-  struct Cosines {
-    Patches values, transpose;
-  };
-  std::array<Cosines, 2> cosines_;
-  Patches spectrum_;               ///< (cosines of axis 0, of axis 1)
-  Patches along_, across_, back_;  ///< work
+  std::array<CosineTransform, 2> cosines_;  ///< along each axis
+  Patches spectrum_;                        ///< (cosines of axis 0, of axis 1)
+  Patches along_, both_;                    ///< work: (patches of axis 1, cosines of axis 0); (cosines, cosines)
 };
 
 }  // namespace cgcontact
