@@ -20,8 +20,8 @@ KOKKOS_FORCEINLINE_FUNCTION void set_product(double re, double im, const Value& 
   }
 }
 
-/// Calls use(begin, width, x, work) for each block of columns, with memory for two arrays of `length` values. Blocks are
-/// shared out among the threads.
+/// Calls use(begin, width, x, work) for each block of columns, with memory for two arrays of `length` values. Blocks
+/// are shared out among the threads.
 template <class Exec, class Use>
 void each_block(const char* label, const Exec& exec, int columns, int length, const Use& use) {
   using Policy = Kokkos::TeamPolicy<Exec>;
@@ -29,8 +29,7 @@ void each_block(const char* label, const Exec& exec, int columns, int length, co
   const int doubles = 2 * length * static_cast<int>(sizeof(Value) / sizeof(double));
   Kokkos::parallel_for(
       label,
-      Policy(exec, (columns + block - 1) / block, 1)
-          .set_scratch_size(1, Kokkos::PerTeam(Scratch::shmem_size(doubles))),
+      Policy(exec, (columns + block - 1) / block, 1).set_scratch_size(1, Kokkos::PerTeam(Scratch::shmem_size(doubles))),
       KOKKOS_LAMBDA(const typename Policy::member_type& team) {
         const Scratch scratch(team.team_scratch(1), doubles);
         const int begin = team.league_rank() * block;
@@ -85,6 +84,12 @@ int Fourier::fast_length(int least) {
       while (rest % factor == 0) rest /= factor;
     if (rest == 1) return length;
   }
+}
+
+double Fourier::flop() const {
+  double of_value = 0;
+  for (int f = 0; f < num_factors_; ++f) of_value += factors_[f] == 4 ? 12 : 8 * (factors_[f] - 1) + 6;
+  return of_value * length_ * lanes;
 }
 
 /// Each step takes a factor r out of the length n = r m of what is left, of which there are s side by side:

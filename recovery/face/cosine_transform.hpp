@@ -30,6 +30,9 @@ class Fourier {
   /// exp(-2 pi I k / length), the real part first.
   KOKKOS_FORCEINLINE_FUNCTION double root(int k, int part) const { return roots_(k, part); }
 
+  /// Floating-point operations of a transform of sixteen columns, from the loops.
+  double flop() const;
+
   /// Least length from `least` on without factors but 2, 3 and 5.
   static int fast_length(int least);
 
@@ -64,8 +67,8 @@ class CosineTransform {
   Fourier fourier_, half_roots_;  ///< of count; of four times that, for its roots alone
 };
 
-/// spectrum(column, k) = sum over d = -reach ... reach of table(|d|, column) cos(pi k d / count), k < count; where reach
-/// is count, the period, both ends are one. table: (reach + 1, columns); spectrum: (columns, count).
+/// spectrum(column, k) = sum over d = -reach ... reach of table(|d|, column) cos(pi k d / count), k < count; where
+/// reach is count, the period, both ends are one. table: (reach + 1, columns); spectrum: (columns, count).
 template <class Exec>
 void even_spectrum(const Exec& exec, int count, const CosineTransform::Matrix& table,
                    const CosineTransform::Matrix& spectrum);
