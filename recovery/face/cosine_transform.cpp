@@ -12,7 +12,7 @@ constexpr int lanes = Fourier::lanes, block = Fourier::columns;
 using Value = Fourier::Value;
 using Matrix = CosineTransform::Matrix;
 
-/// to = (re + I im) value
+/// Sets to = (re + I im) value.
 KOKKOS_FORCEINLINE_FUNCTION void set_product(double re, double im, const Value& value, Value& to) {
   for (int s = 0; s < lanes; ++s) {
     to.re[s] = re * value.re[s] - im * value.im[s];
@@ -38,7 +38,7 @@ void each_block(const char* label, const Exec& exec, int columns, int length, co
       });
 }
 
-/// One of the sixteen columns of a value.
+/// Gives one of the sixteen columns of a value.
 KOKKOS_FORCEINLINE_FUNCTION double& entry(Value& value, int column) {
   return column < lanes ? value.re[column] : value.im[column - lanes];
 }
@@ -57,7 +57,7 @@ KOKKOS_FORCEINLINE_FUNCTION void load(const Row& row, int width, Value& value) {
   for (int s = 0; s < width; ++s) entry(value, s) = row[s];
 }
 
-/// Where the transform of cosines keeps place i: even places first, odd ones from the end.
+/// Gives where the transform of cosines keeps place i: even places first, odd ones from the end.
 KOKKOS_FORCEINLINE_FUNCTION int sorted_place(int i, int count) { return i % 2 == 0 ? i / 2 : count - 1 - i / 2; }
 
 }  // namespace
@@ -147,8 +147,8 @@ KOKKOS_FUNCTION Fourier::Value* Fourier::transform(Value* x, Value* y) const {
 CosineTransform::CosineTransform(int size, int first, int count)
     : size_(size), first_(first), fourier_(count), half_roots_(4 * count) {}
 
-/// The cosines' sums of x_i are Re(exp(-pi I k / (2 count)) V_k), V the transform of x with its places sorted (Makhoul,
-/// IEEE Trans. ASSP 28 (1980) 27).
+/// Takes the cosines' sums of x_i as Re(exp(-pi I k / (2 count)) V_k), V the transform of x with its places sorted
+/// (Makhoul, IEEE Trans. ASSP 28 (1980) 27).
 template <class Exec>
 void CosineTransform::forward(const Exec& exec, const Matrix& values, const Matrix& factor,
                               const Matrix& spectrum) const {
@@ -180,8 +180,8 @@ void CosineTransform::forward(const Exec& exec, const Matrix& values, const Matr
       });
 }
 
-/// The conjugate of what `forward` does: the sorted places are Re of the transform of exp(pi I k / (2 count)) Y_k, made
-/// real by its other half.
+/// Takes the steps of `forward` back to front: the sorted places are Re of the transform of exp(pi I k / (2 count))
+/// Y_k, made real by its other half.
 template <class Exec>
 void CosineTransform::backward(const Exec& exec, const Matrix& spectrum, const Matrix& values) const {
   static_assert(Kokkos::SpaceAccessibility<Exec, MemSpace>::accessible);

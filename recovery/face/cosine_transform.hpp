@@ -30,10 +30,10 @@ class Fourier {
   /// exp(-2 pi I k / length), the real part first.
   KOKKOS_FORCEINLINE_FUNCTION double root(int k, int part) const { return roots_(k, part); }
 
-  /// Floating-point operations of a transform of sixteen columns, from the loops.
+  /// Counts the floating-point operations of a transform of sixteen columns, from the loops.
   double flop() const;
 
-  /// Least length from `least` on without factors but 2, 3 and 5.
+  /// Gives the least length from `least` on without factors but 2, 3 and 5.
   static int fast_length(int least);
 
  private:
@@ -53,12 +53,12 @@ class CosineTransform {
 
   int count() const { return fourier_.length(); }
 
-  /// spectrum(column, k) = sum_i values(i, column) cos(...), times factor(column, k) where that has any entries.
+  /// Sets spectrum(column, k) = sum_i values(i, column) cos(...), times factor(column, k) where that has any entries.
   /// values: (size, columns); spectrum: (columns, count).
   template <class Exec>
   void forward(const Exec& exec, const Matrix& values, const Matrix& factor, const Matrix& spectrum) const;
 
-  /// values(i, column) = sum_k spectrum(column, k) cos(...). Shapes as of `forward`, which it transposes.
+  /// Sets values(i, column) = sum_k spectrum(column, k) cos(...). Shapes as of `forward`, which it transposes.
   template <class Exec>
   void backward(const Exec& exec, const Matrix& spectrum, const Matrix& values) const;
 
