@@ -62,19 +62,24 @@ KOKKOS_FORCEINLINE_FUNCTION int sorted_place(int i, int count) { return i % 2 ==
 
 }  // namespace
 
-Fourier::Fourier(int length) : length_(length), roots_("cgcontact::cosine_transform::roots", length) {
+Fourier::Fourier(int length) : length_(length), roots_(roots_of(length)) {
   for (int rest = length; rest > 1;) {
     int factor = rest % 4 == 0 ? 4 : 2;
     while (rest % factor != 0) ++factor;
     factors_[num_factors_++] = factor;
     rest /= factor;
   }
-  const auto host = Kokkos::create_mirror_view(roots_);
+}
+
+Fourier::Roots Fourier::roots_of(int length) {
+  const Roots roots("cgcontact::cosine_transform::roots", length);
+  const auto host = Kokkos::create_mirror_view(roots);
   for (int k = 0; k < length; ++k) {
     host(k, 0) = std::cos(2 * pi * k / length);
     host(k, 1) = -std::sin(2 * pi * k / length);
   }
-  Kokkos::deep_copy(roots_, host);
+  Kokkos::deep_copy(roots, host);
+  return roots;
 }
 
 int Fourier::fast_length(int least) {
@@ -145,7 +150,7 @@ KOKKOS_FUNCTION Fourier::Value* Fourier::transform(Value* x, Value* y) const {
 }
 
 CosineTransform::CosineTransform(int size, int first, int count)
-    : size_(size), first_(first), fourier_(count), half_roots_(4 * count) {}
+    : size_(size), first_(first), fourier_(count), quarter_(Fourier::roots_of(4 * count)) {}
 
 /// Takes the cosines' sums of x_i as Re(exp(-pi I k / (2 count)) V_k), V the transform of x with its places sorted
 /// (Makhoul, IEEE Trans. ASSP 28 (1980) 27).
@@ -155,23 +160,24 @@ void CosineTransform::forward(const Exec& exec, const Matrix& values, const Matr
   static_assert(Kokkos::SpaceAccessibility<Exec, MemSpace>::accessible);
   const int size = size_, first = first_, count = fourier_.length();
   const bool scaled = factor.extent(0) > 0;
-  const Fourier fourier = fourier_, half = half_roots_;
+  const Fourier fourier = fourier_;
+  const Fourier::Roots quarter = quarter_;
   each_block(
       "cgcontact::cosine_transform::forward", exec, static_cast<int>(values.extent(1)), count,
       KOKKOS_LAMBDA(int begin, int width, Value* x, Value* work) {
         for (int i = 0; i < count; ++i) clear(x[i]);
         for (int i = 0; i < size; ++i) load(&values(i, begin), width, x[sorted_place(first + i, count)]);
         Value* const v = fourier.transform(x, work);
+        Value* const sums = v == x ? work : x;
         for (int k = 0; k < count; ++k) {
-          const double c = half.root(k, 0), s = -half.root(k, 1);
+          const double c = quarter(k, 0), s = -quarter(k, 1);
           const Value &a = v[k], &b = v[k == 0 ? 0 : count - k];
-          Value& to = (v == x ? work : x)[k];
+          Value& to = sums[k];
           for (int t = 0; t < lanes; ++t) {  // of two real columns: V_k and the conjugate of V_(count - k)
             to.re[t] = 0.5 * (c * (a.re[t] + b.re[t]) + s * (a.im[t] - b.im[t]));
             to.im[t] = 0.5 * (c * (a.im[t] + b.im[t]) - s * (a.re[t] - b.re[t]));
           }
         }
-        Value* const sums = v == x ? work : x;
         for (int column = 0; column < width; ++column)
           for (int k = 0; k < count; ++k) {
             const double sum = entry(sums[k], column);
@@ -186,7 +192,8 @@ template <class Exec>
 void CosineTransform::backward(const Exec& exec, const Matrix& spectrum, const Matrix& values) const {
   static_assert(Kokkos::SpaceAccessibility<Exec, MemSpace>::accessible);
   const int size = size_, first = first_, count = fourier_.length();
-  const Fourier fourier = fourier_, half = half_roots_;
+  const Fourier fourier = fourier_;
+  const Fourier::Roots quarter = quarter_;
   each_block(
       "cgcontact::cosine_transform::backward", exec, static_cast<int>(values.extent(1)), count,
       KOKKOS_LAMBDA(int begin, int width, Value* x, Value* work) {
@@ -194,7 +201,7 @@ void CosineTransform::backward(const Exec& exec, const Matrix& spectrum, const M
         for (int column = 0; column < width; ++column)
           for (int k = 0; k < count; ++k) entry(work[k], column) = spectrum(begin + column, k);
         for (int k = 0; k < count; ++k) {
-          const double c = half.root(k, 0), s = -half.root(k, 1);
+          const double c = quarter(k, 0), s = -quarter(k, 1);
           const Value &a = work[k], &b = work[k == 0 ? 0 : count - k];
           const double weight = k == 0 ? 1 : 0.5, other = k == 0 ? 0 : 0.5;
           for (int t = 0; t < lanes; ++t) {

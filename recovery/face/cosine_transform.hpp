@@ -1,20 +1,20 @@
 /// Fast cosine transforms of the columns of a matrix, for any length.
 #pragma once
 
-#include <array>
-
 #include "kernels/mesh/views.hpp"
 
 namespace cgcontact {
 
 /// Discrete Fourier transforms of one length, sixteen real columns at a time: two in the real and imaginary parts of
 /// each of eight lanes. Stockham's self-sorting form (Van Loan, Computational Frameworks for the Fast Fourier
-/// Transform, 1992, section 1.7) for each prime factor, pairs of twos as fours: some 8 n (sum of the factors)
-/// operations for two columns, in a fixed order.
+/// Transform, 1992, section 1.7) for each prime factor, pairs of twos as fours, in a fixed order.
 class Fourier {
  public:
   static constexpr int lanes = 8, columns = 2 * lanes;
   static constexpr int max_factors = 31;
+
+  /// exp(-2 pi I k / length): (k, real and imaginary part).
+  using Roots = Kokkos::View<double* [2], Kokkos::LayoutRight, MemSpace>;
 
   /// Real and imaginary parts of a value in all lanes.
   struct Value {
@@ -27,19 +27,18 @@ class Fourier {
   /// Replaces x, of as many values as the length, by sum_i x_i exp(-2 pi I i k / length); `work` is as long. Returns
   /// which of the two holds the result.
   KOKKOS_FUNCTION Value* transform(Value* x, Value* work) const;
-  /// exp(-2 pi I k / length), the real part first.
-  KOKKOS_FORCEINLINE_FUNCTION double root(int k, int part) const { return roots_(k, part); }
-
   /// Counts the floating-point operations of a transform of sixteen columns, from the loops.
   double flop() const;
 
+  /// Makes all roots of a length.
+  static Roots roots_of(int length);
   /// Gives the least length from `least` on without factors but 2, 3 and 5.
   static int fast_length(int least);
 
  private:
   int length_, num_factors_ = 0;
   int factors_[max_factors];
-  Kokkos::View<double* [2], Kokkos::LayoutRight, MemSpace> roots_;
+  Roots roots_;
 };
 
 /// Sums of cosines cos(pi k (i + 1/2) / count), k = 0 ... count - 1, at the places i = first ... first + size - 1.
@@ -50,8 +49,6 @@ class CosineTransform {
 
   CosineTransform() = default;
   CosineTransform(int size, int first, int count);
-
-  int count() const { return fourier_.length(); }
 
   /// Sets spectrum(column, k) = sum_i values(i, column) cos(...), times factor(column, k) where that has any entries.
   /// values: (size, columns); spectrum: (columns, count).
@@ -64,10 +61,11 @@ class CosineTransform {
 
  private:
   int size_ = 0, first_ = 0;
-  Fourier fourier_, half_roots_;  ///< of count; of four times that, for its roots alone
+  Fourier fourier_;         ///< of count
+  Fourier::Roots quarter_;  ///< of four times count: quarters of its angles
 };
 
-/// spectrum(column, k) = sum over d = -reach ... reach of table(|d|, column) cos(pi k d / count), k < count; where
+/// Sets spectrum(column, k) = sum over d = -reach ... reach of table(|d|, column) cos(pi k d / count), k < count; where
 /// reach is count, the period, both ends are one. table: (reach + 1, columns); spectrum: (columns, count).
 template <class Exec>
 void even_spectrum(const Exec& exec, int count, const CosineTransform::Matrix& table,

@@ -34,45 +34,44 @@ template <class Exec>
 class CosineTransforms : public testing::Test {};
 TYPED_TEST_SUITE(CosineTransforms, ExecutionSpaces);
 
-/// Lengths of one factor and of many, odd ones and primes; columns that fill the lanes and that do not.
-constexpr int lengths[] = {1, 2, 3, 4, 7, 8, 13, 16, 24, 30, 64, 90, 97};
+/// Calls use(size, first, count, columns) for lengths of one factor and of many, odd ones and primes; columns that fill
+/// the lanes and that do not.
+template <class Use>
+void each_shape(const Use& use) {
+  for (const int count : {1, 2, 3, 4, 7, 8, 13, 16, 24, 30, 64, 90, 97})
+    for (const int columns : {1, 16, 37}) use(std::max(1, count / 2), count / 3, count, columns);
+}
 
 TYPED_TEST(CosineTransforms, SumsOfCosines) {
   const TypeParam exec;
-  for (const int count : lengths)
-    for (const int columns : {1, 16, 37}) {
-      const int size = std::max(1, count / 2), first = count / 3;
-      if (first + size > count) continue;
-      const Matrix values = matrix(size, columns), spectrum("spectrum", columns, count);
-      CosineTransform(size, first, count).forward(exec, values, Matrix(), spectrum);
-      exec.fence();
-      const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), spectrum);
-      for (int j = 0; j < columns; ++j)
-        for (int k = 0; k < count; ++k) {
-          double sum = 0;
-          for (int i = 0; i < size; ++i) sum += number(i, j) * cosine(first + i, k, count);
-          ASSERT_NEAR(host(j, k), sum, tolerance(count)) << count << " " << columns << " " << j << " " << k;
-        }
-    }
+  each_shape([&](int size, int first, int count, int columns) {
+    const Matrix values = matrix(size, columns), spectrum("spectrum", columns, count);
+    CosineTransform(size, first, count).forward(exec, values, Matrix(), spectrum);
+    exec.fence();
+    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), spectrum);
+    for (int j = 0; j < columns; ++j)
+      for (int k = 0; k < count; ++k) {
+        double sum = 0;
+        for (int i = 0; i < size; ++i) sum += number(i, j) * cosine(first + i, k, count);
+        ASSERT_NEAR(host(j, k), sum, tolerance(count)) << count << " " << columns << " " << j << " " << k;
+      }
+  });
 }
 
 TYPED_TEST(CosineTransforms, AndBack) {
   const TypeParam exec;
-  for (const int count : lengths)
-    for (const int columns : {1, 16, 37}) {
-      const int size = std::max(1, count / 2), first = count / 3;
-      if (first + size > count) continue;
-      const Matrix spectrum = matrix(columns, count), values("values", size, columns);
-      CosineTransform(size, first, count).backward(exec, spectrum, values);
-      exec.fence();
-      const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
-      for (int j = 0; j < columns; ++j)
-        for (int i = 0; i < size; ++i) {
-          double sum = 0;
-          for (int k = 0; k < count; ++k) sum += number(j, k) * cosine(first + i, k, count);
-          ASSERT_NEAR(host(i, j), sum, tolerance(count)) << count << " " << columns << " " << i << " " << j;
-        }
-    }
+  each_shape([&](int size, int first, int count, int columns) {
+    const Matrix spectrum = matrix(columns, count), values("values", size, columns);
+    CosineTransform(size, first, count).backward(exec, spectrum, values);
+    exec.fence();
+    const auto host = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), values);
+    for (int j = 0; j < columns; ++j)
+      for (int i = 0; i < size; ++i) {
+        double sum = 0;
+        for (int k = 0; k < count; ++k) sum += number(j, k) * cosine(first + i, k, count);
+        ASSERT_NEAR(host(i, j), sum, tolerance(count)) << count << " " << columns << " " << i << " " << j;
+      }
+  });
 }
 
 /// Each entry of the spectrum takes its own factor.
