@@ -2,7 +2,7 @@
 # Installs the Debian packages that cgcontact needs and that are missing. Does nothing, quickly, when all are there.
 #
 #   scripts/install_dependencies.sh            to build and to run
-#   scripts/install_dependencies.sh --test     what the tests use as well
+#   scripts/install_dependencies.sh --test     what the tests use as well, and ccache
 #   scripts/install_dependencies.sh --docs     doxygen as well
 #   scripts/install_dependencies.sh --format   clang-format as well
 #   scripts/install_dependencies.sh --fuzz     clang with libFuzzer as well
@@ -24,7 +24,7 @@ packages=(
 )
 for option in "$@"; do
   case "$option" in
-    --test) packages+=(python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio groff-base) ;;
+    --test) packages+=(ccache python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio groff-base) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
     --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;

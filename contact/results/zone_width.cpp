@@ -1,11 +1,14 @@
 #include "contact/results/zone_width.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <set>
+#include <unsupported/Eigen/BVH>
+#include <utility>
 
 #include "contact/results/contact_zone.hpp"
 #include "core/base/parallel.hpp"
@@ -26,11 +29,35 @@ constexpr double slice = 0.75;
 /// The spread may change the width that the states of the points give by that much, cells: groups are whole cells.
 constexpr double narrower = 1.5, wider = 1;
 
+/// A ridge point stands for the closed points within so many times its distance from the open ones: in a strip these
+/// reach from edge to edge halfway to the next ridge point.
+constexpr double neighbourhood = 2;
+
 /// Points per chunk of the parallel loop.
-constexpr std::size_t grain = 1024;
-/// One point of so many is glanced at first; equal distances differ by less than the rounding.
-constexpr std::size_t stride = 64;
-constexpr double rounding = 1e-12;
+constexpr std::size_t grain = 256;
+
+/// An open point, for Eigen's hierarchy of bounding boxes.
+struct OpenPoint {
+  const TransmittedForce* force;
+};
+Eigen::AlignedBox3d bounding_box(const OpenPoint& point) { return Eigen::AlignedBox3d(point.force->position); }
+
+/// A closed point and the nearest open one whose normal goes its way, which may be missing. What Eigen::BVMinimize asks for.
+struct Middle {
+  using Scalar = double;
+  const TransmittedForce *closed, *open = nullptr;
+  double distance = std::numeric_limits<double>::infinity();
+
+  double minimumOnVolume(const Eigen::AlignedBox3d& box) const { return box.exteriorDistance(closed->position); }
+  double minimumOnObject(const OpenPoint& point) {
+    const double here = (point.force->position - closed->position).norm();
+    if (here < distance && point.force->normal.dot(closed->normal) >= 0.5) {
+      open = point.force;
+      distance = here;
+    }
+    return distance;
+  }
+};
 
 /// The closed cells of one pair (images too), joined to zones, and the open points around them.
 class PairZones {
@@ -39,9 +66,17 @@ class PairZones {
     for (const TransmittedForce& cell : closed_cells)
       if (cell.pair == pair) cells_.push_back(&cell);
     connect();
+    std::vector<OpenPoint> open;
     for (const auto* list : {&zone.forces(), &zone.images()})
-      for (const TransmittedForce& f : *list)
-        if (f.pair == pair) add(f);
+      for (const TransmittedForce& f : *list) {
+        if (f.pair != pair) continue;
+        if (f.closed)
+          add(f);
+        else
+          open.push_back({&f});
+      }
+    bounded_ = !open.empty();
+    open_.init(open.begin(), open.end());
   }
 
   /// None: no open point bounds a zone that matters.
@@ -62,12 +97,6 @@ class PairZones {
     double force = 0;                             // N, without images
     std::vector<const TransmittedForce*> closed;  // with images
   };
-  /// A closed point and an open one.
-  struct Middle {
-    const TransmittedForce *closed = nullptr, *open = nullptr;
-    double distance = -1;
-  };
-
   void connect() {
     double largest = 0;
     for (const TransmittedForce* cell : cells_) largest = std::max(largest, cell->cell_size);
@@ -81,64 +110,49 @@ class PairZones {
   }
 
   void add(const TransmittedForce& f) {
-    if (!f.closed) {
-      open_.push_back(&f);
-      return;
-    }
     Zone& zone = zones_[zone_of_.at({f.cell, f.image})];
     zone.closed.push_back(&f);
     if (!f.image) zone.force += f.force;
   }
 
+  /// The mean over the zone's ridge, weighted by the forces on both sides of it.
   ZoneWidth width(const Zone& zone) const {
-    std::vector<const TransmittedForce*> inner;
-    for (const TransmittedForce* f : zone.closed)
-      if (!f->image) inner.push_back(f);
-    const Middle middle = farthest_from_open(inner);
-    if (!middle.open) return {};
-    return {refined(zone, middle), middle.closed->cell_size};
-  }
-
-  /// Of these points the one that is farthest from the open ones whose normals go its way (of equals the first). Most
-  /// points need a glance only: one open point that is nearer than the farthest so far.
-  Middle farthest_from_open(const std::vector<const TransmittedForce*>& points) const {
-    std::vector<Middle> chunks(num_chunks(points.size(), grain));
-    double at_least = -1;  // by a glance at a few of them: the others need not search farther
-    for (std::size_t i = 0; i < points.size(); i += stride) {
-      const Middle here = nearest_open(*points[i], nullptr, at_least);
-      if (here.open) at_least = std::max(at_least, (1 - rounding) * here.distance);
+    if (!bounded_) return {};
+    double force = 0, cells = 0, width = 0;
+    for (const auto& [middle, of_middle] : ridge(zone)) {
+      const double here = refined(zone, middle);
+      force += of_middle;
+      cells += of_middle * here;
+      width += of_middle * here * middle.closed->cell_size;
     }
-    parallel_chunks("cgcontact::zone_width::farthest_from_open", points.size(), grain,
-                    [&](std::size_t chunk, std::size_t begin, std::size_t end) {
-                      Middle& farthest = chunks[chunk];
-                      farthest.distance = at_least;
-                      const TransmittedForce* latest = nullptr;  // the open point that counted last
-                      for (std::size_t i = begin; i < end; ++i) {
-                        const Middle here = nearest_open(*points[i], latest, farthest.distance);
-                        latest = here.open;
-                        if (here.distance > farthest.distance) farthest = here;
-                      }
-                    });
-    Middle farthest;
-    for (const Middle& each : chunks)
-      if (each.closed && each.distance > farthest.distance) farthest = each;
-    return farthest;
+    if (!(force > 0)) return {};
+    return {cells / force, width / cells};
   }
 
-  /// The open point nearest to a closed one, or the first found, beginning with `first`, that is not farther than
-  /// `enough`.
-  Middle nearest_open(const TransmittedForce& point, const TransmittedForce* first, double enough) const {
-    Middle nearest{&point, nullptr, std::numeric_limits<double>::infinity()};
-    const auto try_point = [&](const TransmittedForce* open) {
-      const double distance = (open->position - point.position).norm();
-      if (distance < nearest.distance && open->normal.dot(point.normal) >= 0.5) nearest = {&point, open, distance};
-      return nearest.distance <= enough;
-    };
-    if (first && try_point(first)) return nearest;
-    nearest = {&point, nullptr, std::numeric_limits<double>::infinity()};
-    for (const TransmittedForce* open : open_)
-      if (try_point(open)) break;
-    return nearest;
+  /// Of the closed points, images left out, the one that is farthest from the open ones, then the farthest of those
+  /// beyond its neighbourhood, and so on; with the force of the neighbourhood, N.
+  std::vector<std::pair<Middle, double> > ridge(const Zone& zone) const {
+    std::vector<Middle> points;
+    for (const TransmittedForce* f : zone.closed)
+      if (!f->image) points.push_back({f});
+    parallel_for("cgcontact::zone_width::nearest_open", points.size(), grain,
+                 [&](std::size_t i) { Eigen::BVMinimize(open_, points[i]); });
+    points.erase(std::remove_if(points.begin(), points.end(), [](const Middle& m) { return !m.open; }), points.end());
+    std::stable_sort(points.begin(), points.end(), [](const Middle& a, const Middle& b) { return a.distance > b.distance; });
+    std::vector<std::pair<Middle, double> > ridge;
+    while (!points.empty()) {
+      const Middle middle = points.front();
+      const double reach = std::max(neighbourhood * middle.distance, middle.closed->cell_size);
+      double force = 0;
+      const auto beyond = [&](const Middle& m) {
+        if ((m.closed->position - middle.closed->position).norm() > reach) return true;
+        force += m.closed->force;
+        return false;
+      };
+      points.erase(std::stable_partition(points.begin(), points.end(), beyond), points.end());
+      ridge.emplace_back(middle, force);
+    }
+    return ridge;
   }
 
   /// Under Hertz's line and round contacts the forces in a slice through the middle spread by a quarter of the width.
@@ -165,7 +179,9 @@ class PairZones {
     return std::clamp(spread, std::max(counted - narrower, 0.5 * counted), counted + wider);
   }
 
-  std::vector<const TransmittedForce*> cells_, open_;
+  std::vector<const TransmittedForce*> cells_;
+  bool bounded_ = false;  // by open points
+  Eigen::KdBVH<double, 3, OpenPoint> open_;
   std::map<std::array<int, 2>, int> zone_of_;  // cell, image
   std::map<int, Zone> zones_;
 };
