@@ -42,7 +42,8 @@ struct OpenPoint {
 };
 Eigen::AlignedBox3d bounding_box(const OpenPoint& point) { return Eigen::AlignedBox3d(point.force->position); }
 
-/// A closed point and the nearest open one whose normal goes its way, which may be missing. What Eigen::BVMinimize asks for.
+/// A closed point and the nearest open one whose normal goes its way, which may be missing. What Eigen::BVMinimize asks
+/// for.
 struct Middle {
   using Scalar = double;
   const TransmittedForce *closed, *open = nullptr;
@@ -138,7 +139,8 @@ class PairZones {
     parallel_for("cgcontact::zone_width::nearest_open", points.size(), grain,
                  [&](std::size_t i) { Eigen::BVMinimize(open_, points[i]); });
     points.erase(std::remove_if(points.begin(), points.end(), [](const Middle& m) { return !m.open; }), points.end());
-    std::stable_sort(points.begin(), points.end(), [](const Middle& a, const Middle& b) { return a.distance > b.distance; });
+    std::stable_sort(points.begin(), points.end(),
+                     [](const Middle& a, const Middle& b) { return a.distance > b.distance; });
     std::vector<std::pair<Middle, double> > ridge;
     while (!points.empty()) {
       const Middle middle = points.front();
