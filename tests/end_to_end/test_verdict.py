@@ -116,6 +116,19 @@ class Verdict(unittest.TestCase):
                 self.assertGreater(written["contact"][0]["pressure_error_estimate"], 0.5 * error,
                                    "the estimate is never much too small")
 
+    def test_a_long_zone_is_as_wide_as_its_mean(self):
+        """A ring of round section at a position of the grids where whole groups make it wide by chance at some place: with 2.5
+        cells across by Hertz it was counted as 3.0 there, called resolved, and had a pressure 6.9 % below Hertz's 2204 MPa. Now
+        it is refined: 0.5 % below, on six cells."""
+        offsets = ("body.0.grid.offset=[0.367,0.031,0.177]", "body.1.grid.offset=[0.442,0.784,0.443]")
+        chosen = [word for value in ("F=100 kN", "accuracy.pressure=10%", "output.plots=false", "output.vtk=false", *offsets)
+                  for word in ("--set", value)]
+        outcome = cgcontact("run", harness.SOURCE / "perf" / "edge_scenes" / "ring.toml", "--out", "ring", *chosen)
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertEqual(report("ring")["verdict"]["state"], "resolved")
+        largest = max(float(row["pressure_sprc"]) for row in harness.contact_rows("ring"))
+        self.assertLess(abs(largest / 2204e6 - 1), 0.04)
+
     def test_force_given_by_loads(self):
         """Pressed down by a load and held sideways: equilibrium alone gives the force, whatever the cells. Its error is none (measured: rounding)
         and the estimate 0. Where the top is moved instead it is an estimate again."""
