@@ -36,14 +36,13 @@ constexpr double neighbourhood = 2;
 /// Points per chunk of the parallel loop.
 constexpr std::size_t grain = 256;
 
-/// An open point, for Eigen's hierarchy of bounding boxes.
+/// Open point, for Eigen's hierarchy of bounding boxes.
 struct OpenPoint {
   const TransmittedForce* force;
 };
 Eigen::AlignedBox3d bounding_box(const OpenPoint& point) { return Eigen::AlignedBox3d(point.force->position); }
 
-/// A closed point and the nearest open one whose normal goes its way, which may be missing. What Eigen::BVMinimize asks
-/// for.
+/// Closed point and the nearest open one whose normal goes its way, which may be missing; for Eigen::BVMinimize.
 struct Middle {
   using Scalar = double;
   const TransmittedForce *closed, *open = nullptr;
@@ -98,6 +97,7 @@ class PairZones {
     double force = 0;                             // N, without images
     std::vector<const TransmittedForce*> closed;  // with images
   };
+
   void connect() {
     double largest = 0;
     for (const TransmittedForce* cell : cells_) largest = std::max(largest, cell->cell_size);
@@ -116,7 +116,7 @@ class PairZones {
     if (!f.image) zone.force += f.force;
   }
 
-  /// The mean over the zone's ridge, weighted by the forces on both sides of it.
+  /// Averages the width over the zone's ridge, weighted by the forces on both sides of it.
   ZoneWidth width(const Zone& zone) const {
     if (!bounded_) return {};
     double force = 0, cells = 0, width = 0;
@@ -130,8 +130,8 @@ class PairZones {
     return {cells / force, width / cells};
   }
 
-  /// Of the closed points, images left out, the one that is farthest from the open ones, then the farthest of those
-  /// beyond its neighbourhood, and so on; with the force of the neighbourhood, N.
+  /// Finds the closed point, images left out, that is farthest from the open ones, then the farthest of those beyond
+  /// its neighbourhood, and so on; with the force of the neighbourhood, N.
   std::vector<std::pair<Middle, double> > ridge(const Zone& zone) const {
     std::vector<Middle> points;
     for (const TransmittedForce* f : zone.closed)
