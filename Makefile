@@ -97,10 +97,10 @@ format: deps-format
 format-check: deps-format
 	@$(CLANG_FORMAT) --dry-run -Werror $(sources)
 
-# clang-tidy cannot read g++'s precompiled headers.
+# clang-tidy cannot read g++'s precompiled headers, and looks at one file at a time.
 tidy: configure
 	@command -v $(CLANG_TIDY) >/dev/null || { echo "make tidy: $(CLANG_TIDY) is not here (Debian package clang-tidy)"; exit 1; }
-	@cmake --preset $(BACKEND) -B build/tidy -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON --log-level=WARNING
+	@cmake --preset $(BACKEND) -B build/tidy -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_UNITY_BUILD=OFF --log-level=WARNING
 	@$(CLANG_TIDY) -p build/tidy --quiet --extra-arg=-Wno-unknown-warning-option $(shell find core kernels recovery contact -name '*.cpp')
 
 clean:

@@ -14,8 +14,6 @@ namespace {
 using namespace cgcontact;
 using namespace cgcontact::perf;
 
-constexpr double pi = 3.14159265358979323846;
-
 /// Patches over a zone of radius 1 and what lies around it; no symmetry planes.
 FaceGrid grid_of(int size) {
   FaceGrid grid;

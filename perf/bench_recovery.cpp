@@ -8,6 +8,7 @@
 #include <cmath>
 #include <memory>
 
+#include "core/base/decompositions.hpp"
 #include "kernels/mesh/hex.hpp"
 #include "perf/harness.hpp"
 #include "perf/problems.hpp"
@@ -371,9 +372,13 @@ Eigen::VectorXd solve_truncated(const DensePatch& p) {
   Eigen::MatrixXd rows = factor.matrixL().solve(p.C.transpose()).transpose();
   const Eigen::VectorXd norm = rows.rowwise().norm();
   rows = norm.cwiseInverse().asDiagonal() * rows;
-  Eigen::JacobiSVD<Eigen::MatrixXd> svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  svd.setThreshold(RecoveryOptions{}.rank_tolerance_of(p.C.cols() % 60 == 0 ? 2 : 1));  // 60 or 24 columns per body
-  return p.a + factor.matrixU().solve(svd.solve((p.lambda - p.C * p.a).cwiseQuotient(norm)));
+  const SingularValues svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const auto values = svd.singularValues().array();
+  const double least = RecoveryOptions{}.rank_tolerance_of(p.C.cols() % 60 == 0 ? 2 : 1) *  // 60 or 24 columns per body
+                       values[0];
+  const Eigen::VectorXd inverse = (values > least).select(values.inverse(), 0);
+  const Eigen::VectorXd defect = (p.lambda - p.C * p.a).cwiseQuotient(norm);
+  return p.a + factor.matrixU().solve(svd.matrixV() * (inverse.asDiagonal() * (svd.matrixU().transpose() * defect)));
 }
 
 /// Patches whose rows are independent (all ways to solve them give the same answer), or those with truncated ones.

@@ -10,8 +10,6 @@
 namespace cgcontact {
 namespace {
 
-/// Rows per chunk of the parallel loop.
-constexpr std::size_t grain = 128;
 /// Factors of the estimate of one solution while there is no other to compare it with, in three dimensions and in line
 /// contact (docs/adaptivity.md). Of the stress it was down to 0.43 of the true error on the first grid that
 /// resolves an elliptic zone, and not below 1.4 with that factor in line contact, 4.3 in the mean of 20 positions: a
@@ -33,7 +31,7 @@ double pressure_at(const SolvedState& earlier, const ContactRow& row) {
 double pressure_change(const Results& results, int pair, const SolvedState& earlier) {
   const std::vector<ContactRow>& rows = results.contact_rows;
   std::vector<double> change(rows.size());
-  parallel_for("cgcontact::two_grid_estimate::change", rows.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::two_grid_estimate::change", rows.size(), grain_of_medium, [&](std::size_t i) {
     if (rows[i].pair == pair) change[i] = rows[i].pressure_sprc - pressure_at(earlier, rows[i]);
   });
   double difference = 0, norm = 0;

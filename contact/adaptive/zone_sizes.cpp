@@ -14,7 +14,7 @@ namespace cgcontact {
 namespace {
 
 /// Half the diagonal of a square over its side: the ball around a group's centre that holds its cell's piece.
-constexpr double half_diagonal = 0.71;
+constexpr double half_square_diagonal = 0.71;
 
 /// Where the place of a zone is known, its cells may become so many times smaller at once.
 constexpr double most_narrowing = 1000;
@@ -26,7 +26,7 @@ constexpr double about_a_cell = 2.5;
 constexpr double largest_growth = 2;
 
 SizedBall ball_of(const ContactPair& pair, const ContactGroup& group) {
-  return {centre_of(pair, group), half_diagonal * group.larger_cell, group.larger_cell};
+  return {centre_of(pair, group), half_square_diagonal * group.larger_cell, group.larger_cell};
 }
 
 void add_closed_groups(const ContactPair& pair, const ZoneWidth& width, ZoneState& zone) {

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
 #include "recovery/patch/tangents.hpp"
 
 namespace cgcontact {
@@ -54,7 +55,7 @@ std::optional<FaceChart> FaceChart::make(const std::vector<FacePoint>& points, c
     return chart;
   }
   // Round: the direction in which no normal points.
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(spread / area);
+  const SymmetricEigen<3> solver(spread / area);
   if (across < 0 && solver.eigenvalues()[0] > no_turn) return std::nullopt;
   const Vec3 axis = across >= 0 ? Vec3(Vec3::Unit(across)) : Vec3(solver.eigenvectors().col(0));
   const auto [e, f] = tangents(axis);

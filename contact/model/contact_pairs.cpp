@@ -16,8 +16,6 @@
 namespace cgcontact {
 namespace {
 
-/// Boundary points per chunk of the parallel loops.
-constexpr std::size_t grain = 512;
 /// Relative difference of cell sizes that is rounding.
 constexpr double equal_cells = 1e-12;
 /// Faces of the larger cells: automatic pairs that see each other over less than that do so by rounding.
@@ -276,7 +274,7 @@ void mark_boundary_points(const ContactPair& pair, int index, int body, std::vec
                           std::vector<double>& nearest) {
   BodyModel& model = bodies[body];
   const BodyFace face(pair.face(body), model);
-  parallel_for("cgcontact::contact_pairs::boundary_in_reach", model.cut_cells.boundary.size(), grain,
+  parallel_for("cgcontact::contact_pairs::boundary_in_reach", model.cut_cells.boundary.size(), grain_of_medium,
                [&](std::size_t point) {
                  const int p = static_cast<int>(point);
                  if (!face.contains(p)) return;
@@ -293,8 +291,8 @@ double closest_distance(const std::vector<BodyModel>& bodies, ContactPair pair) 
   pair.reach.ahead = box_distance(primary, secondary) + 2 * (longest_extent(primary) + longest_extent(secondary));
   const BodyFace face(pair.face(pair.primary), primary);
   const std::size_t size = primary.cut_cells.boundary.size();
-  std::vector<double> least(num_chunks(size, grain), 1e300);
-  parallel_chunks("cgcontact::contact_pairs::closest_distance", size, grain,
+  std::vector<double> least(num_chunks(size, grain_of_medium), 1e300);
+  parallel_chunks("cgcontact::contact_pairs::closest_distance", size, grain_of_medium,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                     for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
                       if (!face.contains(p)) continue;
@@ -404,7 +402,8 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
       };
       const auto [begin, end] = share_out(own.boundary.size());
       on_all_ranks([&, first = begin, count = end - begin] {
-        parallel_for("cgcontact::contact_pairs::overlap", count, grain, [&](std::size_t p) { check(first + p); });
+        parallel_for("cgcontact::contact_pairs::overlap", count, grain_of_medium,
+                     [&](std::size_t p) { check(first + p); });
       });
     }
 }

@@ -20,7 +20,7 @@ constexpr std::size_t most_leaves = 8192;
 /// Grid coordinates, from a surface into the body: less than the thinnest cells that are kept.
 constexpr double inward_step = 1e-12;
 /// Cosine between the group's mean normal and surfaces that face it.
-constexpr double least_cosine = 0.1;
+constexpr double least_facing_cosine = 0.1;
 
 /// A square of the plane across the group's mean normal, with the samples in the middles of its quarters.
 struct Leaf {
@@ -120,7 +120,7 @@ class Sampler {
     bool inside = false;
     for (const Crossing& c : crossings) {
       // Other surfaces of the face, too: beside an edge or a corner they tell how deep the group's own one may lie.
-      if (c.normal.dot(direction) < least_cosine) continue;
+      if (c.normal.dot(direction) < least_facing_cosine) continue;
       if (own && std::abs(c.t) >= std::abs(own->t)) continue;
       const Vec3 y = start + c.t * direction;
       if (!pair_.face(pair_.primary)

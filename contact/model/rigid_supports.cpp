@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -40,7 +42,7 @@ void check(const Scene& scene, const BodyModel& body, const std::vector<const Su
     held += points[i]->weight * row(i) * row(i).transpose();
     wanted += points[i]->weight * points[i]->prescribed * row(i);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(held);
+  const SymmetricEigen<6> solver(held);
   Motion motion = Motion::Zero();  // the nearest one
   for (int k = 0; k < 6; ++k)
     if (const Motion v = solver.eigenvectors().col(k); solver.eigenvalues()[k] > not_held * solver.eigenvalues()[5])

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "contact/model/surface_normals.hpp"
+#include "core/base/decompositions.hpp"
 
 namespace cgcontact {
 namespace {
@@ -18,7 +19,7 @@ constexpr std::size_t most_candidates = 3000, fewest_candidates = 12;
 /// Columns that span the null space of a matrix whose singular values are of order 1 or zero.
 Eigen::MatrixXd null_space(const Eigen::MatrixXd& A) {
   if (A.cols() == 0) return Eigen::MatrixXd(0, 0);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeFullV);
+  const SingularValues svd(A, Eigen::ComputeFullV);
   Eigen::Index rank = 0;
   for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k) rank += svd.singularValues()[k] > 1e-6;
   return svd.matrixV().rightCols(A.cols() - rank);
@@ -27,7 +28,7 @@ Eigen::MatrixXd null_space(const Eigen::MatrixXd& A) {
 /// Orthonormal columns that span those of a matrix whose columns have length 1.
 Eigen::MatrixXd column_space(const Eigen::MatrixXd& A) {
   if (A.cols() == 0) return A;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(A, Eigen::ComputeThinU);
+  const SingularValues svd(A, Eigen::ComputeThinU);
   return svd.matrixU().leftCols((svd.singularValues().array() > 1e-3).count());
 }
 
@@ -40,7 +41,7 @@ Eigen::MatrixXd rotations(const Eigen::MatrixXd& modes) {
 
 /// The directions that the columns of a 3 x k matrix span: "along (..)", "in the plane normal to (..)", ...
 std::string span_text(const Eigen::MatrixXd& columns, const char* one, const char* two, const char* three) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(columns, Eigen::ComputeFullU);
+  const SingularValues svd(columns, Eigen::ComputeFullU);
   Eigen::Index rank = 0;
   for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k)
     rank += svd.singularValues()[k] > 1e-4 * svd.singularValues()[0];
@@ -114,7 +115,7 @@ FreeMotions no_motions(const std::vector<BodyModel>& bodies) {
 
 Eigen::MatrixXd motions_not_resisted(const Resistance& resistance) {
   constexpr double no_stiffness = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Resistance> eigen(resistance);
+  const SymmetricEigen<6> eigen(resistance);
   Eigen::Index count = 0;
   while (count < 6 && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[5]) ++count;
   return eigen.eigenvectors().leftCols(count);
@@ -211,7 +212,7 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
       area += point.weight;
     }
   constexpr double no_stiffness = 1e-9;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const SymmetricEigen<Eigen::Dynamic> eigen(gram);
   Eigen::Index count = 0;
   while (count < gram.cols() && eigen.eigenvalues()[count] <= no_stiffness * area) ++count;
   FreeMotions left = free;

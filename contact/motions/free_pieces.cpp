@@ -9,6 +9,7 @@
 
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/rigid_motion.hpp"
+#include "core/base/decompositions.hpp"
 
 namespace cgcontact {
 namespace {
@@ -39,7 +40,7 @@ std::string motion_text(const RigidPiece& piece, const RigidMotion& m) {
 
 /// Orthonormal basis of the motions of `free` (columns) that `gram` does not resist.
 Eigen::MatrixXd not_resisted(const Eigen::MatrixXd& free, const Eigen::MatrixXd& gram) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(free.transpose() * gram * free);
+  const SymmetricEigen<Eigen::Dynamic> eigen(free.transpose() * gram * free);
   Eigen::Index left = 0;
   while (left < free.cols() && eigen.eigenvalues()[left] < worth_holding) ++left;
   return free * eigen.eigenvectors().leftCols(left);
@@ -52,7 +53,7 @@ std::vector<RigidMotion> readable_motions(Eigen::MatrixXd free) {
   const auto take = [&](const RigidMotion& m) {
     motions.push_back(m);
     const Eigen::MatrixXd rest = free - m * (m.transpose() * free);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(rest, Eigen::ComputeThinU);
+    const SingularValues svd(rest, Eigen::ComputeThinU);
     free = svd.matrixU().leftCols(free.cols() - 1);
   };
   for (int k = 0; k < 6 && free.cols() > 0; ++k) {
@@ -87,7 +88,7 @@ class FreeMotion {
     }
     const RigidPiece& piece = pieces_.list[chosen];
     const Eigen::MatrixXd own = modes.middleRows<6>(6 * chosen);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(own, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const SingularValues svd(own, Eigen::ComputeThinU | Eigen::ComputeThinV);
     Eigen::Index dimension = 0;
     while (dimension < svd.singularValues().size() && svd.singularValues()[dimension] > negligible) ++dimension;
     const Eigen::MatrixXd free = svd.matrixU().leftCols(dimension);
@@ -160,7 +161,7 @@ class FreeMotion {
         for (const auto& [how, sum] : resistance) {
           if ((how.find("symmetry") != std::string::npos) != by_symmetry || (!by_symmetry && !best.empty())) continue;
           const Eigen::MatrixXd gram = free.transpose() * sum * free / area[how];
-          const double held = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(gram).eigenvalues().maxCoeff();
+          const double held = SymmetricEigen<Eigen::Dynamic>(gram).eigenvalues().maxCoeff();
           if (held > most * (1 + negligible)) best = how;
           most = std::max(most, held);
         }

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 
+#include "core/base/decompositions.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
@@ -13,12 +14,12 @@ namespace {
 
 using Block = Eigen::Matrix<double, 6, 6>;
 
-/// Resistance of supports and closed contact by pairs of pieces (lower triangle: first >= second).
-using Resistance = std::map<std::pair<int, int>, Block>;
+/// PieceResistance of supports and closed contact by pairs of pieces (lower triangle: first >= second).
+using PieceResistance = std::map<std::pair<int, int>, Block>;
 
-Resistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
-                         const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
-  Resistance sum;
+PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
+                              const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs) {
+  PieceResistance sum;
   const auto add = [&](int i, int j, const Block& block) {
     sum.try_emplace({i, j}, Block::Zero()).first->second += block;
   };
@@ -44,7 +45,7 @@ Resistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>
 }
 
 /// Pieces by the assembly that they belong to: those that contact joins.
-std::vector<std::vector<int>> find_assemblies(const Resistance& resistance, int num_pieces) {
+std::vector<std::vector<int>> find_assemblies(const PieceResistance& resistance, int num_pieces) {
   std::vector<int> first(num_pieces);
   std::iota(first.begin(), first.end(), 0);
   const auto root = [&](int k) {
@@ -60,7 +61,8 @@ std::vector<std::vector<int>> find_assemblies(const Resistance& resistance, int 
 }
 
 /// Columns with rows for the members alone.
-Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const Resistance& resistance, double no_stiffness) {
+Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const PieceResistance& resistance,
+                                double no_stiffness) {
   const auto n = static_cast<Eigen::Index>(6 * members.size());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);  // lower triangle
   for (std::size_t i = 0; i < members.size(); ++i)
@@ -74,7 +76,7 @@ Eigen::MatrixXd free_motions_of(const std::vector<int>& members, const Resistanc
     const Eigen::LLT<Eigen::MatrixXd> all_held(A - no_stiffness * trace * Eigen::MatrixXd::Identity(n, n));
     if (all_held.info() == Eigen::Success) return Eigen::MatrixXd(n, 0);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  const SymmetricEigen<Eigen::Dynamic> eigen(A);
   Eigen::Index count = 0;
   while (count < n && eigen.eigenvalues()[count] <= no_stiffness * eigen.eigenvalues()[n - 1]) ++count;
   return eigen.eigenvectors().leftCols(count);
@@ -129,7 +131,7 @@ RigidPieces separate_pieces(const std::vector<BodyModel>& bodies) {
 Eigen::MatrixXd free_rigid_motions(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
                                    const std::vector<SupportPoint>& supports, const std::vector<ContactPair>& pairs,
                                    double no_stiffness) {
-  const Resistance resistance = resistance_of(pieces, bodies, supports, pairs);
+  const PieceResistance resistance = resistance_of(pieces, bodies, supports, pairs);
   const int num_pieces = static_cast<int>(pieces.list.size());
   std::vector<std::pair<std::vector<int>, Eigen::MatrixXd>> found;
   Eigen::Index columns = 0;

@@ -1,8 +1,7 @@
 #include "contact/motions/statics.hpp"
 
-#include <Eigen/Eigenvalues>
-
 #include "contact/motions/rigid_motion.hpp"
+#include "core/base/decompositions.hpp"
 
 namespace cgcontact {
 namespace {
@@ -18,7 +17,7 @@ struct Statics::Impl {
   const std::vector<ContactPair>& pairs;
   RigidPieces pieces;
   std::vector<double> closed_area;  // of each pair
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> matrix;
+  SymmetricEigen<Eigen::Dynamic> matrix;
 
   Impl(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
        const std::vector<ContactPair>& all_pairs)
@@ -48,7 +47,7 @@ struct Statics::Impl {
         sum.block<6, 6>(second, first) += weight * on_second * on_first.transpose();
       }
     }
-    matrix.compute(sum);
+    matrix = SymmetricEigen<Eigen::Dynamic>(sum);
   }
 
   /// Of the relative motion along the direction of a point, of the primary body less the secondary one.

@@ -12,8 +12,6 @@
 namespace cgcontact {
 namespace {
 
-/// Boundary points per chunk of the parallel loops.
-constexpr std::size_t grain = 128;
 /// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
 constexpr double same_face = 0.5;
 /// Of the largest pressure of a pair.
@@ -154,13 +152,13 @@ void fill_contact_rows(const SolvedState& state, Results& results) {
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
     const BodyModel& body = state.bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
-    std::vector<std::vector<int>> points(num_chunks(boundary.size(), grain));
-    std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain));
+    std::vector<std::vector<int>> points(num_chunks(boundary.size(), grain_of_medium));
+    std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain_of_medium));
     // Of several ranks each makes the rows of its own chunks.
     const std::size_t first = share_out(chunks.size()).first, last = share_out(chunks.size()).second;
     dispatch_chunks("cgcontact::postprocess::contact_rows", last - first, [&](std::size_t own) {
-      const std::size_t chunk = first + own, end = std::min(boundary.size(), (chunk + 1) * grain);
-      for (int p = static_cast<int>(chunk * grain); p < static_cast<int>(end); ++p) {
+      const std::size_t chunk = first + own, end = std::min(boundary.size(), (chunk + 1) * grain_of_medium);
+      for (int p = static_cast<int>(chunk * grain_of_medium); p < static_cast<int>(end); ++p) {
         int pair = body.boundary.pair_of_point[p];
         if (pair < 0) pair = pair_of_face(state, b, p);
         if (pair < 0 || (body.boundary.pair_of_point[p] < 0 && state.pairs[pair].spec->automatic)) continue;

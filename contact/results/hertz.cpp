@@ -5,7 +5,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// Of both curvatures: below it K - E is rounding, and the zone is round to 1e-8.
 constexpr double round_ratio = 1 + 1e-6;
 

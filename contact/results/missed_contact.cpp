@@ -10,8 +10,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 512;
-
 /// Looks between the boundary points for ever smaller gaps, and the part of a gap to which the smallest is known then.
 constexpr int most_looks = 10;
 constexpr double close_enough = 0.1;
@@ -39,8 +37,8 @@ double missed_distance(const SolvedState& state, const ContactPair& seen) {
   all.reach = {far(state, seen.primary, seen.secondary), 0};
   const BodyFace face(seen.face(seen.primary), primary);
   const BoundaryPoints& boundary = primary.cut_cells.boundary;
-  std::vector<double> farthest(num_chunks(boundary.size(), grain), 0.0);
-  parallel_chunks("cgcontact::missed_contact::look_farther", boundary.size(), grain,
+  std::vector<double> farthest(num_chunks(boundary.size(), grain_of_medium), 0.0);
+  parallel_chunks("cgcontact::missed_contact::look_farther", boundary.size(), grain_of_medium,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                     for (int p = static_cast<int>(begin); p < static_cast<int>(end); ++p) {
                       if (!face.contains(p)) continue;

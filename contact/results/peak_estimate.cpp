@@ -1,8 +1,9 @@
 #include "contact/results/peak_estimate.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/decompositions.hpp"
 
 namespace cgcontact {
 namespace {
@@ -42,10 +43,7 @@ double largest_of_fit(const std::vector<const ContactRow*>& peak, const PairFigu
     pressure[i] = row.pressure_sprc;
     root[i] = std::sqrt(row.weight);
   }
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(rank_tolerance);
-  solver.compute(root.asDiagonal() * values);
-  return (values * solver.solve(root.cwiseProduct(pressure))).maxCoeff();
+  return (values * least_squares(root.asDiagonal() * values, root.cwiseProduct(pressure), rank_tolerance)).maxCoeff();
 }
 
 bool is_singular(const Results& results, const Vec3& x) {

@@ -11,9 +11,6 @@
 namespace cgcontact {
 namespace {
 
-/// Rows per chunk of the parallel loop.
-constexpr std::size_t grain = 128;
-
 /// Values of the finite element stress, of plain SPR and of the transmitted pressure around a row.
 struct Around {
   double least = 1e300, most = -1e300;
@@ -112,7 +109,7 @@ std::vector<PressureJump> pressure_jumps(const std::vector<ContactRow>& rows, co
 
   std::vector<Around> around(rows.size());
   std::vector<double> excess(rows.size(), 0.0);  // beyond what is allowed, Pa
-  parallel_for("cgcontact::pressure_jumps::around", rows.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::pressure_jumps::around", rows.size(), grain_of_medium, [&](std::size_t i) {
     const ContactRow& row = rows[i];
     const double largest = max_pressures[row.pair];
     if (!row.active || !(largest > 0)) return;

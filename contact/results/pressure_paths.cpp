@@ -10,6 +10,7 @@
 
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/reference.hpp"
+#include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 
 namespace cgcontact {
@@ -46,7 +47,7 @@ Vec3 direction_of(const Results& results, const ContactRow& top) {
     d -= d.dot(top.normal) * top.normal;
     second += r.weight * d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(second);
+  const SymmetricEigen<3> solver(second);
   for (int k = 0; k < 3; ++k) {
     Vec3 axis = Vec3::Unit(k);
     axis -= axis.dot(top.normal) * top.normal;

@@ -6,14 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
 #include "kernels/mesh/hex.hpp"
 
 namespace cgcontact {
 namespace {
-
-constexpr std::size_t grain = 4096;
 
 struct Largest {
   double value = 0;
@@ -33,10 +32,10 @@ struct StrainExtremes {
 StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const RealView& u, const RigidPart& rigid_part,
                              double length_scale) {
   const std::size_t cells = cc.cells.size();
-  std::vector<StrainExtremes> found(num_chunks(cells, grain));
+  std::vector<StrainExtremes> found(num_chunks(cells, grain_of_light));
   const auto [first, last] = share_out(found.size());
   parallel_chunks(
-      "cgcontact::small_strain::largest_strain", cells, grain,
+      "cgcontact::small_strain::largest_strain", cells, grain_of_light,
       [&, first = first, last = last](std::size_t chunk, std::size_t begin, std::size_t end) {
         if (chunk < first || chunk >= last) return;
         for (std::size_t e = begin; e < end; ++e) {
@@ -54,9 +53,7 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
           const Mat3 strain = 0.5 * (gradient + gradient.transpose());
           // The Frobenius norm bounds the principal strains; it is found without them.
           if (strain.norm() > found[chunk].strain.value)
-            found[chunk].strain.add(
-                Eigen::SelfAdjointEigenSolver<Mat3>(strain, Eigen::EigenvaluesOnly).eigenvalues().cwiseAbs().maxCoeff(),
-                x);
+            found[chunk].strain.add(eigenvalues(strain).cwiseAbs().maxCoeff(), x);
           found[chunk].displacement.add(displacement.norm(), x);
         }
       });

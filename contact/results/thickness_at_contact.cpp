@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/decompositions.hpp"
 #include "core/cells/cells_around.hpp"
 
 namespace cgcontact {
@@ -36,7 +37,7 @@ Thickness thickness_at_contact(const SolvedState& state, const ContactPair& pair
   for (std::size_t p = 0; p < boundary.size(); ++p)
     if (near[boundary.cell[p]] && !model.boundary.conditions[model.boundary.condition_of_point[p]].is_support())
       facing += boundary.weight[p] * boundary.normal[p] * boundary.normal[p].transpose();
-  const double area = Eigen::SelfAdjointEigenSolver<Mat3>(facing).eigenvalues()[2];
+  const double area = eigenvalues(facing)[2];
   const double cell = cells.grid.cell_size_of(largest);
   if (!(area > 0)) return {std::numeric_limits<double>::infinity(), cell};
   return {std::ldexp(2 * volume / area, largest), cell};

@@ -9,12 +9,12 @@
 #include "contact/model/indentation.hpp"
 #include "contact/results/hertz.hpp"
 #include "contact/results/pair_figures.hpp"
+#include "core/base/decompositions.hpp"
 #include "recovery/face/symmetry_planes.hpp"
 
 namespace cgcontact {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// Mean of the unit normals over the zone: shorter, and there is no plane to lay the zone out on (a spherical cap of 52
 /// degrees has that).
 constexpr double nearly_flat = 0.9;
@@ -28,9 +28,7 @@ constexpr double same_place = 1e-6, same_face = 0.01;
 constexpr double largest_width = 0.5;
 
 /// Turns a direction to z.
-Mat3 rotation_to(const Vec3& direction) {
-  return Eigen::Quaterniond::FromTwoVectors(direction, Vec3::UnitZ()).toRotationMatrix();
-}
+Mat3 rotation_to(const Vec3& direction) { return rotation_between(direction, Vec3::UnitZ()); }
 
 /// The zone of one pair, and how it goes on behind planes of symmetry.
 class Zone {
@@ -69,7 +67,7 @@ class Zone {
     }
     Eigen::Matrix<double, 3, 2> tangents;
     tangents << direction_[0], direction_[1];
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(tangents.transpose() * curvature * tangents);
+    const SymmetricEigen<2> solver(tangents.transpose() * curvature * tangents);
     const double least = solver.eigenvalues()[0], most = solver.eigenvalues()[1];
     if (!(most * least_radius > no_curvature) || least < -no_curvature * most) return std::nullopt;
     const double modulus =
@@ -165,7 +163,7 @@ class Zone {
     const Vec3 first = normal_.unitOrthogonal();
     Eigen::Matrix<double, 3, 2> tangents;
     tangents << first, normal_.cross(first);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(tangents.transpose() * moments_ * tangents);
+    const SymmetricEigen<2> solver(tangents.transpose() * moments_ * tangents);
     for (int k = 0; k < 2; ++k) {
       moment_[k] = solver.eigenvalues()[1 - k];
       direction_[k] = tangents * solver.eigenvectors().col(1 - k);

@@ -33,9 +33,6 @@ constexpr double narrower = 1.5, wider = 1;
 /// reach from edge to edge halfway to the next ridge point.
 constexpr double neighbourhood = 2;
 
-/// Points per chunk of the parallel loop.
-constexpr std::size_t grain = 256;
-
 /// Open point, for Eigen's hierarchy of bounding boxes.
 struct OpenPoint {
   const TransmittedForce* force;
@@ -136,7 +133,7 @@ class PairZones {
     std::vector<Middle> points;
     for (const TransmittedForce* f : zone.closed)
       if (!f->image) points.push_back({f});
-    parallel_for("cgcontact::zone_width::nearest_open", points.size(), grain,
+    parallel_for("cgcontact::zone_width::nearest_open", points.size(), grain_of_medium,
                  [&](std::size_t i) { Eigen::BVMinimize(open_, points[i]); });
     points.erase(std::remove_if(points.begin(), points.end(), [](const Middle& m) { return !m.open; }), points.end());
     std::stable_sort(points.begin(), points.end(),

@@ -10,8 +10,6 @@ namespace {
 
 /// Stresses below this part of E u / h are rounding.
 constexpr double no_stress = 1e-9;
-/// Points per chunk of the parallel loops.
-constexpr std::size_t grain = 512;
 
 /// Square of the difference and of the new values, area-weighted.
 struct Change {
@@ -27,7 +25,7 @@ struct Change {
   void replace(PointValues& values, std::size_t first, std::size_t count, const WeightAt& weight_at,
                const StressAt& stress_at) {
     std::vector<double> now(count);
-    compute_together("cgcontact::lagged_stress::points", grain, now, stress_at);
+    compute_together("cgcontact::lagged_stress::points", grain_of_medium, now, stress_at);
     for (std::size_t i = 0; i < count; ++i) {
       double& value = values.h_view(first + i);
       add(weight_at(i), value, now[i]);

@@ -9,8 +9,6 @@
 namespace cgcontact {
 namespace {
 
-/// Points per chunk of the parallel loops.
-constexpr std::size_t grain = 256;
 /// Of the largest pressure of a pair: less than that is not closed. SPR-C leaves none outside of the zone.
 constexpr double presses = 1e-3;
 
@@ -28,7 +26,7 @@ double earlier_traction(const SolvedState& earlier, int body, const Vec3& x, con
 /// Lagged pressure of a pair's points, Pa: that of both bodies, or of the elastic one.
 std::vector<double> earlier_pressure(const SolvedState& earlier, const ContactPair& pair) {
   std::vector<double> pressure(pair.points.size());
-  parallel_for("cgcontact::outer_start::contact", pressure.size(), grain, [&](std::size_t q) {
+  parallel_for("cgcontact::outer_start::contact", pressure.size(), grain_of_medium, [&](std::size_t q) {
     const ContactPoint point = pair.points[q];
     double sum = 0;
     int elastic = 0;
@@ -66,7 +64,7 @@ bool start_from(const SolvedState& earlier, Iterate& iterate) {
       contact_stress(point++) = pressures[k][q] / problem.scales.stress;
     }
   }
-  parallel_for("cgcontact::outer_start::supports", problem.supports.size(), grain, [&](std::size_t s) {
+  parallel_for("cgcontact::outer_start::supports", problem.supports.size(), grain_of_medium, [&](std::size_t s) {
     const SupportPoint& p = problem.supports[s];
     if (p.support < 0 || p.spring > 0) return;
     const Vec3 x = global_position(problem.bodies[p.body].cut_cells, p.cell, p.xi);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "contact/model/surface_normals.hpp"
+#include "core/base/decompositions.hpp"
 
 namespace cgcontact {
 namespace {
@@ -231,7 +232,7 @@ FloatingBodies::FloatingBodies(const std::vector<BodyModel>& bodies, const std::
   // A body that supports carry and that only spins (a ball held along its normals): what follows the spin holds it.
   std::vector<char> carried;
   for (const auto& resistance : held)
-    carried.push_back(Eigen::SelfAdjointEigenSolver<Mat3>(resistance.topLeftCorner<3, 3>()).eigenvalues()[0] >
+    carried.push_back(eigenvalues(resistance.topLeftCorner<3, 3>())[0] >
                       1e-3 * resistance.topLeftCorner<3, 3>().trace());
   for (const SupportPoint& p : supports)
     if (p.follows && carried[p.body]) add(p);

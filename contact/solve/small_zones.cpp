@@ -5,6 +5,7 @@
 #include <map>
 
 #include "contact/model/indentation.hpp"
+#include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 #include "core/cells/cells_around.hpp"
 
@@ -90,7 +91,7 @@ struct SmallZones::Overlap {
   /// Long and short axes of the ellipse with the same moments, m.
   std::pair<double, double> axes() const {
     const Vec3 mean = first / area;
-    const Eigen::SelfAdjointEigenSolver<Mat3> solver(second / area - mean * mean.transpose());
+    const SymmetricEigen<3> solver(second / area - mean * mean.transpose());
     const double largest = solver.eigenvalues()[2];
     return {4 * std::sqrt(largest), 4 * std::sqrt(std::max(solver.eigenvalues()[1], 1e-8 * largest))};
   }

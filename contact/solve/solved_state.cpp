@@ -5,8 +5,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 512;
-
 /// Stress in Pa and global axes of one of the three fields at cell coordinates.
 Sym3 to_global(const SolvedState& state, int body, const double s[6]) {
   const Mat3& R = state.bodies[body].cut_cells.grid.rotation;
@@ -63,12 +61,12 @@ std::vector<Sym3> recovered_stress_at_corners(const SolvedState& state, const Re
     }
   std::vector<Coefficients> polynomials(nodes.size());
   if (!nodes.empty()) field.interior->at_all(nodes, polynomials.front().data());
-  parallel_for("cgcontact::solved_state::interior", nodes.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::solved_state::interior", nodes.size(), grain_of_medium, [&](std::size_t i) {
     double s[6];  // a polynomial at its node
     for (int k = 0; k < 6; ++k) s[k] = polynomials[i][num_terms * k];
     stress[places[i]] = to_global(state, body, s) + state.bodies[body].held_back;
   });
-  parallel_for("cgcontact::solved_state::stored", cells.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::solved_state::stored", cells.size(), grain_of_medium, [&](std::size_t i) {
     const int a = corners[i];
     if (field.nodes.row(mesh.cell_nodes[cells[i]][a] - mesh.first_node) < 0) return;
     stress[i] = recovered_stress(state, field, body, cells[i], Vec3(a & 1 ? 1 : -1, a & 2 ? 1 : -1, a & 4 ? 1 : -1));

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/decompositions.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -13,7 +15,7 @@ Eigen::MatrixXd of_bodies(const Eigen::MatrixXd& modes, const std::vector<int>& 
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(modes.rows(), modes.cols());
   for (const int b : members) own.middleRows<6>(6 * b) = modes.middleRows<6>(6 * b);
   if (own.cols() == 0) return own;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(own, Eigen::ComputeThinU);
+  const SingularValues svd(own, Eigen::ComputeThinU);
   return svd.matrixU().leftCols((svd.singularValues().array() > 1e-3).count());
 }
 

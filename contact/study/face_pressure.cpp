@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/text.hpp"
 
 namespace cgcontact {
@@ -58,20 +58,20 @@ std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& 
   return rows;
 }
 
-FacePressure::FacePressure(std::vector<ContactRow> rows, double reach) : rows_(std::move(rows)), reach_(reach) {
+SampledPressure::SampledPressure(std::vector<ContactRow> rows, double reach) : rows_(std::move(rows)), reach_(reach) {
   double largest = 0;
   for (const ContactRow& row : rows_) largest = std::max(largest, std::abs(row.pressure_sprc));
   open_ = open_below * largest;
   for (int r = 0; r < static_cast<int>(rows_.size()); ++r) buckets_[bucket(rows_[r].body, rows_[r].x)].push_back(r);
 }
 
-FacePressure::Bucket FacePressure::bucket(int body, const Vec3& x) const {
+SampledPressure::Bucket SampledPressure::bucket(int body, const Vec3& x) const {
   Bucket key{body, 0, 0, 0};
   for (int k = 0; k < 3; ++k) key[k + 1] = static_cast<long long>(std::floor(x[k] / reach_));
   return key;
 }
 
-std::vector<FacePressure::Neighbour> FacePressure::neighbours(int body, const Vec3& x) const {
+std::vector<SampledPressure::Neighbour> SampledPressure::neighbours(int body, const Vec3& x) const {
   std::vector<Neighbour> found;
   const Bucket centre = bucket(body, x);
   for (int i = -1; i <= 1; ++i)
@@ -88,7 +88,7 @@ std::vector<FacePressure::Neighbour> FacePressure::neighbours(int body, const Ve
   return found;
 }
 
-double FacePressure::nearest(int body, const Vec3& x) const {
+double SampledPressure::nearest(int body, const Vec3& x) const {
   double distance = std::numeric_limits<double>::max(), pressure = 0;
   for (const ContactRow& row : rows_) {
     const double d = (row.x - x).squaredNorm();
@@ -99,7 +99,7 @@ double FacePressure::nearest(int body, const Vec3& x) const {
   return pressure;
 }
 
-FacePressure::Linear FacePressure::fit(const std::vector<Neighbour>& points, int power) const {
+SampledPressure::Linear SampledPressure::fit(const std::vector<Neighbour>& points, int power) const {
   const double radius = std::max(margin * points.back().first, 1e-9 * reach_);  // points may coincide
   const auto weight = [&](const Neighbour& point) { return std::pow(1 - point.first / radius, 2); };
   const auto value = [&](const Neighbour& point) { return std::pow(rows_[point.second].pressure_sprc, power); };
@@ -114,21 +114,18 @@ FacePressure::Linear FacePressure::fit(const std::vector<Neighbour>& points, int
   }
   linear.mean /= sum;
   linear.middle /= sum;
-  Eigen::MatrixX3d matrix(points.size(), 3);
+  Eigen::MatrixXd matrix(points.size(), 3);
   Eigen::VectorXd values(points.size());
   for (std::size_t k = 0; k < points.size(); ++k) {
     matrix.row(k) = weight(points[k]) / radius * (rows_[points[k].second].x - linear.middle);
     values[k] = weight(points[k]) * (value(points[k]) - linear.mean);
   }
   // The smallest gradient: the points of a flat face say nothing about the direction across it.
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixX3d> decomposition;
-  decomposition.setThreshold(1e-3);
-  decomposition.compute(matrix);
-  linear.gradient = decomposition.solve(values) / radius;
+  linear.gradient = least_squares(matrix, values, 1e-3) / radius;
   return linear;
 }
 
-double FacePressure::operator()(int body, const Vec3& x) const {
+double SampledPressure::operator()(int body, const Vec3& x) const {
   std::vector<Neighbour> points = neighbours(body, x);
   if (points.size() < fewest_points) return nearest(body, x);
   const auto is_open = [&](const Neighbour& point) { return std::abs(rows_[point.second].pressure_sprc) <= open_; };

@@ -18,10 +18,10 @@ std::vector<ContactRow> read_contact_rows(const std::string& file, const Scene& 
 /// contact zone, where the pressure falls like a square root, its square is fitted to the closed points within a cell,
 /// and the zone ends where that is zero. A pressure that does not fall towards the end (body's edge) is not one of
 /// these.
-class FacePressure {
+class SampledPressure {
  public:
   /// `reach`: no point farther away counts, m; a cell of the run.
-  FacePressure(std::vector<ContactRow> rows, double reach);
+  SampledPressure(std::vector<ContactRow> rows, double reach);
   /// Pa, at a point on the face of a body that has rows.
   double operator()(int body, const Vec3& x) const;
 

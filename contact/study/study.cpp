@@ -181,7 +181,7 @@ void StudyRunner::compare_with_finest() {
     return fs::exists(file) ? read_contact_rows(file.string(), scene) : std::vector<ContactRow>();
   };
   const ReferenceSpec reference = scene.reference_at(finest->figures.force.value_or(0));
-  const FacePressure pressure(points(*finest), finest->cell_size);
+  const SampledPressure pressure(points(*finest), finest->cell_size);
   for (StudyRow& row : study_.rows) {
     const bool coarser = row.has_figures() && row.cell_size > finest->cell_size * (1 + 1e-9);
     row.errors.clear();

@@ -34,6 +34,10 @@ class ProfiledRegion {
   bool open_ = false;
 };
 
+/// Items per chunk of a loop, some 50 microseconds of work: of items that take a microsecond or more (fits, cells,
+/// polynomials), tenths of one (points that look for others), hundredths (sums).
+constexpr std::size_t grain_of_heavy = 32, grain_of_medium = 256, grain_of_light = 4096;
+
 /// Number of chunks of `grain` items that n items make.
 inline std::size_t num_chunks(std::size_t n, std::size_t grain) { return (n + grain - 1) / grain; }
 
@@ -50,7 +54,7 @@ void parallel_chunks(const char* label, std::size_t n, std::size_t grain, const 
   });
 }
 
-/// Calls body(i) for all i in [0, n). `grain`: items that are worth handing to another thread (some 50 microseconds).
+/// Calls body(i) for all i in [0, n).
 template <class Body>
 void parallel_for(const char* label, std::size_t n, std::size_t grain, const Body& body) {
   parallel_chunks(label, n, grain, [&](std::size_t, std::size_t begin, std::size_t end) {

@@ -7,6 +7,8 @@
 
 namespace cgcontact {
 
+constexpr double pi = 3.14159265358979323846;
+
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 /// Symmetric tensor as (xx, yy, zz, xy, yz, zx); stresses carry true shear components (not doubled).

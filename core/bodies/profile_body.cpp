@@ -14,7 +14,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double same = 1e-12;          // lengths relative to the profile: rounding of what the scene computes
 constexpr double widest_part = pi / 3;  // of an arc: its triangle of tangents is flat
 constexpr int most_divisions = 6;       // of arcs that come near to something, in halves

@@ -9,7 +9,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 4096;
 /// Of the reach of a cell: more than that of its corners' places.
 constexpr double rounding = 1e-9;
 
@@ -185,7 +184,7 @@ DrawnBody interior_at(const DrawnBody& whole, const Vec3& corner, const std::arr
   DrawnBody near;
   near.mesh.level_of_cell = mesh.level_of_cell;
   std::vector<char> met(mesh.interior.cells.size(), 0);
-  parallel_for("cgcontact::cut_open::interior", met.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::cut_open::interior", met.size(), grain_of_light, [&](std::size_t i) {
     const int cell = mesh.interior.cells[i];
     const Vec3 middle = global_position(*mesh.cut_cells, cell, Vec3::Zero()) - corner;
     const double reach = 0.5 * std::sqrt(3.0) * (1 + rounding) * mesh.cut_cells->h(cell);

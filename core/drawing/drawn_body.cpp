@@ -172,7 +172,6 @@ namespace {
 
 /// Interior points whose values are in memory at a time: 5 MB.
 constexpr std::size_t points_per_block = 1 << 16;
-constexpr std::size_t grain = 512;
 
 /// place(i): active cell and cell coordinates of the i-th of n points.
 template <class Place>
@@ -182,7 +181,7 @@ PointValues values_at(const std::function<Vec3(int cell, const Vec3& xi)>& displ
   if (displacement) values.displacement.resize(n);
   if (stress) values.stress.resize(n);
   if (displacement || stress)
-    parallel_for("cgcontact::drawn_body::fields", n, grain, [&](std::size_t i) {
+    parallel_for("cgcontact::drawn_body::fields", n, grain_of_medium, [&](std::size_t i) {
       const auto [cell, xi] = place(i);
       if (displacement) values.displacement[i] = displacement(cell, xi);
       if (stress) values.stress[i] = stress(cell, xi);
@@ -213,7 +212,7 @@ void redraw(const BodyFields& fields, DrawnBody& drawn) {
     return std::make_pair(cell, clamped_cell_coordinates(cut_cells, cell, drawn.mesh.points[p]));
   };
   drawn.position.resize(n);
-  parallel_for("cgcontact::drawn_body::positions", n, grain, [&](std::size_t p) {
+  parallel_for("cgcontact::drawn_body::positions", n, grain_of_medium, [&](std::size_t p) {
     drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);
     if (const Grid& grid = cut_cells.grid; grid.is_quadtree())  // not the slice, but the body
       drawn.position[p][grid.plane_strain] += 0.5 * grid.thickness * place_of(p).second[grid.plane_strain];

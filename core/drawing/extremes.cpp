@@ -13,7 +13,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t grain = 4096;  ///< points per chunk of the parallel loop
 /// Of the stress: more than the error of principal stresses by their closed form, 1e-8 where two are nearly equal.
 constexpr double closed_form_error = 1e-6;
 
@@ -129,8 +128,8 @@ class BodySearch {
   /// position(i) of the i-th of n points with values.
   template <class Position>
   static void add_points(const PointValues& values, const Position& position, std::size_t n, Collector& most) {
-    std::vector<Collector> chunks(num_chunks(n, grain));
-    parallel_chunks("cgcontact::extremes::points", n, grain,
+    std::vector<Collector> chunks(num_chunks(n, grain_of_light));
+    parallel_chunks("cgcontact::extremes::points", n, grain_of_light,
                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                       for (std::size_t p = begin; p < end; ++p) add_point(values, p, position(p), chunks[chunk]);
                     });

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -55,7 +57,7 @@ FaceChart::FaceChart(const FaceTriangles& face) {
 }
 
 bool FaceChart::unroll(const FaceTriangles& face, const Mat3& normals) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(normals);
+  const SymmetricEigen<3> solver(normals);
   if (solver.eigenvalues()[0] > flat_spread || solver.eigenvalues()[1] < round_spread) return false;
   up_ = solver.eigenvectors().col(0);
   int largest = 0;

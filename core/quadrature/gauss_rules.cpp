@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/base/types.hpp"
+
 namespace cgcontact {
 
 namespace {
@@ -17,7 +19,6 @@ void normalize(std::vector<double>& weight) {
 }
 
 GaussRule make_gauss_rule(int n) {
-  const double pi = std::acos(-1.0);
   GaussRule rule;
   rule.node.resize(n);
   rule.weight.resize(n);

@@ -17,7 +17,7 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846, e = 2.71828182845904523536;
+constexpr double e = 2.71828182845904523536;
 /// Names of muParser's own constants, with all their digits.
 const char* const pi_name = "_pi";
 const char* const e_name = "_e";

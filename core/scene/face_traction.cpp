@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/errors.hpp"
 
 namespace cgcontact {
@@ -44,7 +45,7 @@ FaceTraction FaceMoments::with_resultants(const Vec3& force, const Vec3& moment,
   const Mat3 second = second_ - first_ * first_.transpose() / area_;
   if (about_centre.norm() <= no_moment * force.norm() * std::sqrt(second.trace() / area_)) return traction;
   const Mat3 inertia = second.trace() * Mat3::Identity() - second;
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
+  const SymmetricEigen<3> solver(inertia);
   if (!(solver.eigenvalues()[0] > narrowest * solver.eigenvalues()[2]))
     throw InputError("the face is a line: no traction on it has a moment about it");
   traction.spin =
@@ -55,7 +56,7 @@ FaceTraction FaceMoments::with_resultants(const Vec3& force, const Vec3& moment,
 /// The axis is across all normals, at the point that the lines along the normals pass: least squares of
 /// |(I - n n^T)(x - p)|.
 std::optional<Axis> FaceMoments::axis() const {
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(normals_ / area_);
+  const SymmetricEigen<3> solver(normals_ / area_);
   if (solver.eigenvalues()[0] > across || solver.eigenvalues()[1] < flat) return {};
   Axis axis;
   axis.direction = solver.eigenvectors().col(0);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
 #include "core/scene/scene_mesh.hpp"
 #include "core/triangles/triangle_faces.hpp"
 
@@ -173,7 +174,7 @@ PartOutline outline_surface(const TriangleSurface& surface, const std::string& n
                                  [&](const SmoothPart& part) { return part.flat && part.area > 0.05 * outline.area; });
   if (outline.top.faces_outwards || flat == outline.parts.end()) return outline;
   PartOutline turned = outline;
-  turned.turn = Eigen::Quaterniond::FromTwoVectors(flat->normal, Vec3::UnitZ()).toRotationMatrix();
+  turned.turn = rotation_between(flat->normal, Vec3::UnitZ());
   find_ends(surface.transformed(turned.turn, Vec3::Zero(), 1), turned);
   return turned.top.faces_outwards ? turned : outline;
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/decompositions.hpp"
+
 namespace cgcontact {
 
 const std::vector<std::string>& scalar_field_names() {
@@ -25,8 +27,7 @@ double von_mises(const Sym3& s) {
 
 Vec3 principal_stresses(const Sym3& stress) {
   if (!stress.allFinite()) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-  const Eigen::SelfAdjointEigenSolver<Mat3> solver(tensor(stress), Eigen::EigenvaluesOnly);
-  return solver.eigenvalues().reverse();
+  return eigenvalues(tensor(stress)).reverse();
 }
 
 double tresca(const Sym3& stress) {

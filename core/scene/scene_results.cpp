@@ -12,7 +12,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr int most_points = 100000;                             // of a probe
 constexpr int most_points_of_all = 1000000;                     // of all probes: each is looked for in every body
 constexpr std::size_t most_probes = 1000, most_sections = 100;  // each has a picture

@@ -8,11 +8,12 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "core/base/types.hpp"
+
 namespace cgcontact {
 
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr double pound = 0.45359237;             // kg, by definition
 constexpr double pound_force = 4.4482216152605;  // N, by definition: pound times 9.80665 m/s^2
 constexpr double square_inch = 6.4516e-4;        // m^2

@@ -10,7 +10,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr std::size_t grain = 1024;
 /// Bound of the rounding error of the determinant, relative to the sum of the sizes of its terms
 /// (Shewchuk, Adaptive precision floating-point arithmetic, 1997: (7 + 56 eps) eps, eps = 1.1e-16).
 constexpr double determinant_error = 1e-15;
@@ -40,8 +39,8 @@ class CrossingFinder {
   }
 
   std::vector<std::pair<int, int>> run() const {
-    std::vector<std::vector<std::pair<int, int>>> found(num_chunks(triangles_.size(), grain));
-    parallel_chunks("cgcontact::triangle_crossings::search", triangles_.size(), grain,
+    std::vector<std::vector<std::pair<int, int>>> found(num_chunks(triangles_.size(), grain_of_medium));
+    parallel_chunks("cgcontact::triangle_crossings::search", triangles_.size(), grain_of_medium,
                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                       for (std::size_t t = begin; t < end; ++t) look_around(static_cast<int>(t), found[chunk]);
                     });

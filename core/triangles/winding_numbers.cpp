@@ -7,7 +7,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr int leaf_size = 8;
 /// Radii from which a cluster is a dipole: the error of a winding number is about 1 / far^3 of the sum of all angles.
 constexpr double far = 4;

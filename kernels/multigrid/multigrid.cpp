@@ -4,6 +4,7 @@
 #include <Tpetra_Core.hpp>
 #include <algorithm>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/ranks.hpp"
 #include "kernels/assembled/muelu.hpp"
 #include "kernels/mesh/dot.hpp"
@@ -285,7 +286,7 @@ struct Multigrid::Impl {
       T(k, k) = 1 / alpha[k] + (k > 0 ? beta[k - 1] / alpha[k - 1] : 0);
       if (k > 0) T(k, k - 1) = T(k - 1, k) = std::sqrt(beta[k - 1]) / alpha[k - 1];
     }
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(T).eigenvalues()[lanczos_steps - 1];
+    return SymmetricEigen<Eigen::Dynamic>(T).eigenvalues()[lanczos_steps - 1];
   }
 
   /// Chebyshev iteration on the level; from zero if `start`.

@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/ranks.hpp"
 #include "kernels/mesh/halo.hpp"
 #include "kernels/mesh/host_copy.hpp"
@@ -133,7 +134,7 @@ void SurfaceSmoother<Real>::take_out_supports(const BlocksView& blocks) {
       for (int j = 0; j < 3; ++j) rest(i, j) = blocks(node, at[i][j]);
     const double rounding = sums_of_a_block * std::numeric_limits<Real>::epsilon() * rest.trace();
     for (last = first; last < taken.size() && taken[last].first == node; ++last) rest -= taken[last].second;
-    if (!(Eigen::SelfAdjointEigenSolver<Mat3>(rest, Eigen::EigenvaluesOnly).eigenvalues()[0] > rounding)) continue;
+    if (!(eigenvalues(rest)[0] > rounding)) continue;
     for (int i = 0; i < 3; ++i)
       for (int j = i; j < 3; ++j) blocks(node, at[i][j]) = static_cast<Real>(rest(i, j));
   }

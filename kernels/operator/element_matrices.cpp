@@ -7,9 +7,6 @@
 namespace cgcontact {
 namespace {
 
-/// Cells per chunk of the parallel loops.
-constexpr std::size_t grain = 16;
-
 /// K += factor sum_q w_q B_q^T D B_q over the Gauss points.
 template <int degree, class Matrix>
 void integrate_stiffness(const UnitElasticity& law, const double* weights, double factor, const Matrix& matrix) {
@@ -45,7 +42,7 @@ CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vec
   const std::size_t num_cut = cc.moments.size();
   CellMatrixViewOf<degree> matrices("cgcontact::element_matrices::cells", 1 + num_cut);
   auto host = Kokkos::create_mirror_view(matrices);
-  parallel_for("cgcontact::element_matrices::cells", 1 + num_cut, grain, [&](std::size_t m) {
+  parallel_for("cgcontact::element_matrices::cells", 1 + num_cut, grain_of_heavy, [&](std::size_t m) {
     double weights[n * n * n];
     fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], n, weights);
     const double factor = mesh.modulus * mesh.thickness_of_level(m == 0 ? 0 : cc.level(cc.active_of_cut[m - 1]));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/decompositions.hpp"
 #include "kernels/mesh/node_sums.hpp"
 
 namespace cgcontact {
@@ -79,7 +80,7 @@ RigidCoarseSpace::Body RigidCoarseSpace::free_motions(int m) const {
   Eigen::MatrixXd resistance(count, count);
   for (Eigen::Index i = 0; i < count; ++i)
     for (Eigen::Index j = 0; j < count; ++j) resistance(i, j) = held(kept[i], kept[j]);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(resistance);
+  const SymmetricEigen<Eigen::Dynamic> solver(resistance);
   Eigen::Index free = 0;
   while (free < count && (mesh.rigid || solver.eigenvalues()[free] < hardly_held * mesh.modulus * size)) ++free;
   body.motions.setZero(6, free);

@@ -12,8 +12,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 256;
-
 /// Pieces smaller than this (standard deviation, cells of the patch) get one constraint point along that direction: a
 /// stretch of 0.1 cells, below which three points differ by less than the fit can tell.
 constexpr double min_spread = 0.1 / 3.4641016151377544;
@@ -62,9 +60,9 @@ BoundaryPieces::BoundaryPieces(const CutCells& cut_cells, const BoundaryData& bo
       middle_(middle_of(cut_cells.solid)),
       width_of_rounding_(width_of_rounding(cut_cells.solid)) {
   const std::vector<int>&cell = cut_cells.boundary.cell, &active = cut_cells.active_of_cut;  // ascending, both
-  std::vector<std::vector<Piece>> chunks(num_chunks(active.size(), grain));
+  std::vector<std::vector<Piece>> chunks(num_chunks(active.size(), grain_of_medium));
   begin_.assign(active.size() + 1, 0);
-  parallel_chunks("cgcontact::boundary_pieces::sums", active.size(), grain,
+  parallel_chunks("cgcontact::boundary_pieces::sums", active.size(), grain_of_medium,
                   [&](std::size_t chunk, std::size_t first, std::size_t last) {
                     auto end = std::lower_bound(cell.begin(), cell.end(), active[first]);
                     for (std::size_t cut = first; cut < last; ++cut) {

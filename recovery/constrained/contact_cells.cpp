@@ -8,8 +8,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 64;
-
 /// Parts of the depth at which the cells below a point are asked for.
 constexpr double depths[] = {0.05, 0.35, 0.65, 0.95};
 
@@ -91,8 +89,8 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
     lists.pieces_of_cell.push_back(static_cast<int>(lists.pieces.size() - first));
   };
 
-  std::vector<PieceLists> chunks(num_chunks(cells.size(), grain));
-  parallel_chunks("cgcontact::contact_cells::sums", cells.size(), grain,
+  std::vector<PieceLists> chunks(num_chunks(cells.size(), grain_of_heavy));
+  parallel_chunks("cgcontact::contact_cells::sums", cells.size(), grain_of_heavy,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                     for (std::size_t row = begin; row < end; ++row) add_pieces(cells[row], chunks[chunk]);
                   });

@@ -6,14 +6,12 @@
 #include <map>
 #include <set>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/parallel.hpp"
 #include "kernels/mesh/mesh.hpp"
 
 namespace cgcontact {
 namespace {
-
-/// Boundary points per chunk of the parallel loops.
-constexpr std::size_t grain = 128;
 
 /// A node with less than that of a cell's face has forces that scatter more.
 constexpr double half_cell = 0.5;
@@ -409,9 +407,9 @@ std::vector<Vec6> pressing_stresses(const RecoveryBody& body, PairFace& face, co
       stress[number[a]] -= weight * scaled;
     }
   }
-  parallel_for("cgcontact::force_balance::constant_stress", stress.size(), grain, [&](std::size_t n) {
+  parallel_for("cgcontact::force_balance::constant_stress", stress.size(), grain_of_medium, [&](std::size_t n) {
     if (added[n] == 0) return;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(products[n]);
+    const SymmetricEigen<6> eigen(products[n]);
     const double least = normal_tolerance * normal_tolerance * eigen.eigenvalues()[5];
     Vec6 solution = Vec6::Zero();
     for (int i = 0; i < 6; ++i) {
@@ -480,7 +478,7 @@ void each_pressed_face(const std::vector<RecoveryBody>& bodies, std::size_t inde
 std::vector<double> contact_pressures(const RecoveryBody& body, const RecoveredField& field) {
   const CutCells& cc = *body.mesh->cut_cells;
   std::vector<double> pressures(cc.boundary.size(), 0.0);
-  parallel_for("cgcontact::force_balance::pressures", pressures.size(), grain, [&](std::size_t p) {
+  parallel_for("cgcontact::force_balance::pressures", pressures.size(), grain_of_medium, [&](std::size_t p) {
     if (body.boundary->pair_of_point[p] < 0) return;
     const int cell = cc.boundary.cell[p];
     const Vec3 xi = cell_coordinates(cc, cell, cc.boundary.position[p]);
@@ -497,7 +495,7 @@ namespace {
 std::vector<Vec3> tractions_at(const RecoveryBody& body, const RecoveredField& field, const std::vector<int>& points) {
   const CutCells& cc = *body.mesh->cut_cells;
   std::vector<Vec3> tractions(points.size());
-  parallel_for("cgcontact::force_balance::tractions", points.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::force_balance::tractions", points.size(), grain_of_medium, [&](std::size_t i) {
     const int p = points[i], cell = cc.boundary.cell[p];
     const Vec3 xi = cell_coordinates(cc, cell, cc.boundary.position[p]);
     Vec6 s;
@@ -524,8 +522,8 @@ std::vector<Vec6> stresses_of_tractions(const RecoveryBody& body, PairFace& face
       stress[n] += weight * weights.transpose() * Vec3(added[0][n], added[1][n], added[2][n]);
     }
   }
-  parallel_for("cgcontact::force_balance::stress_of_traction", stress.size(), grain, [&](std::size_t n) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(products[n]);
+  parallel_for("cgcontact::force_balance::stress_of_traction", stress.size(), grain_of_medium, [&](std::size_t n) {
+    const SymmetricEigen<6> eigen(products[n]);
     const double least = normal_tolerance * normal_tolerance * eigen.eigenvalues()[5];
     Vec6 solution = Vec6::Zero();
     for (int i = 0; i < 6; ++i)

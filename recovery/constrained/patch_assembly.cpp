@@ -9,7 +9,7 @@ namespace cgcontact {
 namespace {
 
 /// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
-constexpr double same_face = 0.5;
+constexpr double same_side = 0.5;
 
 /// Contact points are equally far from a place if they are so up to this (squared, cells of the patch): of those the
 /// one with the smallest gap counts, whatever the rounding and their order.
@@ -62,7 +62,7 @@ const PairState* find_state(const std::vector<PairState>& states, int pair) {
 }
 
 bool is_on_face_of(const ContactEdge& edge, const ConstraintGroup& group) {
-  return edge.orientation * edge.surface.gradient(edge.origin).dot(group.normal[0]) >= same_face;
+  return edge.orientation * edge.surface.gradient(edge.origin).dot(group.normal[0]) >= same_side;
 }
 
 /// The row holds for the whole stress: what the term of the edge contributes goes to the right-hand side.
@@ -208,7 +208,7 @@ const PatchContactPoint* PatchAssembly::nearest_point(int node, int pair, const 
     for (const PatchContactPoint& point : contact_.points(piece)) {
       const double distance = (point.position - x).squaredNorm();
       if (nearest && distance > least + alike) continue;
-      if (point.normal.dot(n) < same_face) continue;
+      if (point.normal.dot(n) < same_side) continue;
       if (nearest && distance > least - alike && point.distance >= nearest->distance) continue;
       nearest = &point, least = distance;
     }
@@ -253,7 +253,7 @@ bool PatchAssembly::has_closed_points(const ConstraintGroup& group, const int* c
     if (found || piece.closed_area == 0) return;
     for (const PatchContactPoint& point : contact_.points(piece))
       for (int p = 0; p < group.num_points && point.pressed && !found; ++p)
-        found = point.normal.dot(group.normal[p]) >= same_face;
+        found = point.normal.dot(group.normal[p]) >= same_side;
   });
   return found;
 }
@@ -379,7 +379,7 @@ void PatchAssembly::assemble(int node, PatchPolynomial polynomial, PatchWorkspac
     double area = 0;
     for (const ConstraintGroup& other : groups) {
       const PairState* state = find_state(states, other.pair);
-      if (other.normal[0].dot(group.normal[0]) >= same_face && state && mode_of(*state) != ContactMode::open)
+      if (other.normal[0].dot(group.normal[0]) >= same_side && state && mode_of(*state) != ContactMode::open)
         area += other.area;
     }
     return area;

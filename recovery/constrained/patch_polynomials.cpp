@@ -10,8 +10,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 64;
-
 /// In a zone whose pressure nothing knows patches of degree 2 extend over half of the thickness: the scatter of sigma_h
 /// in cut cells averages out over as large a patch as a polynomial follows.
 constexpr int most_rings = 4;
@@ -131,11 +129,11 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
   for (const RecoveryBody& each : bodies) middles.push_back(middle_of(each.mesh->cut_cells->solid));
   std::vector<CellsAcross> across(body.mesh->cell_nodes.size());
   if (options.degree.contact != 1)  // else nobody asks
-    parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain, [&](std::size_t cell) {
+    parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain_of_heavy, [&](std::size_t cell) {
       across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell), middles[index], middles);
     });
   std::vector<PatchPolynomial> polynomials(body.mesh->num_nodes);
-  parallel_for("cgcontact::patch_polynomials::polynomials", polynomials.size(), grain, [&](std::size_t n) {
+  parallel_for("cgcontact::patch_polynomials::polynomials", polynomials.size(), grain_of_heavy, [&](std::size_t n) {
     const int node = static_cast<int>(n);
     CellsAcross least;  // at the closed points of the patch
     for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) least.take_thinner(across[patches.cells[p]]);

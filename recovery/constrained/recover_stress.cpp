@@ -14,9 +14,6 @@
 namespace cgcontact {
 namespace {
 
-/// Patches per chunk of the parallel loops.
-constexpr std::size_t grain = 32, interior_grain = 4096;
-
 /// Patches that are assembled and solved at a time: enough to fill the lanes of the batched fits whatever kinds they
 /// come in, and some 15 MB where all are coupled and of degree 2.
 constexpr std::size_t patches_per_part = 1024;
@@ -36,7 +33,7 @@ std::vector<int> recover_interior(const PatchAssembly& assembly, const RecoveryO
     Kokkos::View<double* [3], Kokkos::LayoutRight, Kokkos::HostSpace> divergence;
     if (body.boundary->body_force_at) {
       divergence = decltype(divergence)("cgcontact::recover_stress::divergence", num_nodes);
-      parallel_for("cgcontact::recover_stress::divergence", num_nodes, interior_grain, [&](std::size_t row) {
+      parallel_for("cgcontact::recover_stress::divergence", num_nodes, grain_of_light, [&](std::size_t row) {
         const int node = nodes.number(static_cast<int>(row));
         if (!body.patches->full[node]) return;
         const Vec3 value = assembly.divergence(body, body.mesh->node_position(node), unit_of(*body.mesh, node));
@@ -82,8 +79,8 @@ class PatchBatch {
   void assemble(const int* nodes, std::size_t count) {
     problems_.clear();  // new ones where they lie: they are 4 kB each
     problems_.resize(count);
-    rows_.resize(num_chunks(count, grain));
-    parallel_chunks("cgcontact::recover_stress::assemble", count, grain,
+    rows_.resize(num_chunks(count, grain_of_heavy));
+    parallel_chunks("cgcontact::recover_stress::assemble", count, grain_of_heavy,
                     [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                       static thread_local PatchWorkspace workspace;
                       rows_[chunk].clear();
@@ -109,7 +106,7 @@ class PatchBatch {
   template <class T>
   using HostView = Kokkos::View<T*, Kokkos::HostSpace>;
 
-  const PatchRow* rows_of(std::size_t i) const { return rows_[i / grain].data() + problems_[i].first_row; }
+  const PatchRow* rows_of(std::size_t i) const { return rows_[i / grain_of_heavy].data() + problems_[i].first_row; }
 
   template <int degree, int bodies>
   void fill(const PatchProblem& problem, FitInput<degree, bodies>& input) const {
@@ -159,7 +156,7 @@ class PatchBatch {
       row_begin_[i + 1] = row_begin_[i] + std::count_if(from, from + problems_[list_[i]].num_rows, use);
     }
     reserve(rows, "cgcontact::recover_stress::rows", row_begin_[size]);
-    parallel_for("cgcontact::recover_stress::fill", size, grain, [&](std::size_t i) {
+    parallel_for("cgcontact::recover_stress::fill", size, grain_of_heavy, [&](std::size_t i) {
       const PatchProblem& problem = problems_[list_[i]];
       fill(problem, inputs(i));
       FitRow<bodies>* to = rows.data() + row_begin_[i];
@@ -170,7 +167,7 @@ class PatchBatch {
         if (use(from[r])) copy_row(from[r], *to++);
     });
     fit_batch(Host(), inputs.data(), static_cast<int>(size), rank_tolerance, status_.data());
-    parallel_for("cgcontact::recover_stress::take", size, grain, [&](std::size_t i) {
+    parallel_for("cgcontact::recover_stress::take", size, grain_of_heavy, [&](std::size_t i) {
       std::copy_n(inputs(i).a[0][0], 6 * Polynomial<degree>::num_terms, problems_[list_[i]].fit[0].a.data());
     });
   }

@@ -7,7 +7,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 64;
 /// Chunks whose nodes' polynomials are in memory at a time, with what they are made of: some 100 MB.
 constexpr std::size_t chunks_per_block = 4096;
 
@@ -208,16 +207,17 @@ EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const Reco
   struct Sum {
     double error, solution, exact_error, recovered_error;
   };
-  std::vector<Sum> chunks(num_chunks(num_cells, grain));
+  std::vector<Sum> chunks(num_chunks(num_cells, grain_of_heavy));
   // Of several ranks each integrates its own chunks, so that sums are the same on any number of ranks.
   const std::size_t first = share_out(chunks.size()).first, last = share_out(chunks.size()).second;
   for (std::size_t begin = first; begin < last; begin += chunks_per_block) {
     const std::size_t end_of_block = std::min(begin + chunks_per_block, last);
-    const PolynomialBlock block(mesh, recovered, begin * grain, std::min(num_cells, end_of_block * grain));
+    const PolynomialBlock block(mesh, recovered, begin * grain_of_heavy,
+                                std::min(num_cells, end_of_block * grain_of_heavy));
     dispatch_chunks("cgcontact::error_estimate::cells", end_of_block - begin, [&](std::size_t own) {
-      const std::size_t chunk = begin + own, end = std::min(num_cells, (chunk + 1) * grain);
+      const std::size_t chunk = begin + own, end = std::min(num_cells, (chunk + 1) * grain_of_heavy);
       EnergySums sum;
-      for (std::size_t e = chunk * grain; e < end; ++e) {
+      for (std::size_t e = chunk * grain_of_heavy; e < end; ++e) {
         const double before = sum.solution;
         sums.error_of_cell[e] = std::max(estimator.add_cell(static_cast<int>(e), block, sum), 0.0);
         sums.solution_of_cell[e] = std::max(sum.solution - before, 0.0);
@@ -226,8 +226,8 @@ EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const Reco
     });
   }
   put_together(chunks);
-  put_chunks_together(sums.error_of_cell, grain);
-  put_chunks_together(sums.solution_of_cell, grain);
+  put_chunks_together(sums.error_of_cell, grain_of_heavy);
+  put_chunks_together(sums.solution_of_cell, grain_of_heavy);
   for (const Sum& chunk : chunks) {
     sums.error += chunk.error;
     sums.solution += chunk.solution;

@@ -6,7 +6,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 constexpr int lanes = Fourier::lanes, block = Fourier::columns;
 
 using Value = Fourier::Value;

@@ -6,7 +6,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr double pi = 3.14159265358979323846;
 /// Periods that are summed one by one at each end.
 constexpr int num_periods = 12;
 
@@ -79,10 +78,10 @@ struct Lattice {
 };
 
 /// Cosines of an axis, offsets whose influence counts, and where its patches stand among those that the cosines mirror.
-struct Axis {
+struct CosineAxis {
   int size, cosines, reach, first;
 
-  Axis(const FaceGrid& grid, int a) : size(grid.size[a]) {
+  CosineAxis(const FaceGrid& grid, int a) : size(grid.size[a]) {
     const FaceEnd end = grid.end[a];
     const bool alone = size == 1 && end == FaceEnd::free;
     cosines = end == FaceEnd::period || alone ? size : Fourier::fast_length(2 * size);
@@ -99,7 +98,7 @@ HalfSpace::Patches array(const char* label, int rows, int columns) {
 }  // namespace
 
 HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus) {
-  const Axis axis[2] = {Axis(grid, 0), Axis(grid, 1)};
+  const CosineAxis axis[2] = {CosineAxis(grid, 0), CosineAxis(grid, 1)};
   for (int a = 0; a < 2; ++a) cosines_[a] = CosineTransform(axis[a].size, axis[a].first, axis[a].cosines);
   const Lattice lattice(grid);
   const Patches table = array("cgcontact::half_space::table", axis[0].reach + 1, axis[1].reach + 1);

@@ -11,8 +11,6 @@
 namespace cgcontact {
 namespace {
 
-constexpr std::size_t grain = 4096;
-
 MonomialMoments monomial_moments(const Moments& m) {
   constexpr int n = moment_degree + 1;
   const auto L = [&](int i, int j, int k) { return m[(i * n + j) * n + k] / 8; };
@@ -135,7 +133,7 @@ void factor_masses(const BodyMesh& mesh, PatchSet& set) {
     if (!set.full[n] && set.begin[n] < set.begin[n + 1]) set.factor_of_patch[n] = count++;
   set.factors.resize(count);
   const auto arrays = host_arrays(mesh, set);
-  parallel_for("cgcontact::patches::factors", mesh.num_nodes, grain, [&](std::size_t n) {
+  parallel_for("cgcontact::patches::factors", mesh.num_nodes, grain_of_light, [&](std::size_t n) {
     if (set.factor_of_patch[n] < 0) return;
     const double centre[3] = {double(mesh.nodes[n][0]), double(mesh.nodes[n][1]), double(mesh.nodes[n][2])};
     double m[num_terms][num_terms];
@@ -204,8 +202,8 @@ PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& n
   set.grown.assign(mesh.num_nodes, 0);
   set.full.assign(mesh.num_nodes, 0);
   const CornerCells corner_cells(mesh);
-  std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain));
-  parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain,
+  std::vector<PatchRange> ranges(num_chunks(mesh.num_nodes, grain_of_light));
+  parallel_chunks("cgcontact::patches::grow", mesh.num_nodes, grain_of_light,
                   [&](std::size_t chunk, std::size_t begin, std::size_t end) {
                     ranges[chunk] = patches_of_nodes(mesh, corner_cells, least_volume, nodes, begin, end, set);
                   });

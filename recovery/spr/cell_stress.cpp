@@ -4,12 +4,6 @@
 #include "recovery/spr/corner_differences.hpp"
 
 namespace cgcontact {
-namespace {
-
-constexpr std::size_t grain = 256;
-
-}  // namespace
-
 CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u) {
   return [&mesh, u](int cell) {
     double h[8][3];
@@ -44,7 +38,7 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
   const QuadraticMass full = quadratic_mass(out.moments[0].data());
   out.stress.resize(size);
   out.square.resize(size);
-  parallel_for("cgcontact::cell_stress::integrals", size, grain, [&](std::size_t row) {
+  parallel_for("cgcontact::cell_stress::integrals", size, grain_of_medium, [&](std::size_t row) {
     const int cell = out.cells.number(static_cast<int>(row)), place = out.moments_of_row[row];
     const CellPolynomial polynomial = stress(cell);
     CellPolynomial integrals;

@@ -8,12 +8,6 @@
 #include "recovery/spr/spr_kernels.hpp"
 
 namespace cgcontact {
-namespace {
-
-constexpr std::size_t grain = 1024;
-
-}  // namespace
-
 InteriorFit::InteriorFit(const BodyMesh& mesh, const RealView& u, bool corrected,
                          std::function<Vec3(int node)> divergence)
     : mesh_(mesh),
@@ -61,7 +55,7 @@ void InteriorFit::at(int node, double* a) const {
 void InteriorFit::at_all(const std::vector<int>& nodes, double* values) const {
   if (nodes.empty()) return;
   std::vector<std::array<int, 8>> cells(nodes.size());
-  parallel_for("cgcontact::interior_fit::cells", nodes.size(), grain,
+  parallel_for("cgcontact::interior_fit::cells", nodes.size(), grain_of_medium,
                [&](std::size_t i) { find_cells(nodes[i], cells[i].data()); });
   int low = cells[0][0], high = low;
   for (const std::array<int, 8>& of_node : cells) {
@@ -76,9 +70,9 @@ void InteriorFit::at_all(const std::vector<int>& nodes, double* values) const {
         list.push_back(cell);
       }
   std::vector<Integrals> integrals(list.size());
-  parallel_for("cgcontact::interior_fit::integrals", list.size(), grain,
+  parallel_for("cgcontact::interior_fit::integrals", list.size(), grain_of_medium,
                [&](std::size_t i) { integrals[i] = integrals_of(list[i]); });
-  parallel_for("cgcontact::interior_fit::fits", nodes.size(), grain, [&](std::size_t i) {
+  parallel_for("cgcontact::interior_fit::fits", nodes.size(), grain_of_medium, [&](std::size_t i) {
     fit(
         nodes[i], [&](int c) { return integrals[row[cells[i][c] - low]].data(); }, values + 6 * num_terms * i);
   });

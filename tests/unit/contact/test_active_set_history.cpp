@@ -4,7 +4,7 @@
 
 #include "contact/solve/active_set_history.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_active_set_history {
 namespace {
 
 /// Two pairs, of four and of six points at x = 0, 1, 2, ... on y = number of the pair, all closed.
@@ -74,4 +74,4 @@ TEST_F(ActiveSetHistoryTest, CyclesAreFoundAndPlaced) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_active_set_history

@@ -12,7 +12,7 @@
 #include "contact/adaptive_run.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_adaptive {
 namespace {
 
 /// The scene on its first grids.
@@ -145,4 +145,4 @@ TEST(ErrorFigures, WhatIsNoNumberIsNotReached) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_adaptive

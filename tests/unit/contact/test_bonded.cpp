@@ -4,7 +4,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_bonded {
 namespace {
 
 constexpr double tolerance = 1e-10;
@@ -366,4 +366,4 @@ TEST(BondedRings, FollowLameWhenHeated) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_bonded

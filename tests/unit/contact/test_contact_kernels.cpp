@@ -12,7 +12,7 @@
 #include "contact/solve/rigid_part.hpp"
 #include "tests/support/execution_spaces.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_contact_kernels {
 namespace {
 
 /// Sums of some ten terms in the same order: a few roundings, of fused multiplications and additions.
@@ -425,4 +425,4 @@ TYPED_TEST(ContactKernels, RowsOfGapsAreCombinedByUnknown) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_contact_kernels

@@ -5,7 +5,7 @@
 
 #include "contact/kernels/contact_law.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_contact_law {
 namespace {
 
 constexpr double k = 3, step = 1e-5;
@@ -54,4 +54,4 @@ TEST(ContactLaw, EnergyIsConvex) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_contact_law

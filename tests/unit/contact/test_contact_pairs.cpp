@@ -6,7 +6,7 @@
 #include "contact/preparation.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_contact_pairs {
 namespace {
 
 Scene read(const std::string& name, const std::vector<std::string>& overrides = {}) {
@@ -147,4 +147,4 @@ TEST(NoForce, LiftingOffConverges) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_contact_pairs

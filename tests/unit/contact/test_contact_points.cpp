@@ -3,7 +3,7 @@
 
 #include "contact/kernels/contact_points.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_contact_points {
 namespace {
 
 ContactPoints points_of(std::initializer_list<double> weights) {
@@ -47,4 +47,4 @@ TEST(ContactPoints, JoinedPointsShareArrays) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_contact_points

@@ -3,7 +3,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_degree {
 namespace {
 
 TEST(Degree, TwoIsBetterForTheSphereInAShell) {
@@ -52,4 +52,4 @@ TEST(Degree, IsTwoAtTheContactOfThickBodiesOnly) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_degree

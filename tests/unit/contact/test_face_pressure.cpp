@@ -10,7 +10,7 @@
 #include "contact/study/face_pressure.hpp"
 #include "core/base/text.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_face_pressure {
 namespace {
 
 double pressure(int body, const Vec3& x) { return body == 0 ? 1 + 2 * x[0] - 3 * x[1] : 5 * x[0] * x[1]; }
@@ -31,24 +31,24 @@ std::vector<ContactRow> square(int n, double shift) {
   return rows;
 }
 
-TEST(FacePressure, linear_pressure_is_met_exactly_between_the_points_and_beyond) {
-  const FacePressure fine(square(20, 0.5), 0.1);
+TEST(SampledPressure, linear_pressure_is_met_exactly_between_the_points_and_beyond) {
+  const SampledPressure fine(square(20, 0.5), 0.1);
   for (const Vec3& x : {Vec3(0.33, 0.71, 3), Vec3(0.5, 0.5, 3.001), Vec3(0, 1, 3)})
     EXPECT_NEAR(fine(0, x), pressure(0, x), 1e-10);
   EXPECT_NEAR(fine(1, {0.33, 0.71, 3}), pressure(1, {0.33, 0.71, 3}), 0.01) << "not linear";
 }
 
-TEST(FacePressure, points_in_a_row_and_lonely_points) {
+TEST(SampledPressure, points_in_a_row_and_lonely_points) {
   std::vector<ContactRow> rows = square(20, 0.5);
   std::vector<ContactRow> line;
   for (const ContactRow& row : rows)
     if (row.body == 0 && std::abs(row.x[1] - 0.525) < 1e-9) line.push_back(row);
-  EXPECT_NEAR(FacePressure(line, 0.2)(0, {0.4, 0.525, 3}), pressure(0, {0.4, 0.525, 3}), 1e-10);
-  EXPECT_EQ(FacePressure({line[0]}, 0.2)(0, {0.4, 0.5, 3}), line[0].pressure_sprc) << "the nearest one";
+  EXPECT_NEAR(SampledPressure(line, 0.2)(0, {0.4, 0.525, 3}), pressure(0, {0.4, 0.525, 3}), 1e-10);
+  EXPECT_EQ(SampledPressure({line[0]}, 0.2)(0, {0.4, 0.5, 3}), line[0].pressure_sprc) << "the nearest one";
 }
 
-TEST(FacePressure, errors_against_it) {
-  const FacePressure fine(square(40, 0.5), 0.05);
+TEST(SampledPressure, errors_against_it) {
+  const SampledPressure fine(square(40, 0.5), 0.05);
   std::vector<ContactRow> coarse = square(7, 0.3);
   for (ContactRow& row : coarse) row.pressure_raw += 2;
   const auto errors = pressure_errors(coarse, [&](const ContactRow& row) { return fine(row.body, row.x); }, {});
@@ -63,40 +63,40 @@ TEST(FacePressure, errors_against_it) {
 /// Straight and round zones that end like a square root, points half a cell apart. Beyond a cell from the end a linear
 /// fit to sqrt(d), d >= h = 1/20, is wrong by up to (h/2)^2 / (32 h^1.5) = 9e-4 of sqrt(1 m); measured: 6e-4 of the
 /// norm. A linear fit up to the end: 0.010; one that smooths over a cell: 0.012.
-TEST(FacePressure, the_end_of_a_contact_zone_stays_steep) {
+TEST(SampledPressure, the_end_of_a_contact_zone_stays_steep) {
   const auto straight = [](const Vec3& x) { return std::sqrt(std::max(0.0, 0.6 - x[0])); };
   const auto round = [](const Vec3& x) { return std::sqrt(std::max(0.0, 0.4 - x.head<2>().squaredNorm())); };
   for (const auto& at : std::initializer_list<std::function<double(const Vec3&)>>{straight, round}) {
     std::vector<ContactRow> rows = square(40, 0.5);
     for (ContactRow& row : rows) row.pressure_sprc = at(row.x);
-    const FacePressure fine(rows, 0.05);
+    const SampledPressure fine(rows, 0.05);
     double error = 0, norm = 0;
     for (const ContactRow& row : square(97, 0.5)) {
       error += std::pow(fine(row.body, row.x) - at(row.x), 2);
       norm += std::pow(at(row.x), 2);
     }
     EXPECT_LT(std::sqrt(error / norm), 9e-4 / std::sqrt(norm / (2 * 97 * 97)));
-    const FacePressure many_at_one_place(std::vector<ContactRow>(8, rows[0]), 0.05);
+    const SampledPressure many_at_one_place(std::vector<ContactRow>(8, rows[0]), 0.05);
     EXPECT_EQ(many_at_one_place(0, rows[0].x), rows[0].pressure_sprc);
   }
 }
 
 /// The pressure grows towards the edge of a punch: nothing is extrapolated beyond it.
-TEST(FacePressure, the_edge_of_a_body_is_no_end_of_a_zone) {
+TEST(SampledPressure, the_edge_of_a_body_is_no_end_of_a_zone) {
   std::vector<ContactRow> rows = square(40, 0.5);
   double largest = 0;
   for (ContactRow& row : rows) {
     row.pressure_sprc = row.x[0] < 0.6 ? 1 / std::sqrt(0.61 - row.x[0]) : 0;
     largest = std::max(largest, row.pressure_sprc);
   }
-  const FacePressure fine(rows, 0.05);
+  const SampledPressure fine(rows, 0.05);
   for (const ContactRow& row : square(97, 0.5)) {
     EXPECT_LE(fine(row.body, row.x), largest * (1 + 1e-12)) << row.x.transpose();
     EXPECT_TRUE(row.x[0] < 0.65 || fine(row.body, row.x) == 0) << row.x.transpose();
   }
 }
 
-TEST(FacePressure, tables_are_read_back) {
+TEST(SampledPressure, tables_are_read_back) {
   const std::string file =
       (std::filesystem::temp_directory_path() / ("cgcontact_rows_" + std::to_string(getpid()))).string();
   Scene scene;
@@ -119,4 +119,4 @@ TEST(FacePressure, tables_are_read_back) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_face_pressure

@@ -7,7 +7,7 @@
 #include "contact/preparation.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_gaps_and_overlaps {
 namespace {
 
 Scene read(const std::string& name, const std::vector<std::string>& overrides = {}) {
@@ -285,4 +285,4 @@ TEST(FreeMotion, LostContactIsNamed) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_gaps_and_overlaps

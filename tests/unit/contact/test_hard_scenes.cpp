@@ -9,7 +9,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_hard_scenes {
 namespace {
 
 struct HardCase {
@@ -77,4 +77,4 @@ INSTANTIATE_TEST_SUITE_P(
                     HardCase{"all_at_once", {"contrast=1e3", "nu=0.4999", "wall=0.03", "disagreeing=1"}}));
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_hard_scenes

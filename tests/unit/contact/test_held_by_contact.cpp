@@ -9,7 +9,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_held_by_contact {
 namespace {
 
 /// The scene with its bodies in the opposite order; they come first in the files.
@@ -215,4 +215,4 @@ TEST(HeldByContact, StepWithoutLoad) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_held_by_contact

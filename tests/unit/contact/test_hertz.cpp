@@ -3,7 +3,7 @@
 #include "contact/model/indentation.hpp"
 #include "contact/results/hertz.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_hertz {
 namespace {
 
 Material steel() {
@@ -53,4 +53,4 @@ TEST(Hertz, LongEllipseIsALine) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_hertz

@@ -7,7 +7,7 @@
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_invariance {
 namespace {
 
 const std::string scene = "tests/scenes/units.toml";
@@ -135,4 +135,4 @@ TEST(OneBody, BodyForceIsInEquilibriumInTheRecoveredStress) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_invariance

@@ -8,7 +8,7 @@
 #include "contact/simulation.hpp"
 #include "core/scene/read_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_loads {
 namespace {
 
 /// A bar of 0.2 x 0.3 x 1 m held at its foot in all directions, turned grid, plus what a test adds.
@@ -267,4 +267,4 @@ TEST(Loads, BodyForceThatJumpsInCellsIsTold) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_loads

@@ -3,7 +3,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_patch {
 namespace {
 
 /// Outer and linear solver are converged far below the bound, so that it tests the discretisation.
@@ -103,4 +103,4 @@ TEST(ContactPatchChain, AutomaticPairsAreExact) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_patch

@@ -7,7 +7,7 @@
 #include "contact/results/peak_estimate.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_peak_estimate {
 namespace {
 
 constexpr double p0 = 2e9, a = 1e-3, h = 1e-4;
@@ -108,4 +108,4 @@ TEST(PeakEstimate, CoversTheErrorOfAShrinkFit) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_peak_estimate

@@ -9,7 +9,7 @@
 #include "contact/simulation.hpp"
 #include "core/scene/read_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_plane_strain {
 namespace {
 
 std::string file_of(const std::string& name) { return std::string(CGCONTACT_SOURCE_DIR) + "/scenes/" + name; }
@@ -378,4 +378,4 @@ TEST(PlaneStrain, FreeMotionsAreFound) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_plane_strain

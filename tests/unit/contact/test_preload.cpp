@@ -3,7 +3,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_preload {
 namespace {
 
 /// Two bars in a row between fixed ends, of 0.6 and 0.7 m: an interference d presses them with d/(0.6/E1 + 0.7/E2).
@@ -168,4 +168,4 @@ TEST(Preload, OfABoltCarriesTheLoad) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_preload

@@ -5,7 +5,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_pressure_estimate {
 namespace {
 
 struct EstimateCase {
@@ -72,4 +72,4 @@ TEST(ForceEstimate, BoundsTheErrorOfTheForceUnderLoads) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_pressure_estimate

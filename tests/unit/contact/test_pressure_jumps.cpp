@@ -6,7 +6,7 @@
 
 #include "contact/results/pressure_jumps.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_pressure_jumps {
 namespace {
 
 constexpr double p0 = 2e9, a = 1e-3, h = 1e-4;
@@ -90,4 +90,4 @@ TEST(PressureJumps, KeepsPairsAndBodiesApart) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_pressure_jumps

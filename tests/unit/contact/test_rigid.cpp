@@ -6,7 +6,7 @@
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_rigid {
 namespace {
 
 constexpr double exact = 1e-10;
@@ -291,4 +291,4 @@ shape = )" +
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_rigid

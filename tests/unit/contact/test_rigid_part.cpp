@@ -6,7 +6,7 @@
 #include "contact/solve/rigid_part.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_rigid_part {
 namespace {
 
 using Field = std::function<Vec3(int body, const Vec3& x)>;  ///< m, global axes
@@ -106,4 +106,4 @@ TEST_F(RigidPartsOfTurnedGrids, LoseNothingOfWhatIsSmall) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_rigid_part

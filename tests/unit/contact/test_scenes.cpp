@@ -8,7 +8,7 @@
 #include "contact/results/reference.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_scenes {
 namespace {
 
 /// Does any patch that is evaluated at a contact row hold a closed contact point?
@@ -323,4 +323,4 @@ TEST(Teeth, AreHertzsLineContact) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_scenes

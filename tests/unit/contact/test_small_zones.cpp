@@ -9,7 +9,7 @@
 #include "contact/solve/small_zones.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_small_zones {
 namespace {
 
 double force(const std::string& scene, const std::vector<std::string>& overrides) {
@@ -108,4 +108,4 @@ TEST(SmallZones, ResolvedZonesAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_small_zones

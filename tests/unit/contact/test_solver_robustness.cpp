@@ -10,7 +10,7 @@
 #include "core/scene/read_scene.hpp"
 #include "kernels/solver/linear_solver.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_solver_robustness {
 namespace {
 
 constexpr int most_iterations = 9;  // solid bodies, and those held across their thickness
@@ -219,4 +219,4 @@ TEST(SolverRobustness, LongStrips) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_solver_robustness

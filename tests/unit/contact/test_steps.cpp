@@ -4,7 +4,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_steps {
 namespace {
 
 /// Step k and a run of its own, both solved to the outer tolerance of 1e-9: figures agree to a hundred times that (the
@@ -76,4 +76,4 @@ TEST(Steps, OneThatFailsIsNamed) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_steps

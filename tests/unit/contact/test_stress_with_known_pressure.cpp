@@ -8,7 +8,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_stress_with_known_pressure {
 namespace {
 
 /// Relative L2 differences over the faces, root of the sums over the rows.
@@ -97,4 +97,4 @@ TEST(StressWithKnownPressure, IsThePapersMethodWithoutIt) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_stress_with_known_pressure

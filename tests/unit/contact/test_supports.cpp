@@ -4,7 +4,7 @@
 #include "tests/support/input_errors.hpp"
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_supports {
 namespace {
 
 constexpr double E = 200e9, nu = 0.3;
@@ -279,4 +279,4 @@ force = [100, 200, -300]
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_supports

@@ -3,7 +3,7 @@
 
 #include "tests/support/run_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_temperature {
 namespace {
 
 constexpr double E = 200e9, nu = 0.3, alpha = 12e-6, dT = 80;
@@ -124,4 +124,4 @@ TEST(Temperature, ShrinksLikeAnInterference) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_temperature

@@ -3,7 +3,7 @@
 
 #include "tests/support/scene_with_meshes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_bodies {
 namespace {
 
 using test::SceneWithMeshes;
@@ -70,4 +70,4 @@ TEST(TriangleBodies, RailSceneConverges) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_bodies

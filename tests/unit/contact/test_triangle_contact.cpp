@@ -6,7 +6,7 @@
 
 #include "tests/support/scene_with_meshes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_contact {
 namespace {
 
 void add_quad(TriangleSoup& soup, int a, int b, int c, int d) {
@@ -191,4 +191,4 @@ TEST(TriangleContact, HertzIsThatOfCsg) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_contact

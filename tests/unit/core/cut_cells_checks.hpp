@@ -9,8 +9,6 @@
 
 namespace cgcontact {
 
-inline const double pi = std::acos(-1.0);
-
 inline Mat3 rotation(const Vec3& axis, double angle) {
   return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
 }

@@ -7,7 +7,7 @@
 #include "tests/support/triangle_shapes.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_body_geometry {
 namespace {
 
 using test::ellipsoid;
@@ -116,4 +116,4 @@ TEST(BodyGeometry, KindsAreToldApart) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_body_geometry

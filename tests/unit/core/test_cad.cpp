@@ -11,7 +11,7 @@
 #include "tests/support/input_errors.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_cad {
 namespace {
 
 constexpr double mm = 1e-3;
@@ -443,4 +443,4 @@ TEST_F(Cad, FacesOfAScene) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_cad

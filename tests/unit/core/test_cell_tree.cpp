@@ -7,7 +7,7 @@
 #include "core/cells/cells_around.hpp"
 #include "cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_cell_tree {
 namespace {
 
 /// Cells of level `to` that are the part of a cell or contain it.
@@ -232,4 +232,4 @@ TEST(RefinedCutCells, UniformTreeIsTheFinerGrid) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_cell_tree

@@ -13,7 +13,7 @@
 #include "core/base/errors.hpp"
 #include "tests/support/input_errors.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_child_work {
 namespace {
 
 constexpr ChildLimits ample{300, 300, 4e9};
@@ -104,4 +104,4 @@ TEST(ChildWork, children_are_waited_for) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_child_work

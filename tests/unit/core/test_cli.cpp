@@ -6,7 +6,7 @@
 #include "core/program/cli.hpp"
 #include "core/program/progress.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_cli {
 namespace {
 
 struct Outcome {
@@ -208,4 +208,4 @@ TEST(Progress, quick_runs_show_nothing_on_a_terminal) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_cli

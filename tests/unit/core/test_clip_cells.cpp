@@ -6,7 +6,7 @@
 #include "core/drawing/clip_cells.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_clip_cells {
 namespace {
 
 CutCells cut(const Solid& solid, int num_cells) {
@@ -272,4 +272,4 @@ TEST(clip_cells, cell_coordinates_are_those_of_the_cell) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_clip_cells

@@ -7,7 +7,7 @@
 #include "core/base/errors.hpp"
 #include "core/bodies/csg_body.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_csg {
 namespace {
 
 Mat3 rotation(const Vec3& axis, double angle) { return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix(); }
@@ -169,4 +169,4 @@ TEST(Csg, NonsenseIsRefused) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_csg

@@ -4,7 +4,7 @@
 #include "core/quadrature/gauss_rules.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_cut_cells {
 namespace {
 
 std::vector<KnownBody> bodies() {
@@ -292,4 +292,4 @@ TEST(CutCells, EmptyAndProtrudingBodiesAreRefused) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_cut_cells

@@ -2,7 +2,7 @@
 // surface must be counted once.
 #include "tests/unit/core/cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_cut_cells_degenerate {
 namespace {
 
 std::vector<double> offsets() {
@@ -148,4 +148,4 @@ TEST(DegenerateCells, Slivers) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_cut_cells_degenerate

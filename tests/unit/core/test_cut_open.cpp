@@ -3,7 +3,7 @@
 #include "core/drawing/cut_open.hpp"
 #include "core/drawing/scene_view.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_cut_open {
 namespace {
 
 Vec3 displacement_at(const Vec3& x) { return {0.1 * x[0] - 0.2 * x[1], 0.3, 0.4 * x[2] + 1}; }
@@ -131,4 +131,4 @@ TEST(cut_open, turned_bodies_and_directions) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_cut_open

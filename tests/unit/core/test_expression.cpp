@@ -7,7 +7,7 @@
 #include "core/scene/expression.hpp"
 #include "tests/support/input_errors.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_expression {
 namespace {
 
 const SourcePlace place{"scene.toml", 7, "load[0].pressure"};
@@ -128,4 +128,4 @@ TEST(Expression, ThreadsShareIt) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_expression

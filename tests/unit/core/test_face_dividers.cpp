@@ -6,7 +6,7 @@
 #include "tests/support/triangle_shapes.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_face_dividers {
 namespace {
 
 /// A solid around the global origin, in a grid of `size` anyhow turned and shifted.
@@ -201,4 +201,4 @@ TEST(FaceDividers, CoincidentPlanesAreOne) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_face_dividers

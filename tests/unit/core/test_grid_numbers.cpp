@@ -8,7 +8,7 @@
 
 #include "core/cells/grid_numbers.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_grid_numbers {
 namespace {
 
 /// Ascending in k, j, i.
@@ -145,4 +145,4 @@ TEST(GridNumbers, EmptyCellsCostNothing) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_grid_numbers

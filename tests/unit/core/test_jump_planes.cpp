@@ -5,7 +5,7 @@
 
 #include "core/scene/jump_planes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_jump_planes {
 namespace {
 
 const SourcePlace place{"scene.toml", 7, "pressure"};
@@ -52,4 +52,4 @@ TEST(JumpPlanes, NothingElseDoes) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_jump_planes

@@ -3,7 +3,7 @@
 #include "core/drawing/marked_faces.hpp"
 #include "core/scene/read_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_marked_faces {
 namespace {
 
 /// The body of a scene on a grid along the axes.
@@ -73,4 +73,4 @@ TEST(marked_faces, automatic_contact_is_where_something_is_opposite) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_marked_faces

@@ -8,7 +8,7 @@
 #include "core/scene/material_library.hpp"
 #include "core/scene/read_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_materials {
 namespace {
 
 Material material_of(const std::vector<std::string>& overrides) {
@@ -115,4 +115,4 @@ TEST(Materials, mistakes_name_what_there_is) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_materials

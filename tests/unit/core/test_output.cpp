@@ -19,7 +19,7 @@
 #include "core/output/output_hdf.hpp"
 #include "core/output/output_summary.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_output {
 namespace {
 
 namespace fs = std::filesystem;
@@ -581,4 +581,4 @@ TEST(output_text, numbers_for_people) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_output

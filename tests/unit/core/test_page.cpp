@@ -7,7 +7,7 @@
 #include "core/drawing/face_chart.hpp"
 #include "core/output/output_page.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_page {
 namespace {
 
 Results small_results() {
@@ -250,4 +250,4 @@ TEST(face_chart, flat_faces_are_seen_along_their_axis) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_page

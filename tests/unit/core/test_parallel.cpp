@@ -7,7 +7,7 @@
 
 #include "core/base/parallel.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_parallel {
 namespace {
 
 TEST(Parallel, VisitsEveryItemOnce) {
@@ -38,4 +38,4 @@ TEST(Parallel, ThrowsWhatALoopOnOneThreadWouldThrow) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_parallel

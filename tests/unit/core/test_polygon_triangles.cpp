@@ -7,7 +7,7 @@
 
 #include "core/triangles/polygon_triangles.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_polygon_triangles {
 namespace {
 
 Vec3 area_vector(const std::vector<Vec3>& x, const std::vector<Triangle>& triangles) {
@@ -58,4 +58,4 @@ TEST(PolygonTriangles, OtherPolygons) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_polygon_triangles

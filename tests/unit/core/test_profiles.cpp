@@ -8,7 +8,7 @@
 #include "core/triangles/triangle_reader.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_profiles {
 namespace {
 
 ProfileEdge line(const Vec2& a, const Vec2& b) { return {a, b, "p.side"}; }
@@ -255,4 +255,4 @@ TEST(Profiles, nonsense_is_refused) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_profiles

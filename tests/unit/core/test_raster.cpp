@@ -2,7 +2,7 @@
 
 #include "core/drawing/raster.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_raster {
 namespace {
 
 std::array<double, 3> white_to_black(double value) { return {1 - value, 1 - value, 1 - value}; }
@@ -38,4 +38,4 @@ TEST(raster, single_pixels_that_stand_out_are_specks) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_raster

@@ -8,10 +8,8 @@
 #include "core/quadrature/point_compression.hpp"
 #include "core/quadrature/region_quadrature.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_region_quadrature {
 namespace {
-
-const double pi = std::acos(-1.0);
 
 // Proves exactness of the Gauss rules up to degree 2 n - 1; 1e-15 is rounding of a sum of positive terms below 1.
 TEST(Rules, GaussIsExact) {
@@ -205,4 +203,4 @@ TEST(Compression, KeepsIntegrals) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_region_quadrature

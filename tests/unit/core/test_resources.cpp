@@ -9,7 +9,7 @@
 #include "core/base/memory.hpp"
 #include "core/base/resources.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_resources {
 namespace {
 
 /// A directory that goes away with its contents.
@@ -87,4 +87,4 @@ TEST(Memory, there_is_some) { EXPECT_GT(memory_budget().bytes, 1e6); }
 TEST(Resources, there_is_a_thread) { EXPECT_GE(available_threads(), 1); }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_resources

@@ -6,7 +6,7 @@
 
 #include "core/drawing/extremes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_scalar_field {
 namespace {
 
 /// In turned axes.
@@ -194,4 +194,4 @@ TEST(extremes, of_the_contact_pressure) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_scalar_field

@@ -7,7 +7,7 @@
 #include "core/base/suggest.hpp"
 #include "core/scene/read_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_scene {
 namespace {
 
 namespace fs = std::filesystem;
@@ -619,4 +619,4 @@ TEST(Suggestion, is_given_for_similar_names_only) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_scene

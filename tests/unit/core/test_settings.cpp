@@ -11,7 +11,7 @@
 #include "core/base/errors.hpp"
 #include "core/scene/read_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_settings {
 namespace {
 
 /// Key -> value of the lines of print(); of the scene's settings, or of the constants of the method.
@@ -165,4 +165,4 @@ TEST(Settings, ConstantsOfTheMethodArePrintedAsComments) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_settings

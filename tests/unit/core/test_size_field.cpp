@@ -5,7 +5,7 @@
 
 #include "core/cells/size_field.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_size_field {
 namespace {
 
 TEST(SizeField, AsksForWhatALoopOverAllBallsAsksFor) {
@@ -38,4 +38,4 @@ TEST(SizeField, WithoutBallsNothingIsWanted) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_size_field

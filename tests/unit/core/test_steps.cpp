@@ -3,7 +3,7 @@
 
 #include "core/scene/read_scene.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_steps {
 namespace {
 
 Scene read(const std::vector<std::string>& overrides) {
@@ -48,4 +48,4 @@ TEST(Steps, NonsenseIsNamed) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_steps

@@ -13,7 +13,7 @@
 #include "core/program/child_process.hpp"
 #include "core/program/study_options.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -206,4 +206,4 @@ TEST_F(StudyFiles, a_signal_stops_the_child_and_is_remembered) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_study

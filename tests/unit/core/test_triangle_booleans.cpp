@@ -9,7 +9,7 @@
 #include "core/bodies/triangle_body.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_booleans {
 namespace {
 
 constexpr double cell_size = 0.1;
@@ -147,4 +147,4 @@ TEST(TriangleBooleans, WhatBoundsNoBodyIsRefused) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_booleans

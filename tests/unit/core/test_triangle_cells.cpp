@@ -5,7 +5,7 @@
 #include "tests/support/triangle_shapes.hpp"
 #include "tests/unit/core/cut_cells_checks.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_cells {
 namespace {
 
 /// Integrals over the body by the divergence theorem, triangle by triangle.
@@ -158,4 +158,4 @@ TEST(TriangleCells, PointsOfFineSurfacesAreBounded) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_cells

@@ -6,7 +6,7 @@
 #include "core/triangles/triangle_crossings.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_checks {
 namespace {
 
 std::string message_of(TriangleSoup soup) {
@@ -127,4 +127,4 @@ TEST(TriangleChecks, TouchingIsNotCrossing) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_checks

@@ -7,7 +7,7 @@
 #include "core/geometry/solid.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_faces {
 namespace {
 
 TriangleSelector by_normal(const std::string& name, const Vec3& axis, double degrees) {
@@ -129,4 +129,4 @@ TEST(TriangleSurface, LinesFindTheBoundary) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_faces

@@ -9,7 +9,7 @@
 #include "core/triangles/triangle_reader.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_reader {
 namespace {
 
 namespace fs = std::filesystem;
@@ -204,4 +204,4 @@ TEST(TriangleReader, BadFilesAreNamed) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_reader

@@ -10,7 +10,7 @@
 #include "core/triangles/triangle_repair.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_triangle_repair {
 namespace {
 
 TriangleSoup joined(TriangleSoup a, const TriangleSoup& b) {
@@ -179,4 +179,4 @@ TEST(TriangleRepair, NothingToRepair) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_triangle_repair

@@ -7,7 +7,7 @@
 #include "core/scene/read_scene.hpp"
 #include "tests/support/input_errors.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_units {
 namespace {
 
 const SourcePlace place{"scene.toml", 7, "key"};
@@ -204,4 +204,4 @@ TEST(Units, of_a_reference_with_the_contact_force) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_units

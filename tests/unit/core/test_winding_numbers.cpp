@@ -8,10 +8,8 @@
 #include "core/triangles/winding_numbers.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_winding_numbers {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 /// All triangles, one by one: the angle under which each is seen (Van Oosterom, Strackee 1983).
 double plain(const TriangleSoup& soup, const std::vector<WindingNumbers::Passes>& passes, const Vec3& x, int surface) {
@@ -64,4 +62,4 @@ TEST(WindingNumbers, AtATriangle) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_winding_numbers

@@ -12,7 +12,7 @@
 #include "kernels/mesh/dof_map.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_dof_map {
 namespace {
 
 RealView copy_of(const RealView& x) {
@@ -168,4 +168,4 @@ TEST(DofMap, BadConstraintsAreRefused) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_dof_map

@@ -7,7 +7,7 @@
 #include "kernels/mesh/dot.hpp"
 #include "kernels/mesh/views.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_dot {
 namespace {
 
 /// Values of very different size, whose sum depends on the order of the additions.
@@ -60,4 +60,4 @@ TEST(Dot, IsTheOrderedSum) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_dot

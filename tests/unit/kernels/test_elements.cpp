@@ -6,7 +6,7 @@
 #include "kernels/reference/plain_operator.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_elements {
 namespace {
 
 using test::dot;
@@ -240,4 +240,4 @@ TEST(QuadraticElements, SymmetryRigidMotionsAndGhostPenalty) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_elements

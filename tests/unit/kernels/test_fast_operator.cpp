@@ -10,7 +10,7 @@
 #include "kernels/reference/plain_operator.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_fast_operator {
 namespace {
 
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
@@ -305,4 +305,4 @@ TEST(FastOperator, GroupStiffnessCanBeChanged) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_fast_operator

@@ -14,7 +14,7 @@
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_krylov {
 namespace {
 
 using Teuchos::RCP;
@@ -299,4 +299,4 @@ TEST(Krylov, FlexibleMethodsTakeTheKCycleAndAllTakeTheVCycle) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_krylov

@@ -15,7 +15,7 @@
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_multigrid {
 namespace {
 
 using test::dot;
@@ -309,4 +309,4 @@ TEST(Multigrid, SolutionIsThatOfMueLu) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_multigrid

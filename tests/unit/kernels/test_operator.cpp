@@ -9,7 +9,7 @@
 #include "kernels/reference/plain_operator.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_operator {
 namespace {
 
 using test::dot;
@@ -233,4 +233,4 @@ TEST(Operator, CoarseOperatorFromChildrensMomentsIsGalerkin) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_operator

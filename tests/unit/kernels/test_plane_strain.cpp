@@ -7,7 +7,7 @@
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/constrained_system.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_plane_strain {
 namespace {
 
 using test::apply;
@@ -311,4 +311,4 @@ TEST(PlaneStrain, FewIterationsOnAQuadtree) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_plane_strain

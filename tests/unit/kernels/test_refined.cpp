@@ -6,7 +6,7 @@
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/constrained_system.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_refined {
 namespace {
 
 using test::apply;
@@ -220,4 +220,4 @@ TEST(Refined, FewIterationsWithManyLevels) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_refined

@@ -6,7 +6,7 @@
 #include "kernels/solver/rigid_bodies.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_rigid_bodies {
 namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -117,4 +117,4 @@ TEST(RigidBodies, AreSolvedFor) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_rigid_bodies

@@ -7,7 +7,7 @@
 #include "kernels/solver/rigid_coarse_space.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_rigid_coarse_space {
 namespace {
 
 /// A ball that soft springs at six points and three contact groups hold.
@@ -85,4 +85,4 @@ TEST(RigidCoarseSpace, IsEmptyWhereSupportsHold) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_rigid_coarse_space

@@ -12,7 +12,7 @@
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/constrained_system.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_ranks {
 namespace {
 
 using test::consistent;
@@ -304,4 +304,4 @@ TEST(Ranks, SolutionIsThatOfTheWhole) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_ranks

@@ -6,7 +6,7 @@
 #include "recovery/batched/fit_dispatch.hpp"
 #include "tests/support/fit_patches.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_batched_fit {
 namespace {
 
 using test::DenseFit;
@@ -183,4 +183,4 @@ TYPED_TEST(BatchedFit, FlagsInputItCannotUseAndLeavesItAlone) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_batched_fit

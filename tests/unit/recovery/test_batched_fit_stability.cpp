@@ -13,7 +13,7 @@
 
 #include "tests/support/fit_patches.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_batched_fit_stability {
 namespace {
 
 constexpr double tau = 0.05;
@@ -133,4 +133,4 @@ TEST(BatchedFitStability, Degree2OneBody) { check_all<2, 1>(); }
 TEST(BatchedFitStability, Degree2TwoBodies) { check_all<2, 2>(); }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_batched_fit_stability

@@ -5,7 +5,7 @@
 #include "recovery/batched/batched_linear.hpp"
 #include "recovery/patch/polynomials.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_batched_linear {
 namespace {
 
 constexpr int n = 40;
@@ -120,4 +120,4 @@ TEST(BatchedLinear, TruncatedPseudoInverseOfKnownSpectra) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_batched_linear

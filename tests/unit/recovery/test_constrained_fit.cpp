@@ -5,7 +5,7 @@
 
 #include "tests/support/constrained_fit.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_constrained_fit {
 namespace {
 
 using namespace test;
@@ -120,4 +120,4 @@ TEST(ConstrainedFit, KeepsAFitThatMeetsTheConstraints) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_constrained_fit

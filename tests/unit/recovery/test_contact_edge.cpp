@@ -7,7 +7,7 @@
 #include "recovery/patch/edge_moments.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_contact_edge {
 namespace {
 
 /// An edge on the plane through `point` with outward normal n.
@@ -119,4 +119,4 @@ TEST(EdgeMoments, OfAPlaneFaceEqualTheGeneralOnes) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_contact_edge

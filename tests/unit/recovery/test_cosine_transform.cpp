@@ -6,11 +6,10 @@
 #include "recovery/face/cosine_transform.hpp"
 #include "tests/support/execution_spaces.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_cosine_transform {
 namespace {
 
 using Matrix = CosineTransform::Matrix;
-constexpr double pi = 3.14159265358979323846;
 
 /// Numbers without a pattern between -1 and 1.
 double number(int i, int j) { return (37 * i + 101 * j + i * j) % 97 / 48.0 - 1; }
@@ -117,4 +116,4 @@ TEST(Fourier, FastLengths) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_cosine_transform

@@ -6,7 +6,7 @@
 #include "tests/support/bodies.hpp"
 #include "tests/support/polynomial_displacement.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_exact_stress {
 namespace {
 
 using test::Displacement;
@@ -247,4 +247,4 @@ TEST(CellSums, Shifted) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_exact_stress

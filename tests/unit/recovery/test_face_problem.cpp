@@ -5,12 +5,11 @@
 
 #include "recovery/face/face_problem.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_face_problem {
 namespace {
 
 using Patches = HalfSpace::Patches;
 using Seen = HalfSpace::Marks;
-constexpr double pi = 3.14159265358979323846;
 
 FaceGrid square_grid(double half_side, int patches, FaceEnd end) {
   FaceGrid grid;
@@ -242,4 +241,4 @@ TEST(HalfSpace, Periodic) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_face_problem

@@ -7,7 +7,7 @@
 #include "recovery/face/face_zone.hpp"
 #include "recovery/face/far_field.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_face_zone {
 namespace {
 
 /// A spline of three knots' smoothness follows a quadratic exactly, whatever its means are taken over.
@@ -202,4 +202,4 @@ TEST(FaceZone, Ball) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_face_zone

@@ -11,7 +11,7 @@
 #include "tests/support/constrained_fit.hpp"
 #include "tests/support/triangle_shapes.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_plain_twins {
 namespace {
 
 using namespace test;
@@ -314,4 +314,4 @@ TEST(PlainTwins, GroupsOfRoughSurfacesAreBounded) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_plain_twins

@@ -8,7 +8,7 @@
 
 #include "recovery/patch/polynomials.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_polynomials {
 namespace {
 
 using Exponents = std::array<int, 3>;
@@ -152,4 +152,4 @@ TEST(Polynomials, RowsByEntries) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_polynomials

@@ -7,7 +7,7 @@
 #include "tests/support/bodies.hpp"
 #include "tests/support/polynomial_displacement.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_refined {
 namespace {
 
 using test::Displacement;
@@ -246,4 +246,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_refined

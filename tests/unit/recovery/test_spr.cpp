@@ -4,7 +4,7 @@
 #include "recovery/spr/spr.hpp"
 #include "tests/support/bodies.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_spr {
 namespace {
 
 CutCells turned_box() {
@@ -91,4 +91,4 @@ TEST(Spr, ConstantStressIsExactAtBoundaryPoints) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_spr

@@ -5,7 +5,7 @@
 
 #include "recovery/face/zone_border.hpp"
 
-namespace cgcontact {
+namespace cgcontact::test_zone_border {
 namespace {
 
 FaceGrid grid_of(int rows, int columns, double spacing, bool plane_strain = false) {
@@ -99,4 +99,4 @@ TEST(ZoneBorder, IsNoneWhereTheFaceEnds) {
 }
 
 }  // namespace
-}  // namespace cgcontact
+}  // namespace cgcontact::test_zone_border

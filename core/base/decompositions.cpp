@@ -1,0 +1,39 @@
+#include "core/base/decompositions.hpp"
+
+namespace cgcontact {
+
+template <int N>
+SymmetricEigen<N>::SymmetricEigen(const Matrix& matrix) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> solver(matrix);
+  values_ = solver.eigenvalues();
+  vectors_ = solver.eigenvectors();
+}
+
+template class SymmetricEigen<2>;
+template class SymmetricEigen<3>;
+template class SymmetricEigen<6>;
+template class SymmetricEigen<Eigen::Dynamic>;
+
+Vec3 eigenvalues(const Mat3& symmetric) {
+  return Eigen::SelfAdjointEigenSolver<Mat3>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+SingularValues::SingularValues(const Eigen::MatrixXd& matrix, unsigned vectors) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(matrix, vectors);
+  values_ = svd.singularValues();
+  if (svd.computeU()) left_ = svd.matrixU();
+  if (svd.computeV()) right_ = svd.matrixV();
+}
+
+Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double tolerance) {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(tolerance);
+  decomposition.compute(A);
+  return decomposition.solve(b);
+}
+
+Mat3 rotation_between(const Vec3& from, const Vec3& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+}
+
+}  // namespace cgcontact
