@@ -16,9 +16,9 @@ namespace {
 /// forces that add up to it (a shrink fit).
 constexpr double no_force = 1e-9;
 /// Of the largest pressure: less than that is the end of a zone, or where the pressure is that small by itself (a zone
-/// pressed less than another of the same pair), less than `rounding_of_forces` nothing. Of the transmitted pressure:
+/// pressed less than another of the same pair), less than `no_pressure` nothing. Of the transmitted pressure:
 /// that is so.
-constexpr double end_of_zone = 0.01, rounding_of_forces = 1e-9, little_by_itself = 0.5;
+constexpr double end_of_zone = 0.01, no_pressure = 1e-9, little_by_itself = 0.5;
 
 /// Active cells of a body within a cell, the larger one of both bodies' there, from closed points of a pair.
 std::vector<char> cells_near_closed(const SolvedState& state, const ContactPair& pair, int body) {
@@ -99,7 +99,7 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
 void add_zone(const SolvedState& state, int k, const Results& results, PairFigures& figures) {
   for (const ContactRow& r : results.contact_rows)
     if (r.pair == k && r.touching) figures.max_pressure = std::max(figures.max_pressure, r.pressure_sprc);
-  constexpr double equal = 1 - 1e-9;  // of equal places the first, whatever the rounding_of_forces
+  constexpr double equal = 1 - 1e-9;  // of equal places the first, whatever the rounding
   const auto largest = std::find_if(results.contact_rows.begin(), results.contact_rows.end(), [&](const ContactRow& r) {
     return r.pair == k && r.touching && r.pressure_sprc > equal * figures.max_pressure;
   });
@@ -118,8 +118,7 @@ void add_zone(const SolvedState& state, int k, const Results& results, PairFigur
 
 bool is_pressed(const ContactRow& r, double largest) {
   return r.pressure_sprc > end_of_zone * largest ||
-         (r.active &&
-          r.pressure_sprc > std::max(little_by_itself * r.pressure_transmitted, rounding_of_forces * largest));
+         (r.active && r.pressure_sprc > std::max(little_by_itself * r.pressure_transmitted, no_pressure * largest));
 }
 
 void mark_touching_rows(const SolvedState& state, const std::vector<int>& boundary_point,
