@@ -32,8 +32,17 @@ Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b
   return decomposition.solve(b);
 }
 
+// Rodrigues' formula, from a half turn on where the angle is obtuse: between axes of coordinates all terms are exact.
 Mat3 rotation_between(const Vec3& from, const Vec3& to) {
-  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+  const double cosine = from.dot(to);
+  if (cosine < 0) {
+    const Vec3 normal = from.unitOrthogonal();
+    return rotation_between(-from, to) * (2 * normal * normal.transpose() - Mat3::Identity());
+  }
+  const Vec3 axis = from.cross(to);
+  Mat3 cross;
+  cross << 0, -axis[2], axis[1], axis[2], 0, -axis[0], -axis[1], axis[0], 0;
+  return cosine * Mat3::Identity() + cross + axis * axis.transpose() / (1 + cosine);
 }
 
 }  // namespace cgcontact

@@ -50,7 +50,8 @@ class SingularValues {
 /// The smallest x for which |A x - b| is least; singular values of A below `tolerance` times the largest count as zero.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double tolerance);
 
-/// The rotation that turns the unit vector `from` into `to`, about the axis that is normal to both.
+/// A rotation that turns the unit vector `from` into `to`; none where they are equal, exact between axes of
+/// coordinates.
 Mat3 rotation_between(const Vec3& from, const Vec3& to);
 
 }  // namespace cgcontact
