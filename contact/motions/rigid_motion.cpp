@@ -14,7 +14,7 @@ namespace {
 
 using Block = Eigen::Matrix<double, 6, 6>;
 
-/// PieceResistance of supports and closed contact by pairs of pieces (lower triangle: first >= second).
+/// Resistance of supports and closed contact by pairs of pieces (lower triangle: first >= second).
 using PieceResistance = std::map<std::pair<int, int>, Block>;
 
 PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyModel>& bodies,
