@@ -343,7 +343,7 @@ void Simulation::recover() {
   if (on_face) solve_faces();
   if (options.spr_c) {
     ConstrainedRecovery recovery =
-        recover_constrained(input, state.outer.u, state.scales, options, on_face ? &state.faces : nullptr);
+        recover_constrained(HostExec(), input, state.outer.u, state.scales, options, on_face ? &state.faces : nullptr);
     state.recovery_counts = recovery.counts;
     state.patch_states = std::move(recovery.states);
     for (std::size_t b = 0; b < state.bodies.size(); ++b) {

@@ -529,7 +529,7 @@ struct RecoveryProblem {
   }
   RecoveryCounts run() {
     for (std::size_t b = 0; b < bodies.size(); ++b) Kokkos::deep_copy(bodies[b].field.values, unconstrained[b]);
-    return recover_constrained(bodies, u, problem.simulation.state.scales, options).counts;
+    return recover_constrained(HostExec(), bodies, u, problem.simulation.state.scales, options).counts;
   }
   double error() const {
     double largest = 0;

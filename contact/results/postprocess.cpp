@@ -43,9 +43,7 @@ void fill_counts(const SolvedState& state, Results& results) {
     results.cells.active += active;
     results.cells.cut += cut;
     results.cells.interior += active - cut;
-    if (body.cut_cells.num_pruned > 0)
-      results.warnings.push_back(std::to_string(body.cut_cells.num_pruned) + " cells of body \"" + body.spec->name +
-                                 "\" with a volume fraction below 1e-12 were joined with their neighbours");
+    results.cells.joined += body.cut_cells.num_pruned;
   }
   results.outer_iterations = state.outer.iterations;
   results.linear_iterations = state.outer.linear_iterations;

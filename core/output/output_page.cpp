@@ -770,6 +770,11 @@ std::string cost_section(const Results& results) {
   std::string text =
       paragraph(fmt::format("{} unknowns, {} cells: {} cut by a boundary, {} inside.", count(results.unknowns),
                             count(results.cells.active), count(results.cells.cut), count(results.cells.interior)));
+  if (results.cells.joined > 0)
+    text +=
+        paragraph(fmt::format("{} more cells hold next to nothing (a face lies on a plane of the grid up to rounding); "
+                              "it counts as their neighbours'.",
+                              count(results.cells.joined)));
   if (results.accuracy.asked)
     text += "<p class=\"run\">All solves: " + html_text(solves_text(results.accuracy)) + ". Of the last one:</p>\n";
   if (!rows.empty()) {

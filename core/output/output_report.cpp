@@ -335,7 +335,10 @@ std::string report_text(const Results& results, const std::vector<std::string>& 
   json["threads"] = results.threads;
   json["ranks"] = results.ranks;
   json["unknowns"] = results.unknowns;
-  json["cells"] = {{"active", results.cells.active}, {"cut", results.cells.cut}, {"interior", results.cells.interior}};
+  json["cells"] = {{"active", results.cells.active},
+                   {"cut", results.cells.cut},
+                   {"interior", results.cells.interior},
+                   {"joined", results.cells.joined}};
   json["maxima"] = json_of_maxima(results);
   json["bodies"] = json_of_bodies(results);
   add_solution(results, json);

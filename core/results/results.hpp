@@ -289,6 +289,8 @@ struct Results {
   long long unknowns = 0;
   struct CellCounts {
     long long active = 0, cut = 0, interior = 0;
+    long long joined =
+        0;  ///< with a neighbour: less than GeometryOptions' part of them was the body's, which is rounding
   } cells;
   std::vector<CoarseSolve> coarse_solves;  ///< before it, coarsest first
   int outer_iterations = 0;

@@ -1,6 +1,7 @@
 /// What the contact points of each cell add up to: patches are made of cells, and each cell is in eight of them.
 #pragma once
 
+#include "recovery/patch/flat_lists.hpp"
 #include "recovery/patch/known_pressures.hpp"
 #include "recovery/spr/recovery_input.hpp"
 
@@ -26,14 +27,6 @@ struct ContactPiece {
   int first_under = 0, num_under = 0;   ///< cells of the other body below the points, ascending; in their list
 };
 
-/// A part of a list.
-template <class T>
-struct ListPart {
-  const T *first, *last;
-  const T* begin() const { return first; }
-  const T* end() const { return last; }
-};
-
 /// Lists of pieces, points and cells below them, one after the other in the order of the cells.
 class ContactCells {
  public:
@@ -44,9 +37,9 @@ class ContactCells {
 
   /// use(piece) for all pieces of a pair in these cells, or of all pairs (-1).
   template <class Use>
-  void each(const int* cells, int num_cells, int pair, const Use& use) const {
-    for (int c = 0; c < num_cells; ++c) {
-      const int row = row_of_cell_[cells[c]];
+  void each(const ListPart<int>& cells, int pair, const Use& use) const {
+    for (const int cell : cells) {
+      const int row = row_of_cell_[cell];
       if (row < 0) continue;
       for (int p = piece_begin_[row]; p < piece_begin_[row + 1]; ++p)
         if (pair < 0 || pieces_[p].pair == pair) use(pieces_[p]);

@@ -1,11 +1,12 @@
-/// Degree of the polynomial of every node, and how many rings of cells it is fitted to (docs/recovery.md, "Degree").
+#include "recovery/constrained/patch_polynomials.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/parallel.hpp"
 #include "core/cells/cells_around.hpp"
 #include "core/geometry/solid_middle.hpp"
-#include "recovery/constrained/patch_assembly.hpp"
+#include "recovery/constrained/patch_lists.hpp"
 
 namespace cgcontact {
 namespace {
@@ -112,14 +113,15 @@ bool is_known(const RecoveryBody& body, int node, const KnownPressures& known) {
   return false;
 }
 
-}  // namespace
-
+/// Whether a patch holds points of a contact face, closed or open.
 bool touches_contact(const RecoveryBody& body, int n) {
   const PatchSet& patches = *body.patches;
   for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
     if (!body.boundary->links_of_cell[patches.cells[p]].empty()) return true;
   return false;
 }
+
+}  // namespace
 
 std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
                                                const KnownPressures* known, const RecoveryOptions& options) {
@@ -151,6 +153,25 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
     polynomials[n] = {static_cast<char>(degree), static_cast<char>(rings)};
   });
   return polynomials;
+}
+
+StressIntegrals integrate_stress(const RecoveryBody& body, const std::vector<PatchPolynomial>& polynomials,
+                                 const CellStress& stress, const RecoveryOptions& options) {
+  const CutCells& cc = *body.mesh->cut_cells;
+  std::vector<int> closed;
+  for (const ContactLink& link : body.boundary->links)
+    if (link.active && (closed.empty() || closed.back() != link.cell)) closed.push_back(link.cell);
+  std::vector<char> marked(cc.cells.size(), 0);
+  std::vector<int> cells;
+  int rings = 2;
+  for (int n = 0; n < body.mesh->num_nodes; ++n) {
+    if (polynomials[n].degree == 1) continue;
+    rings = std::max<int>(rings, polynomials[n].rings);
+    fit_cells(body, n, polynomials[n], cells);
+    for (int c : cells) marked[c] = 1;
+  }
+  mark_cells_around(cc, closed, static_cast<int>(std::ceil(options.auxiliary_depth)) + rings, marked);
+  return integrate_stress(*body.mesh, stress, Subset(marked));
 }
 
 }  // namespace cgcontact

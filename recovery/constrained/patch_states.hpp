@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "kernels/mesh/mesh.hpp"
-#include "recovery/patch/patch_problem.hpp"
+#include "recovery/patch/patch_kinds.hpp"
+#include "recovery/patch/patches.hpp"
 
 namespace cgcontact {
 
@@ -21,6 +22,10 @@ struct PatchStates {
   std::vector<std::pair<int, int>> known;  ///< those of `pressed` whose pressure was given as a load
   std::vector<std::pair<int, int>> open_sides;  ///< nodes of these and the surfaces that are open there all the same
 
+  /// Brings the lists into the order that is asked for below.
+  void sort() {
+    for (auto* list : {&pressed, &known, &open_sides}) std::sort(list->begin(), list->end());
+  }
   bool is_pressed(int node, int pair) const {
     return std::binary_search(pressed.begin(), pressed.end(), std::pair(node, pair));
   }

@@ -70,6 +70,11 @@ struct EdgeTerms {
   std::vector<int> row_of_node;  ///< node -> row of terms, or -1; empty: no node has one
   std::vector<Term> terms;
 
+  void add(int node, std::size_t num_nodes, const Term& term) {
+    if (row_of_node.empty()) row_of_node.assign(num_nodes, -1);
+    row_of_node[node] = static_cast<int>(terms.size());
+    terms.push_back(term);
+  }
   const Term* of_node(int node) const {
     if (row_of_node.empty() || row_of_node[node] < 0) return nullptr;
     return &terms[row_of_node[node]];

@@ -154,15 +154,6 @@ Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> sum_cells(const CutC
   return Eigen::Map<const Eigen::Matrix<double, 6 * T, 1>>(sum[0]);
 }
 
-template <int degree>
-void subtract(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
-              PatchFit& fit) {
-  constexpr int T = Polynomial<degree>::num_terms;
-  const auto moments = edge_moments<degree>(mesh, cells, num_cells, fit.centre, edge, fit.unit);
-  const Eigen::LLT<Eigen::Matrix<double, T, T>> cholesky(fit.mass);
-  for (int k = 0; k < 6; ++k) fit.a.segment<T>(T * k) -= factor * cholesky.solve(moments.template segment<T>(T * k));
-}
-
 }  // namespace
 
 template <int degree>
@@ -181,12 +172,22 @@ template Eigen::Matrix<double, 6 * Polynomial<2>::num_terms, 1> edge_moments<2>(
                                                                                 const Vec3&, const ContactEdge&,
                                                                                 double);
 
-void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
-                        PatchFit& fit) {
-  if (fit.degree == 1)
-    subtract<1>(mesh, cells, num_cells, edge, factor, fit);
-  else
-    subtract<2>(mesh, cells, num_cells, edge, factor, fit);
+template <int degree>
+void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const Vec3& centre, double unit,
+                        const ContactEdge& edge, double factor, const double* mass, double* a) {
+  constexpr int T = Polynomial<degree>::num_terms;
+  const auto moments = edge_moments<degree>(mesh, cells, num_cells, centre, edge, unit);
+  Eigen::Matrix<double, T, T> m;
+  for (int i = 0; i < T; ++i)
+    for (int j = 0; j <= i; ++j) m(i, j) = m(j, i) = *mass++;
+  const Eigen::LLT<Eigen::Matrix<double, T, T>> cholesky(m);
+  for (int k = 0; k < 6; ++k)
+    Eigen::Map<Eigen::Matrix<double, T, 1>>(a + T * k) -= factor * cholesky.solve(moments.template segment<T>(T * k));
 }
+
+template void subtract_edge_term<1>(const BodyMesh&, const int*, int, const Vec3&, double, const ContactEdge&, double,
+                                    const double*, double*);
+template void subtract_edge_term<2>(const BodyMesh&, const int*, int, const Vec3&, double, const ContactEdge&, double,
+                                    const double*, double*);
 
 }  // namespace cgcontact

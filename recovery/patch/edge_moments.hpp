@@ -3,7 +3,7 @@
 
 #include "kernels/mesh/mesh.hpp"
 #include "recovery/patch/contact_edge.hpp"
-#include "recovery/patch/patch_problem.hpp"
+#include "recovery/patch/polynomials.hpp"
 
 namespace cgcontact {
 
@@ -16,8 +16,10 @@ Eigen::Matrix<double, 6 * Polynomial<degree>::num_terms, 1> edge_moments(const B
                                                                          int num_cells, const Vec3& centre,
                                                                          const ContactEdge& edge, double unit = 1);
 
-/// Takes `factor` times the term out of a fit on these cells: subtracts the polynomials of its degree nearest to that.
-void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const ContactEdge& edge, double factor,
-                        PatchFit& fit);
+/// Takes `factor` times the term out of a fit on these cells with that mass matrix (lower triangle by rows): subtracts
+/// the polynomials of its degree nearest to it from the coefficients a (component, term).
+template <int degree>
+void subtract_edge_term(const BodyMesh& mesh, const int* cells, int num_cells, const Vec3& centre, double unit,
+                        const ContactEdge& edge, double factor, const double* mass, double* a);
 
 }  // namespace cgcontact

@@ -1,19 +1,6 @@
 #include "recovery/patch/patch_arrays.hpp"
 
 namespace cgcontact {
-namespace {
-
-/// The arrays of a vector as rows of a view.
-template <class View, class T>
-View rows_of(const std::vector<T>& rows) {
-  return View(rows.empty() ? nullptr : rows.front().data(), rows.size());
-}
-template <class View, class T>
-View view_of(const std::vector<T>& values) {
-  return View(values.data(), values.size());
-}
-
-}  // namespace
 
 SubsetArrays<Kokkos::HostSpace> host_arrays(const Subset& subset) {
   using Numbers = Kokkos::View<const int*, Kokkos::HostSpace>;

@@ -51,6 +51,16 @@ struct PatchArrays {
   }
 };
 
+/// The arrays of a vector as rows of a view of the host; the values of one as a view.
+template <class View, class T>
+View rows_of(const std::vector<T>& rows) {
+  return View(rows.empty() ? nullptr : rows.front().data(), rows.size());
+}
+template <class View, class T>
+View view_of(const std::vector<T>& values) {
+  return View(values.data(), values.size());
+}
+
 /// Those on the host: the arrays of the mesh and the patches themselves.
 SubsetArrays<Kokkos::HostSpace> host_arrays(const Subset& subset);
 PatchArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const PatchSet& patches);

@@ -5,29 +5,12 @@ namespace {
 
 constexpr int n = 5;  // of powers
 
-/// Exponents of the ten terms of Polynomial<2>.
-constexpr int exponents[10][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {2, 0, 0},
-                                  {0, 2, 0}, {0, 0, 2}, {1, 1, 0}, {0, 1, 1}, {1, 0, 1}};
-
 /// x^i by Legendre polynomials of 2 x, |x| <= 1/2.
 constexpr double by_legendre[n][n] = {{1, 0, 0, 0, 0},
                                       {0, 1. / 2, 0, 0, 0},
                                       {1. / 12, 0, 2. / 12, 0, 0},
                                       {0, 3. / 40, 0, 2. / 40, 0},
                                       {7. / 560, 0, 20. / 560, 0, 8. / 560}};
-
-/// Places of the products of two terms of Polynomial<2> among the monomials.
-struct Products {
-  int place[10][10] = {};
-  constexpr Products() {
-    for (int s = 0; s < 10; ++s)
-      for (int t = 0; t < 10; ++t) {
-        const int *a = exponents[s], *b = exponents[t];
-        place[s][t] = quartic_index(a[0] + b[0], a[1] + b[1], a[2] + b[2]);
-      }
-  }
-};
-constexpr Products products;
 
 }  // namespace
 
@@ -49,7 +32,7 @@ QuarticMoments quartic_moments(const Moments& m) {
 QuadraticMass quadratic_mass(const double* moments) {
   QuadraticMass mass;
   for (int s = 0; s < 10; ++s)
-    for (int t = 0; t < 10; ++t) mass(s, t) = moments[products.place[s][t]];
+    for (int t = 0; t < 10; ++t) mass(s, t) = moments[place_of_product(s, t)];
   return mass;
 }
 

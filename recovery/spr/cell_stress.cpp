@@ -2,6 +2,7 @@
 
 #include "core/base/parallel.hpp"
 #include "recovery/spr/corner_differences.hpp"
+#include "recovery/spr/sum_kernels.hpp"
 
 namespace cgcontact {
 CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u) {
@@ -54,48 +55,21 @@ StressIntegrals integrate_stress(const BodyMesh& mesh, const CellStress& stress,
   return out;
 }
 
-namespace {
-
-/// Over cells of one level, which is the unit of the centre and the sums.
-CellSums sum_cells_of_level(const CutCells& cc, const StressIntegrals& integrals, const int* cells, int num_cells,
-                            const double centre[3]) {
-  CellSums total{};
-  for (int i = 0; i < num_cells;) {
-    const int z = cc.cells[cells[i]][2];
-    CellSums layer{};
-    while (i < num_cells && cc.cells[cells[i]][2] == z) {
-      const int y = cc.cells[cells[i]][1];
-      CellSums line{};
-      for (; i < num_cells; ++i) {
-        const Index3& cell = cc.cells[cells[i]];
-        if (cell[1] != y || cell[2] != z) break;
-        const int row = integrals.cells.row(cells[i]);
-        line.add<0>(integrals.stress[row].data(), integrals.moments[integrals.moments_of_row[row]].data(),
-                    integrals.square[row], cell[0] + 0.5 - centre[0]);
-      }
-      layer.add<1>(line, y + 0.5 - centre[1]);
-    }
-    total.add<2>(layer, z + 0.5 - centre[2]);
-  }
-  return total;
+IntegralArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const StressIntegrals& integrals) {
+  using Arrays = IntegralArrays<Kokkos::HostSpace>;
+  const CutCells& cc = *mesh.cut_cells;
+  return {host_arrays(integrals.cells),
+          rows_of<decltype(Arrays::stress)>(integrals.stress),
+          view_of<decltype(Arrays::square)>(integrals.square),
+          rows_of<decltype(Arrays::moments)>(integrals.moments),
+          view_of<decltype(Arrays::moments_of_row)>(integrals.moments_of_row),
+          rows_of<decltype(Arrays::cells)>(cc.cells),
+          view_of<decltype(Arrays::levels)>(cc.levels)};
 }
-
-}  // namespace
 
 CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,
                    const double centre[3], double unit) {
-  const CutCells& cc = *mesh.cut_cells;
-  if (cc.levels.empty()) return sum_cells_of_level(cc, integrals, cells, num_cells, centre);
-  CellSums total{};
-  for (int first = 0; first < num_cells;) {
-    const double size = cc.size(cells[first]);
-    int end = first + 1;
-    while (end < num_cells && cc.level(cells[end]) == cc.level(cells[first])) ++end;
-    const double centre_of_level[3] = {centre[0] / size, centre[1] / size, centre[2] / size};
-    total.add_scaled(sum_cells_of_level(cc, integrals, cells + first, end - first, centre_of_level), size / unit);
-    first = end;
-  }
-  return total;
+  return host_arrays(mesh, integrals).sum(cells, num_cells, centre, unit);
 }
 
 }  // namespace cgcontact

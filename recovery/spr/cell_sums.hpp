@@ -23,7 +23,7 @@ struct CellSums {
     add<axis>(from.stress[0], from.moments, from.square, d);
   }
   /// Adds integrals about this centre whose coordinates are those of this times 1 / scale; volumes count as they are.
-  void add_scaled(const CellSums& from, double scale) {
+  KOKKOS_FORCEINLINE_FUNCTION void add_scaled(const CellSums& from, double scale) {
     for (int t = 0; t < num_stress; ++t) {
       const double factor = t == 0 ? 1 : t < 4 ? scale : scale * scale;
       for (int k = 0; k < num_components; ++k) stress[t][k] += factor * from.stress[t][k];

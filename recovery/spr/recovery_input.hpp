@@ -3,11 +3,15 @@
 
 #include "core/settings/recovery_options.hpp"
 #include "recovery/patch/boundary_data.hpp"
-#include "recovery/patch/patch_problem.hpp"
+#include "recovery/patch/patch_kinds.hpp"
+#include "recovery/patch/patches.hpp"
 #include "recovery/spr/cell_stress.hpp"
 #include "recovery/spr/spr.hpp"
 
 namespace cgcontact {
+
+/// What the loops of the constrained recovery run on.
+using HostExec = Kokkos::DefaultHostExecutionSpace;
 
 /// Input of one body; `field` holds the unconstrained fit of the nodes that it stores on entry, the constrained one on
 /// return.

@@ -62,8 +62,7 @@ class Tutorial(unittest.TestCase):
             cells = done["cells"]
             size = f"{done['unknowns']:,} unknowns, {cells['active']:,} cells ({cells['cut']:,} cut)"
             self.assertIn(size, text)
-            # Whether the foot lies on a grid plane up to rounding is a matter of the last bits of the cells' size (docs/faq.md).
-            self.assertEqual([w for w in done["warnings"] if "with a volume fraction below 1e-12 were joined" not in w], [])
+            self.assertEqual(done["warnings"], [])
             self.assertTrue(pathlib.Path(directory, "pressure.svg").is_file())
             stated = re.search(re.escape(size) + r".*?part-plate +(\S+) N +(?:\S+ %|coarse) +(\S+) MPa +(?:\S+ %|coarse) +(\S+)(?: %)? +\S+ mm", text, re.S)
             figures = [abs(pair(directory)["force"]["part"][2]), pair(directory)["max_pressure"] / 1e6,

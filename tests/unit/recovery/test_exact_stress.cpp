@@ -54,7 +54,7 @@ struct Recovered {
     RecoveryOptions options;
     options.degree = {degree, degree, degree};
     options.quadratic_rings = rings;
-    ConstrainedRecovery recovery = recover_constrained({{&mesh, &patches, &boundary, field, stress}},
+    ConstrainedRecovery recovery = recover_constrained(HostExec(), {{&mesh, &patches, &boundary, field, stress}},
                                                        RealView("u", system.num_dofs()), scales, options);
     counts = recovery.counts;
     states = std::move(recovery.states[0]);

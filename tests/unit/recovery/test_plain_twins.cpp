@@ -227,7 +227,7 @@ TEST(PlainTwins, ConstrainedPatchesAreInEquilibriumAndNearest) {
   RecoveryBody body{
       &c.mesh, &c.patches, &boundary, {Subset(c.mesh.num_nodes), CoefficientView("constrained", c.mesh.num_nodes)}};
   Kokkos::deep_copy(body.field.values, c.field.values);
-  const RecoveryCounts counts = recover_constrained({body}, c.u, Scales{0.5, 2}, {}).counts;
+  const RecoveryCounts counts = recover_constrained(HostExec(), {body}, c.u, Scales{0.5, 2}, {}).counts;
   int inside = 0;
   for (int n = 0; n < c.mesh.num_nodes; ++n) {
     if (!c.patches.full[n]) continue;
