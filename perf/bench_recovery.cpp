@@ -14,6 +14,8 @@
 #include "perf/problems.hpp"
 #include "recovery/batched/batched_fit.hpp"
 #include "recovery/constrained/boundary_pieces.hpp"
+#include "recovery/constrained/fit_kernels.hpp"
+#include "recovery/constrained/patch_lists.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 #include "recovery/patch/patch_arrays.hpp"
 
@@ -169,7 +171,7 @@ void patch_mass(const BodyMesh& mesh, const PatchSet& patches, int n, double* pa
     for (int j = 0; j <= i; ++j) packed[i * (i + 1) / 2 + j] = m[i][j];
 }
 
-/// Rows as in recovery/constrained/recover_stress.cpp: known tractions on free and loaded faces, zero shear on
+/// Rows as in recovery/constrained/patch_rows.cpp: known tractions on free and loaded faces, zero shear on
 /// supports; on contact faces zero shear of both bodies and equal normal tractions. Three points per face; degree 2:
 /// and those between them.
 class PatchBuilder {
@@ -542,6 +544,73 @@ struct RecoveryProblem {
   }
 };
 
+/// Fits of patches of two rings of cells (one for degree 1) from the integrals over their cells, all of one class.
+template <int degree>
+struct SumFits {
+  RecoveryProblem problem;
+  StressIntegrals integrals;
+  std::vector<Vec3> centre;
+  std::vector<double> unit;
+  std::vector<int> patch;
+  FlatLists<int> cells;
+  ClassArrays<Kokkos::HostSpace, degree, 1> arrays;
+
+  explicit SumFits(int size) : problem(size, {}) {
+    const RecoveryBody& body = problem.bodies[0];
+    integrals = integrate_stress(*body.mesh, stress_of_displacements(*body.mesh, problem.u),
+                                 Subset(static_cast<int>(body.mesh->cell_nodes.size())));
+    std::vector<int> list;
+    for (int n = 0; n < body.mesh->num_nodes; ++n) {
+      cgcontact::fit_cells(body, n, {degree, degree}, list);
+      cells.add(list);
+      centre.push_back(body.mesh->node_position(n));
+      unit.push_back(unit_of(*body.mesh, n));
+      patch.push_back(n);
+    }
+    using Arrays = ClassArrays<Kokkos::HostSpace, degree, 1>;
+    arrays = {view_of<decltype(Arrays::patch)>(patch), decltype(arrays.inputs)("cgcontact::perf::inputs", patch.size()),
+              decltype(arrays.regular)("cgcontact::perf::regular", patch.size()),
+              decltype(arrays.variance)("cgcontact::perf::variance", patch.size())};
+  }
+  void run() const {
+    using Cells = FitCells<Kokkos::HostSpace>;
+    const HostExec exec;
+    fit_sums(exec, host_arrays(*problem.bodies[0].mesh, integrals),
+             Cells{rows_of<decltype(Cells::centre)>(centre), view_of<decltype(Cells::unit)>(unit),
+                   view_of<decltype(Cells::begin)>(cells.begin), view_of<decltype(Cells::cells)>(cells.items)},
+             SubsetArrays<Kokkos::HostSpace>{{}, {}, static_cast<int>(patch.size())}, 0, arrays);
+    exec.fence();
+  }
+  double error() const {
+    double largest = 0;
+    for (std::size_t n = 0; n < patch.size(); ++n)
+      for (int k = 0; k < 6 && arrays.regular(n, 0); ++k)
+        for (int t = 0; t < Polynomial<degree>::num_terms; ++t)
+          largest = std::max(largest, std::abs(arrays.inputs(n).a[0][k][t] - (t == 0 ? problem.exact[0][k] : 0.0)));
+    return largest / problem.exact[0].cwiseAbs().maxCoeff();
+  }
+};
+
+/// Per cell of a patch 21 flop for each of six components and two for each of 70 products of moments, once along a
+/// line (lines and layers are some tenths more and not counted); per patch Cholesky and six solves. Bytes: integrals
+/// and moments of the cells of the body once, lists, what is written.
+template <int degree>
+Kernel sum_fits(int size) {
+  constexpr double T = Polynomial<degree>::num_terms;
+  auto p = std::make_shared<SumFits<degree>>(size);
+  p->run();
+  Kernel k;
+  k.unit = "patches";
+  k.items = static_cast<double>(p->patch.size());
+  const auto entries = static_cast<double>(p->cells.items.size());
+  k.cost = {entries * (6 * 21 + 2 * 70) + k.items * (T * T * T / 3 + 6 * 2 * T * T),
+            8 * (80 + 35 + 1) * static_cast<double>(p->integrals.square.size()) + 4 * entries +
+                8 * k.items * (T * (T + 1) / 2 + 6 * T + 5)};
+  k.error = p->error(), k.tolerance = 1e-8, k.against = "the exact uniform stress";
+  k.run = [p] { p->run(); };
+  return k;
+}
+
 /// The copy of the unconstrained fit is part of the run. As if every patch were one constrained fit with the rows
 /// PatchBuilder would give it, after an unconstrained one (133 flop per cell, 222 per patch; 296 bytes per cell).
 /// Finding the groups of boundary points is not counted.
@@ -591,6 +660,8 @@ int main(int argc, char** argv) {
   return run_benchmarks(argc, argv, [] {
     add("spr/cell_stress", cell_stress, {{6}, {50}});
     add("spr/fit", fit, {{6}, {50}});
+    add("spr_c/sums_p1", sum_fits<1>, {{5}, {16}});
+    add("spr_c/sums_p2", sum_fits<2>, {{5}, {16}});
     add_constrained_fits<1, 1>();
     add_constrained_fits<1, 2>();
     add_constrained_fits<2, 1>();

@@ -1,6 +1,5 @@
-/// The constraint rows C a = Lambda of one patch (paper, equations 4, 5 and 12).
-/// Unknowns: 6 components x 4 terms of the node's polynomial in grid axes, then, for contact patches, those of the
-/// auxiliary patch of the other body in its own grid axes. Stresses in units of Scales::stress.
+/// Where the constraints of a patch act: the points of a boundary inside its cells, by surface, condition and pair,
+/// condensed to a few points with the same moments of area.
 #pragma once
 
 #include <tuple>

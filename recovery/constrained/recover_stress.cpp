@@ -162,6 +162,20 @@ void set_constrained_nodes(const RecoveryBody& body, PatchStates& states, Quadra
     });
 }
 
+/// The patches of one body, before the forces are balanced.
+void recover_body(const PatchContext& context, const std::vector<PatchPolynomial>& polynomials, PatchResults& results,
+                  RecoveryCounts& counts) {
+  const std::vector<int> others = recover_interior(context);
+  if (num_ranks() == 1)
+    recover_patches_of(context, others, polynomials, results);
+  else
+    recover_patches_by_rank(context, others, polynomials, results);
+  for (const int n : others) counts.grown += context.body.patches->grown[n];
+  counts.lowered += results.lowered;
+  counts.truncated_rows += results.truncated_rows;
+  counts.quadratic += static_cast<long long>(results.quadratic.values.size());
+}
+
 /// The patches of all bodies one by one, before the forces are balanced.
 ConstrainedRecovery recover_patches(const HostExec& exec, const std::vector<RecoveryBody>& bodies, const HostVector& u,
                                     const Scales& scales, const RecoveryOptions& options, const KnownPressures* known) {
@@ -179,18 +193,11 @@ ConstrainedRecovery recover_patches(const HostExec& exec, const std::vector<Reco
     recovery.states.push_back({std::vector<PatchKind>(num_nodes), std::vector<PatchStatus>(num_nodes), {}, {}, {}});
     recovery.edges.emplace_back();
     recovery.quadratic.emplace_back();
-    if (bodies[b].mesh->rigid) continue;
-    const PatchContext context{exec, bodies, integrals, static_cast<int>(b), scales, options, known};
-    PatchResults results{bodies[b].field, recovery.states[b], recovery.edges[b], recovery.quadratic[b]};
-    const std::vector<int> others = recover_interior(context);
-    if (num_ranks() == 1)
-      recover_patches_of(context, others, polynomials[b], results);
-    else
-      recover_patches_by_rank(context, others, polynomials[b], results);
-    for (const int n : others) recovery.counts.grown += bodies[b].patches->grown[n];
-    recovery.counts.lowered += results.lowered;
-    recovery.counts.truncated_rows += results.truncated_rows;
-    recovery.counts.quadratic += static_cast<long long>(recovery.quadratic[b].values.size());
+    if (!bodies[b].mesh->rigid) {
+      PatchResults results{bodies[b].field, recovery.states[b], recovery.edges[b], recovery.quadratic[b]};
+      recover_body({exec, bodies, integrals, static_cast<int>(b), scales, options, known}, polynomials[b], results,
+                   recovery.counts);
+    }
     set_constrained_nodes(bodies[b], recovery.states[b], recovery.quadratic[b]);
   }
   return recovery;
