@@ -41,11 +41,13 @@ class Zone {
     lay_out();
   }
 
+  /// Of the whole zone, those behind planes of symmetry included.
+  int parts() const { return askew_ ? 1 : 1 << planes_.size(); }
+
   std::optional<ZoneExtent> extent() const {
     if (!flat_) return std::nullopt;
     ZoneExtent extent;
-    const double images = std::ldexp(1.0, static_cast<int>(planes_.size()));
-    const double shape = images * figures_.area / std::sqrt(moment_[0] * moment_[1]);
+    const double shape = parts() * figures_.area / std::sqrt(moment_[0] * moment_[1]);
     if (std::abs(shape - of_ellipse) < near_shape) extent.shape = ZoneExtent::Shape::round;
     if (std::abs(shape - of_rectangle) < near_shape) extent.shape = ZoneExtent::Shape::rectangular;
     const double factor = extent.shape == ZoneExtent::Shape::rectangular ? 3 : 4;
@@ -73,7 +75,7 @@ class Zone {
     const double modulus =
         effective_modulus(state_.scene.bodies[pair_.primary].material, state_.scene.bodies[pair_.secondary].material);
     HertzFigures hertz;
-    const double whole = std::ldexp(force, static_cast<int>(planes_.size()));
+    const double whole = parts() * force;
     if (least > no_curvature * most) {
       hertz = hertz_point(whole, least, most, modulus);
     } else {
@@ -260,6 +262,7 @@ void fill_zone_figures(const SolvedState& state, Results& results) {
     figures.zone.mean_pressure = force / figures.area;
     if (pair.bonded()) continue;
     const Zone zone(state, results, static_cast<int>(k));
+    figures.zone.parts = zone.parts();
     figures.zone.extent = zone.extent();
     figures.zone.hertz = zone.hertz(force);
   }

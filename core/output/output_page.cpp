@@ -362,6 +362,19 @@ std::string hertz_of(const ZoneFigures& zone) {
          cell(stress(zone.hertz->p0));
 }
 
+/// Zones of which planes of symmetry leave a part in the model.
+std::string whole_zones(const Results& results) {
+  std::vector<std::string> rows;
+  for (const PairFigures& pair : results.pairs)
+    if (const int parts = pair.zone.parts; parts > 1)
+      rows.push_back(name_cell(html_text(pair.name)) + cell("1/" + std::to_string(parts)) +
+                     cell(force(parts * pair.zone.normal_force)) +
+                     cell(figure(parts * pair.area, area_unit(parts * pair.area))));
+  return rows.empty() ? ""
+                      : "<h3>With what lies behind planes of symmetry</h3>\n" +
+                            table({"Pair", "Modelled", "Normal force in all", "Area in all"}, rows);
+}
+
 /// Zones with Hertz's answer beside them, and moments about the points of the scene.
 std::string zones_of_pairs(const Results& results) {
   std::vector<std::string> zones, moments;
@@ -408,7 +421,8 @@ std::string pairs_section(const Results& results) {
   return table(
              {"Pair", "Force", "est. error", "Max. pressure", "est. error", "est. error (L2)", "Area", "Closed points"},
              rows) +
-         table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces) + zones_of_pairs(results);
+         table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces) + zones_of_pairs(results) +
+         whole_zones(results);
 }
 
 /// Of loads that have a moment about the point where their force is said to act, or about their centroid.

@@ -47,6 +47,8 @@ void add_zone(const PairFigures& pair, Json& json) {
   const ZoneFigures& zone = pair.zone;
   json["normal_force"] = zone.normal_force;
   json["mean_pressure"] = zone.mean_pressure;
+  json["whole"] = {
+      {"parts", zone.parts}, {"normal_force", zone.parts * zone.normal_force}, {"area", zone.parts * pair.area}};
   if (zone.moment) json["moment_about"] = json_of(*zone.moment, pair);
   json["zone"] = nullptr;
   if (zone.extent)

@@ -147,6 +147,8 @@ std::string zone_text(const Results& results) {
                                  results.pairs.size() > 1 ? shortened_name(most->name, 20) + ": " : "",
                                  name_of(zone.extent->shape), length(zone.extent->half_axes[0]),
                                  length(zone.extent->half_axes[1]), stress_text(zone.mean_pressure));
+  if (const double whole = zone.parts * zone.normal_force; zone.parts > 1)
+    text += fmt::format("; 1/{} of it is modelled, {} in all", zone.parts, in_unit(whole, force_unit(whole), 5));
   if (zone.hertz)
     text += fmt::format(
         "; Hertz: {}, p0 {}",

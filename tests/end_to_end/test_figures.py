@@ -195,6 +195,8 @@ class Figures(unittest.TestCase):
         self.close([hertz["a"], hertz["b"]], [a, a], 1e-9)
         self.close([hertz["p0"]], [6 * pair["normal_force"] / (math.pi * a**2)], 1e-9)
         self.assertEqual(pair["zone"]["shape"], "round")
+        self.assertEqual(pair["whole"], {"parts": 4, "normal_force": 4 * pair["normal_force"], "area": 4 * pair["area"]})
+        self.assertIn("; 1/4 of it is modelled, ", unwrapped(outcome.out))
         self.close(pair["zone"]["half_axes"], [a, a], 0.01)
         self.close([pair["max_pressure"]], [hertz["p0"]], 0.02)
 
@@ -206,6 +208,7 @@ class Figures(unittest.TestCase):
         per_length = 2 * pair["normal_force"] / 10e-3  # half of the roller, 10 mm thick
         b = math.sqrt(4 * per_length * 10e-3 / (math.pi * 210e9 / (2 * 0.91)))
         self.assertIsNone(pair["hertz"]["a"])
+        self.assertEqual(pair["whole"]["parts"], 2)  # not 4: its two ends are those of a slice
         self.close([pair["hertz"]["b"]], [b], 1e-9)
         self.close(pair["zone"]["half_axes"], [5e-3, b], 1e-2)
         self.assertEqual(pair["zone"]["shape"], "rectangular")
