@@ -29,8 +29,8 @@ Body make_body(int size, bool curved) {
   if (curved) {
     const double r = 0.5 * size;
     body.solid = Solid::sphere(centre, r, "ball");
-    body.volume = 4 * M_PI / 3 * r * r * r;
-    body.area = 4 * M_PI * r * r;
+    body.volume = 4 * pi / 3 * r * r * r;
+    body.area = 4 * pi * r * r;
   } else {
     const Mat3 turn = Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized()).toRotationMatrix();
     const Vec3 half = Vec3::Constant(0.5 * size);

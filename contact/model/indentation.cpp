@@ -11,7 +11,7 @@ double effective_modulus(const Material& a, const Material& b) {
 }
 
 double slenderness_factor(double aspect) {
-  return 0.5 * M_PI * std::sqrt(aspect) / std::comp_ellint_1(std::sqrt(std::max(0.0, 1 - 1 / (aspect * aspect))));
+  return 0.5 * pi * std::sqrt(aspect) / std::comp_ellint_1(std::sqrt(std::max(0.0, 1 - 1 / (aspect * aspect))));
 }
 
 }  // namespace cgcontact

@@ -21,15 +21,15 @@ Eigen::MatrixXd null_space(const Eigen::MatrixXd& A) {
   if (A.cols() == 0) return Eigen::MatrixXd(0, 0);
   const SingularValues svd(A, Eigen::ComputeFullV);
   Eigen::Index rank = 0;
-  for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k) rank += svd.singularValues()[k] > 1e-6;
-  return svd.matrixV().rightCols(A.cols() - rank);
+  for (Eigen::Index k = 0; k < svd.values().size(); ++k) rank += svd.values()[k] > 1e-6;
+  return svd.right().rightCols(A.cols() - rank);
 }
 
 /// Orthonormal columns that span those of a matrix whose columns have length 1.
 Eigen::MatrixXd column_space(const Eigen::MatrixXd& A) {
   if (A.cols() == 0) return A;
   const SingularValues svd(A, Eigen::ComputeThinU);
-  return svd.matrixU().leftCols((svd.singularValues().array() > 1e-3).count());
+  return svd.left().leftCols((svd.values().array() > 1e-3).count());
 }
 
 /// Rows of the rotations of all bodies.
@@ -43,10 +43,9 @@ Eigen::MatrixXd rotations(const Eigen::MatrixXd& modes) {
 std::string span_text(const Eigen::MatrixXd& columns, const char* one, const char* two, const char* three) {
   const SingularValues svd(columns, Eigen::ComputeFullU);
   Eigen::Index rank = 0;
-  for (Eigen::Index k = 0; k < svd.singularValues().size(); ++k)
-    rank += svd.singularValues()[k] > 1e-4 * svd.singularValues()[0];
-  if (rank == 1) return one + direction_text(svd.matrixU().col(0));
-  if (rank == 2) return two + direction_text(svd.matrixU().col(2));
+  for (Eigen::Index k = 0; k < svd.values().size(); ++k) rank += svd.values()[k] > 1e-4 * svd.values()[0];
+  if (rank == 1) return one + direction_text(svd.left().col(0));
+  if (rank == 2) return two + direction_text(svd.left().col(2));
   return three;
 }
 

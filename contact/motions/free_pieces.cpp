@@ -54,7 +54,7 @@ std::vector<RigidMotion> readable_motions(Eigen::MatrixXd free) {
     motions.push_back(m);
     const Eigen::MatrixXd rest = free - m * (m.transpose() * free);
     const SingularValues svd(rest, Eigen::ComputeThinU);
-    free = svd.matrixU().leftCols(free.cols() - 1);
+    free = svd.left().leftCols(free.cols() - 1);
   };
   for (int k = 0; k < 6 && free.cols() > 0; ++k) {
     const RigidMotion m = RigidMotion::Unit(k);
@@ -90,8 +90,8 @@ class FreeMotion {
     const Eigen::MatrixXd own = modes.middleRows<6>(6 * chosen);
     const SingularValues svd(own, Eigen::ComputeThinU | Eigen::ComputeThinV);
     Eigen::Index dimension = 0;
-    while (dimension < svd.singularValues().size() && svd.singularValues()[dimension] > negligible) ++dimension;
-    const Eigen::MatrixXd free = svd.matrixU().leftCols(dimension);
+    while (dimension < svd.values().size() && svd.values()[dimension] > negligible) ++dimension;
+    const Eigen::MatrixXd free = svd.left().leftCols(dimension);
     if (dimension == 6)
       return fmt::format(
           "{} is not held at all: it is free to move and rotate in every direction: add supports or "
@@ -102,8 +102,8 @@ class FreeMotion {
     for (std::size_t k = 0; k < motions.size(); ++k)
       text += (k == 0 ? "" : k + 1 < motions.size() ? ", to " : " and to ") + motion_text(piece, motions[k]);
     // The whole motion in which this piece does the first one and the others as little as they can.
-    const Eigen::VectorXd share = (free.transpose() * motions[0]).cwiseQuotient(svd.singularValues().head(dimension));
-    const Eigen::VectorXd together = modes * (svd.matrixV().leftCols(dimension) * share);
+    const Eigen::VectorXd share = (free.transpose() * motions[0]).cwiseQuotient(svd.values().head(dimension));
+    const Eigen::VectorXd together = modes * (svd.right().leftCols(dimension) * share);
     return fmt::format("{} is free to {}{}: add a support or a contact that holds it{}", piece_text(chosen), text,
                        companions_text(chosen, together), advice(chosen, free));
   }

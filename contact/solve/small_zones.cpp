@@ -290,7 +290,7 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
   const Neighbours near = neighbours(pair, zone);
   const auto compliance = [&](const Neighbours::Image& image) {
     const double h = group(pair, zone.groups[image.group]).larger_cell;
-    return std::min(own_displacement / h, 1 / (M_PI * std::max(image.distance, 1e-6 * h))) / modulus;
+    return std::min(own_displacement / h, 1 / (pi * std::max(image.distance, 1e-6 * h))) / modulus;
   };
   const auto approach_of_cells = [&](std::size_t i, const auto& force_of) {
     double sum = 0;

@@ -16,7 +16,7 @@ Eigen::MatrixXd of_bodies(const Eigen::MatrixXd& modes, const std::vector<int>& 
   for (const int b : members) own.middleRows<6>(6 * b) = modes.middleRows<6>(6 * b);
   if (own.cols() == 0) return own;
   const SingularValues svd(own, Eigen::ComputeThinU);
-  return svd.matrixU().leftCols((svd.singularValues().array() > 1e-3).count());
+  return svd.left().leftCols((svd.values().array() > 1e-3).count());
 }
 
 /// Without the one that the loads do work on.

@@ -38,9 +38,9 @@ class SingularValues {
   /// `vectors`: Eigen::ComputeThinU, ComputeFullV and the like.
   SingularValues(const Eigen::MatrixXd& matrix, unsigned vectors);
 
-  const Eigen::VectorXd& singularValues() const { return values_; }
-  const Eigen::MatrixXd& matrixU() const { return left_; }
-  const Eigen::MatrixXd& matrixV() const { return right_; }
+  const Eigen::VectorXd& values() const { return values_; }
+  const Eigen::MatrixXd& left() const { return left_; }
+  const Eigen::MatrixXd& right() const { return right_; }
 
  private:
   Eigen::VectorXd values_;

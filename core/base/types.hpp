@@ -8,6 +8,7 @@
 namespace cgcontact {
 
 constexpr double pi = 3.14159265358979323846;
+constexpr double radians_per_degree = pi / 180;
 
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;

@@ -264,14 +264,14 @@ class Faceting {
   /// Facets around an axis between two radii, the first one possibly 0, with ends far away.
   Operand round_bar(const Vec3& begin, const Vec3& end, const Vec3& axis, double first, double second, int face) {
     const int around = static_cast<int>(
-        std::clamp(std::ceil(2 * M_PI * second / facet_length(second)), 32.0, double(most_facets_around)));
-    error_ = std::max(error_, second * (1 - std::cos(M_PI / around)));
+        std::clamp(std::ceil(2 * pi * second / facet_length(second)), 32.0, double(most_facets_around)));
+    error_ = std::max(error_, second * (1 - std::cos(pi / around)));
     const auto [t1, t2] = across(axis);
     Operand bar(2 * around + 2, 4 * around);
     const Mesh::Vertex_index ends[2] = {bar.add(begin), bar.add(end)};
     std::vector<Mesh::Vertex_index> rim[2];
     for (int i = 0; i < around; ++i) {
-      const double angle = 2 * M_PI * i / around;
+      const double angle = 2 * pi * i / around;
       const Vec3 radial = std::cos(angle) * t1 + std::sin(angle) * t2;
       if (first > 0) rim[0].push_back(bar.add(begin + first * radial));
       rim[1].push_back(bar.add(end + second * radial));
@@ -376,7 +376,7 @@ Solid to_solid(const Operand& result, const std::vector<std::string>& names) {
   faces.names = names;
   for (const int number : soup.number) faces.face.push_back(face[number - 1]);
   // Patches of the operands are smooth: no further creases.
-  return Solid::bounded_by(make_surface(soup, faces, M_PI));
+  return Solid::bounded_by(make_surface(soup, faces, pi));
 }
 
 Place place_of(const Solid& a, const Solid& b) {

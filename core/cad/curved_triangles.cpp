@@ -26,7 +26,7 @@ Vec2 slope_of(int corner) { return corner == 0 ? Vec2(-1, -1) : corner == 1 ? Ve
 std::array<double, CurvedTriangles::bend_terms> bend_places() {
   std::array<double, CurvedTriangles::bend_terms> z;
   const int n = static_cast<int>(z.size());
-  for (int k = 0; k < n; ++k) z[k] = std::cos(M_PI * (2 * k + 1) / (2 * n));
+  for (int k = 0; k < n; ++k) z[k] = std::cos(pi * (2 * k + 1) / (2 * n));
   return z;
 }
 

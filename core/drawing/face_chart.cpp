@@ -24,18 +24,18 @@ Vec3 area_normal(const FaceTriangles& face, const std::array<int, 3>& t) {
 }
 
 /// Angle in (-pi, pi].
-double wrapped_angle(double a) { return std::remainder(a, 2 * M_PI); }
+double wrapped_angle(double a) { return std::remainder(a, 2 * pi); }
 
 /// The middle of the arc that the angles cover: opposite to their largest gap.
 double middle_of(std::vector<double> angles) {
   std::sort(angles.begin(), angles.end());
-  double gap = angles.front() + 2 * M_PI - angles.back(), start = angles.back();
+  double gap = angles.front() + 2 * pi - angles.back(), start = angles.back();
   for (std::size_t i = 1; i < angles.size(); ++i)
     if (angles[i] - angles[i - 1] > gap) {
       gap = angles[i] - angles[i - 1];
       start = angles[i - 1];
     }
-  return wrapped_angle(start + gap / 2 + M_PI);
+  return wrapped_angle(start + gap / 2 + pi);
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace cgcontact {
 
 namespace {
 
-const double least_flat_cosine = std::cos(3.14159265358979323846 / 180);  // a degree
-const double least_outward_cosine = std::cos(3.14159265358979323846 / 6);
+const double least_flat_cosine = std::cos(radians_per_degree);  // a degree
+const double least_outward_cosine = std::cos(pi / 6);
 constexpr double plane_slack = 1e-6;  // of the height: single precision in the file
 constexpr double end_share = 0.02, face_share = 0.1;
 

@@ -20,7 +20,6 @@ namespace cgcontact {
 namespace {
 
 constexpr double mm = 1e-3;
-constexpr double degree = 3.14159265358979323846 / 180;
 constexpr double first_cells = 20;          // along the longest side, of a body without cell_size
 constexpr double most_cells_across = 2000;  // cells smaller than the body by more are a mistake that is told elsewhere
 constexpr double radius_tolerance = 1e-4;
@@ -186,7 +185,7 @@ class FaceSelector {
       angle.max = 180;
       angle.text = "0 < angle <= 180 degrees";
       const Vec3 axis = normal->at("axis", "[x, y, z]").direction();
-      const double least = std::cos(normal->at("angle", angle.text).number(angle) * degree);
+      const double least = std::cos(normal->at("angle", angle.text).number(angle) * radians_per_degree);
       keep([&](const CadFace& f) { return f.kind == "plane" && f.axis.dot(axis) >= least - 1e-12; });
       any = true;
     }

@@ -18,7 +18,6 @@ namespace cgcontact {
 namespace {
 
 constexpr std::size_t most_patches = 20000;
-constexpr double degree = 3.14159265358979323846 / 180;
 
 /// m; a surface outside of this range was probably read in a wrong unit.
 constexpr double largest_usual = 100, smallest_usual = 1e-5;
@@ -63,7 +62,7 @@ TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup&
     growth.seed = (soup.points[t[0]] + soup.points[t[1]] + soup.points[t[2]]) / 3;
   }
   const auto angle = node.find("angle");
-  growth.angle = angle ? angle->number(angle_range()) * degree : default_crease_angle;
+  growth.angle = angle ? angle->number(angle_range()) * radians_per_degree : default_crease_angle;
   return growth;
 }
 
@@ -74,8 +73,9 @@ TriangleSelector read_selector(const TomlCursor& node, const TriangleSoup& soup)
   selector.name = read_name(node.at("name", "a name"));
   if (const auto normal = node.find("normal")) {
     normal->expect_keys({"axis", "angle"});
-    selector.normal_cone = std::make_pair(normal->at("axis", "[x, y, z]").direction(),
-                                          std::cos(normal->at("angle", "degrees").number(angle_range()) * degree));
+    selector.normal_cone =
+        std::make_pair(normal->at("axis", "[x, y, z]").direction(),
+                       std::cos(normal->at("angle", "degrees").number(angle_range()) * radians_per_degree));
   }
   if (const auto box = node.find("box")) {
     box->expect_keys({"min", "max"});
@@ -172,7 +172,7 @@ MeshShape read_mesh(const TomlCursor& node, const std::string& name) {
   const std::string file = (std::filesystem::path(node.text().file).parent_path() / given).string();
   const double scale = read_scale(node);
   const auto crease = node.find("crease");
-  const double crease_angle = crease ? crease->number(angle_range()) * degree : default_crease_angle;
+  const double crease_angle = crease ? crease->number(angle_range()) * radians_per_degree : default_crease_angle;
 
   const auto repair = node.find("repair");
   const BodySurface read = read_surface(file_node, file, scale, repair && repair->boolean());

@@ -13,7 +13,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
 constexpr double most_cells = 2e9;      // of the box around a body: beyond, the unit is wrong
 constexpr double farthest_cells = 1e8;  // a body from the origin: rounding is then 1e-8 of a cell
 constexpr std::size_t most_parameters = 1000;
@@ -116,7 +115,7 @@ std::array<std::optional<Expression>, 3> read_rotation(const TomlCursor& node) {
   node.expect_keys({"centre", "axis", "angle"});
   constexpr double largest = 5;  // degrees: the arc misses its tangent by 0.4 % of the way there
   Range range = Range::from_to(-largest, largest, "-5 to 5 degrees: small rotations", "deg");
-  const double angle = degree * node.at("angle", range.text).number(range);
+  const double angle = radians_per_degree * node.at("angle", range.text).number(range);
   const Vec3 axis = node.at("axis", "[x, y, z], the direction of the axis").direction();
   const auto centre = node.find("centre");
   const Vec3 c = centre ? centre->vector("m") : Vec3::Zero(), spin = angle * axis;
@@ -201,7 +200,7 @@ FaceSpec SceneReader::read_face(const TomlCursor& node, const Shape& shape) cons
     angle.max = 180;
     angle.text = "0 < angle <= 180 degrees";
     face.normal_cone = std::make_pair(normal->at("axis", "[x, y, z]").direction(),
-                                      std::cos(normal->at("angle", angle.text).number(angle) * degree));
+                                      std::cos(normal->at("angle", angle.text).number(angle) * radians_per_degree));
   }
   if (face.surfaces.empty() && !face.box && !face.normal_cone)
     node.fail("selects nothing", "at least one of surfaces, box, normal");
@@ -349,8 +348,8 @@ void SceneReader::add_ends_in_plane_strain() {
       end.place = end.face.place = end.face.face.place = body.plane_strain_place;
       end.face.body = static_cast<int>(b);
       end.face.face.name = "plane_strain." + name_of(*body.plane_strain) + (side < 0 ? '-' : '+');
-      end.face.face.normal_cone =
-          std::make_pair(side * Vec3(Vec3::Unit(static_cast<int>(*body.plane_strain))), std::cos(end_cone * degree));
+      end.face.face.normal_cone = std::make_pair(side * Vec3(Vec3::Unit(static_cast<int>(*body.plane_strain))),
+                                                 std::cos(end_cone * radians_per_degree));
       scene_.supports.push_back(end);
     }
   }

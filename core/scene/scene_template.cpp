@@ -315,7 +315,7 @@ std::string rotation_line(const Mat3& turn) {
   const Vec3& axis = rotation.axis();
   return fmt::format(
       "rotate = {{axis = [{:.15g}, {:.15g}, {:.15g}], angle = {:.15g}}}   # its largest flat part is its top\n",
-      axis[0], axis[1], axis[2], rotation.angle() * 180 / 3.14159265358979323846);
+      axis[0], axis[1], axis[2], rotation.angle() / radians_per_degree);
 }
 
 const char* const runs = "It runs as it is:";

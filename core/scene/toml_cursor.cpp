@@ -14,8 +14,6 @@ namespace cgcontact {
 
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
-
 /// The value in one line, numbers with as many digits as they need.
 std::string as_toml(const toml::node& node) {
   std::string text;
@@ -198,7 +196,7 @@ Expression TomlCursor::expression(const std::string& unit) const {
 Mat3 TomlCursor::rotation() const {
   const Vec3 axis = at("axis", "[x, y, z]").direction();
   const double angle = at("angle", "degrees").number(Range::any("degrees"));
-  return Eigen::AngleAxisd(angle * degree, axis).toRotationMatrix();
+  return Eigen::AngleAxisd(angle * radians_per_degree, axis).toRotationMatrix();
 }
 
 void check_unique(const TomlCursor& node, const std::string& name, std::set<std::string>& seen,

@@ -36,7 +36,7 @@ template <int count>
 std::array<Eigen::Vector2d, count> points_on_circle(double radius) {
   std::array<Eigen::Vector2d, count> points;
   for (int i = 0; i < count; ++i) {
-    const double t = M_PI / 2 + i * 2 * M_PI / count;
+    const double t = pi / 2 + i * 2 * pi / count;
     points[i] = radius * Eigen::Vector2d(std::cos(t), std::sin(t));
   }
   return points;

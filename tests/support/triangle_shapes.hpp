@@ -52,7 +52,7 @@ inline TriangleSoup prism_soup(const std::vector<Eigen::Vector2d>& corners, cons
 inline std::vector<Eigen::Vector2d> star(int n, double radius, double inner) {
   std::vector<Eigen::Vector2d> corners;
   for (int i = 0; i < n; ++i) {
-    const double r = i % 2 ? inner : radius, angle = 2 * M_PI * i / n;
+    const double r = i % 2 ? inner : radius, angle = 2 * pi * i / n;
     corners.push_back({r * std::cos(angle), r * std::sin(angle)});
   }
   return corners;
@@ -62,7 +62,7 @@ inline std::vector<Eigen::Vector2d> star(int n, double radius, double inner) {
 inline std::vector<Eigen::Vector2d> gear(int teeth, double outer, double inner) {
   std::vector<Eigen::Vector2d> corners;
   for (int i = 0; i < 4 * teeth; ++i) {
-    const double r = i % 4 < 2 ? outer : inner, angle = 2 * M_PI * i / (4 * teeth);
+    const double r = i % 4 < 2 ? outer : inner, angle = 2 * pi * i / (4 * teeth);
     corners.push_back({r * std::cos(angle), r * std::sin(angle)});
   }
   return corners;
@@ -74,7 +74,7 @@ inline TriangleSoup sphere_soup(double radius, int rings) {
   soup.points.push_back({0, 0, -radius});
   for (int i = 1; i < rings; ++i)
     for (int j = 0; j < segments; ++j) {
-      const double theta = M_PI * i / rings, phi = 2 * M_PI * j / segments;
+      const double theta = pi * i / rings, phi = 2 * pi * j / segments;
       soup.points.push_back(radius *
                             Vec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), -std::cos(theta)));
     }
@@ -97,7 +97,7 @@ inline TriangleSoup torus_soup(double major, double minor, int n) {
   const int m = n / 2;
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < m; ++j) {
-      const double u = 2 * M_PI * i / n, v = 2 * M_PI * j / m, r = major + minor * std::cos(v);
+      const double u = 2 * pi * i / n, v = 2 * pi * j / m, r = major + minor * std::cos(v);
       soup.points.push_back({r * std::cos(u), r * std::sin(u), minor * std::sin(v)});
     }
   const auto node = [&](int i, int j) { return i % n * m + j % m; };

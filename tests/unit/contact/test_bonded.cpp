@@ -286,7 +286,7 @@ bonded = true
     ASSERT_TRUE(r.converged) << r.diagnosis;
     ASSERT_EQ(r.pairs.size(), 1u);
     // On the outer ring, about the axis: the torque of the load.
-    EXPECT_NEAR(r.pairs[0].moment_on_second[2] / (-2e7 * 2 * M_PI * 0.7 / n), 1, 1e-6);
+    EXPECT_NEAR(r.pairs[0].moment_on_second[2] / (-2e7 * 2 * pi * 0.7 / n), 1, 1e-6);
     double error = 0, norm = 0;
     for (const ContactRow& row : r.contact_rows) {
       const double radius = std::hypot(row.x[0], row.x[1]), shear = 2e7 / (radius * radius);

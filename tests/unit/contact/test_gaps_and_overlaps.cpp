@@ -137,7 +137,7 @@ TEST(PinInAHole, CarriesTheWeight) {
     const auto solved = test::run_scene("tests/scenes/pin.toml", {fine ? "n=40" : "n=20", "t=0.05"});
     const Results& r = solved->results();
     ASSERT_TRUE(r.converged) << r.diagnosis;
-    const double weight = 1e9 * 0.05 * M_PI * 0.25 / 2;
+    const double weight = 1e9 * 0.05 * pi * 0.25 / 2;
     EXPECT_NEAR(std::abs(r.pairs[0].force_on_first[2]) / weight, 1, 1e-6);
     double top = 0;
     for (const ContactRow& row : r.contact_rows) {
@@ -180,7 +180,7 @@ TEST(HeldByContact, OnRefinedGrids) {
                                                 "body.pin.refine=[{sphere = " + sphere + ", size = \"1/(5*n)\"}]"});
   ASSERT_TRUE(pin->results().converged) << pin->results().diagnosis;
   EXPECT_LE(pin->results().outer_iterations, 14);
-  EXPECT_NEAR(std::abs(pin->results().pairs[0].force_on_first[2]) / (1e9 * 0.06 * M_PI * 0.25 / 2), 1, 1e-6);
+  EXPECT_NEAR(std::abs(pin->results().pairs[0].force_on_first[2]) / (1e9 * 0.06 * pi * 0.25 / 2), 1, 1e-6);
 
   const auto ball = test::run_scene("tests/scenes/free_ball.toml", {});
   ASSERT_TRUE(ball->results().converged) << ball->results().diagnosis;
@@ -198,7 +198,7 @@ TEST(HeldByContact, BallInAGroove) {
     const auto solved = test::run_scene("tests/scenes/ball_in_groove.toml", {ratio});
     const Results& r = solved->results();
     ASSERT_TRUE(r.converged) << r.diagnosis;
-    const double weight = 1e8 * 2 * M_PI / 3 * 0.125;
+    const double weight = 1e8 * 2 * pi / 3 * 0.125;
     // Flanks of 45 degrees. The ball's normals count where it is coarser: its contact is a few cells wide, and a centre
     // that is a tenth of a cell off turns the force by 0.1 h / R = 3 %.
     for (const PairFigures& pair : r.pairs) {
@@ -240,7 +240,7 @@ TEST(HeldByContact, BallInACorner) {
     EXPECT_TRUE(std::any_of(r.warnings.begin(), r.warnings.end(), [](const std::string& warning) {
       return warning.find("body \"ball\" is free to rotate about y") != std::string::npos;
     }));
-    const double weight = 1.4e8 * 2 * M_PI / 3 * 1e-6;
+    const double weight = 1.4e8 * 2 * pi / 3 * 1e-6;
     EXPECT_NEAR(r.pairs[0].force_on_first[2] / -weight, 1, 1e-3);
     EXPECT_NEAR(r.pairs[0].force_on_first[0] / (-0.6 * weight), 1, 1e-3);
   }

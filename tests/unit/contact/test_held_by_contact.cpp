@@ -84,7 +84,7 @@ bool warns(const Results& results, const std::string& text) {
 /// exactly a ball touches is known to a part of a cell (the zones are smaller than one here), and with it the direction
 /// of the force: the forces between the balls are those of statics to 0.5 h / R.
 TEST(HeldByContact, ThreeBallsInABox) {
-  const double r = 10e-3, weight = 1e9 * 4 * M_PI / 3 * r * r * r;
+  const double r = 10e-3, weight = 1e9 * 4 * pi / 3 * r * r * r;
   const double slope = std::sqrt(4 * r * r - 14e-3 * 14e-3) / 14e-3;  // of the line of centres
   for (const auto& solved : in_both_orders("balls_in_box")) {
     const Results& results = solved->results();

@@ -107,7 +107,7 @@ TEST(Loads, GravityActsOnTheMass) {
 TEST(Loads, RotationPullsOutward) {
   const Solved solved(bar("rotation = {axis = [0, 2, 0], speed = \"600 rpm\", centre = [0, 7, 0]}\n"));
   const Results& results = solved.simulation.results;
-  const double w = 2 * M_PI * 10, mass = 8000 * 0.06;
+  const double w = 2 * pi * 10, mass = 8000 * 0.06;
   const Vec3 exact = mass * w * w * Vec3(0.1, 0, 0.5);
   EXPECT_LT((results.balance[0].loads - exact).norm(), 1e-9 * exact.norm());
 }
@@ -152,7 +152,7 @@ TEST(Loads, ABearingForceIsACosinePressure) {
     else
       EXPECT_LT((force - F).norm(), 1e-12 * F.norm());
     EXPECT_LT(moment.norm(), 1e-3 * 0.1 * F.norm());
-    const double largest = 2 * F.norm() * (cut ? 2 : 1) / (M_PI * 0.1 * 0.1);
+    const double largest = 2 * F.norm() * (cut ? 2 : 1) / (pi * 0.1 * 0.1);
     const FaceTraction traction = resultant_of(simulation.state.bodies[0], 0);
     EXPECT_NEAR(traction.bearing.norm() / largest, 1, 1e-3);
     EXPECT_LT((traction.at(Vec3::Zero(), -F.normalized()) - largest * F.normalized()).norm(), 2e-3 * largest);

@@ -119,7 +119,7 @@ TEST(Rigid, MovesAsItsSupportsSay) {
     const char *more, *face, *held;
     Vec3 displacement, rotation;
   };
-  const double angle = 1e-3 * M_PI / 180;
+  const double angle = 1e-3 * pi / 180;
   const std::string patch =
       "faces = [{name = \"patch\", surfaces = [\"block.z+\"], box = {min = [0, 0, 0], max = [0.001, 0.001, 1]}}]\n";
   const std::vector<Case> cases{
@@ -277,7 +277,7 @@ shape = )" +
     const double a = std::cbrt(3 * 188.5 * 8e-3 / (4 * 1e9 / 0.91));
     // The normal force is a third of a per cent more than the load: the ball's normals lean by up to a/R = 0.13.
     EXPECT_NEAR(*zone.hertz->a / a, 1, 3e-3);
-    EXPECT_NEAR(zone.hertz->p0 / (1.5 * 188.5 / (M_PI * a * a)), 1, 3e-3);
+    EXPECT_NEAR(zone.hertz->p0 / (1.5 * 188.5 / (pi * a * a)), 1, 3e-3);
     for (const double half_axis : zone.extent->half_axes) EXPECT_NEAR(half_axis / a, 1, 0.08) << "six cells";
   }
   // It goes up along x by 3 degrees, so that its image behind x = 0 would go down: two halves, not four quarters.

@@ -183,7 +183,7 @@ TEST(Hertz, CentrePressureAndForceBalance) {
   const double reduced_modulus = 200e9 / (2 * (1 - 0.09));    // 1/E* = 2 (1 - nu^2) / E
   const double force = 4 * r.pairs[0].force_on_first.norm();  // quarter model
   const double a = std::cbrt(3 * force / (4 * reduced_modulus));
-  const double p0 = 3 * force / (2 * M_PI * a * a);
+  const double p0 = 3 * force / (2 * pi * a * a);
   EXPECT_LE(a, 0.1);
   EXPECT_NEAR((*solved->simulation->state.reference.pressure)(Vec3(0, 0, 0)) / p0, 1, 1e-12);
   expect_centre_pressure(r, p0, 0.05);
@@ -208,7 +208,7 @@ TEST(Hertz, PressureAtTheComputedForce) {
   expect_centre_pressure(r, (*solved->simulation->state.reference.pressure)(Vec3(0, 0, 0)), 0.01);
   const double force = 4 * r.pairs[0].force_on_first.norm();
   const double a = std::cbrt(3 * force / (4 * 200e9 / (2 * (1 - 0.09))));
-  EXPECT_NEAR(std::sqrt(4 * r.pairs[0].area / M_PI) / a, 1, 0.02);
+  EXPECT_NEAR(std::sqrt(4 * r.pairs[0].area / pi) / a, 1, 0.02);
 }
 
 /// Contact on few cells, 1.4 to 4 over the radius: ten times better than SPR, measured 1.1, 0.26, 0.41 and 0.50 %,

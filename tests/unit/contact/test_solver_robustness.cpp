@@ -101,7 +101,7 @@ TEST(SolverRobustness, ShiftsAndRotations) {
     for (BodySpec& body : scene.bodies) {
       for (int d = 0; d < 3; ++d) body.grid_offset[d] = shift(random);
       const Vec3 axis = Vec3(angle(random), angle(random), angle(random)).normalized();
-      body.grid_rotation = Eigen::AngleAxisd(M_PI * angle(random), axis).toRotationMatrix();
+      body.grid_rotation = Eigen::AngleAxisd(pi * angle(random), axis).toRotationMatrix();
     }
     EXPECT_LE(iterations(scene, "shift and rotation " + std::to_string(i + 1)), most_iterations);
   }

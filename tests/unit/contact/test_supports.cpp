@@ -73,7 +73,7 @@ cylindrical = {tangential = "1e-4*sqrt((x-0.1)^2+(y-0.2)^2)", axial = 2e-5, poin
 /// Torsion of a round bar, u = theta z/L (-y, x, 0): the elements of a grid along the axes have it exactly, cut or not.
 /// The moment is G J theta/L.
 TEST(RotatedFace, TwistsARoundBarExactly) {
-  const double degrees = 0.01, theta = degrees * M_PI / 180, L = 0.5, G = E / (2 * (1 + nu));
+  const double degrees = 0.01, theta = degrees * pi / 180, L = 0.5, G = E / (2 * (1 + nu));
   const auto solved = test::run_text(cylinder(R"(
 [[support]]
 face = "rod.bottom"
@@ -102,7 +102,7 @@ rotation = {axis = [0, 0, 2], angle = 0.01, centre = [0.1, 0.2, 5]}
     const Vec3 x = global_position(state.bodies[0].cut_cells, p.cell, p.xi) - Vec3(0.1, 0.2, 0);
     moment += x.cross(p.weight * state.outer.support_stress[s] * p.direction)[2];
   }
-  EXPECT_NEAR(moment / (G * M_PI * std::pow(0.3, 4) / 2 * theta / L), 1, 1e-9);
+  EXPECT_NEAR(moment / (G * pi * std::pow(0.3, 4) / 2 * theta / L), 1, 1e-9);
 }
 
 /// A block of 0.5 x 0.4 x 1 m on springs.
@@ -175,15 +175,15 @@ TEST(FaceMoments, FindTheAxisOfACylinder) {
         }
     return std::make_pair(moments.axis(), Vec3(R.col(2)));
   };
-  for (const auto& [facets, turn, inside] : {std::tuple(200, 2 * M_PI, 1), std::tuple(40, 1.0, 1),
-                                             std::tuple(12, 2 * M_PI, 4), std::tuple(10, M_PI / 2, 3)}) {
+  for (const auto& [facets, turn, inside] :
+       {std::tuple(200, 2 * pi, 1), std::tuple(40, 1.0, 1), std::tuple(12, 2 * pi, 4), std::tuple(10, pi / 2, 3)}) {
     const auto [axis, direction] = around(facets, turn, inside);
     ASSERT_TRUE(axis) << facets;
     EXPECT_NEAR(std::abs(axis->direction.dot(direction)), 1, 1e-9);
     const Vec3 r = axis->point - Vec3(100, 50, 20);
     EXPECT_LT((r - r.dot(direction) * direction).norm(), inside == 1 ? 1e-7 : 0.01) << facets;
   }
-  EXPECT_FALSE(around(4, 2 * M_PI, 10).first) << "the sides of a square";
+  EXPECT_FALSE(around(4, 2 * pi, 10).first) << "the sides of a square";
   FaceMoments plane;
   for (int i = 0; i < 9; ++i) plane.add(Vec3(i % 3, i / 3, 0), Vec3::UnitZ(), 1);
   EXPECT_FALSE(plane.axis());

@@ -21,7 +21,7 @@ TriangleSoup ring_quarter(double inner, double outer, double height, int facets)
     return 4 * i + corner;
   };  // corners: inner low, outer low, outer high, inner high
   for (int i = 0; i <= facets; ++i) {
-    const double angle = 0.5 * M_PI * i / facets;
+    const double angle = 0.5 * pi * i / facets;
     const Vec3 e = i == 0 ? Vec3(1, 0, 0) : i == facets ? Vec3(0, 1, 0) : Vec3(std::cos(angle), std::sin(angle), 0);
     for (const auto& [r, z] : {std::pair(inner, 0.0), {outer, 0.0}, {outer, height}, {inner, height}})
       soup.points.push_back(r * e + Vec3(0, 0, z));
@@ -152,7 +152,7 @@ TEST(TriangleContact, RingsAreThoseOfCsg) {
   scene.replace_shape("inner", ring_quarter(0.4, b, t, facets[0]), faces("[0.49, 0.5, 0.02]", "[0.28, 0.29, 0.02]"));
   scene.replace_shape("outer", ring_quarter(b, 1.0, t, facets[1]), faces("[0.7, 0.72, 0.02]", "[0.49, 0.5, 0.02]"));
   const auto mesh = scene.run({"n=16", "delta=1e-3"});
-  const auto depth = [b](int n) { return b * std::pow(M_PI / (2 * n), 2) / 8; };
+  const auto depth = [b](int n) { return b * std::pow(pi / (2 * n), 2) / 8; };
   expect_like_csg(mesh->results(), csg->results(), (depth(facets[0]) + depth(facets[1])) / 1e-3);
 }
 
@@ -171,7 +171,7 @@ TEST(TriangleContact, SphereInShellIsThatOfCsg) {
   scene.replace_shape("sphere", ball_octant(b, facets[0]), faces("ball.surface", "[0.4, 0.41, 0.4]"));
   scene.replace_shape("shell", shell_octant(b, 1.0, facets[1]), faces("bore.surface", "[0.4, 0.41, 0.4]"));
   const auto mesh = scene.run({"n=8", "delta=1e-3"});
-  const auto depth = [b](int n) { return b * std::pow(1.5 * M_PI / (2 * n), 2) / 8; };
+  const auto depth = [b](int n) { return b * std::pow(1.5 * pi / (2 * n), 2) / 8; };
   expect_like_csg(mesh->results(), csg->results(), (depth(facets[0]) + depth(facets[1])) / 1e-3);
 }
 

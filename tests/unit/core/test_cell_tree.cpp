@@ -144,8 +144,8 @@ TEST(RefinedCutCells, BallHasItsVolumeAndArea) {
   const CutCells cells = refined_cells(ball, grid, {4.1, 3.9, 7.5}, 1. / 16, 0.5, 6);
   EXPECT_EQ(cells.num_levels(), 5);
   // Cells of level 0 are a third of the radius: their curved pieces are integrated to 1e-7.
-  EXPECT_NEAR(volume(cells), 4. / 3 * M_PI * std::pow(3.3, 3), 1e-5);
-  EXPECT_NEAR(area(cells), 4 * M_PI * 3.3 * 3.3, 1e-5);
+  EXPECT_NEAR(volume(cells), 4. / 3 * pi * std::pow(3.3, 3), 1e-5);
+  EXPECT_NEAR(area(cells), 4 * pi * 3.3 * 3.3, 1e-5);
   expect_consistent(cells);
 }
 

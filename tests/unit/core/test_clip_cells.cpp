@@ -168,7 +168,7 @@ TEST(clip_cells, a_sphere_converges_with_second_order) {
     expect_sound(cells, mesh);
     errors[level] = std::abs(mesh.volume() / volume_of_moments(cells) - 1);
     EXPECT_NEAR(enclosed_volume(mesh) / mesh.volume(), 1, 1e-7);
-    EXPECT_NEAR(mesh.boundary_area() / (4 * M_PI * radius * radius), 1, 1e-3);
+    EXPECT_NEAR(mesh.boundary_area() / (4 * pi * radius * radius), 1, 1e-3);
   }
   EXPECT_LT(errors[0], 2e-3);
   EXPECT_LT(errors[1], 0.27 * errors[0]);
@@ -226,7 +226,7 @@ TEST(clip_cells, bodies_of_triangles) {
 TEST(clip_cells, round_patches_that_touch_flat_ones_leave_no_gaps) {
   std::vector<Eigen::Vector2d> profile{{-2.1, -1.5}, {2.1, -1.5}};
   for (int i = 0; i <= 24; ++i) {
-    const double angle = M_PI * i / 24;
+    const double angle = pi * i / 24;
     profile.push_back({2.1 * std::cos(angle), 0.9 * std::sin(angle)});
   }
   const TriangleSoup soup = test::prism_soup(profile, {0, -0.5}, 5);

@@ -30,9 +30,9 @@ TEST(PolygonTriangles, InwardCorners) {
     std::vector<double> radius;
     for (int i = 0; i < n; ++i) radius.push_back(uniform(generator));
     for (int i = 0; i < n; ++i) {
-      const double angle = 2 * M_PI * i / n;
+      const double angle = 2 * pi * i / n;
       x.push_back(turn * Vec3(radius[i] * std::cos(angle), radius[i] * std::sin(angle), 3));
-      area += radius[i] * radius[(i + 1) % n] * std::sin(2 * M_PI / n) / 2;
+      area += radius[i] * radius[(i + 1) % n] * std::sin(2 * pi / n) / 2;
     }
     const std::vector<Triangle> triangles = polygon_triangles(x);
     ASSERT_EQ(triangles.size(), x.size() - 2);

@@ -189,13 +189,13 @@ TEST(Scene, reference_of_hertz_is_that_of_the_computed_force) {
     const ReferenceSpec reference = scene.reference_at(force);
     const double reduced_modulus = 200e9 / (2 * (1 - 0.09));
     const double a = std::cbrt(3 * 4 * force / (4 * reduced_modulus));
-    EXPECT_NEAR((*reference.pressure)(Vec3(0, 0, 0)) / (2 * a * reduced_modulus / M_PI), 1, 1e-12);
+    EXPECT_NEAR((*reference.pressure)(Vec3(0, 0, 0)) / (2 * a * reduced_modulus / pi), 1, 1e-12);
     EXPECT_EQ((*reference.pressure)(Vec3(a, 0.1 * a, 0)), 0);
     const int steps = 2000;
     double integral = 0;
     for (int k = 0; k < steps; ++k) {
       const double r = a * (k + 0.5) / steps;
-      integral += M_PI / 2 * r * (a / steps) * (*reference.pressure)(Vec3(r, 0, 0));
+      integral += pi / 2 * r * (a / steps) * (*reference.pressure)(Vec3(r, 0, 0));
     }
     EXPECT_NEAR(integral / force, 1, 1e-4);
     EXPECT_NE(reference.zones[0].second(Vec3(0.7 * a, 0, 0)), 0);
@@ -279,7 +279,7 @@ faces = ["ball_{i}.surface", "plate.all.z+"]
     EXPECT_EQ(ball.material.youngs_modulus, i * 1e9);
     Vec3 low, high;
     ball.solid.bounding_box(low, high);
-    EXPECT_LT((0.5 * (low + high) - Vec3(10 * std::cos(2 * M_PI * i / 3), i, 0)).norm(), 1e-12);
+    EXPECT_LT((0.5 * (low + high) - Vec3(10 * std::cos(2 * pi * i / 3), i, 0)).norm(), 1e-12);
     EXPECT_EQ(scene.loads[i - 1].face.body, i - 1);
     EXPECT_EQ(scene.loads[i - 1].force, Vec3(0, 0, -i));
     EXPECT_EQ(scene.contacts[i - 1].first.body, i - 1);

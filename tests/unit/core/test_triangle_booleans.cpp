@@ -56,7 +56,7 @@ TEST(TriangleBooleans, PlanesCutExactly) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto direction = [&] { return Vec3(uniform(random), uniform(random), uniform(random)).normalized(); };
   for (int pose = 0; pose < 15; ++pose) {
-    const Mat3 rotation = Eigen::AngleAxisd(M_PI * uniform(random), direction()).toRotationMatrix();
+    const Mat3 rotation = Eigen::AngleAxisd(pi * uniform(random), direction()).toRotationMatrix();
     const Vec3 shift = 5 * direction();
     const auto placed = [&](const Solid& solid) { return solid.transformed(rotation, shift); };
     const Vec3 normal(1, 0.3 * uniform(random), 0.3 * uniform(random));
@@ -82,15 +82,15 @@ TEST(TriangleBooleans, CurvedShapesComeInFacets) {
   const auto drilled = combine_triangles(BooleanOp::Kind::subtract, cube(), bore, cell_size);
   EXPECT_GT(drilled.facet_error, 0);
   EXPECT_LE(drilled.facet_error, 1e-3 * cell_size);
-  const double wall = 2 * M_PI * 0.3;
-  EXPECT_NEAR(volume(drilled.solid), 1 - M_PI * 0.09, wall * drilled.facet_error);
+  const double wall = 2 * pi * 0.3;
+  EXPECT_NEAR(volume(drilled.solid), 1 - pi * 0.09, wall * drilled.facet_error);
   EXPECT_NEAR(areas(drilled.solid)["bore.side"], wall, 1e-3);
   EXPECT_EQ(areas(drilled.solid).count("bore.top"), 0u);
   const Solid ball = Solid::sphere({0.5, 0.5, 1}, 0.3, "ball");
   const auto joined = combine_triangles(BooleanOp::Kind::unite, cube(), ball, cell_size);
   EXPECT_LE(joined.facet_error, 1e-3 * cell_size);
-  const double cap = 2 * M_PI * 0.09;
-  EXPECT_NEAR(volume(joined.solid), 1 + 2 * M_PI / 3 * 0.027, cap * joined.facet_error);
+  const double cap = 2 * pi * 0.09;
+  EXPECT_NEAR(volume(joined.solid), 1 + 2 * pi / 3 * 0.027, cap * joined.facet_error);
   EXPECT_NEAR(areas(joined.solid)["ball.surface"], cap, 1e-3);
 }
 

@@ -13,14 +13,14 @@ namespace {
 TriangleSelector by_normal(const std::string& name, const Vec3& axis, double degrees) {
   TriangleSelector selector;
   selector.name = name;
-  selector.normal_cone = std::make_pair(axis, std::cos(degrees * M_PI / 180));
+  selector.normal_cone = std::make_pair(axis, std::cos(degrees * pi / 180));
   return selector;
 }
 
 TriangleSelector grown(const std::string& name, const Vec3& seed, double degrees) {
   TriangleSelector selector;
   selector.name = name;
-  selector.smooth = {seed, degrees * M_PI / 180};
+  selector.smooth = {seed, degrees * pi / 180};
   return selector;
 }
 
@@ -92,8 +92,8 @@ TEST(TriangleFaces, PatchesAreTheSurfacesOfTheSolid) {
   const int side = solid.surface_at({2, 0, 1}, {1, 0, 0});
   EXPECT_EQ(solid.surfaces()[side].kind, Surface::Kind::patch);
   // To the plane of the nearest facet, whose distance from the axis is 2 cos(5 degrees).
-  EXPECT_NEAR(solid.surfaces()[side].signed_distance(Eigen::AngleAxisd(M_PI / 36, Vec3::UnitZ()) * Vec3(2.5, 0, 1)),
-              2.5 - 2 * std::cos(M_PI / 36), 1e-14);
+  EXPECT_NEAR(solid.surfaces()[side].signed_distance(Eigen::AngleAxisd(pi / 36, Vec3::UnitZ()) * Vec3(2.5, 0, 1)),
+              2.5 - 2 * std::cos(pi / 36), 1e-14);
   EXPECT_EQ(solid.surface_at({0.1, 0.2, 3}, {0, 0, 1}), solid.surface_at({2, 0, 3}, {0, 0, 1}));
 }
 

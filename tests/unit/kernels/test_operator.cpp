@@ -29,7 +29,7 @@ std::vector<Case> cases() {
   const Solid ball = Solid::sphere(Vec3(0.5, 0.5, 0.5), 0.4, "ball");
   return {{"box", box, 0.8 * 0.65 * 0.55, 0.0},
           {"turned box", box, 0.8 * 0.65 * 0.55, 0.3},
-          {"ball", ball, 4. / 3 * M_PI * 0.064, 0.7}};
+          {"ball", ball, 4. / 3 * pi * 0.064, 0.7}};
 }
 
 ElasticSystem make_system(const CutCells& cc, double gamma) {

@@ -248,7 +248,7 @@ TEST(PlaneStrain, PairsOfAQuadtreeAreOne) {
 /// Cells of all levels count for the slice: uniaxial strain has the energy (lambda + 2 mu) times the area times the
 /// slice (area and cells are integrated to 1e-9).
 TEST(PlaneStrain, EnergyOfAQuadtreeIsThatOfTheSlice) {
-  const double slice = 0.03, area = M_PI / 4 * (0.9 * 0.9 - 0.45 * 0.45);
+  const double slice = 0.03, area = pi / 4 * (0.9 * 0.9 - 0.45 * 0.45);
   for (const int axis : {0, 1, 2}) {
     const CutCells cells = quadtree(axis, 6, slice);
     const ElasticSystem system = make_system(cells);

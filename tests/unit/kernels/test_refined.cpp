@@ -36,7 +36,7 @@ std::vector<Body> bodies() {
   };
   return {{"box", cut(box, 0, Vec3(0.9, 0.4, 0.5)), 0.8 * 0.65 * 0.55, 1e-12},
           {"turned box", cut(box, 0.3, Vec3(0.9, 0.8, 0.75)), 0.8 * 0.65 * 0.55, 1e-12},
-          {"ball", cut(ball, 0.7, Vec3(0.5, 0.5, 0.9)), 4. / 3 * M_PI * 0.064, 1e-5}};
+          {"ball", cut(ball, 0.7, Vec3(0.5, 0.5, 0.9)), 4. / 3 * pi * 0.064, 1e-5}};
 }
 
 Vec3 linear(const Vec3& x) {

@@ -68,7 +68,7 @@ struct Wave {
       FarMean mean;
       for (int k = 0; k < 16; ++k) {
         mean.patches.emplace_back(j + k, 1.0 / 16);
-        mean.value += std::cos(2 * M_PI * grid.centre(j + k)[1] / length) / 16;
+        mean.value += std::cos(2 * pi * grid.centre(j + k)[1] / length) / 16;
       }
       mean.weight = 1;
       mean.error = error;
@@ -131,7 +131,7 @@ TEST(FarField, MirroredFace) {
 TEST(FaceZone, Ball) {
   for (const double cells : {2.0, 3.3})
     for (const double offset : {0.1, 0.45}) {
-      const double h = 1 / cells, largest = 2 / M_PI;  // radius 1, E* = 1: p0 = 2 a / (pi R)
+      const double h = 1 / cells, largest = 2 / pi;  // radius 1, E* = 1: p0 = 2 a / (pi R)
       const int per_cell = 12, side = static_cast<int>(std::ceil(cells + 3)) + 1;
       FaceZone zone;
       zone.h = h;
