@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const example = R"toml(# A spherical cap is pressed onto a block. It runs as it is:
+constexpr const char* example = R"toml(# A spherical cap is pressed onto a block. It runs as it is:
 #
 #   cgcontact check {0}               what the scene contains
 #   cgcontact run {0}                 solve; results in out/{1}
@@ -107,7 +107,7 @@ a = "(3*F*R/(4*Es))^(1/3)"       # radius of the contact circle, m
 p0 = "3*F/(2*pi*a^2)"            # pressure in its centre, Pa
 )toml";
 
-const char* const part_scene = R"toml(# {note}
+constexpr const char* part_scene = R"toml(# {note}
 #
 # A plate is pressed onto the top (z+) of the part, which stands on its bottom (z-). {state}
 #
@@ -157,7 +157,7 @@ displacement = {{x = 0, y = 0, z = "-push"}}
 faces = ["part.top", "plate.block.z-"]
 )toml";
 
-const char* const mesh_shape = R"toml(
+constexpr const char* mesh_shape = R"toml(
 # TODO name the faces you need: remove the "#" before a line and give the face a better name. It is then
 # "part.surface.face1" in supports, loads and contact. (Triangles in none of them make up the face "rest".)
 # These are the smooth parts of the surface, largest first; edges of more than 30 degrees divide them.
@@ -318,7 +318,7 @@ std::string rotation_line(const Mat3& turn) {
       axis[0], axis[1], axis[2], rotation.angle() / radians_per_degree);
 }
 
-const char* const runs = "It runs as it is:";
+constexpr const char* runs = "It runs as it is:";
 /// Along the longest side, where [accuracy] cannot be asked for.
 constexpr double default_cells = 20;
 
