@@ -14,6 +14,7 @@
 #include "core/output/output_page_style.hpp"
 #include "core/output/output_plots.hpp"
 #include "core/output/output_probes.hpp"
+#include "core/output/view/output_view.hpp"
 
 namespace cgcontact {
 
@@ -463,8 +464,20 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
 
 constexpr double seconds_per_picture = 0.8;
 
+/// Whether the page would be too large with the pictures of the steps, which the view shows too.
+bool leaves_steps_to_view(const PageParts& parts) {
+  if (parts.view.json.empty() || parts.steps.empty()) return false;
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(parts.directory))
+    if (const auto type = entry.path().extension(); type == ".png" || type == ".svg") bytes += entry.file_size();
+  return bytes > pictures_beside_view;
+}
+
 /// The pictures of the steps one after the other, without a script: they lie on the last one and are seen in turn.
 std::string film(const PageParts& parts) {
+  if (leaves_steps_to_view(parts))
+    return note("The view above shows the steps as a film; their pictures, " + parts.steps.front() + " to " +
+                parts.steps.back() + ", lie beside this page.");
   std::string images;
   for (std::size_t k = 0; k < parts.steps.size(); ++k) {
     const std::filesystem::path path = std::filesystem::path(parts.directory) / parts.steps[k];
@@ -813,12 +826,14 @@ std::string page(const Results& results, const PageParts& parts) {
   std::string text = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
   text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
   text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + film_style(parts.steps.size()) +
-          "</style>\n</head>\n<body>\n";
+          view_style(parts.view) + "</style>\n</head>\n<body>\n";
   text += "<header><h1>" + title + "</h1>\n" + note("Scene " + html_text(results.scene_file)) + "</header>\n<main>\n";
   text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results) + "</section>\n";
   text += section("reliability", "How accurate is this?", reliability(results));
   text += section("accuracy", "The way to the accuracy", accuracy_section(results, parts));
-  text += section("picture", "Deformed bodies", picture(parts.directory, "scene.png", "Deformed bodies", ""));
+  text += section("view", "The result in three dimensions", view_content(parts.view));
+  text += section("picture", "Deformed bodies",
+                  picture(parts.directory, "scene.png", "Deformed bodies: " + result_in_words(results), ""));
   text += section("maxima", "Largest values", maxima_section(results));
   text += section("contact", "Contact", pairs_section(results));
   text += section("steps", "Steps", steps_section(results, parts));

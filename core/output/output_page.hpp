@@ -7,6 +7,7 @@
 
 #include "core/output/output_check.hpp"
 #include "core/output/output_pressure_map.hpp"
+#include "core/output/view/view_page.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
@@ -20,9 +21,11 @@ struct PageParts {
   std::vector<std::string> steps;                             ///< pictures
   std::vector<std::string> warnings;                          ///< those of the output
   std::vector<std::string> files;                             ///< of the result directory
+  ViewData view;                                              ///< to turn; empty: none
 };
 
-/// A whole page in HTML 5 that is well-formed XML too, without scripts and without references to anything outside.
+/// A whole page in HTML 5 that is well-formed XML too, without references to anything outside. The only scripts are
+/// those of the view; without them everything else is there.
 /// Figures are `data value="..."` elements with the value in SI; what differs between two runs of the same scene
 /// (times, memory, date, command) has the class "run".
 std::string page(const Results& results, const PageParts& parts);

@@ -1,0 +1,27 @@
+/// The view's place on report.html: its controls, its style sheet, its script and the library that draws.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace cgcontact {
+
+struct ViewData {
+  std::string json;         ///< empty: no view
+  std::string left_out;     ///< what it has not, in words for the page; empty: nothing
+  std::string alternative;  ///< the result in words
+};
+
+/// Bytes of pictures on a page of which the view makes 5 MB: those of the steps, which the view shows too, lie beside
+/// the page only if all pictures are more.
+constexpr std::size_t pictures_beside_view = 1400000;
+
+/// Whether the program was built with the library three.js (Debian's libjs-three).
+bool has_view_library();
+
+/// The section's content, well-formed XML; the scripts come with it.
+std::string view_content(const ViewData& data);
+/// Empty where there is no view.
+std::string view_style(const ViewData& data);
+
+}  // namespace cgcontact
