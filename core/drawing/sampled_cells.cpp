@@ -6,6 +6,7 @@
 #include <map>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 #include "core/base/parallel.hpp"
 
@@ -43,8 +44,8 @@ struct Block {
 
 class Blocks {
  public:
-  Blocks(const BodyFields& body, const std::vector<SceneBox>& zones)
-      : body_(body), cells_(*body.cut_cells), zones_(zones), flat_axis_(cells_.grid.plane_strain) {
+  Blocks(const BodyFields& body, std::vector<SceneBox> zones)
+      : body_(body), cells_(*body.cut_cells), zones_(std::move(zones)), flat_axis_(cells_.grid.plane_strain) {
     if (!cells_.grid.is_quadtree()) flat_axis_ = -1;
     for (int c = 0; c < static_cast<int>(cells_.cells.size()); ++c) {
       Block block;
@@ -134,7 +135,7 @@ class Blocks {
 
   const BodyFields& body_;
   const CutCells& cells_;
-  const std::vector<SceneBox>& zones_;
+  const std::vector<SceneBox> zones_;
   int flat_axis_;
   std::map<int, std::vector<Block>> waiting_;  ///< by level
   std::vector<Block> done_;
@@ -204,6 +205,7 @@ class Corners {
 
 SampledCells sample_cells(const BodyFields& body, const std::vector<SceneBox>& zones, std::size_t most) {
   std::vector<Block> blocks = Blocks(body, zones).reduce(most);
+  if (blocks.size() > most) blocks = Blocks(body, {}).reduce(most);
   std::sort(blocks.begin(), blocks.end(),
             [](const Block& a, const Block& b) { return a.cell_of_corner[0] < b.cell_of_corner[0]; });
   SampledCells sampled;

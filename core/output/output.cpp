@@ -415,7 +415,10 @@ void ResultWriter::finish(Results& results, const Scene& scene, const std::vecto
   std::sort(files.begin(), files.end());
   results.times_s.emplace_back("output",
                                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  if (scene.output.report) write_text(temporary.file("report.html"), page(results, parts));
+  if (scene.output.report) {
+    parts.beside = pictures_for_view(parts);
+    write_text(temporary.file("report.html"), page(results, parts));
+  }
   write_report(results, files, parts.warnings, temporary.file("report.json"));
   uninterrupted([&] {
     replace(temporary.path(), parts_->target, old);

@@ -1,6 +1,7 @@
 /// report.html: the results of a run on one page for people, with all pictures inside.
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +23,12 @@ struct PageParts {
   std::vector<std::string> warnings;                          ///< those of the output
   std::vector<std::string> files;                             ///< of the result directory
   ViewData view;                                              ///< to turn; empty: none
+  std::set<std::string> beside;                               ///< pictures that the page leaves to the view
 };
+
+/// With these the page would be too large to be mailed, and the view shows the same: those of steps, then the faces
+/// with what holds there, then maps of the pressure from the last one on, the first stays.
+std::set<std::string> pictures_for_view(const PageParts& parts);
 
 /// A whole page in HTML 5 that is well-formed XML too, without references to anything outside. The only scripts are
 /// those of the view; without them everything else is there.

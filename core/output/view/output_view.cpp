@@ -354,7 +354,7 @@ std::string place_text(const Vec3& x) {
 std::string note_on_size(std::size_t drawn, std::size_t all, int largest_block) {
   std::string text;
   if (drawn < all)
-    text += fmt::format("The boundary has {} triangles here of {}, all of them near the contact. ",
+    text += fmt::format("The boundary has {} triangles here of {}, fewer of them away from the contact. ",
                         grouped(static_cast<long long>(drawn)), grouped(static_cast<long long>(all)));
   if (largest_block > 1)
     text += fmt::format("Sections show blocks of up to {} cells along a side, smaller ones near the contact. ",

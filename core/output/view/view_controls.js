@@ -345,6 +345,11 @@ function makeScene() {
   controls = new THREE.OrbitControls(camera, canvas);
   Object.assign(controls, {enableKeys: false, screenSpacePanning: true, rotateSpeed: 0.8});
   controls.addEventListener("change", ask);
+  controls.addEventListener("start", () => (state.turning = true));
+  controls.addEventListener("end", () => {
+    state.turning = false;
+    ask();
+  });
   paletteTexture = texture(bytesOf(data.palette), THREE.LinearFilter);
   shared.colours.value = paletteTexture;
   bodies.forEach(makeBody);

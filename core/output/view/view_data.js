@@ -9,6 +9,7 @@ const NOTHING = 1e30;              // a value that is none, for the shader
 const CODE_NONE = 65535;           // the same, packed
 const SMALL_ZONE = 0.2;            // of the scene's diagonal: the view opens on a smaller zone
 const BESIDE = 0.05;               // of its extent: a zone so near to a side of the scene reaches it
+const BEHIND = 0.01;               // of half the scene's diagonal: a point so far behind what is drawn is not seen
 const DISTANCE = 20;               // of the camera; the scene, also apart and mirrored, is well within
 
 // ---- Unpacking ----
@@ -132,7 +133,7 @@ const toView = (x) =>
 
 function scaledPlaces(places, moved) {
   const scaled = new Float32Array(places.length);
-  for (let i = 0; i < scaled.length; ++i) scaled[i] = (places[i] - (moved ? 0 : middle[i % 3])) / radius;
+  for (let i = 0; i < scaled.length; ++i) scaled[i] = (places[i] - (moved ? 0 : middle[i % 3])) / radius || 0;
   return scaled;
 }
 
@@ -226,6 +227,9 @@ function kinds(field) {
   return bodies;
 }
 
+/* Steps before the last one have displacements and stresses only. */
+const isOfStep = (field) => state.step === lastStep || field.at === "point" || !field.needs;
+
 /* Value of a field at point p of a boundary (or inside), NaN: none. */
 function pointValue(field, owner, p) {
   return owner[field.needs] ? field.of(owner, p) : NaN;
@@ -234,6 +238,7 @@ function pointValue(field, owner, p) {
 /* Values of a boundary's corners (three for each triangle) as the shader gets them. */
 function cornerValues(body, field) {
   const values = new Float32Array(3 * body.count).fill(NOTHING);
+  if (!isOfStep(field)) return values;
   if (field.at === "point" || field.at === "contact") {
     const points = new Float32Array(body.place.length / 3);
     for (let p = 0; p < points.length; ++p) points[p] = pointValue(field, body, p);

@@ -61,6 +61,7 @@ const state = {
   copies: [new THREE.Matrix4()],
   marker: null,
   ownFactor: false,
+  turning: false,
   zone: -1,
   picked: null
 };

@@ -12,8 +12,7 @@ struct ViewData {
   std::string alternative;  ///< the result in words
 };
 
-/// Bytes of pictures on a page of which the view makes 5 MB: those of the steps, which the view shows too, lie beside
-/// the page only if all pictures are more.
+/// Bytes of the pictures on a page beside a view, so that it stays below 5 MB.
 constexpr std::size_t pictures_beside_view = 1400000;
 
 /// Whether the program was built with the library three.js (Debian's libjs-three).

@@ -82,6 +82,15 @@ function isCutAway(x) {
   return Boolean(state.section) && above > 1e-6;
 }
 
+/* Whether something is drawn before a point; while the view turns that is not asked. */
+function isBehind(x) {
+  if (state.turning) return false;
+  const hit = pick(...toScreen(x));
+  if (!hit) return false;
+  const way = camera.getWorldDirection(new THREE.Vector3());
+  return hit.far < x.dot(way) - hit.origin.dot(way) - BEHIND;
+}
+
 function labelExtremes() {
   if (!find("extremes").checked || state.field.at === "kind") return;
   state.extremes = state.extremes || extremesOfField();
@@ -92,12 +101,10 @@ function labelExtremes() {
         most.place ? drawnPlace(most.body, most.place) : {x: movedPoint(most.body, most.point), onBoundary: true};
     const away = most.place ? isCutAway(toView(most.place)) :
                               isCutAway(new THREE.Vector3(...most.body.X.slice(3 * most.point, 3 * most.point + 3)));
+    const remark = away ? ", cut away" : !at.onBoundary ? ", inside" : isBehind(at.x) ? ", behind" : "";
     label(
-        word + " " + shown(plainValue(most.value), state.field.unit) +
-            (away              ? ", cut away" :
-                 at.onBoundary ? "" :
-                                 ", inside"),
-        at.x, "point" + (at.onBoundary && !away ? "" : " inside"));
+        word + " " + shown(plainValue(most.value), state.field.unit) + remark, at.x,
+        remark ? "point inside" : "point");
   });
 }
 
@@ -236,11 +243,13 @@ function pick(left, top) {
     const cap = Boolean(hit.cap), bestCap = Boolean(best && best.cap), through = find("transparent").checked;
     if (!best || (through && cap && !bestCap) || ((!through || cap === bestCap) && hit.far < best.far)) best = hit;
   })));
+  if (best) best.origin = origin;
   return best;
 }
 
 /* Value of a field at a hit. */
 function valueAt(field, hit) {
+  if (!isOfStep(field)) return NaN;
   const {body, triangle, weights} = hit;
   if (hit.cap) {
     if (field !== state.field) return NaN;
