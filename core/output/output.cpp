@@ -234,9 +234,7 @@ bool extremes_by_ranks_alone(const Scene& scene) {
   return num_ranks() > 1 && !scene.output.vtk && !scene.output.plots && scene.steps.empty();
 }
 
-bool wants_view(const Scene& scene) {
-  return scene.output.report && scene.output.view && has_view_library() && !extremes_by_ranks_alone(scene);
-}
+bool wants_view(const Scene& scene) { return scene.output.report && scene.output.plots && scene.output.view; }
 
 /// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
 /// `steps`: with all steps, or none.
@@ -259,10 +257,10 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
   if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
   if (scene.output.plots && steps && !results.pairs.empty()) write_force_displacement_plot(results, runs);
   std::optional<SceneView> view;
-  if (scene.output.vtk || scene.output.plots || wants_view(scene)) {
+  if (scene.output.vtk || scene.output.plots) {
     const ContactSurface surface = make_contact_surface(results, drawn);
     std::optional<DrawnFaces> faces;
-    if ((scene.output.plots || wants_view(scene)) && knows_contact_of_points(results))
+    if (scene.output.plots && knows_contact_of_points(results))
       faces = find_faces(scene, checked_bodies(results), drawn);
     const auto draw = [&] {  // what needs a drawing of its own first: the view, which is large, stays
       if (faces) parts.faces = draw_conditions(scene, checked_bodies(results), drawn, *faces, runs);
@@ -277,10 +275,11 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
       if (task == 0 && scene.output.plots) draw();
       if (task == 1 && scene.output.vtk && !fields_elsewhere) write_fields(results, drawn, surface, temporary.path());
     });
-    if (wants_view(scene))
+    if (wants_view(scene) && has_view_library())
       parts.view = view_data({results, drawn, surface, faces ? &*faces : nullptr, &scene,
                               steps ? steps->boundary_fields() : std::vector<ViewStep>{}});
   }
+  parts.view.wanted = wants_view(scene);
   if (steps && view) parts.steps = steps->draw(results.title, *view, runs);
   if (steps) steps->finish();
   parts.warnings = runs.finish();

@@ -220,7 +220,7 @@ class Pages(unittest.TestCase):
     def test_without_pictures(self):
         """Neither pictures nor fields: the page has the figures and no image."""
         _, written, text, root = self.run_scene(scene("two_solids"), n=4, output__plots="false", output__vtk="false")
-        self.check(written, text, root, ["verdict", "reliability", "view", "maxima", "contact", "reference", *ALWAYS[4:]])
+        self.check(written, text, root, ["verdict", "reliability", "maxima", "contact", "reference", *ALWAYS[4:]])
         self.assertEqual(list(root.iter("img")), [])
         self.assertEqual(sorted(written["files"]), ["contact.csv", "pressure.csv", "report.html", "report.json"])
 

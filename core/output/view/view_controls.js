@@ -159,7 +159,8 @@ function draw() {
   labelNames();
   drawTriad();
   drawScale();
-  tellAbove();
+  clearTimeout(state.teller);
+  state.teller = setTimeout(tellAbove, REST);
 }
 
 function option(value, text, parent) {

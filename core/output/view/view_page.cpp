@@ -37,10 +37,11 @@ std::string script(const std::string& text) { return "<script>//<![CDATA[\n" + t
 bool has_view_library() { return three_library[0] != '\0'; }
 
 std::string view_content(const ViewData& data) {
-  if (data.json.empty()) return "";
+  if (!data.wanted) return "";
   if (!has_view_library())
     return "<p class=\"note\">This program was built without the library that draws a view to turn (three.js); the "
            "pictures below show the result.</p>\n";
+  if (data.json.empty()) return "";
   std::string text = view_controls;
   text += fmt::format(
       "<p class=\"note\">{}Values and places are rounded to 1/{} of their range in a body; a colour or value between "

@@ -7,6 +7,7 @@
 namespace cgcontact {
 
 struct ViewData {
+  bool wanted = false;      ///< by the scene
   std::string json;         ///< empty: no view
   std::string left_out;     ///< what it has not, in words for the page; empty: nothing
   std::string alternative;  ///< the result in words
