@@ -13,8 +13,14 @@ constexpr double same_face = 0.7;
 /// Added to the squares of the coordinates in units of the reach: without enough rows across the slope is zero.
 constexpr double ridge = 1e-3;
 
+/// Parts of a cell that are tried one after the other, until there are enough rows: fits over more flatten a peak.
+constexpr double reaches[] = {0.25, 0.35, 0.5, 0.7, 1};
+constexpr std::size_t enough_rows = 6;
+
+}  // namespace
+
 /// Rows near a place with their weights and coordinates in the plane of the face.
-struct Neighbours {
+struct ContactFit::Neighbours {
   std::vector<const ContactRow*> rows;
   std::vector<double> weight;
   std::vector<Vec3> coordinates;  ///< 1, and two in units of the reach
@@ -40,8 +46,6 @@ struct Neighbours {
   }
 };
 
-}  // namespace
-
 ContactFit::ContactFit(const Results& results, int body) {
   for (const ContactRow& row : results.contact_rows)
     if (row.body == body) rows_.push_back(&row);
@@ -54,15 +58,16 @@ const PointBuckets& ContactFit::buckets(double reach) {
   return found->second;
 }
 
-std::optional<ContactFit::Values> ContactFit::at(const Vec3& x, double reach) {
+/// Those on the face of the nearest one.
+ContactFit::Neighbours ContactFit::neighbours_of(const Vec3& x, double reach) {
   const PointBuckets& near = buckets(reach);
   const ContactRow* nearest = nullptr;
   near.each_near(x, [&](int i) {
     if (!nearest || (rows_[i]->x - x).squaredNorm() < (nearest->x - x).squaredNorm()) nearest = rows_[i];
   });
-  if (!nearest || (nearest->x - x).norm() >= reach) return std::nullopt;
-  const Vec3 first = nearest->normal.unitOrthogonal(), second = nearest->normal.cross(first);
   Neighbours neighbours;
+  if (!nearest) return neighbours;
+  const Vec3 first = nearest->normal.unitOrthogonal(), second = nearest->normal.cross(first);
   near.each_near(x, [&](int i) {
     const Vec3 way = (rows_[i]->x - x) / reach;
     const double left = 1 - way.squaredNorm();
@@ -71,6 +76,16 @@ std::optional<ContactFit::Values> ContactFit::at(const Vec3& x, double reach) {
     neighbours.weight.push_back(left * left);
     neighbours.coordinates.emplace_back(1, way.dot(first), way.dot(second));
   });
+  return neighbours;
+}
+
+std::optional<ContactFit::Values> ContactFit::at(const Vec3& x, double cell) {
+  Neighbours neighbours;
+  for (const double part : reaches) {
+    neighbours = neighbours_of(x, part * cell);
+    if (neighbours.rows.size() >= enough_rows) break;
+  }
+  if (neighbours.rows.empty()) return std::nullopt;
   return Values{neighbours.fit([](const ContactRow& row) { return row.gap; }),
                 neighbours.fit([](const ContactRow& row) { return row.pressure_sprc; }),
                 neighbours.fit([](const ContactRow& row) { return row.pressure_error; })};

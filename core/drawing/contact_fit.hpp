@@ -11,7 +11,7 @@
 
 namespace cgcontact {
 
-/// The rows of one body. At a place a linear function is fitted to the rows within a reach, near ones first; it never
+/// The rows of one body. At a place a linear function is fitted to the rows near it, as few as give one; it never
 /// leaves the range of their values.
 class ContactFit {
  public:
@@ -20,10 +20,12 @@ class ContactFit {
   };
   ContactFit(const Results& results, int body);
 
-  /// Reach in m, about a cell: places of cells of one size are asked for with one reach. None: no row is near.
-  std::optional<Values> at(const Vec3& x, double reach);
+  /// `cell`: size there, m; rows farther away than that do not count. None: no row is near.
+  std::optional<Values> at(const Vec3& x, double cell);
 
  private:
+  struct Neighbours;
+  Neighbours neighbours_of(const Vec3& x, double reach);
   const PointBuckets& buckets(double reach);
 
   std::vector<const ContactRow*> rows_;

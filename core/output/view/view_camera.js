@@ -155,14 +155,17 @@ function showWhole() {
 }
 
 function showBodies(keep) {
+  state.extremes = null;
   bodies.forEach((body) => (body.visible = keep(body)));
   document.querySelectorAll("#view-bodies input").forEach((box, b) => (box.checked = bodies[b].visible));
 }
 
 // ---- Ranges of colours ----
 
-/* Values that are drawn, with the triangle's place: those of visible bodies, sections too, what is cut away not. */
+/* use(value, is in the picture) for what is drawn: visible bodies, sections, not what is cut away. Sections reach
+   beyond the bodies, where values may be anything: those beyond the field's largest and smallest are not counted. */
 function eachSeen(use) {
+  const {min, max} = extremes();
   const x = new THREE.Vector3();
   const take = (places, moves, value, i, body, copy, clipped) => {
     if (value > 0.9 * NOTHING) return;
@@ -177,14 +180,16 @@ function eachSeen(use) {
          places[3 * i + 2] + state.factor * moves[3 * i + 2] + body.shift.z)
         .applyMatrix4(copy);
     x.project(camera);
-    use(value, Math.abs(x.x) <= 1 && Math.abs(x.y) <= 1, body, i);
+    use(value, Math.abs(x.x) <= 1 && Math.abs(x.y) <= 1);
   };
   seenBodies().forEach((body) => state.copies.forEach((copy) => {
     const places = body.geometry.attributes.position.array, moves = body.geometry.attributes.moved.array;
     const values = body.geometry.attributes.value.array;
     for (let i = 0; i < values.length; ++i) take(places, moves, values[i], i, body, copy, Boolean(state.section));
     body.caps.filter((cap) => cap.copy === copy).forEach((cap) => {
-      for (let i = 0; i < cap.values.length; ++i) take(cap.x, cap.u, cap.values[i], -1 - i, body, copy, false);
+      for (let i = 0; i < cap.values.length; ++i)
+        if (min && cap.values[i] >= min.value && cap.values[i] <= max.value)
+          take(cap.x, cap.u, cap.values[i], i, body, copy, false);
     });
   }));
 }
@@ -192,8 +197,8 @@ function eachSeen(use) {
 function rangeOf(onlySeen) {
   camera.updateMatrixWorld();
   let low = Infinity, high = -Infinity;
-  eachSeen((value, seen, body, i) => {
-    if (i < 0 || (onlySeen && !seen)) return;  // sections reach beyond the bodies
+  eachSeen((value, seen) => {
+    if (onlySeen && !seen) return;
     low = Math.min(low, value);
     high = Math.max(high, value);
   });
@@ -245,8 +250,8 @@ function tellAbove() {
   if (state.field.at === "kind") return void (box.textContent = "");
   let count = 0, above = 0, most = -Infinity;
   const limit = state.high + 0.0005 * (state.high - state.low);
-  eachSeen((value, seen, body, i) => {
-    if (!seen || i < 0) return;
+  eachSeen((value, seen) => {
+    if (!seen) return;
     ++count;
     if (value > limit) ++above;
     most = Math.max(most, value);

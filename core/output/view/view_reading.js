@@ -82,6 +82,8 @@ function isCutAway(x) {
   return Boolean(state.section) && above > 1e-6;
 }
 
+const extremes = () => (state.extremes = state.extremes || extremesOfField());
+
 /* Whether something is drawn before a point; while the view turns that is not asked. */
 function isBehind(x) {
   if (state.turning) return false;
@@ -93,9 +95,8 @@ function isBehind(x) {
 
 function labelExtremes() {
   if (!find("extremes").checked || state.field.at === "kind") return;
-  state.extremes = state.extremes || extremesOfField();
   [["min", "smallest"], ["max", "largest"]].forEach(([kind, word]) => {
-    const most = state.extremes[kind];
+    const most = extremes()[kind];
     if (!most) return;
     const at =
         most.place ? drawnPlace(most.body, most.place) : {x: movedPoint(most.body, most.point), onBoundary: true};

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/text.hpp"
+#include "core/drawing/contact_fit.hpp"
 #include "core/drawing/sampled_cells.hpp"
 #include "core/drawing/thin_boundary.hpp"
 #include "core/output/view/output_view.hpp"
@@ -159,6 +160,59 @@ TEST(view, boundary_and_fields_are_those_of_the_drawn_body) {
     EXPECT_LT((Eigen::Map<const Vec3>(&u[3 * p]) - displacement_at(place)).norm(), 2e-7);
     EXPECT_LT((Eigen::Map<const Sym3>(&s[6 * p]) - stress_at(place)).norm(), 200);
   }
+}
+
+TEST(view, contact_values_are_linear_between_rows_and_stay_in_their_range) {
+  Results results;
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j) {
+      ContactRow row;
+      row.x = Vec3(0.1 * i, 0.1 * j, 1);
+      row.normal = Vec3::UnitZ();
+      row.pressure_sprc = 3e6 * row.x[0] - 2e6 * row.x[1];
+      row.gap = i < 10 ? 1e-6 : INFINITY;
+      results.contact_rows.push_back(row);
+    }
+  ContactFit fit(results, 0);
+  const auto inside = fit.at({0.53, 0.78, 1}, 0.5);
+  ASSERT_TRUE(inside);
+  EXPECT_NEAR(inside->pressure, 3e6 * 0.53 - 2e6 * 0.78, 2e4);
+  EXPECT_NEAR(inside->gap, 1e-6, 1e-12);
+  EXPECT_TRUE(std::isnan(fit.at({1.7, 0.8, 1}, 0.2)->gap));
+  EXPECT_LE(fit.at({2.0, -0.1, 1}, 0.5)->pressure, 3e6 * 1.9);
+  EXPECT_FALSE(fit.at({9, 9, 9}, 0.5));
+}
+
+TEST(view, neighbours_of_cells_of_two_sizes_share_whole_edges) {
+  const CutCells cells = make_cut_cells(ball(8), grid_of(8));
+  BodyFields fields;
+  fields.cut_cells = &cells;
+  DrawnBody drawn = draw_body(fields);
+  // A point in the middle of an edge of the first triangle divides what lies beyond, not the triangle itself.
+  const std::array<int, 3> first = drawn.mesh.boundary[0].points;
+  const int middle = static_cast<int>(drawn.position.size());
+  drawn.position.push_back((drawn.position[first[0]] + drawn.position[first[1]]) / 2);
+  std::vector<BoundaryTriangle>& boundary = drawn.mesh.boundary;
+  for (std::size_t i = 1; i < boundary.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const std::array<int, 3> points = boundary[i].points;
+      if (points[k] != first[1] || points[(k + 1) % 3] != first[0]) continue;
+      BoundaryTriangle half = boundary[i];
+      boundary[i].points[(k + 1) % 3] = middle;
+      half.points[k] = middle;
+      boundary.push_back(half);
+      i = boundary.size();
+      break;
+    }
+  std::map<std::pair<int, int>, int> edges;
+  const std::vector<ThinTriangle> triangles = conforming_boundary(drawn);
+  for (const ThinTriangle& triangle : triangles)
+    for (int k = 0; k < 3; ++k) {
+      const int a = triangle.points[k], b = triangle.points[(k + 1) % 3];
+      edges[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  EXPECT_EQ(triangles.size(), boundary.size() + 1);
+  for (const auto& [edge, balance] : edges) EXPECT_EQ(balance, 0);
 }
 
 TEST(view, a_boundary_of_many_triangles_is_thinned_and_stays_closed) {
