@@ -25,7 +25,7 @@ Edge edge_of(int a, int b) { return static_cast<Edge>(std::min(a, b)) << 32 | st
 /// meet.
 constexpr double one_point = 1e-6;
 
-/// Of each point of the boundary, the first one at its place.
+/// Returns for each point of the boundary the first one at its place.
 std::vector<int> welded(const DrawnBody& body) {
   std::vector<int> first(body.position.size(), -1);
   const double reach = one_point * body.mesh.cut_cells->grid.cell_size_of(body.mesh.cut_cells->num_levels() - 1);

@@ -58,7 +58,7 @@ const PointBuckets& ContactFit::buckets(double reach) {
   return found->second;
 }
 
-/// Those on the face of the nearest one.
+/// Finds those on the face of the nearest one.
 ContactFit::Neighbours ContactFit::neighbours_of(const Vec3& x, double reach) {
   const PointBuckets& near = buckets(reach);
   const ContactRow* nearest = nullptr;

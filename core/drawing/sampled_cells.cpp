@@ -14,7 +14,7 @@ namespace cgcontact {
 
 namespace {
 
-/// A block is not joined with others if it is within so many of its sizes from a zone.
+/// Sizes of a block: nearer to a zone than so many it is not joined with others.
 constexpr double near_zone = 2;
 /// Levels of blocks above the largest cells.
 constexpr int levels_above = 6;
@@ -33,7 +33,7 @@ Index3 parent_of(const Index3& c, int flat_axis) {
   return parent;
 }
 
-/// One or more cells that are drawn as one cube.
+/// Cells that are drawn as one cube.
 struct Block {
   int level = 0;  ///< of a cell; below zero: larger than all cells
   Index3 place;
@@ -79,7 +79,7 @@ class Blocks {
     });
   }
 
-  /// Those of a level become blocks of the next larger one where all that the larger one holds may.
+  /// Makes those of a level blocks of the next larger one where all that the larger one holds may be joined.
   void join(int level) {
     std::vector<Block> blocks = std::move(waiting_[level]);
     waiting_.erase(level);

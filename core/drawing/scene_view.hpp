@@ -40,7 +40,7 @@ struct SceneView {
 /// the corner that shows the most stress, cut open where the contact lies inside.
 SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies);
 
-/// The same without what is shown: from where, and where it would be opened.
+/// Chooses the same without what is shown: from where, and where it would be opened.
 SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody>& bodies);
 
 /// SceneView::shown of the same bodies with other fields.

@@ -9,11 +9,11 @@ namespace cgcontact {
 
 namespace {
 
-/// A zone keeps its triangles up to this part of its largest extent around it.
+/// Part of a zone's largest extent: so far around it its triangles stay.
 constexpr double around_zone = 0.5;
-/// The lattice grows by this factor until there are few enough triangles.
+/// Factor by which the lattice grows until there are few enough triangles.
 constexpr double growth = 1.4;
-/// A lattice this coarse (of the largest extent of the scene) leaves no shape.
+/// Largest lattice, of the largest extent of the scene: a coarser one leaves no shape.
 constexpr double coarsest = 0.1;
 
 /// The surfaces that meet in a point, at most three: more or three are a corner.
@@ -44,7 +44,7 @@ struct KeyHash {
   }
 };
 
-/// One body's boundary, thinned with different lattices.
+/// Boundary of one body, thinned with different lattices.
 class Thinning {
  public:
   explicit Thinning(const DrawnBody& body)
@@ -68,7 +68,7 @@ class Thinning {
   }
 
  private:
-  /// Of each point, the one that stands for it.
+  /// Returns for each point the one that stands for it.
   std::vector<int> points_of(double lattice, const std::vector<SceneBox>& kept) const {
     std::unordered_map<Key, int, KeyHash> first;
     std::vector<int> point(body_.position.size());

@@ -42,7 +42,7 @@ DrawnFaces find_faces(const Scene& scene, const std::vector<CheckedBody>& bodies
 
 /// "free", "support", "load", "contact": what decides the colour of a region.
 const char* role_name(const FaceRegion& region);
-/// The same in words with its values.
+/// Says the same in words with its values.
 std::string conditions(const Scene& scene, const FaceRegion& region);
 /// Mean prescribed displacement in global axes, zero where there is none, or both ways (a rotation).
 Vec3 prescribed(const FaceRegion& region);

@@ -12,7 +12,7 @@
 
 namespace cgcontact {
 
-/// What the pictures multiply displacements by, so that they are seen; 1: to scale.
+/// Factor by which the pictures multiply displacements, so that they are seen; 1: to scale.
 double picture_exaggeration(const Results& results, const SceneBox& box);
 
 /// `scene`: look_at_scene of the bodies; the displacements of what it shows become those of the picture, with fits

@@ -26,7 +26,7 @@ class StepFields {
   const std::vector<double>& largest_displacements() const { return largest_; }
   /// Pictures step_K.png; returns their names.
   std::vector<std::string> draw(const std::string& title, const SceneView& scene, GnuplotRuns& runs);
-  /// Those of the steps that have a picture, at the boundary points of the drawn bodies; none without the file.
+  /// Reads the fields of the steps that have a picture, at the boundary points; none without the file.
   std::vector<ViewStep> boundary_fields();
   /// Ends the file.
   void finish();

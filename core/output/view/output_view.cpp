@@ -28,7 +28,7 @@ constexpr double bytes_for_boundaries = 1.0e6, bytes_for_insides = 0.5e6;
 /// Bytes of a triangle: corners, stress error, status; of a point: place, displacement, stress. A closed boundary has
 /// half as many points as triangles.
 constexpr double bytes_of_triangle = 6.5, bytes_of_point = 24, bytes_of_fields = 18, points_by_triangle = 0.5;
-/// Of a cell or block inside: corners, stress error, status, and the values at about one corner.
+/// Bytes of a cell or block inside: corners, stress error, status, and the values at about one corner.
 constexpr double bytes_of_block = 12 + bytes_of_point;
 constexpr int colours = 256;
 
@@ -61,7 +61,7 @@ class ContactTriangles {
  public:
   explicit ContactTriangles(const ContactSurface& surface) : surface_(surface) {}
 
-  /// Of the next body.
+  /// Numbers those of the next body.
   std::vector<int> of_body(std::size_t body, const DrawnBody& drawn) {
     std::vector<int> number(drawn.mesh.boundary.size(), -1);
     for (std::size_t i = 0; i < number.size(); ++i)
@@ -91,7 +91,7 @@ struct Group {
   }
 };
 
-/// One body's boundary as the page gets it.
+/// Boundary of one body as the page gets it.
 class BodyBoundary {
  public:
   BodyBoundary(const ViewParts& parts, std::size_t body, std::vector<ThinTriangle> triangles,
@@ -137,7 +137,7 @@ class BodyBoundary {
     return group;
   }
 
-  /// By group.
+  /// Sorts the triangles by group.
   void sort(const std::vector<int>& contact_triangles) {
     std::map<Group, std::vector<ThinTriangle>> sorted;
     for (const ThinTriangle& triangle : triangles_) sorted[group_of(triangle, contact_triangles)].push_back(triangle);
@@ -148,7 +148,7 @@ class BodyBoundary {
     }
   }
 
-  /// In the order of their first use; points of the contact surface with them.
+  /// Numbers points in the order of their first use, those of the contact surface with them.
   void number_points(const std::vector<int>& contact_triangles) {
     std::vector<int> contact_of(drawn_.position.size(), -1);
     for (std::size_t i = 0; i < contact_triangles.size(); ++i)
@@ -375,7 +375,7 @@ std::string harmless(const std::string& json) {
   return text;
 }
 
-/// The bodies, and how many triangles are drawn of how many.
+/// Writes the bodies and their steps; says how many triangles are drawn of how many.
 Json bodies_of(const ViewParts& parts, const std::vector<SceneBox>& zones, Json& steps, std::string& left_out) {
   const double fields = bytes_of_point + bytes_of_fields * static_cast<double>(parts.steps.size());
   const double most = bytes_for_boundaries / (bytes_of_triangle + points_by_triangle * fields);

@@ -17,7 +17,7 @@ struct ViewStep {
   std::vector<PointValues> bodies;  ///< by body
 };
 
-/// What the view is made of. The drawn bodies have the fields of the last step.
+/// Parts that the view is made of. The drawn bodies have the fields of the last step.
 struct ViewParts {
   const Results& results;
   const std::vector<DrawnBody>& drawn;
@@ -27,11 +27,11 @@ struct ViewParts {
   std::vector<ViewStep> steps;        ///< some of them, with the last one; empty: one step
 };
 
-/// As JSON; the format is that of view_data.js. Boundaries that are too large for a page lose triangles away from the
-/// contact, the inside is cells joined to blocks where there are too many.
+/// Writes them as JSON; the format is that of view_data.js. Boundaries that are too large for a page lose triangles
+/// away from the contact, the inside is cells joined to blocks where there are too many.
 ViewData view_data(const ViewParts& parts);
 
-/// The largest values and where they are, for those who do not see the pictures.
+/// Says the largest values and where they are, for those who do not see the pictures.
 std::string result_in_words(const Results& results);
 
 }  // namespace cgcontact

@@ -99,7 +99,7 @@ function zoomBy(factor, x, y) {
 const zoneCentre = (zone) => [0, 1, 2].map((k) => (zone.low[k] + zone.high[k]) / 2);
 const zoneSize = (zone) => Math.hypot(...zone.low.map((l, k) => zone.high[k] - l)) / 2 / radius;
 
-/* A look at a zone: opened in its middle, or from the side of the scene that it reaches. */
+/* Looks at a zone: opened in its middle, or from the side of the scene that it reaches. */
 function showZone(index) {
   const zone = data.pairs[index].zone, eye = [...data.eye], across = [0, 1, 2].filter((k) => k !== zone.axis);
   showBodies(() => true);

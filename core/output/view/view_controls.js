@@ -1,4 +1,4 @@
-/* What the reader changes, by controls, keys, pointer; the start. */
+/* Changes by the reader: controls, keys, pointer; the start. */
 
 // ---- Changes ----
 
@@ -374,7 +374,7 @@ function start() {
   openOnZone();
 }
 
-/* Of a contact that is small against the bodies one would see a dot. */
+/* Opens on the contact where one would see a dot of it else. */
 function openOnZone() {
   const zones = data.pairs.map((pair, k) => k).filter((k) => data.pairs[k].zone);
   if (!zones.length || !zones.every((k) => zoneSize(data.pairs[k].zone) < SMALL_ZONE)) return;

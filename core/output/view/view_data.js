@@ -1,6 +1,6 @@
-/* What the view shows: the data that core/output/view/output_view.cpp writes, as bodies and fields. The files of this
- folder are one script, in the order of cmake/View.cmake. Lengths of the scene are made units of its half diagonal;
- values stay in SI. */
+/* Data of the view, which core/output/view/output_view.cpp writes, as bodies and fields. The files of this folder are
+   one script, in the order of cmake/View.cmake. Lengths of the scene are made units of its half diagonal; values stay
+   in SI. */
 
 const find = (id) => document.getElementById("view-" + id);
 const ABOVE = [0.82, 0.12, 0.78];  // colour of values above the bar

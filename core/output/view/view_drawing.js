@@ -84,7 +84,7 @@ function kindTexture(list) {
   return texture(bytes, THREE.NearestFilter);
 }
 
-/* What all materials share is one object each, so that a change reaches all of them. */
+/* Uniforms that all materials share: a change reaches all of them. */
 const shared = {
   factor: {value: 0},
   range: {value: new THREE.Vector2(0, 1)},
@@ -174,7 +174,7 @@ function makeBody(body) {
 
 const dark = () => matchMedia("(prefers-color-scheme: dark)").matches;
 
-/* A plane of the scene as it is in a mirrored copy's own axes. */
+/* Turns the section's plane into a mirrored copy's own axes. */
 function planeIn(copy) {
   const plane = shared.plane.value, n = new THREE.Vector3(plane.x, plane.y, plane.z);
   const inverse = new THREE.Matrix4().getInverse(copy), origin = new THREE.Vector3().applyMatrix4(inverse);
@@ -291,7 +291,7 @@ function capOf(body, plane) {
   return {x, u, values: flat("value", 1), geometry: geometryOf(x, u, flat("value", 1), normals)};
 }
 
-/* Of the inside of a body, by point or by block; neither: the field is one of the boundary, or of another step. */
+/* Values inside of a body, by point or by block; neither: the field is one of the boundary, or of another step. */
 function insideValues(body) {
   const field = state.field, inside = body.inside;
   if (field.at === "kind" && field.id === "bodies")
@@ -336,7 +336,7 @@ function movedPoint(body, p) {
       body.X[i + 2] + state.factor * body.U[i + 2] + body.shift.z);
 }
 
-/* Whether a direction leads out of the body: arrows start on the face then, else they end there. */
+/* Tells whether a direction leads out of the body: arrows start on the face then, else they end there. */
 function pulls(face, f, direction) {
   if (face.normal === undefined) {
     const body = face.spread.body, normals = body.geometry.attributes.normal.array;

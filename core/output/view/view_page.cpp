@@ -29,7 +29,7 @@ OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR
 */
 )";
 
-/// A script that is XML as well.
+/// Writes a script that is XML as well.
 std::string script(const std::string& text) { return "<script>//<![CDATA[\n" + text + "\n//]]></script>\n"; }
 
 }  // namespace

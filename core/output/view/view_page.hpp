@@ -16,12 +16,12 @@ struct ViewData {
 /// Bytes of the pictures on a page beside a view, so that it stays below 5 MB.
 constexpr std::size_t pictures_beside_view = 1400000;
 
-/// Whether the program was built with the library three.js (Debian's libjs-three).
+/// Tells whether the program was built with the library three.js (Debian's libjs-three).
 bool has_view_library();
 
-/// The section's content, well-formed XML; the scripts come with it.
+/// Writes the section's content, well-formed XML; the scripts come with it.
 std::string view_content(const ViewData& data);
-/// Empty where there is no view.
+/// Style sheet of the view; empty where there is none.
 std::string view_style(const ViewData& data);
 
 }  // namespace cgcontact

@@ -84,7 +84,7 @@ function isCutAway(x) {
 
 const extremes = () => (state.extremes = state.extremes || extremesOfField());
 
-/* Whether something is drawn before a point; while the view turns that is not asked. */
+/* Tells whether something is drawn before a point; while the view turns that is not asked. */
 function isBehind(x) {
   if (state.turning) return false;
   const hit = pick(...toScreen(x));
@@ -121,7 +121,7 @@ function labelNames() {
     });
 }
 
-/* Of the triangles of a face, in the mean. */
+/* Tells whether any triangle of a face does. */
 function facesViewer(body, face) {
   const eye = camera.getWorldDirection(new THREE.Vector3()).negate(), normals = body.geometry.attributes.normal.array;
   let sum = 0;
@@ -233,7 +233,7 @@ function pickCopy(body, copy, ray) {
   return hits;
 }
 
-/* What is seen at a point of the picture (pixels); null: nothing. */
+/* Finds what is seen at a point of the picture (pixels); null: nothing. */
 function pick(left, top) {
   const x = (2 * left) / canvas.clientWidth - 1, y = 1 - (2 * top) / canvas.clientHeight;
   camera.updateMatrixWorld();

@@ -30,7 +30,7 @@ std::string from_base64(const std::string& text) {
   return bytes;
 }
 
-/// As view.js does it.
+/// Unpacks as view_data.js does.
 std::vector<double> unpacked(const std::vector<double>& low, const std::vector<double>& step, const std::string& data) {
   const std::string bytes = from_base64(data);
   std::vector<double> values;
@@ -75,7 +75,7 @@ Sym3 stress_at(const Vec3& x) {
   return s;
 }
 
-/// A body with linear fields.
+/// Body with linear fields.
 struct Body {
   CutCells cells;
   BodyFields fields;
@@ -188,7 +188,7 @@ TEST(view, neighbours_of_cells_of_two_sizes_share_whole_edges) {
   BodyFields fields;
   fields.cut_cells = &cells;
   DrawnBody drawn = draw_body(fields);
-  // A point in the middle of an edge of the first triangle divides what lies beyond, not the triangle itself.
+  // Points hang: the middle of an edge of the first triangle divides what lies beyond, not the triangle itself.
   const std::array<int, 3> first = drawn.mesh.boundary[0].points;
   const int middle = static_cast<int>(drawn.position.size());
   drawn.position.push_back((drawn.position[first[0]] + drawn.position[first[1]]) / 2);
