@@ -14,8 +14,8 @@ namespace cgcontact {
 
 namespace {
 
-/// Sizes of a block: nearer to a zone than so many it is not joined with others.
-constexpr double near_zone = 2;
+/// Sizes of a block: nearer to a zone than so many it is not joined with others. The next one where too many stay.
+constexpr double nearness[] = {2, 1, 0.5, 0};
 /// Levels of blocks above the largest cells.
 constexpr int levels_above = 6;
 
@@ -44,8 +44,12 @@ struct Block {
 
 class Blocks {
  public:
-  Blocks(const BodyFields& body, std::vector<SceneBox> zones)
-      : body_(body), cells_(*body.cut_cells), zones_(std::move(zones)), flat_axis_(cells_.grid.plane_strain) {
+  Blocks(const BodyFields& body, const std::vector<SceneBox>& zones, double near_zone)
+      : body_(body),
+        cells_(*body.cut_cells),
+        zones_(zones),
+        near_zone_(near_zone),
+        flat_axis_(cells_.grid.plane_strain) {
     if (!cells_.grid.is_quadtree()) flat_axis_ = -1;
     for (int c = 0; c < static_cast<int>(cells_.cells.size()); ++c) {
       Block block;
@@ -75,7 +79,7 @@ class Blocks {
         cells_.grid.to_global(std::ldexp(1.0, -level) * (Vec3(place[0], place[1], place[2]) + Vec3::Constant(0.5)));
     return std::any_of(zones_.begin(), zones_.end(), [&](const SceneBox& zone) {
       const Vec3 outside = (zone.low - middle).cwiseMax(middle - zone.high).cwiseMax(0);
-      return outside.norm() < near_zone * size;
+      return outside.norm() < near_zone_ * size;
     });
   }
 
@@ -135,7 +139,8 @@ class Blocks {
 
   const BodyFields& body_;
   const CutCells& cells_;
-  const std::vector<SceneBox> zones_;
+  const std::vector<SceneBox>& zones_;
+  const double near_zone_;
   int flat_axis_;
   std::map<int, std::vector<Block>> waiting_;  ///< by level
   std::vector<Block> done_;
@@ -204,8 +209,11 @@ class Corners {
 }  // namespace
 
 SampledCells sample_cells(const BodyFields& body, const std::vector<SceneBox>& zones, std::size_t most) {
-  std::vector<Block> blocks = Blocks(body, zones).reduce(most);
-  if (blocks.size() > most) blocks = Blocks(body, {}).reduce(most);
+  std::vector<Block> blocks;
+  for (const double near_zone : nearness) {
+    blocks = Blocks(body, zones, near_zone).reduce(most);
+    if (blocks.size() <= most) break;
+  }
   std::sort(blocks.begin(), blocks.end(),
             [](const Block& a, const Block& b) { return a.cell_of_corner[0] < b.cell_of_corner[0]; });
   SampledCells sampled;

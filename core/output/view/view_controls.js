@@ -31,6 +31,7 @@ function refresh() {
 }
 
 function setSection(section) {
+  if (section && Math.abs(section.place) < ROUNDING * extent[section.axis]) section.place = 0;
   state.section = section;
   shared.clipped.value = section ? 1 : 0;
   find("axis").value = section ? String(section.axis) : "";

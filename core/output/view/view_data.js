@@ -10,6 +10,7 @@ const CODE_NONE = 65535;           // the same, packed
 const SMALL_ZONE = 0.2;            // of the scene's diagonal: the view opens on a smaller zone
 const BESIDE = 0.05;               // of its extent: a zone so near to a side of the scene reaches it
 const BEHIND = 0.01;               // of half the scene's diagonal: a point so far behind what is drawn is not seen
+const ROUNDING = 1e-9;             // of what is largest: less is shown as 0
 const REST = 150;                  // ms without change, until what takes time is told anew
 const DISTANCE = 20;               // of the camera; the scene, also apart and mirrored, is well within
 

@@ -102,10 +102,10 @@ function labelExtremes() {
         most.place ? drawnPlace(most.body, most.place) : {x: movedPoint(most.body, most.point), onBoundary: true};
     const away = most.place ? isCutAway(toView(most.place)) :
                               isCutAway(new THREE.Vector3(...most.body.X.slice(3 * most.point, 3 * most.point + 3)));
+    const rounding = ROUNDING * Math.max(Math.abs(state.low), Math.abs(state.high));
+    const value = Math.abs(most.value) < rounding ? 0 : most.value;
     const remark = away ? ", cut away" : !at.onBoundary ? ", inside" : isBehind(at.x) ? ", behind" : "";
-    label(
-        word + " " + shown(plainValue(most.value), state.field.unit) + remark, at.x,
-        remark ? "point inside" : "point");
+    label(word + " " + shown(plainValue(value), state.field.unit) + remark, at.x, remark ? "point inside" : "point");
   });
 }
 
