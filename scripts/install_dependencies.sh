@@ -13,6 +13,7 @@ set -euo pipefail
 # trilinos-all-dev: its component packages refer to each other in their CMake files and do not configure alone.
 # libocct-data-exchange-dev: OpenCASCADE, for CAD files; brings its other packages.
 # pybind11-dev, python3-dev, python3-numpy: the Python module.
+# libjs-three: the view of report.html.
 # libptscotch-dev: Trilinos names its libraries to the linker, but does not depend on it.
 packages=(
   g++ make cmake ninja-build
@@ -20,11 +21,12 @@ packages=(
   libtomlplusplus-dev libmuparser-dev libcli11-dev nlohmann-json3-dev libfmt-dev libcgal-dev libocct-data-exchange-dev
   libgtest-dev libbenchmark-dev
   pybind11-dev python3-dev python3-numpy
-  gnuplot-nox
+  gnuplot-nox libjs-three
 )
 for option in "$@"; do
   case "$option" in
-    --test) packages+=(ccache python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio groff-base) ;;
+    --test) packages+=(ccache python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio groff-base
+      chromium chromium-driver python3-selenium) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;
     --fuzz) packages+=(clang-14 libclang-rt-14-dev) ;;

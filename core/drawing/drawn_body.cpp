@@ -168,6 +168,11 @@ double volume_of_cell(const CutCells& cut_cells, int cell) {
   return cut_cells.volume_fraction(cell) * (grid.is_quadtree() ? h * h * grid.thickness : std::pow(h, 3));
 }
 
+double stress_error(const BodyFields& body, int cell) {
+  if (body.rigid) return 0;
+  return body.error_of_cell[cell] * std::sqrt(body.material.youngs_modulus / volume_of_cell(*body.cut_cells, cell));
+}
+
 namespace {
 
 /// Interior points whose values are in memory at a time: 5 MB.

@@ -34,6 +34,8 @@ void each_interior_block(const DrawnBody& drawn, const std::function<void(int fi
 
 /// Of the material in an active cell, m^3; on a quadtree for the body's thickness.
 double volume_of_cell(const CutCells& cut_cells, int cell);
+/// The estimated error of the stress in an active cell: the uniaxial stress of the error's energy, Pa.
+double stress_error(const BodyFields& body, int cell);
 
 DrawnBody draw_body(const BodyFields& fields);
 std::vector<DrawnBody> draw_bodies(const Results& results);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "core/drawing/cut_open.hpp"
 
@@ -14,6 +13,8 @@ namespace {
 constexpr double inside_fraction = 0.15;
 /// Of its own extent: a zone that is so near to a side of the scene reaches it.
 constexpr double beside = 0.05;
+/// Of the largest pressure: a zone ends here, as in the pressure map.
+constexpr double zone_end = 0.01;
 
 SceneBox bounds(const std::vector<DrawnBody>& bodies) {
   SceneBox box;
@@ -47,13 +48,15 @@ int find_thin_axis(const Results& results, const SceneBox& box) {
 /// Stress-weighted area that faces the viewer.
 double visible_stress(const std::vector<DrawnBody>& bodies, const Vec3& eye) {
   double sum = 0;
-  for (const DrawnBody& body : bodies)
+  for (const DrawnBody& body : bodies) {
+    if (body.stress.empty()) continue;
     for (const BoundaryTriangle& triangle : body.mesh.boundary) {
       const auto& t = triangle.points;
       const Vec3& a = body.position[t[0]];
       const double area = (body.position[t[1]] - a).cross(body.position[t[2]] - a).dot(eye);
       if (area > 0) sum += area * von_mises(body.stress[t[0]]);
     }
+  }
   return sum;
 }
 
@@ -124,11 +127,8 @@ SceneCut cut_towards(const ContactPlace& place, const Vec3& eye) {
 
 }  // namespace
 
-SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies) {
+SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody>& bodies) {
   SceneView view;
-  const bool complete =
-      std::all_of(bodies.begin(), bodies.end(), [](const DrawnBody& body) { return !body.stress.empty(); });
-  if (bodies.empty() || !complete) return view;
   view.box = bounds(bodies);
   view.thin_axis = find_thin_axis(results, view.box);
   if (view.thin_axis >= 0) {
@@ -140,6 +140,14 @@ SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bo
       view.opened = true;
     }
   }
+  return view;
+}
+
+SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies) {
+  const bool complete =
+      std::all_of(bodies.begin(), bodies.end(), [](const DrawnBody& body) { return !body.stress.empty(); });
+  if (bodies.empty() || !complete) return {};
+  SceneView view = direction_to_scene(results, bodies);
   view.shown = shown_in(view, bodies);
   return view;
 }
@@ -149,6 +157,22 @@ std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBo
   for (const DrawnBody& body : bodies)
     shown.push_back(view.opened ? cut_open(body, view.cut.corner, view.cut.directions) : boundary_of(body));
   return shown;
+}
+
+std::optional<ContactZoneBox> zone_of_pair(const Results& results, int pair) {
+  const double most = results.pairs[pair].max_pressure;
+  if (!(most > 0)) return std::nullopt;
+  ContactZoneBox zone;
+  Vec3 normal = Vec3::Zero();
+  for (const ContactRow& row : results.contact_rows) {
+    if (row.pair != pair || !(row.pressure_sprc > zone_end * most)) continue;
+    zone.box.add(row.x);
+    normal += row.weight * row.normal.cwiseAbs();
+    if (results.bodies[row.body].name == results.pairs[pair].body_first) zone.normal += row.weight * row.normal;
+  }
+  if (!(zone.box.extent().maxCoeff() > 0)) return std::nullopt;
+  normal.maxCoeff(&zone.axis);
+  return zone;
 }
 
 SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/drawing/drawn_body.hpp"
@@ -39,14 +40,21 @@ struct SceneView {
 /// the corner that shows the most stress, cut open where the contact lies inside.
 SceneView look_at_scene(const Results& results, const std::vector<DrawnBody>& bodies);
 
+/// Chooses the same without what is shown: from where, and where it would be opened.
+SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody>& bodies);
+
 /// SceneView::shown of the same bodies with other fields.
 std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBody>& bodies);
 
 /// Where a pair is pressed.
 struct ContactZoneBox {
   SceneBox box;
-  int axis = 2;  ///< coordinate axis nearest to its normal
+  int axis = 2;                ///< coordinate axis nearest to its normal
+  Vec3 normal = Vec3::Zero();  ///< of the first body, outward, integrated: near zero where it goes all round
 };
+
+/// None: nothing is pressed.
+std::optional<ContactZoneBox> zone_of_pair(const Results& results, int pair);
 
 /// The same scene for a look at a contact zone: from a side of the scene that the zone reaches, else cut open in the
 /// middle of the zone.

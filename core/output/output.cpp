@@ -33,6 +33,7 @@
 #include "core/output/output_sections.hpp"
 #include "core/output/output_steps.hpp"
 #include "core/output/output_vtk.hpp"
+#include "core/output/view/output_view.hpp"
 #include "core/program/interruption.hpp"
 
 namespace cgcontact {
@@ -233,6 +234,8 @@ bool extremes_by_ranks_alone(const Scene& scene) {
   return num_ranks() > 1 && !scene.output.vtk && !scene.output.plots && scene.steps.empty();
 }
 
+bool wants_view(const Scene& scene) { return scene.output.report && scene.output.plots && scene.output.view; }
+
 /// All files but the two reports. The pictures are begun first: gnuplot draws while the other files are written.
 /// `steps`: with all steps, or none.
 /// `fields_elsewhere`: another rank writes the files of fields.
@@ -256,8 +259,11 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
   std::optional<SceneView> view;
   if (scene.output.vtk || scene.output.plots) {
     const ContactSurface surface = make_contact_surface(results, drawn);
+    std::optional<DrawnFaces> faces;
+    if (scene.output.plots && knows_contact_of_points(results))
+      faces = find_faces(scene, checked_bodies(results), drawn);
     const auto draw = [&] {  // what needs a drawing of its own first: the view, which is large, stays
-      if (knows_contact_of_points(results)) parts.faces = draw_conditions(scene, checked_bodies(results), drawn, runs);
+      if (faces) parts.faces = draw_conditions(scene, checked_bodies(results), drawn, *faces, runs);
       parts.pressure_maps = write_pressure_maps(results, surface, runs);
       SceneView& scene_view = view.emplace(look_at_scene(results, drawn));
       write_picture(results, drawn, scene_view, runs);
@@ -269,7 +275,11 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
       if (task == 0 && scene.output.plots) draw();
       if (task == 1 && scene.output.vtk && !fields_elsewhere) write_fields(results, drawn, surface, temporary.path());
     });
+    if (wants_view(scene) && has_view_library())
+      parts.view = view_data({results, drawn, surface, faces ? &*faces : nullptr, &scene,
+                              steps ? steps->boundary_fields() : std::vector<ViewStep>{}});
   }
+  parts.view.wanted = wants_view(scene);
   if (steps && view) parts.steps = steps->draw(results.title, *view, runs);
   if (steps) steps->finish();
   parts.warnings = runs.finish();
@@ -404,7 +414,10 @@ void ResultWriter::finish(Results& results, const Scene& scene, const std::vecto
   std::sort(files.begin(), files.end());
   results.times_s.emplace_back("output",
                                std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  if (scene.output.report) write_text(temporary.file("report.html"), page(results, parts));
+  if (scene.output.report) {
+    parts.beside = pictures_for_view(parts);
+    write_text(temporary.file("report.html"), page(results, parts));
+  }
   write_report(results, files, parts.warnings, temporary.file("report.json"));
   uninterrupted([&] {
     replace(temporary.path(), parts_->target, old);

@@ -66,10 +66,10 @@ Rgb colour_of(Role role, int k) {
 struct Drawing {
   const Scene& scene;
   const std::vector<CheckedBody>& bodies;
-  const MarkedFaces& faces;
-  const std::vector<DrawnBody>& drawn;               ///< boundaries at least
-  std::vector<std::vector<int>> region_of_triangle;  ///< by body
-  std::vector<Rgb> region_colours;
+  const std::vector<FaceRegion>& regions;
+  const std::vector<DrawnBody>& drawn;                      ///< boundaries at least
+  const std::vector<std::vector<int>>& region_of_triangle;  ///< by body
+  const std::vector<Rgb>& region_colours;
   std::string folder;  ///< of gnuplot's data
 };
 
@@ -133,57 +133,17 @@ void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const
                   tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
 }
 
-/// Mean prescribed displacement in global axes, zero where there is none, or both ways (a rotation).
-Vec3 prescribed(const FaceRegion& region) {
-  Vec3 u = Vec3::Zero();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double low = region.low_displacement[k], high = region.high_displacement[k];
-    if (low <= high && (low >= 0 || high <= 0)) u[static_cast<Eigen::Index>(k)] = (low + high) / 2;
-  }
-  return u;
-}
-
 /// Numbers of the faces that can be seen, arrows for loads and prescribed displacements.
 void add_marks(const Drawing& drawing, const Panel& view, const RenderedImage& image, Sheet& sheet) {
   for (const auto& [region, spot] : roomiest_pixels(image)) {
-    if (region >= static_cast<int>(drawing.faces.regions().size())) continue;
-    const FaceRegion& face = drawing.faces.regions()[region];
+    if (region >= static_cast<int>(drawing.regions.size())) continue;
+    const FaceRegion& face = drawing.regions[region];
     if (spot.room >= room_for_number)
       sheet.label(std::to_string(region + 1), view.left + spot.x, view.bottom + spot.y,
                   "center front boxed font ',13'");
     if (face.force.norm() > 0) add_arrow(view, spot, face.force, "#a00010", sheet);
     if (prescribed(face).norm() > 0) add_arrow(view, spot, prescribed(face), "#103a90", sheet);
   }
-}
-
-/// What holds on a face, in words.
-std::string conditions(const Scene& scene, const FaceRegion& region) {
-  std::string text;
-  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
-  for (int c : region.contacts) add("contact " + scene.contacts[c].name);
-  if (region.symmetry) add("symmetry");
-  if (region.elastic) add("springs");
-  for (std::size_t k = 0; k < num_held; ++k) {
-    const char* const name = name_of(static_cast<Held>(k));
-    const double low = region.low_displacement[k], high = region.high_displacement[k];
-    if (low > high) continue;
-    const DisplayUnit unit = length_unit(std::max(std::abs(low), std::abs(high)));
-    if (low == 0 && high == 0)
-      add(fmt::format("held: {} = 0", name));
-    else
-      add(fmt::format("moved: {} = {}{}", name, low == high ? "" : short_number(low * unit.factor) + " .. ",
-                      in_unit(high, unit)));
-  }
-  if (!region.loads.empty()) {
-    const Vec3& f = region.force;
-    const DisplayUnit unit = force_unit(f.norm());
-    Vec3 shown = f * unit.factor;
-    for (double& c : shown)
-      if (std::abs(c) < 1e-9 * shown.norm()) c = 0;
-    add(fmt::format("load ({}, {}, {}) {}", short_number(shown[0]), short_number(shown[1]), short_number(shown[2]),
-                    unit.name));
-  }
-  return text.empty() ? "free" : text;
 }
 
 /// Active cell that holds a point of a body's grid, and the level of the leaf there; -1: none.
@@ -281,8 +241,7 @@ void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
                                                 grouped(static_cast<long long>(cells.active_of_cut.size()))));
   }
   std::set<int> contacts;
-  for (const FaceRegion& region : drawing.faces.regions())
-    contacts.insert(region.contacts.begin(), region.contacts.end());
+  for (const FaceRegion& region : drawing.regions) contacts.insert(region.contacts.begin(), region.contacts.end());
   for (int c : contacts) {
     const ContactSpec& contact = drawing.scene.contacts[c];
     legend.words(fmt::format("contact {}: {} and {}", contact.name, drawing.scene.bodies[contact.first.body].name,
@@ -305,7 +264,7 @@ void add_faces(const Drawing& drawing, std::size_t b, double bottom, Sheet& shee
     const int r = region(body, i);
     return r < 0 ? unknown_face : drawing.region_colours[r];
   };
-  const int none = static_cast<int>(drawing.faces.regions().size());
+  const int none = static_cast<int>(drawing.regions.size());
   const auto part = [&](std::size_t body, std::size_t i) { return region(body, i) < 0 ? none : region(body, i); };
   sheet.heading(drawing.scene.bodies[b].name, bottom);
   add_views(drawing, {b}, bottom, fmt::format("body{}", b), colour, part, true, sheet);
@@ -320,8 +279,8 @@ void add_body(const Drawing& drawing, std::size_t b, double bottom, Sheet& sheet
   sheet.add_panel(slice, draw_slice(*drawing.bodies[b].cut_cells), name + "_slice",
                   "slice through the grid: full cells blue, cut cells orange", drawing.folder);
   Legend legend(gap + 3.0 * (panel + gap), bottom + panel - 10, bottom, sheet);
-  for (std::size_t r = 0; r < drawing.faces.regions().size(); ++r) {
-    const FaceRegion& face = drawing.faces.regions()[r];
+  for (std::size_t r = 0; r < drawing.regions.size(); ++r) {
+    const FaceRegion& face = drawing.regions[r];
     if (face.body != static_cast<int>(b)) continue;
     legend.entry(drawing.region_colours[r],
                  fmt::format("{}  {}: {} ({})", r + 1, face.name, conditions(drawing.scene, face),
@@ -388,35 +347,20 @@ std::vector<DrawnBody> draw_boundaries(const std::vector<CheckedBody>& bodies) {
   return drawn;
 }
 
-/// Ties the triangles of drawn bodies to the regions of the boundary.
-Drawing make_drawing(const Scene& scene, const std::vector<CheckedBody>& bodies, const MarkedFaces& faces,
-                     const std::vector<DrawnBody>& drawn) {
-  Drawing drawing{scene, bodies, faces, drawn, std::vector<std::vector<int>>(bodies.size()), {}, ""};
-  parallel_for("cgcontact::output_check::regions", bodies.size(), 1, [&](std::size_t b) {
-    drawing.region_of_triangle[b] = regions_of_triangles(faces, static_cast<int>(b), drawn[b], *bodies[b].cut_cells);
-  });
-  std::map<std::pair<int, Role>, int> shades;
-  for (const FaceRegion& region : faces.regions()) {
-    const Role role = role_of(region);
-    drawing.region_colours.push_back(colour_of(role, shades[{region.body, role}]++));
-  }
-  return drawing;
-}
-
 /// A cell array over all triangles; first(region) gives the value.
 template <class First>
 BoundaryArray region_array(const Drawing& drawing, const std::string& name, const std::string& names,
                            const First& first) {
   BoundaryArray array{name, names, {}};
   for (const std::vector<int>& regions : drawing.region_of_triangle)
-    for (int r : regions) array.values.push_back(r < 0 ? -1 : first(r, drawing.faces.regions()[r]));
+    for (int r : regions) array.values.push_back(r < 0 ? -1 : first(r, drawing.regions[r]));
   return array;
 }
 
 void write_faces(const Drawing& drawing, const std::string& file_name) {
   std::string names;
-  for (std::size_t r = 0; r < drawing.faces.regions().size(); ++r)
-    names += fmt::format("{}{} {}", r ? ", " : "", r + 1, drawing.faces.regions()[r].name);
+  for (std::size_t r = 0; r < drawing.regions.size(); ++r)
+    names += fmt::format("{}{} {}", r ? ", " : "", r + 1, drawing.regions[r].name);
   const auto first = [](const std::vector<int>& list) { return list.empty() ? -1 : list.front(); };
   write_vtk_boundary(
       drawing.drawn,
@@ -454,15 +398,72 @@ class Workshop {
 
 }  // namespace
 
-std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
-                                           const std::vector<DrawnBody>& drawn, GnuplotRuns& runs) {
+DrawnFaces find_faces(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::vector<DrawnBody>& drawn) {
   const MarkedFaces faces(scene, bodies);
-  Drawing drawing = make_drawing(scene, bodies, faces, drawn);
-  drawing.folder = runs.directory() + "/plots";
+  DrawnFaces found{faces.regions(), std::vector<std::vector<int>>(bodies.size()), {}};
+  parallel_for("cgcontact::output_check::regions", bodies.size(), 1, [&](std::size_t b) {
+    found.region_of_triangle[b] = regions_of_triangles(faces, static_cast<int>(b), drawn[b], *bodies[b].cut_cells);
+  });
+  std::map<std::pair<int, Role>, int> shades;
+  for (const FaceRegion& region : found.regions) {
+    const Role role = role_of(region);
+    found.colours.push_back(colour_of(role, shades[{region.body, role}]++));
+  }
+  return found;
+}
+
+const char* role_name(const FaceRegion& region) {
+  constexpr const char* names[] = {"free", "support", "load", "contact"};
+  return names[static_cast<int>(role_of(region))];
+}
+
+Vec3 prescribed(const FaceRegion& region) {
+  Vec3 u = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double low = region.low_displacement[k], high = region.high_displacement[k];
+    if (low <= high && (low >= 0 || high <= 0)) u[static_cast<Eigen::Index>(k)] = (low + high) / 2;
+  }
+  return u;
+}
+
+std::string conditions(const Scene& scene, const FaceRegion& region) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  for (int c : region.contacts) add("contact " + scene.contacts[c].name);
+  if (region.symmetry) add("symmetry");
+  if (region.elastic) add("springs");
+  for (std::size_t k = 0; k < num_held; ++k) {
+    const char* const name = name_of(static_cast<Held>(k));
+    const double low = region.low_displacement[k], high = region.high_displacement[k];
+    if (low > high) continue;
+    const DisplayUnit unit = length_unit(std::max(std::abs(low), std::abs(high)));
+    if (low == 0 && high == 0)
+      add(fmt::format("held: {} = 0", name));
+    else
+      add(fmt::format("moved: {} = {}{}", name, low == high ? "" : short_number(low * unit.factor) + " .. ",
+                      in_unit(high, unit)));
+  }
+  if (!region.loads.empty()) {
+    const Vec3& f = region.force;
+    const DisplayUnit unit = force_unit(f.norm());
+    Vec3 shown = f * unit.factor;
+    for (double& c : shown)
+      if (std::abs(c) < 1e-9 * shown.norm()) c = 0;
+    add(fmt::format("load ({}, {}, {}) {}", short_number(shown[0]), short_number(shown[1]), short_number(shown[2]),
+                    unit.name));
+  }
+  return text.empty() ? "free" : text;
+}
+
+std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
+                                           const std::vector<DrawnBody>& drawn, const DrawnFaces& found,
+                                           GnuplotRuns& runs) {
+  const Drawing drawing{
+      scene, bodies, found.regions, drawn, found.region_of_triangle, found.colours, runs.directory() + "/plots"};
   runs.start("conditions", conditions_script(drawing), {"conditions.png"});
   std::vector<ConditionFace> list;
-  for (std::size_t r = 0; r < faces.regions().size(); ++r) {
-    const FaceRegion& face = faces.regions()[r];
+  for (std::size_t r = 0; r < found.regions.size(); ++r) {
+    const FaceRegion& face = found.regions[r];
     if (role_of(face) != Role::free)
       list.push_back({static_cast<int>(r) + 1, face.name, conditions(scene, face), face.area});
   }
@@ -471,10 +472,15 @@ std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector
 
 CheckFiles write_check(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::string& directory) try {
   const Workshop workshop(directory);
-  const MarkedFaces faces(scene, bodies);
   const std::vector<DrawnBody> drawn = draw_boundaries(bodies);
-  Drawing drawing = make_drawing(scene, bodies, faces, drawn);
-  drawing.folder = (workshop.path() / "plots").string();
+  const DrawnFaces found = find_faces(scene, bodies, drawn);
+  const Drawing drawing{scene,
+                        bodies,
+                        found.regions,
+                        drawn,
+                        found.region_of_triangle,
+                        found.colours,
+                        (workshop.path() / "plots").string()};
   GnuplotRuns runs(workshop.path().string());
   runs.start("check", script(drawing), {"check.png"});
   const std::string repairs = draw_repairs(scene, runs);

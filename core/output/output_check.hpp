@@ -7,6 +7,7 @@
 #include "core/drawing/drawn_body.hpp"
 #include "core/drawing/marked_faces.hpp"
 #include "core/output/output_gnuplot.hpp"
+#include "core/output/picture_sheet.hpp"
 
 namespace cgcontact {
 
@@ -31,9 +32,25 @@ struct ConditionFace {
   double area = 0;              ///< m^2
 };
 
+/// The faces of drawn bodies: what they are and which triangles they have.
+struct DrawnFaces {
+  std::vector<FaceRegion> regions;
+  std::vector<std::vector<int>> region_of_triangle;  ///< by body; -1: none
+  std::vector<Rgb> colours;                          ///< of the regions: of what holds there
+};
+DrawnFaces find_faces(const Scene& scene, const std::vector<CheckedBody>& bodies, const std::vector<DrawnBody>& drawn);
+
+/// "free", "support", "load", "contact": what decides the colour of a region.
+const char* role_name(const FaceRegion& region);
+/// Says the same in words with its values.
+std::string conditions(const Scene& scene, const FaceRegion& region);
+/// Mean prescribed displacement in global axes, zero where there is none, or both ways (a rotation).
+Vec3 prescribed(const FaceRegion& region);
+
 /// Starts conditions.png: each body from two sides, its faces numbered and coloured by what holds there, with arrows
 /// for loads and prescribed motions. `drawn`: the same bodies. Returns the faces on which something holds.
 std::vector<ConditionFace> draw_conditions(const Scene& scene, const std::vector<CheckedBody>& bodies,
-                                           const std::vector<DrawnBody>& drawn, GnuplotRuns& runs);
+                                           const std::vector<DrawnBody>& drawn, const DrawnFaces& found,
+                                           GnuplotRuns& runs);
 
 }  // namespace cgcontact

@@ -20,8 +20,6 @@ namespace {
 constexpr int side = 520, bar_room = 130, title_room = 44, line_room = 30;
 /// Bodies in the legend.
 constexpr std::size_t most_bodies = 8;
-/// Of the largest pressure: a zone ends here, as in the pressure map.
-constexpr double zone_end = 0.01;
 /// Side of the view of the zone over the zone's.
 constexpr double zone_view = 2.2;
 /// A zone whose view takes so much of the scene's gets none of its own.
@@ -40,17 +38,7 @@ std::optional<ContactZoneBox> pressed_zone(const Results& results) {
       largest = force;
       pair = static_cast<int>(k);
     }
-  if (pair < 0 || !(results.pairs[pair].max_pressure > 0)) return std::nullopt;
-  ContactZoneBox zone;
-  Vec3 normal = Vec3::Zero();
-  for (const ContactRow& row : results.contact_rows) {
-    if (row.pair != pair || !(row.pressure_sprc > zone_end * results.pairs[pair].max_pressure)) continue;
-    zone.box.add(row.x);
-    normal += row.weight * row.normal.cwiseAbs();
-  }
-  if (!(zone.box.extent().maxCoeff() > 0)) return std::nullopt;
-  normal.maxCoeff(&zone.axis);
-  return zone;
+  return pair < 0 ? std::nullopt : zone_of_pair(results, pair);
 }
 
 std::vector<Vec3> positions_of(const std::vector<DrawnBody>& bodies) {
@@ -118,7 +106,7 @@ CellColour colours_of_sizes(const Results& results) {
   };
 }
 
-/// The estimated error of the stress in each cell: the uniaxial stress of the error's energy, Pa.
+/// The estimated error of the stress in each cell, Pa.
 struct StressErrors {
   std::vector<std::vector<double>> of_body;
   double low = 0, high = 0;  ///< range of the colours
@@ -135,9 +123,7 @@ std::optional<StressErrors> stress_errors(const Results& results) {
     if (body.error_of_cell.size() != cells.cells.size()) return std::nullopt;
     std::vector<double>& values = errors.of_body.emplace_back();
     for (std::size_t c = 0; c < cells.cells.size(); ++c) {
-      const int cell = static_cast<int>(c);
-      const double volume = volume_of_cell(cells, cell);
-      values.push_back(body.rigid ? 0 : body.error_of_cell[c] * std::sqrt(body.material.youngs_modulus / volume));
+      values.push_back(stress_error(body, static_cast<int>(c)));
       if (values.back() > 0 && std::isfinite(values.back())) all.push_back(values.back());
     }
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <map>
 #include <numeric>
 
 #include "core/base/text.hpp"
@@ -14,6 +15,7 @@
 #include "core/output/output_page_style.hpp"
 #include "core/output/output_plots.hpp"
 #include "core/output/output_probes.hpp"
+#include "core/output/view/output_view.hpp"
 
 namespace cgcontact {
 
@@ -158,9 +160,10 @@ std::string bar(double fraction, const std::string& style = "bar") {
 }
 
 /// The picture itself as data; empty if the file is missing.
-std::string picture(const std::string& directory, const std::string& file, const std::string& description,
+std::string picture(const PageParts& parts, const std::string& file, const std::string& description,
                     const std::string& caption) {
-  const std::filesystem::path path = std::filesystem::path(directory) / file;
+  if (parts.beside.count(file)) return note("The view above shows this; " + file + " lies beside the page.");
+  const std::filesystem::path path = std::filesystem::path(parts.directory) / file;
   if (file.empty() || !std::filesystem::exists(path)) return "";
   const char* const type = path.extension() == ".svg" ? "svg+xml" : "png";
   return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"/>", html_text(description), type,
@@ -342,7 +345,7 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
                    ". Each solve has smaller cells where the estimates of the one before asked for them; the figures, "
                    "pictures and files are those of the last one.") +
          table(heads, rows) +
-         picture(parts.directory, "accuracy.svg", "Estimated errors and time over the unknowns of the solves",
+         picture(parts, "accuracy.svg", "Estimated errors and time over the unknowns of the solves",
                  "The errors are estimates; a target is the dashed line in the colour of its error. The change of the "
                  "pressure since the solve before tells how far to trust them.");
 }
@@ -465,7 +468,7 @@ std::string conditions_section(const Results& results, const PageParts& parts) {
   if (!fits.empty())
     text += "<h3>Interferences</h3>\n" + table({"Pair", "Amount", "Given as", "Resultant of the pressure"}, fits);
   const std::string shown =
-      picture(parts.directory, "conditions.png", "Faces of the bodies, numbered, in the colour of what holds there",
+      picture(parts, "conditions.png", "Faces of the bodies, numbered, in the colour of what holds there",
               "Each body from above in front and from below behind.");
   if (shown.empty()) return text;
   std::vector<std::string> faces;
@@ -479,6 +482,9 @@ constexpr double seconds_per_picture = 0.8;
 
 /// The pictures of the steps one after the other, without a script: they lie on the last one and are seen in turn.
 std::string film(const PageParts& parts) {
+  if (!parts.steps.empty() && parts.beside.count(parts.steps.front()))
+    return note("The view above shows the steps as a film; their pictures, " + parts.steps.front() + " to " +
+                parts.steps.back() + ", lie beside this page.");
   std::string images;
   for (std::size_t k = 0; k < parts.steps.size(); ++k) {
     const std::filesystem::path path = std::filesystem::path(parts.directory) / parts.steps[k];
@@ -521,9 +527,8 @@ std::string steps_section(const Results& results, const PageParts& parts) {
   return table({"Step", "loads times", "displacements times", "interference times", "Pair", "Force", "Max. pressure",
                 "Area"},
                rows) +
-         picture(parts.directory, "steps.svg", "Force, area and largest pressure over the steps", "") +
-         picture(parts.directory, "force_displacement.svg", "Contact force over the largest displacement", "") +
-         film(parts);
+         picture(parts, "steps.svg", "Force, area and largest pressure over the steps", "") +
+         picture(parts, "force_displacement.svg", "Contact force over the largest displacement", "") + film(parts);
 }
 
 std::string probes_section(const Results& results, const PageParts& parts) {
@@ -541,7 +546,7 @@ std::string probes_section(const Results& results, const PageParts& parts) {
                      cell(count(static_cast<long long>(probe.points))) +
                      cell(count(static_cast<long long>(probe.outside))));
     }
-    pictures += picture(parts.directory, probe_picture(probe), "Values along the probe " + probe.name, "");
+    pictures += picture(parts, probe_picture(probe), "Values along the probe " + probe.name, "");
   }
   if (rows.empty()) return "";
   return table({"Probe", "Field", "Smallest", "Largest", "Points", "of them outside"}, rows) + pictures +
@@ -551,14 +556,16 @@ std::string probes_section(const Results& results, const PageParts& parts) {
 std::string sections_section(const PageParts& parts) {
   std::string text;
   for (const auto& [name, file] : parts.sections)
-    text += picture(parts.directory, file, "Section " + name, "Section " + html_text(name) + ", undeformed.");
+    text += picture(parts, file, "Section " + name, "Section " + html_text(name) + ", undeformed.");
   return text;
 }
 
 std::string maps_section(const Results& results, const PageParts& parts) {
   std::string text;
   for (const PressureMap& map : parts.pressure_maps)
-    text += picture(parts.directory, map.file, "Contact pressure of " + results.pairs[map.pair].name,
+    text += picture(parts, map.file,
+                    "Contact pressure of " + results.pairs[map.pair].name + ": at most " +
+                        scaled(results.pairs[map.pair].max_pressure, "Pa"),
                     html_text(map.caption));
   if (!text.empty() && parts.pressure_maps.size() < results.pairs.size())
     text += note(fmt::format("Shown are the {} pairs with the largest forces of {}; all are in contact.vtkhdf.",
@@ -570,11 +577,11 @@ std::string profile_section(const Results& results, const PageParts& parts) {
   std::string text;
   const std::string from = results.path_from_largest ? "The line follows the face through the largest pressure. " : "";
   for (std::size_t pair = 0; pair < results.pairs.size(); ++pair)
-    text += picture(parts.directory, path_picture(pair), "Contact pressure along the path",
+    text += picture(parts, path_picture(pair), "Contact pressure along the path",
                     fmt::format("{}The pressure \"{}\" is the result; the raw finite element stress and the plain "
                                 "recovery (SPR) show what it gains.",
                                 from, name_of_pressure(results.pairs[pair].pressure_on_face)));
-  text += picture(parts.directory, "stress_error.svg", "Error of the stress on the contact face",
+  text += picture(parts, "stress_error.svg", "Error of the stress on the contact face",
                   "Error of the whole stress tensor against the scene's reference.");
   return text;
 }
@@ -825,6 +832,25 @@ std::string reproduce_section(const Results& results, const PageParts& parts) {
 
 }  // namespace
 
+std::set<std::string> pictures_for_view(const PageParts& parts) {
+  std::set<std::string> beside;
+  if (parts.view.json.empty()) return beside;
+  std::map<std::string, std::uintmax_t> sizes;
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(parts.directory))
+    if (const auto type = entry.path().extension(); type == ".png" || type == ".svg")
+      bytes += sizes[entry.path().filename().string()] = entry.file_size();
+  const auto leave = [&](const std::string& file) {
+    if (sizes.count(file) && beside.insert(file).second) bytes -= sizes[file];
+  };
+  if (bytes > pictures_beside_view)
+    for (const std::string& step : parts.steps) leave(step);
+  if (bytes > pictures_beside_view) leave("conditions.png");
+  for (std::size_t k = parts.pressure_maps.size(); bytes > pictures_beside_view && k-- > 1;)
+    leave(parts.pressure_maps[k].file);
+  return beside;
+}
+
 std::string page(const Results& results, const PageParts& parts) {
   std::vector<std::string> warnings = results.warnings;
   warnings.insert(warnings.end(), parts.warnings.begin(), parts.warnings.end());
@@ -832,12 +858,14 @@ std::string page(const Results& results, const PageParts& parts) {
   std::string text = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n";
   text += "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n";
   text += "<title>" + title + " – cgcontact</title>\n<style>\n" + page_style + film_style(parts.steps.size()) +
-          "</style>\n</head>\n<body>\n";
+          view_style(parts.view) + "</style>\n</head>\n<body>\n";
   text += "<header><h1>" + title + "</h1>\n" + note("Scene " + html_text(results.scene_file)) + "</header>\n<main>\n";
   text += "<section id=\"verdict\">\n" + verdict(results, warnings) + tiles(results) + "</section>\n";
   text += section("reliability", "How accurate is this?", reliability(results));
   text += section("accuracy", "The way to the accuracy", accuracy_section(results, parts));
-  text += section("picture", "Deformed bodies", picture(parts.directory, "scene.png", "Deformed bodies", ""));
+  text += section("view", "The result in three dimensions", view_content(parts.view));
+  text += section("picture", "Deformed bodies",
+                  picture(parts, "scene.png", "Deformed bodies: " + result_in_words(results), ""));
   text += section("maxima", "Largest values", maxima_section(results));
   text += section("contact", "Contact", pairs_section(results));
   text += section("steps", "Steps", steps_section(results, parts));
@@ -848,8 +876,7 @@ std::string page(const Results& results, const PageParts& parts) {
   text += section("reference", "Against the reference", reference_section(results));
   text += section("conditions", "Supports, loads and interferences", conditions_section(results, parts));
   text += section("balance", "Forces", balance_section(results));
-  text +=
-      section("grid", "The final grid", picture(parts.directory, "grid.png", "The cells of the bodies", grid_caption));
+  text += section("grid", "The final grid", picture(parts, "grid.png", "The cells of the bodies", grid_caption));
   text += section("bodies", "Bodies and where the error is", bodies_section(results));
   text += section("convergence", "Convergence", convergence_section(results));
   text += section("recovery", "Recovery of the stress", recovery_section(results));

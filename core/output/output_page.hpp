@@ -1,12 +1,14 @@
 /// report.html: the results of a run on one page for people, with all pictures inside.
 #pragma once
 
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/output/output_check.hpp"
 #include "core/output/output_pressure_map.hpp"
+#include "core/output/view/view_page.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
@@ -20,9 +22,16 @@ struct PageParts {
   std::vector<std::string> steps;                             ///< pictures
   std::vector<std::string> warnings;                          ///< those of the output
   std::vector<std::string> files;                             ///< of the result directory
+  ViewData view;                                              ///< to turn; empty: none
+  std::set<std::string> beside;                               ///< pictures that the page leaves to the view
 };
 
-/// A whole page in HTML 5 that is well-formed XML too, without scripts and without references to anything outside.
+/// Names those with which the page would be too large to be mailed and of which the view shows the same: pictures of
+/// steps, then of faces with what holds there, then maps of the pressure from the last one on; the first stays.
+std::set<std::string> pictures_for_view(const PageParts& parts);
+
+/// A whole page in HTML 5 that is well-formed XML too, without references to anything outside. The only scripts are
+/// those of the view; without them everything else is there.
 /// Figures are `data value="..."` elements with the value in SI; what differs between two runs of the same scene
 /// (times, memory, date, command) has the class "run".
 std::string page(const Results& results, const PageParts& parts);

@@ -289,13 +289,17 @@ std::optional<Vec3> place_of_largest(const Results& results, const std::vector<D
 
 }  // namespace
 
+double picture_exaggeration(const Results& results, const SceneBox& box) {
+  return choose_exaggeration(largest_displacement(results), box);
+}
+
 void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, GnuplotRuns& runs) {
   if (scene.shown.empty()) return;
   View view;
   view.box = scene.box;
   view.camera = scene.camera;
   view.thin_axis = scene.thin_axis;
-  view.exaggeration = choose_exaggeration(largest_displacement(results), view.box);
+  view.exaggeration = picture_exaggeration(results, view.box);
   std::vector<DrawnBody>& drawn = scene.shown;
   draw_fits_closed(results, view.exaggeration, drawn);
   if (const double end = end_of_colours(drawn); end > 0) view.high = end;

@@ -12,6 +12,9 @@
 
 namespace cgcontact {
 
+/// Factor by which the pictures multiply displacements, so that they are seen; 1: to scale.
+double picture_exaggeration(const Results& results, const SceneBox& box);
+
 /// `scene`: look_at_scene of the bodies; the displacements of what it shows become those of the picture, with fits
 /// drawn closed. Needs the folder plots of the result directory.
 void write_picture(const Results& results, const std::vector<DrawnBody>& bodies, SceneView& scene, GnuplotRuns& runs);

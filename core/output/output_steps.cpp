@@ -81,6 +81,19 @@ std::vector<std::string> StepFields::draw(const std::string& title, const SceneV
       runs);
 }
 
+std::vector<ViewStep> StepFields::boundary_fields() {
+  std::vector<ViewStep> steps;
+  if (!vtk_) return steps;
+  std::vector<DrawnBody> bodies = drawn_;
+  for (const StepLook& look : looks_) {
+    vtk_->read(look.number, bodies);
+    ViewStep& step = steps.emplace_back();
+    step.number = look.number;
+    for (DrawnBody& body : bodies) step.bodies.push_back(std::move(static_cast<PointValues&>(body)));
+  }
+  return steps;
+}
+
 void StepFields::finish() {
   if (vtk_) vtk_->finish();
 }

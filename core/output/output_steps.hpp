@@ -9,6 +9,7 @@
 #include "core/output/output_gnuplot.hpp"
 #include "core/output/output_picture.hpp"
 #include "core/output/output_vtk.hpp"
+#include "core/output/view/output_view.hpp"
 
 namespace cgcontact {
 
@@ -25,6 +26,8 @@ class StepFields {
   const std::vector<double>& largest_displacements() const { return largest_; }
   /// Pictures step_K.png; returns their names.
   std::vector<std::string> draw(const std::string& title, const SceneView& scene, GnuplotRuns& runs);
+  /// Reads the fields of the steps that have a picture, at the boundary points; none without the file.
+  std::vector<ViewStep> boundary_fields();
   /// Ends the file.
   void finish();
 

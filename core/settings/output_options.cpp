@@ -10,6 +10,7 @@ std::vector<Setting> OutputOptions::settings() {
           {"csv", &csv},
           {"plots", &plots},
           {"report", &report},
+          {"view", &view},
           {"path", &path, {}, {}, "through the largest pressure"}};
 }
 

@@ -11,6 +11,7 @@ struct OutputOptions {
   bool csv = true;               ///< contact.csv
   bool plots = true;             ///< pictures
   bool report = true;            ///< report.html
+  bool view = true;              ///< with plots: the view to turn in it
   std::optional<PathEnds> path;  ///< along which the pressure is drawn; none: through the largest pressure
 
   std::vector<Setting> settings();

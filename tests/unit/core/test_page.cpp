@@ -85,6 +85,34 @@ TEST(page, texts_of_the_scene_are_escaped) {
   EXPECT_TRUE(has(text, safe));
 }
 
+TEST(page, large_pictures_that_the_view_shows_lie_beside_it) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "cgcontact-test-page-view";
+  std::filesystem::create_directories(folder);
+  const auto write = [&](const std::string& file, std::size_t bytes) {
+    write_text((folder / file).string(), std::string(bytes, 'x'));
+  };
+  PageParts parts;
+  parts.directory = folder.string();
+  parts.steps = {"step_1.png", "step_2.png"};
+  parts.pressure_maps = {{0, "pressure_map.png", ""}, {0, "pressure_map_2.png", ""}};
+  for (const char* file : {"step_1.png", "step_2.png", "pressure_map.png", "pressure_map_2.png", "conditions.png"})
+    write(file, pictures_beside_view / 4);
+  EXPECT_TRUE(pictures_for_view(parts).empty());  // no view
+  parts.view.json = "{}";
+  EXPECT_EQ(pictures_for_view(parts), (std::set<std::string>{"step_1.png", "step_2.png"}));
+  write("conditions.png", pictures_beside_view);
+  EXPECT_EQ(pictures_for_view(parts), (std::set<std::string>{"step_1.png", "step_2.png", "conditions.png"}));
+  write("pressure_map.png", pictures_beside_view);
+  parts.beside = pictures_for_view(parts);
+  EXPECT_EQ(parts.beside, (std::set<std::string>{"step_1.png", "step_2.png", "conditions.png", "pressure_map_2.png"}));
+  Results results = small_results();
+  results.steps.resize(2);
+  const std::string text = page(results, parts);
+  EXPECT_TRUE(has(text, "their pictures, step_1.png to step_2.png, lie beside this page"));
+  EXPECT_TRUE(has(text, "conditions.png lies beside the page"));
+  std::filesystem::remove_all(folder);
+}
+
 TEST(page, nothing_outside_is_referred_to) {
   const std::filesystem::path folder = std::filesystem::temp_directory_path() / "cgcontact-test-page";
   std::filesystem::create_directories(folder);

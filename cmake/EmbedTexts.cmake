@@ -1,0 +1,22 @@
+# cmake -DTEXTS="name=file,file;..." -DOUTPUT=source.cpp -P EmbedTexts.cmake: files, one after the other, as constants of
+# core/output/view/view_assets.hpp. The texts are for the inside of script elements that are CDATA
+# too: what would end either is made harmless or refused.
+set(source "#include \"core/output/view/view_assets.hpp\"\n\nnamespace cgcontact {\n\n")
+foreach(text ${TEXTS})
+  string(REGEX MATCH "^([^=]*)=(.*)$" ignored "${text}")
+  set(name ${CMAKE_MATCH_1})
+  string(REPLACE "," ";" files "${CMAKE_MATCH_2}")
+  set(content "")
+  foreach(file ${files})
+    file(READ "${file}" part)
+    string(APPEND content "${part}")
+  endforeach()
+  string(REPLACE "]]>" "]] >" content "${content}")
+  string(TOLOWER "${content}" lower)
+  string(FIND "${lower}" "</script" at)
+  if(NOT at EQUAL -1)
+    message(FATAL_ERROR "${files} hold </script, which would end the script of the page")
+  endif()
+  string(APPEND source "const char* const ${name} = R\"embedded_text(${content})embedded_text\";\n\n")
+endforeach()
+file(WRITE "${OUTPUT}" "${source}}  // namespace cgcontact\n")

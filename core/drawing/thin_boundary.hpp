@@ -1,0 +1,17 @@
+/// The boundary of drawn bodies with fewer triangles away from the contact, for where all of them are too many.
+#pragma once
+
+#include <vector>
+
+#include "core/drawing/conforming_boundary.hpp"
+#include "core/drawing/scene_view.hpp"
+
+namespace cgcontact {
+
+/// By body, at most about `most` triangles in all. Points within a cube of a lattice become one of them, wherever they
+/// lie on the same surfaces; corners, edges and what is near the zones stay as they are. So values and places are those
+/// of the drawn body, and a boundary that was closed is closed. Few triangles come as conforming_boundary has them.
+std::vector<std::vector<ThinTriangle>> thin_boundaries(const std::vector<DrawnBody>& bodies,
+                                                       const std::vector<SceneBox>& zones, std::size_t most);
+
+}  // namespace cgcontact

@@ -1,0 +1,290 @@
+/* Data of the view, which core/output/view/output_view.cpp writes, as bodies and fields. The files of this folder are
+   one script, in the order of cmake/View.cmake. Lengths of the scene are made units of its half diagonal; values stay
+   in SI. */
+
+const find = (id) => document.getElementById("view-" + id);
+const ABOVE = [0.82, 0.12, 0.78];  // colour of values above the bar
+const BELOW = [0.1, 0.1, 0.22];    // and below it
+const NOTHING = 1e30;              // a value that is none, for the shader
+const CODE_NONE = 65535;           // the same, packed
+const SMALL_ZONE = 0.2;            // of the scene's diagonal: the view opens on a smaller zone
+const BESIDE = 0.05;               // of its extent: a zone so near to a side of the scene reaches it
+const BEHIND = 0.01;               // of half the scene's diagonal: a point so far behind what is drawn is not seen
+const ROUNDING = 1e-9;             // of what is largest: less is shown as 0
+const REST = 150;                  // ms without change, until what takes time is told anew
+const DISTANCE = 20;               // of the camera; the scene, also apart and mirrored, is well within
+
+// ---- Unpacking ----
+
+function bytesOf(text) {
+  const letters = atob(text), bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = letters.charCodeAt(i);
+  return bytes;
+}
+
+/* Rows of 16-bit numbers as values; NaN where there is none. */
+function unpack(packed) {
+  if (!packed) return null;
+  const bytes = bytesOf(packed.data), columns = packed.low.length, values = new Float64Array(bytes.length / 2);
+  for (let i = 0; i < values.length; ++i) {
+    const code = bytes[2 * i] + 256 * bytes[2 * i + 1], k = i % columns;
+    values[i] = code === CODE_NONE ? NaN : packed.low[k] + packed.step[k] * code;
+  }
+  return values;
+}
+
+function varints(text) {
+  const bytes = bytesOf(text), numbers = [];
+  for (let i = 0; i < bytes.length; ++i) {
+    let number = 0, shift = 0;
+    for (; bytes[i] & 128; ++i, shift += 7) number |= (bytes[i] & 127) << shift;
+    numbers.push(number | (bytes[i] << shift));
+  }
+  return numbers;
+}
+
+/* Each number is a distance below the lowest point not used before. */
+function unpackCorners(text) {
+  let next = 0;
+  return Uint32Array.from(varints(text), (far) => {
+    if (far === 0) return next++;
+    return next - far;
+  });
+}
+
+function unpackAscending(text) {
+  let last = 0;
+  return varints(text).map((step) => (last += step));
+}
+
+// ---- The bodies ----
+
+const data = JSON.parse(find("data").textContent);
+const bounds = {
+  low: [Infinity, Infinity, Infinity],
+  high: [-Infinity, -Infinity, -Infinity]
+};
+
+function readBody(packed, index) {
+  const body =
+      {index: index, name: packed.name, colour: packed.colour, visible: true, extremes: packed.extremes || {}};
+  body.place = unpack(packed.position);
+  body.displacement = unpack(packed.displacement);
+  body.stress = unpack(packed.stress);
+  body.corners = unpackCorners(packed.triangles);
+  body.count = body.corners.length / 3;
+  body.error = unpack(packed.error);
+  body.status = packed.status ? bytesOf(packed.status) : null;
+  readGroups(packed, body);
+  readContact(packed, body);
+  body.inside = readInside(packed.inside);
+  for (let i = 0; i < body.place.length; ++i) {
+    bounds.low[i % 3] = Math.min(bounds.low[i % 3], body.place[i]);
+    bounds.high[i % 3] = Math.max(bounds.high[i % 3], body.place[i]);
+  }
+  return body;
+}
+
+function readGroups(packed, body) {
+  body.surface = new Int32Array(body.count);
+  body.face = new Int32Array(body.count);
+  body.pair = new Int32Array(body.count);
+  body.closed = new Uint8Array(body.count);
+  let t = 0;
+  packed.groups.forEach(([surface, face, pair, closed, count]) => {
+    for (const end = t + count; t < end; ++t) {
+      body.surface[t] = surface;
+      body.face[t] = face;
+      body.pair[t] = pair;
+      body.closed[t] = closed;
+    }
+  });
+}
+
+function readContact(packed, body) {
+  if (!packed.contact) return;
+  const points = unpackAscending(packed.contact.points), values = unpack(packed.contact.values);
+  body.contact = new Float64Array(packed.points * 3).fill(NaN);
+  points.forEach((point, i) => {
+    for (let k = 0; k < 3; ++k) body.contact[3 * point + k] = values[3 * i + k];
+  });
+}
+
+function readInside(packed) {
+  const inside = {place: unpack(packed.position), displacement: unpack(packed.displacement)};
+  inside.stress = unpack(packed.stress);
+  inside.blocks = unpackCorners(packed.blocks);
+  inside.error = unpack(packed.error);
+  inside.status = packed.status ? bytesOf(packed.status) : null;
+  return inside;
+}
+
+const bodies = data.bodies.map(readBody);
+const middle = [0, 1, 2].map((k) => (bounds.low[k] + bounds.high[k]) / 2);
+const extent = [0, 1, 2].map((k) => bounds.high[k] - bounds.low[k]);
+const radius = Math.hypot(...extent) / 2 || 1;
+const steps = data.steps.map(
+    (step) => ({
+      number: step.number,
+      bodies: step.bodies.map((b) => ({displacement: unpack(b.displacement), stress: unpack(b.stress)})),
+    }));
+const lastStep = steps.length - 1;
+
+const toView = (x) =>
+    new THREE.Vector3((x[0] - middle[0]) / radius, (x[1] - middle[1]) / radius, (x[2] - middle[2]) / radius);
+
+function scaledPlaces(places, moved) {
+  const scaled = new Float32Array(places.length);
+  for (let i = 0; i < scaled.length; ++i) scaled[i] = (places[i] - (moved ? 0 : middle[i % 3])) / radius || 0;
+  return scaled;
+}
+
+bodies.forEach((body) => {
+  body.X = scaledPlaces(body.place, false);
+  body.U = body.displacement ? scaledPlaces(body.displacement, true) : new Float32Array(body.X.length);
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < body.X.length; ++i) {
+    low[i % 3] = Math.min(low[i % 3], body.X[i]);
+    high[i % 3] = Math.max(high[i % 3], body.X[i]);
+  }
+  body.centre = new THREE.Vector3(...low.map((l, k) => (l + high[k]) / 2));
+  body.shift = new THREE.Vector3();
+  body.inside.X = scaledPlaces(body.inside.place, false);
+  body.inside.U =
+      body.inside.displacement ? scaledPlaces(body.inside.displacement, true) : new Float32Array(body.inside.X.length);
+});
+
+// ---- Fields ----
+
+function vonMises(s, i) {
+  const a = s[i] - s[i + 1], b = s[i + 1] - s[i + 2], c = s[i + 2] - s[i];
+  return Math.sqrt((a * a + b * b + c * c) / 2 + 3 * (s[i + 3] ** 2 + s[i + 4] ** 2 + s[i + 5] ** 2));
+}
+
+/* Principal stresses, largest first; components xx, yy, zz, xy, yz, zx. */
+function principal(s, i) {
+  const [xx, yy, zz, xy, yz, zx] = [s[i], s[i + 1], s[i + 2], s[i + 3], s[i + 4], s[i + 5]];
+  const mean = (xx + yy + zz) / 3, a = xx - mean, b = yy - mean, c = zz - mean;
+  const size = Math.sqrt((a * a + b * b + c * c + 2 * (xy * xy + yz * yz + zx * zx)) / 6);
+  if (!(size > 0)) return [mean, mean, mean];
+  const det = (a * (b * c - yz * yz) - xy * (xy * c - yz * zx) + zx * (xy * yz - b * zx)) / size ** 3;
+  const angle = Math.acos(Math.max(-1, Math.min(1, det / 2))) / 3;
+  const first = mean + 2 * size * Math.cos(angle), third = mean + 2 * size * Math.cos(angle + (2 * Math.PI) / 3);
+  return [first, 3 * mean - first - third, third];
+}
+
+const stressField = (id, name, of) =>
+    ({id, name, unit: "Pa", at: "point", needs: "stress", of: (o, p) => of(o.stress, 6 * p)});
+const moveField = (id, name, of) =>
+    ({id, name, unit: "m", at: "point", needs: "displacement", of: (o, p) => of(o.displacement, 3 * p)});
+const contactField = (id, name, unit, k) =>
+    ({id, name, unit, at: "contact", needs: "contact", of: (o, p) => o.contact[3 * p + k]});
+
+const fields = [
+  stressField("von_mises", "von Mises stress", vonMises),
+  stressField(
+      "tresca", "Tresca stress",
+      (s, i) => {
+        const p = principal(s, i);
+        return p[0] - p[2];
+      }),
+  stressField("principal_1", "largest principal stress", (s, i) => principal(s, i)[0]),
+  stressField("principal_2", "middle principal stress", (s, i) => principal(s, i)[1]),
+  stressField("principal_3", "smallest principal stress", (s, i) => principal(s, i)[2]),
+  ...["xx", "yy", "zz", "xy", "yz", "zx"].map(
+      (name, k) => stressField("stress_" + name, "stress " + name, (s, i) => s[i + k])),
+  moveField("displacement", "displacement", (u, i) => Math.hypot(u[i], u[i + 1], u[i + 2])),
+  ...["x", "y", "z"].map((name, k) => moveField("displacement_" + name, "displacement " + name, (u, i) => u[i + k])),
+  contactField("pressure", "contact pressure", "Pa", 1),
+  contactField("gap", "contact gap", "m", 0),
+  contactField("pressure_error", "estimated error of the contact pressure", "Pa", 2),
+  {
+    id: "error",
+    name: "estimated error of the stress (of a cell)",
+    unit: "Pa",
+    at: "cell",
+    needs: "error",
+    logarithmic: true
+  },
+  {id: "status", name: "status of the patches", at: "kind", needs: "status"},
+  {id: "closed", name: "contact: closed, open", at: "kind", needs: "contact"},
+  {id: "role", name: "supports, loads, contact", at: "kind"},
+  {id: "bodies", name: "bodies", at: "kind"},
+].filter((field) => !field.needs || bodies.some((body) => body[field.needs]));
+
+const kindColours = ["#4e9a51", "#e9b44c", "#c8553d", "#8f5fa8", "#3d7ea6", "#d98cb3", "#7a6a58", "#2f9e94"];
+
+/* Index into kinds() of a triangle, or -1. */
+function kindOf(field, body, triangle) {
+  if (field.id === "status") return body.status ? body.status[triangle] : -1;
+  if (field.id === "closed") return body.pair[triangle] < 0 ? -1 : body.closed[triangle] ? 0 : 1;
+  if (field.id === "role") return body.face[triangle];
+  return body.index;
+}
+
+function kinds(field) {
+  if (field.id === "status") return data.status_names.map((name, k) => ({name, colour: kindColours[k % 8]}));
+  if (field.id === "closed") return [{name: "closed", colour: "#c8553d"}, {name: "open", colour: "#7fb2d9"}];
+  if (field.id === "role") return data.faces;
+  return bodies;
+}
+
+/* Steps before the last one have displacements and stresses only. */
+const isOfStep = (field) => state.step === lastStep || field.at === "point" || !field.needs;
+
+/* Value of a field at point p of a boundary (or inside), NaN: none. */
+function pointValue(field, owner, p) {
+  return owner[field.needs] ? field.of(owner, p) : NaN;
+}
+
+/* Values of a boundary's corners (three for each triangle) as the shader gets them. */
+function cornerValues(body, field) {
+  const values = new Float32Array(3 * body.count).fill(NOTHING);
+  if (!isOfStep(field)) return values;
+  if (field.at === "point" || field.at === "contact") {
+    const points = new Float32Array(body.place.length / 3);
+    for (let p = 0; p < points.length; ++p) points[p] = pointValue(field, body, p);
+    for (let i = 0; i < values.length; ++i) {
+      if (field.at === "contact" && body.pair[(i / 3) | 0] < 0) continue;
+      const value = points[body.corners[i]];
+      if (!isNaN(value)) values[i] = value;
+    }
+    return values;
+  }
+  for (let t = 0; t < body.count; ++t) {
+    const value = field.at === "cell" ? (body.error ? body.error[t] : NaN) : kindOf(field, body, t);
+    if (!isNaN(value) && (field.at === "cell" || value >= 0)) values.fill(value, 3 * t, 3 * t + 3);
+  }
+  return values;
+}
+
+// ---- Numbers for people ----
+
+const UNITS = {
+  Pa: [[1e9, "GPa"], [1e6, "MPa"], [1e3, "kPa"], [1, "Pa"]],
+  m: [[1, "m"], [1e-3, "mm"], [1e-6, "µm"]]
+};
+
+function unitFor(kind, size) {
+  const list = UNITS[kind];
+  return list.find(([factor]) => size >= (kind === "m" && factor === 1 ? 1 : factor)) || list[list.length - 1];
+}
+
+function short(value, digits) {
+  if (!isFinite(value)) return "-";
+  const text = value.toPrecision(digits || 4);
+  return text.includes("e") ? String(Number(text)).replace("e+", "e") : String(Number(text));
+}
+
+function shown(value, kind, digits) {
+  if (!kind) return short(value, digits);
+  if (value === 0) return "0";
+  const [factor, name] = unitFor(kind, Math.abs(value));
+  return short(value / factor, digits) + " " + name;
+}
+
+function placeText(x) {
+  const size = Math.max(...bounds.low.map(Math.abs), ...bounds.high.map(Math.abs));
+  const [factor, name] = unitFor("m", size);
+  return "(" + x.map((c) => short(Math.abs(c) < 2e-5 * size ? 0 : c / factor, 5)).join(", ") + ") " + name;
+}
