@@ -375,12 +375,12 @@ Eigen::VectorXd solve_truncated(const DensePatch& p) {
   const Eigen::VectorXd norm = rows.rowwise().norm();
   rows = norm.cwiseInverse().asDiagonal() * rows;
   const SingularValues svd(rows, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const auto values = svd.singularValues().array();
+  const auto values = svd.values().array();
   const double least = RecoveryOptions{}.rank_tolerance_of(p.C.cols() % 60 == 0 ? 2 : 1) *  // 60 or 24 columns per body
                        values[0];
   const Eigen::VectorXd inverse = (values > least).select(values.inverse(), 0);
   const Eigen::VectorXd defect = (p.lambda - p.C * p.a).cwiseQuotient(norm);
-  return p.a + factor.matrixU().solve(svd.matrixV() * (inverse.asDiagonal() * (svd.matrixU().transpose() * defect)));
+  return p.a + factor.matrixU().solve(svd.right() * (inverse.asDiagonal() * (svd.left().transpose() * defect)));
 }
 
 /// Patches whose rows are independent (all ways to solve them give the same answer), or those with truncated ones.
