@@ -147,14 +147,23 @@ std::string zone_text(const Results& results) {
                                  results.pairs.size() > 1 ? shortened_name(most->name, 20) + ": " : "",
                                  name_of(zone.extent->shape), length(zone.extent->half_axes[0]),
                                  length(zone.extent->half_axes[1]), stress_text(zone.mean_pressure));
-  if (const double whole = zone.parts * zone.normal_force; zone.parts > 1)
-    text += fmt::format("; 1/{} of it is modelled, {} in all", zone.parts, in_unit(whole, force_unit(whole), 5));
   if (zone.hertz)
     text += fmt::format(
         "; Hertz: {}, p0 {}",
         zone.hertz->a ? length(*zone.hertz->a) + " x " + length(zone.hertz->b) : "half width " + length(zone.hertz->b),
         stress_text(zone.hertz->p0));
   return text;
+}
+
+/// The zone with the largest force of which planes of symmetry leave a part in the model; "" if there is none.
+std::string symmetry_text(const Results& results) {
+  const PairFigures* most = nullptr;
+  for (const PairFigures& pair : results.pairs)
+    if (pair.zone.parts > 1 && (!most || pair.zone.normal_force > most->zone.normal_force)) most = &pair;
+  if (!most) return "";
+  const double whole = most->zone.parts * most->zone.normal_force;
+  return fmt::format("1/{} of {} is modelled, {} in all", most->zone.parts, shortened_name(most->name, 20),
+                     in_unit(whole, force_unit(whole), 5));
 }
 
 std::string probes_text(const Results& results) {
@@ -329,6 +338,7 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   add("  iterations: ", iterations_text(results));
   if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
   if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
+  if (const std::string symmetry = symmetry_text(results); !symmetry.empty()) add("  symmetry:   ", symmetry);
   if (const std::string zone = zone_text(results); !zone.empty() && allowance.text_lines > 3)
     add("  zone:       ", zone);
   if (!results.extremes.empty()) add("  largest:    ", maxima_text(results));
