@@ -34,6 +34,28 @@ def browser():
     return webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
 
 
+BAR = """
+[[body]]
+name = "bar"
+shape = {box = {min = [1e6, 0, 0], max = [1000001, 1, 1]}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.21
+[[body]]
+name = "beside"
+shape = {box = {min = [1000001.5, 0, 0], max = [1000002.5, 1, 1]}}
+material = {E = 200e9, nu = 0.3}
+cell_size = 0.21
+""" + "".join(f"""
+[[support]]
+face = "{body}.{axis}-"
+symmetry = true
+""" for body in ("bar", "beside") for axis in "xyz") + "".join(f"""
+[[load]]
+face = "{body}.z+"
+pressure = 1e6
+""" for body in ("bar", "beside"))
+
+
 class Fields:
     """Points and von Mises stress of result.vtkhdf."""
 
@@ -269,6 +291,35 @@ class View(unittest.TestCase):
         self.assertFalse(self.browser.find_element(By.ID, "view-box").is_displayed())
         self.assertIn("pictures below", self.browser.find_element(By.ID, "view-none").text)
         self.assertTrue(all(image.get_attribute("alt") for image in self.browser.find_elements(By.TAG_NAME, "img")))
+
+    def test_uniform_and_far(self):
+        """Uniform pressure 1000 km from the origin: rounding gets no colours, places have enough digits, sections tell
+        kinds; a plane of symmetry between bodies mirrors nothing; a lost WebGL comes back."""
+        pathlib.Path("bar.toml").write_text(BAR)
+        self.run_scene("bar.toml")
+        self.open()
+        for field, low, high in (("von_mises", 0, 1e6), ("stress_zz", -1e6, 0), ("stress_xy", 0, 1e6)):
+            self.choose("field", field)
+            self.assertAlmostEqual(self.state()["low"], low, delta=1)
+            self.assertAlmostEqual(self.state()["high"], high, delta=1)
+        self.choose("axis", "0")
+        self.slide("place", "200")
+        self.told("section-name", lambda text: text == "x = 1000000.5 m")
+        self.choose("field", "bodies")
+        self.button("[data-look=x]")
+        self.button("#view-flip")
+        self.button("#view-flip")
+        self.press(Keys.ENTER)
+        self.assertEqual(self.script("return cgcontactView.picked().kind"), "bar")
+        self.told("readout", lambda text: "1000000.5, 0." in text)
+        self.choose("axis", "")
+        self.button("#view-mirror")
+        self.assertEqual(self.state()["copies"], 8)
+        before = self.colours()
+        self.script("window.lost = document.getElementById('view-canvas').getContext('webgl').getExtension('WEBGL_lose_context'); lost.loseContext()")
+        self.settle()
+        self.script("lost.restoreContext()")
+        WebDriverWait(self.browser, 10).until(lambda _: self.colours() > before / 2)
 
     def test_off(self):
         """output.view = false: a page without scripts."""

@@ -261,7 +261,7 @@ Json extremes_of_body(const Extremes& most) {
   json["principal_1"]["max"] = one(most.tension);
   json["principal_3"]["min"] = one(most.compression);
   json["displacement"]["max"] = one(most.displacement);
-  if (most.pressure) json["pressure"]["max"] = one(*most.pressure);
+  if (most.pressure && most.pressure->value > 0) json["pressure"]["max"] = one(*most.pressure);
   return json;
 }
 

@@ -205,11 +205,25 @@ function rangeOf(onlySeen) {
   return low <= high ? [low, high] : null;
 }
 
+/* The largest component of what a field is made of: beside it, less than its rounding is none. */
+function largestOf(field) {
+  if (field.at !== "point") return 0;
+  return bodies.reduce(
+      (largest, body) => (body[field.needs] || []).reduce((most, v) => Math.max(most, Math.abs(v) || 0), largest), 0);
+}
+
 function setRange(range) {
   let [low, high] = range || [0, 1];
-  if (!state.field.logarithmic && low > 0 && low < 0.3 * high) low = 0;
-  if (state.field.logarithmic) low = Math.max(low, high - 4);  // four decades
-  if (!(high > low)) high = low + (Math.abs(low) || 1);
+  if (state.field.logarithmic) {
+    low = Math.max(low, high - 4);  // four decades
+    if (!(high > low)) high = low + 1;
+  } else {
+    const rounding = ROUNDING * state.largest;
+    [low, high] = [low, high].map((end) => (Math.abs(end) <= rounding ? 0 : end));
+    if (high - low <= ALIKE * Math.max(-low, high)) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+    if (low > 0 && low < 0.3 * high) low = 0;
+    if (!(high > low)) high = state.largest || 1;
+  }
   state.low = low;
   state.high = high;
   shared.range.value.set(low, high);

@@ -10,7 +10,8 @@ function setField(id) {
   const kind = field.at === "kind";
   if (shared.colours.value && shared.colours.value !== paletteTexture) shared.colours.value.dispose();
   shared.colours.value = kind ? kindTexture(kinds(field)) : paletteTexture;
-  if (kind) shared.range.value.set(0, 255);
+  shared.texels.value = shared.colours.value.image.width;
+  if (kind) shared.range.value.set(0, shared.texels.value - 1);
   shared.bands.value = !kind && find("bands").checked ? 10 : 0;
   refresh();
   if (state.zone >= 0)
@@ -22,6 +23,7 @@ function setField(id) {
 /* New values of the field: another field, another step. */
 function refresh() {
   state.extremes = null;
+  state.largest = largestOf(state.field);
   bodies.forEach((body) => {
     body.geometry.attributes.value.array.set(cornerValues(body, state.field));
     body.geometry.attributes.value.needsUpdate = true;
@@ -42,7 +44,7 @@ function setSection(section) {
     shared.plane.value.set(...n, section.side * place);
     find("place").value = (1000 * (section.place - bounds.low[section.axis])) / extent[section.axis];
     find("flip").checked = section.side < 0;
-    find("section-name").textContent = `${"xyz"[section.axis]} = ${shown(section.place, "m")}`;
+    find("section-name").textContent = `${"xyz"[section.axis]} = ${shown(section.place, "m", placeDigits())}`;
   } else
     find("section-name").textContent = "";
   build();
@@ -119,7 +121,7 @@ const centreOfBodies = () =>
 function mirror(on) {
   state.copies = [new THREE.Matrix4()];
   if (on)
-    data.symmetry.forEach(({point, normal}) => {
+    mirrors.forEach(({point, normal}) => {
       const n = new THREE.Vector3(...normal), d = n.dot(toView(point)), m = new THREE.Matrix4();
       m.set(
           1 - 2 * n.x * n.x, -2 * n.x * n.y, -2 * n.x * n.z, 2 * d * n.x, -2 * n.x * n.y, 1 - 2 * n.y * n.y,
@@ -214,7 +216,10 @@ function fillControls() {
     find("steps").hidden = false;
     find("step").max = lastStep;
   }
-  find("mirror-label").hidden = data.symmetry.length === 0;
+  find("mirror-label").hidden = mirrors.length === 0;
+  find("full").hidden = !document.fullscreenEnabled;
+  // Browsers would bring back what was set on the page before, without telling the view.
+  document.querySelectorAll("#view-box input, #view-box select").forEach((box) => (box.autocomplete = "off"));
 }
 
 function listen() {
@@ -262,6 +267,7 @@ function listen() {
   document.addEventListener("fullscreenchange", ask);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", ask);
   canvas.addEventListener("keydown", onKey);
+  canvas.addEventListener("webglcontextrestored", ask);
   listenToPointer();
 }
 

@@ -10,7 +10,10 @@ const CODE_NONE = 65535;           // the same, packed
 const SMALL_ZONE = 0.2;            // of the scene's diagonal: the view opens on a smaller zone
 const BESIDE = 0.05;               // of its extent: a zone so near to a side of the scene reaches it
 const BEHIND = 0.01;               // of half the scene's diagonal: a point so far behind what is drawn is not seen
-const ROUNDING = 1e-9;             // of what is largest: less is shown as 0
+const ROUNDING = 1e-7;             // of what is largest: less is shown as 0
+const ALIKE = 1e-4;                // of the larger one: values that differ by less are one colour
+const SAME_PLANE = 1e-4;           // of half the scene's diagonal: places are rounded
+const MOST_MIRRORS = 4;            // planes of symmetry: each doubles what is drawn
 const REST = 150;                  // ms without change, until what takes time is told anew
 const DISTANCE = 20;               // of the camera; the scene, also apart and mirrored, is well within
 
@@ -154,6 +157,17 @@ bodies.forEach((body) => {
       body.inside.displacement ? scaledPlaces(body.inside.displacement, true) : new Float32Array(body.inside.X.length);
 });
 
+/* Planes of symmetry at which the scene is mirrored: those with all bodies on one side. */
+const mirrors = data.symmetry
+                    .filter(({point, normal}) => bodies.every((body) => {
+                      for (let i = 0; i < body.place.length; i += 3) {
+                        const height = normal.reduce((sum, n, k) => sum + n * (body.place[i + k] - point[k]), 0);
+                        if (height > SAME_PLANE * radius) return false;
+                      }
+                      return true;
+                    }))
+                    .slice(0, MOST_MIRRORS);
+
 // ---- Fields ----
 
 function vonMises(s, i) {
@@ -286,5 +300,12 @@ function shown(value, kind, digits) {
 function placeText(x) {
   const size = Math.max(...bounds.low.map(Math.abs), ...bounds.high.map(Math.abs));
   const [factor, name] = unitFor("m", size);
-  return "(" + x.map((c) => short(Math.abs(c) < 2e-5 * size ? 0 : c / factor, 5)).join(", ") + ") " + name;
+  return "(" + x.map((c) => short(Math.abs(c) < 2e-5 * radius ? 0 : c / factor, placeDigits())).join(", ") + ") " +
+      name;
+}
+
+/* As many digits as tell places in the scene apart, also far from the origin. */
+function placeDigits() {
+  const size = Math.max(...bounds.low.map(Math.abs), ...bounds.high.map(Math.abs));
+  return 5 + Math.max(0, Math.min(10, Math.floor(Math.log10(size / (2 * radius)))));
 }

@@ -21,7 +21,7 @@ const FRAGMENT = `
   uniform vec2 range;
   uniform vec3 plain, above, below;
   uniform vec4 plane;
-  uniform float clipped, bands, opacity, flatness;
+  uniform float clipped, bands, opacity, flatness, texels;
   varying vec3 vNormal;
   varying vec3 vPlace;
   varying float vValue;
@@ -32,7 +32,7 @@ const FRAGMENT = `
     if (place < -0.0005) return below;
     place = clamp(place, 0.0, 1.0);
     if (bands > 0.0) place = (min(floor(place * bands), bands - 1.0) + 0.5) / bands;
-    return texture2D(colours, vec2(place * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb;
+    return texture2D(colours, vec2((place * (texels - 1.0) + 0.5) / texels, 0.5)).rgb;
   }
   void main() {
     if (clipped > 0.5 && dot(plane.xyz, vPlace) > plane.w) discard;
@@ -60,6 +60,7 @@ const state = {
   high: 1,
   copies: [new THREE.Matrix4()],
   marker: null,
+  largest: 0,
   ownFactor: false,
   turning: false,
   zone: -1,
@@ -77,10 +78,10 @@ function texture(bytes, filter) {
 
 const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.substr(i, 2), 16));
 
-/* Colours of kinds; more than 256 repeat. */
+/* Colours of kinds, two at least. */
 function kindTexture(list) {
-  const bytes = new Uint8Array(3 * 256);
-  for (let i = 0; i < 256; ++i) bytes.set(list.length ? rgb(list[i % list.length].colour) : [200, 200, 200], 3 * i);
+  const bytes = new Uint8Array(3 * Math.max(2, list.length)).fill(200);
+  list.forEach((kind, i) => bytes.set(rgb(kind.colour), 3 * i));
   return texture(bytes, THREE.NearestFilter);
 }
 
@@ -89,6 +90,7 @@ const shared = {
   factor: {value: 0},
   range: {value: new THREE.Vector2(0, 1)},
   colours: {value: null},
+  texels: {value: 256},
   bands: {value: 0},
   above: {value: new THREE.Vector3(...ABOVE)},
   below: {value: new THREE.Vector3(...BELOW)},

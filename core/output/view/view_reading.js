@@ -102,7 +102,7 @@ function labelExtremes() {
         most.place ? drawnPlace(most.body, most.place) : {x: movedPoint(most.body, most.point), onBoundary: true};
     const away = most.place ? isCutAway(toView(most.place)) :
                               isCutAway(new THREE.Vector3(...most.body.X.slice(3 * most.point, 3 * most.point + 3)));
-    const rounding = ROUNDING * Math.max(Math.abs(state.low), Math.abs(state.high));
+    const rounding = ROUNDING * Math.max(Math.abs(state.low), Math.abs(state.high), state.largest);
     const value = Math.abs(most.value) < rounding ? 0 : most.value;
     const remark = away ? ", cut away" : !at.onBoundary ? ", inside" : isBehind(at.x) ? ", behind" : "";
     label(word + " " + shown(plainValue(value), state.field.unit) + remark, at.x, remark ? "point inside" : "point");
@@ -267,7 +267,7 @@ function readHit(hit) {
   const face = hit.cap ? null : data.faces[hit.body.face[hit.triangle]];
   const read = {body: hit.body.name, face: face ? face.name : "", place, inside: Boolean(hit.cap), field: field.id};
   if (field.at === "kind") {
-    const kind = hit.cap ? undefined : kinds(field)[kindOf(field, hit.body, hit.triangle)];
+    const kind = kinds(field)[hit.cap ? hit.cap.values[3 * hit.triangle] : kindOf(field, hit.body, hit.triangle)];
     read.kind = kind ? (field.id === "role" ? kind.text : kind.name) : "";
   } else {
     const value = valueAt(field, hit);
