@@ -14,6 +14,7 @@ const ROUNDING = 1e-7;             // of what is largest: less is shown as 0
 const ALIKE = 1e-4;                // of the larger one: values that differ by less are one colour
 const SAME_PLANE = 1e-4;           // of half the scene's diagonal: places are rounded
 const MOST_MIRRORS = 4;            // planes of symmetry: each doubles what is drawn
+const LONGEST_LABEL = 60;          // letters
 const REST = 150;                  // ms without change, until what takes time is told anew
 const DISTANCE = 20;               // of the camera; the scene, also apart and mirrored, is well within
 

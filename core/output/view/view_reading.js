@@ -13,15 +13,19 @@ function toScreen(x) {
 function label(text, x, kind) {
   const [left, top] = toScreen(x);
   if (left < 0 || top < 0 || left > canvas.clientWidth || top > canvas.clientHeight) return;
+  if (text.length > LONGEST_LABEL) text = text.slice(0, LONGEST_LABEL - 1) + "…";
   const wide = 3.6 * text.length + 6;  // half of it
   if (kind === "middle" && plates.some((p) => Math.abs(p.left - left) < p.wide + wide && Math.abs(p.top - top) < 22))
     return;
-  plates.push({left, top, wide});
+  // So far to the side that the whole text is seen.
+  const aside = kind === "middle" ? 0 : Math.max(0, wide - left) - Math.max(0, left + wide - canvas.clientWidth);
+  plates.push({left: left + aside, top, wide});
   const plate = document.createElement("div");
   plate.className = "view-label " + (kind || "");
   plate.textContent = text;
   plate.style.left = left + "px";
   plate.style.top = top + "px";
+  plate.style.setProperty("--aside", aside + "px");
   find("labels").appendChild(plate);
 }
 
