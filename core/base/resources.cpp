@@ -116,7 +116,8 @@ void restart_with_openmp_settings(int threads, char** argv) {
     changed |= set_if_absent("OMP_PLACES", "threads");
   }
   changed |= set_if_absent("OPENBLAS_NUM_THREADS", "1");  // two runtimes whose threads wait busily share no CPUs
-  changed |= set_if_absent("MALLOC_ARENA_MAX", "1");      // one for each thread would keep some 20 MB (docs/setup.md)
+  // A heap for each thread: those that share one wait for each other (docs/setup.md).
+  changed |= set_if_absent("MALLOC_ARENA_MAX", std::to_string(std::max(threads, 1)));
   if (!changed) return;
   undo_openmp_binding();
   execv("/proc/self/exe", argv);  // on failure: only the settings are missing
