@@ -573,11 +573,8 @@ struct SumFits {
               decltype(arrays.variance)("cgcontact::perf::variance", patch.size())};
   }
   void run() const {
-    using Cells = FitCells<Kokkos::HostSpace>;
     const HostExec exec;
-    fit_sums(exec, host_arrays(*problem.bodies[0].mesh, integrals),
-             Cells{rows_of<decltype(Cells::centre)>(centre), view_of<decltype(Cells::unit)>(unit),
-                   view_of<decltype(Cells::begin)>(cells.begin), view_of<decltype(Cells::cells)>(cells.items)},
+    fit_sums(exec, host_arrays(*problem.bodies[0].mesh, integrals), host_arrays(centre, unit, cells),
              SubsetArrays<Kokkos::HostSpace>{{}, {}, static_cast<int>(patch.size())}, 0, arrays);
     exec.fence();
   }

@@ -41,7 +41,7 @@ class Zone {
     lay_out();
   }
 
-  /// Of the whole zone, those behind planes of symmetry included.
+  /// Counts the equal parts of the whole zone, those behind planes of symmetry included.
   int parts() const { return askew_ ? 1 : 1 << planes_.size(); }
 
   std::optional<ZoneExtent> extent() const {

@@ -18,21 +18,14 @@ constexpr double met = 1e-12;
 /// The same of the firm rows when they are enforced alone.
 constexpr double held = 1e-8;
 
-/// Of the rank tolerance, in patches coupled by bonded faces: three rows per point instead of the five of contact, and
-/// the truncation takes more of what matters (docs/recovery.md, "Truncation").
+/// Part of the rank tolerance that counts in patches coupled by bonded faces: three rows per point instead of the five
+/// of contact, and the truncation takes more of what matters (docs/recovery.md, "Truncation").
 constexpr double bonded_tolerance = 0.5;
 
 /// A view of new memory that every kernel writes before it is read.
 template <class View>
 View new_view(const char* label, std::size_t size) {
   return View(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), size);
-}
-
-FitCells<HostMemory> cells_of(const std::vector<Vec3>& centre, const std::vector<double>& unit,
-                              const FlatLists<int>& cells) {
-  using Cells = FitCells<HostMemory>;
-  return {rows_of<decltype(Cells::centre)>(centre), view_of<decltype(Cells::unit)>(unit),
-          view_of<decltype(Cells::begin)>(cells.begin), view_of<decltype(Cells::cells)>(cells.items)};
 }
 
 /// The patches of one degree and number of bodies.
@@ -87,7 +80,7 @@ class PatchClass {
 template <int degree, int bodies>
 void PatchClass<degree, bodies>::fit(std::vector<int>& others) {
   const RecoveryBody& body = context_.body;
-  const auto own = cells_of(lists_.centre, lists_.unit, lists_.cells);
+  const auto own = host_arrays(lists_.centre, lists_.unit, lists_.cells);
   const auto integrals_of = [&](int b) { return host_arrays(*context_.bodies[b].mesh, context_.integrals[b]); };
   if constexpr (degree == 1)
     take_plain_fits(context_.exec, host_arrays(*body.mesh, *body.patches), own,
@@ -97,7 +90,7 @@ void PatchClass<degree, bodies>::fit(std::vector<int>& others) {
     fit_sums(context_.exec, integrals_of(context_.index), own, Numbers{{}, {}, static_cast<int>(patches_.size())}, 0,
              arrays());
   if constexpr (bodies == 2) {
-    const auto auxiliary = cells_of(lists_.auxiliary_centre, lists_.auxiliary_unit, lists_.auxiliary_cells);
+    const auto auxiliary = host_arrays(lists_.auxiliary_centre, lists_.auxiliary_unit, lists_.auxiliary_cells);
     std::vector<std::vector<int>> entries(context_.bodies.size());  // by the body of the auxiliary patch
     for (std::size_t k = 0; k < patches_.size(); ++k)
       entries[lists_.other(patches_[k]).other_body].push_back(static_cast<int>(k));

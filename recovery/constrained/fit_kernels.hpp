@@ -3,6 +3,7 @@
 #pragma once
 
 #include "recovery/batched/batched_fit.hpp"
+#include "recovery/patch/flat_lists.hpp"
 #include "recovery/spr/sum_kernels.hpp"
 
 namespace cgcontact {
@@ -29,6 +30,14 @@ struct FitCells {
   KOKKOS_FORCEINLINE_FUNCTION const int* list(int patch) const { return cells.data() + begin(patch); }
   KOKKOS_FORCEINLINE_FUNCTION int count(int patch) const { return begin(patch + 1) - begin(patch); }
 };
+
+/// Those on the host: the lists themselves.
+inline FitCells<Kokkos::HostSpace> host_arrays(const std::vector<Vec3>& centre, const std::vector<double>& unit,
+                                               const FlatLists<int>& cells) {
+  using Cells = FitCells<Kokkos::HostSpace>;
+  return {rows_of<decltype(Cells::centre)>(centre), view_of<decltype(Cells::unit)>(unit),
+          view_of<decltype(Cells::begin)>(cells.begin), view_of<decltype(Cells::cells)>(cells.items)};
+}
 
 /// Patches of one class, entry by entry.
 template <class Memory, int degree, int bodies>

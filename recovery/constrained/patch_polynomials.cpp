@@ -113,7 +113,7 @@ bool is_known(const RecoveryBody& body, int node, const KnownPressures& known) {
   return false;
 }
 
-/// Whether a patch holds points of a contact face, closed or open.
+/// Tells whether a patch holds points of a contact face, closed or open.
 bool touches_contact(const RecoveryBody& body, int n) {
   const PatchSet& patches = *body.patches;
   for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)

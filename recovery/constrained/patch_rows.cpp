@@ -266,7 +266,7 @@ void RowWriter<bodies>::add_bond(const ConstraintGroup& group) {
     }
 }
 
-/// Whether any point of the group's pair is closed on the same side of the body.
+/// Tells whether any point of the group's pair is closed on the same side of the body.
 template <int bodies>
 bool RowWriter<bodies>::has_closed_points(const ConstraintGroup& group) const {
   bool found = false;

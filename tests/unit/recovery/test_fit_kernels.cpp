@@ -92,11 +92,7 @@ class Case {
     return fit;
   }
 
-  FitCells<Kokkos::HostSpace> fit_cells() const {
-    using Cells = FitCells<Kokkos::HostSpace>;
-    return {rows_of<decltype(Cells::centre)>(centre), view_of<decltype(Cells::unit)>(unit),
-            view_of<decltype(Cells::begin)>(cells.begin), view_of<decltype(Cells::cells)>(cells.items)};
-  }
+  FitCells<Kokkos::HostSpace> fit_cells() const { return host_arrays(centre, unit, cells); }
 
  private:
   void add(int n, const std::vector<int>& list) {
