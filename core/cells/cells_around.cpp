@@ -1,6 +1,9 @@
 #include "core/cells/cells_around.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cstdint>
+#include <numeric>
 
 namespace cgcontact {
 namespace {
@@ -98,23 +101,82 @@ void mark_cells_around(const CutCells& cells, const std::vector<int>& active, in
   Marking(cells, marked).mark(size, {0, 0, 0}, blocks);
 }
 
+namespace {
+
+/// Cells in sets, of which the least one stands for the set.
+class JoinedCells {
+ public:
+  explicit JoinedCells(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int least(int cell) {
+    while (parent_[cell] != cell) cell = parent_[cell] = parent_[parent_[cell]];
+    return cell;
+  }
+  void join(int a, int b) {
+    const auto [low, high] = std::minmax({least(a), least(b)});
+    parent_[high] = low;
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+/// Calls use(first, length) for the runs of bits that are set.
+template <class Use>
+void each_run(std::uint64_t bits, const Use& use) {
+  while (bits != 0) {
+    const int first = __builtin_ctzll(bits);
+    const std::uint64_t from_there = ~(bits >> first);  // 64 places from the lowest bit: no end of the run among them
+    const int length = from_there == 0 ? 64 : __builtin_ctzll(from_there);
+    use(first, length);
+    if (first + length == 64) return;
+    bits &= ~std::uint64_t{0} << (first + length);
+  }
+}
+
+Index3 moved(Index3 place, int direction, int by) {
+  place[direction] += by;
+  return place;
+}
+
+/// Joins the cells of a level with each other and with those of twice the size beside them. By words of 64 cells: the
+/// cells of a run are one piece, and so are two runs that touch.
+void join_level(const CutCells& cells, int level, JoinedCells& joined) {
+  const GridNumbers& numbers = cells.parts.empty() ? cells.numbers : cells.parts[level].numbers;
+  numbers.each_word([&](const Index3& first, std::uint64_t bits, int) {
+    const auto cell_at = [&](int bit, int direction = 0, int by = 0) {
+      return cells.find(level, moved(moved(first, 0, bit), direction, by));
+    };
+    each_run(bits, [&](int begin, int length) {
+      const int cell = cell_at(begin);  // numbers go up by one along x
+      for (int i = 1; i < length; ++i) joined.join(cell, cell + i);
+      const int next = cell_at(begin + length);  // in the next word, if the run goes on there
+      if (next >= 0) joined.join(cell, next);
+    });
+    for (const int d : {1, 2})
+      each_run(bits & numbers.bits(moved(first, d, 1)),
+               [&](int begin, int) { joined.join(cell_at(begin), cell_at(begin, d, 1)); });
+    if (level == 0) return;
+    for (int d = 0; d < 3; ++d)
+      for (const int side : {-1, 1})
+        for (std::uint64_t alone = bits & ~numbers.bits(moved(first, d, side)); alone != 0; alone &= alone - 1) {
+          Index3 larger = moved(moved(first, 0, __builtin_ctzll(alone)), d, side);
+          for (int& c : larger) c >>= 1;
+          const int found = cells.find(level - 1, larger);
+          if (found >= 0) joined.join(cell_at(__builtin_ctzll(alone)), found);
+        }
+  });
+}
+
+}  // namespace
+
 std::vector<int> find_connected_pieces(const CutCells& cells, int& count) {
-  std::vector<int> piece(cells.cells.size(), -1), waiting;
+  JoinedCells joined(cells.cells.size());
+  for (int level = 0; level < cells.num_levels(); ++level) join_level(cells, level, joined);
+  std::vector<int> piece(cells.cells.size());
   count = 0;
-  for (std::size_t start = 0; start < piece.size(); ++start) {
-    if (piece[start] >= 0) continue;
-    piece[start] = count;
-    waiting.push_back(static_cast<int>(start));
-    while (!waiting.empty()) {
-      const int cell = waiting.back();
-      waiting.pop_back();
-      each_cell_beside(cells, cell, [&](int neighbour) {
-        if (piece[neighbour] >= 0) return;
-        piece[neighbour] = count;
-        waiting.push_back(neighbour);
-      });
-    }
-    ++count;
+  for (int cell = 0; cell < static_cast<int>(piece.size()); ++cell) {
+    const int least = joined.least(cell);
+    piece[cell] = least == cell ? count++ : piece[least];
   }
   return piece;
 }

@@ -100,19 +100,18 @@ void fill_cells(const CutCells& fine, const CutCells* same, CutCells& coarse) {
     coarse.active_of_cut.push_back(static_cast<int>(e));
   }
   std::vector<Moments> all(coarse.active_of_cut.size());
-  Kokkos::parallel_for("cgcontact::coarsen::moments",
-                       Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, all.size()), [&](const int cut) {
-                         const Index3& c = coarse.cells[coarse.active_of_cut[cut]];
-                         if (const int before = as_before(c); before >= 0) {
-                           all[cut] = moments_of(*same, before);
-                           return;
-                         }
-                         std::array<const Moments*, 8> children{};
-                         const std::array<int, 8> numbers = children_of(fine, c);
-                         for (int a = 0; a < 8; ++a)
-                           if (numbers[a] >= 0) children[a] = &moments_of(fine, numbers[a]);
-                         all[cut] = coarse_moments(children);
-                       });
+  parallel_for("cgcontact::coarsen::moments", all.size(), grain_of_heavy, [&](const std::size_t cut) {
+    const Index3& c = coarse.cells[coarse.active_of_cut[cut]];
+    if (const int before = as_before(c); before >= 0) {
+      all[cut] = moments_of(*same, before);
+      return;
+    }
+    std::array<const Moments*, 8> children{};
+    const std::array<int, 8> numbers = children_of(fine, c);
+    for (int a = 0; a < 8; ++a)
+      if (numbers[a] >= 0) children[a] = &moments_of(fine, numbers[a]);
+    all[cut] = coarse_moments(children);
+  });
   coarse.moments = MomentList(std::move(all));
 }
 
@@ -336,27 +335,24 @@ Transfer make_transfer(const ElasticSystem& fine, const ElasticSystem& coarse) {
       }
       continue;
     }
-    Kokkos::parallel_for("cgcontact::coarsen::parents",
-                         Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, f.num_nodes), [&](const int n) {
-                           const Index3& x = f.nodes[n];
-                           const int along = x[0] % 2;  // parents along x follow each other, or are one
-                           for (int a = 0; a < 8; a += 2) {
-                             const Index3 p{x[0] / 2, (x[1] + (a >> 1 & 1)) / 2, (x[2] + (a >> 2)) / 2};
-                             parents(f.first_node + n, a) = c.find_node(p);
-                             parents(f.first_node + n, a + 1) = parents(f.first_node + n, a) + along;
-                           }
-                         });
-    Kokkos::parallel_for(
-        "cgcontact::coarsen::children", Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, c.num_nodes),
-        [&](const int n) {
-          const Index3& x = c.nodes[n];
-          for (int row = 0; row < 9; ++row) {
-            int numbers[3];
-            f.node_numbers.find_row({2 * x[0] - 1, 2 * x[1] + row / 3 - 1, 2 * x[2] + row % 3 - 1}, 3, numbers);
-            for (int i = 0; i < 3; ++i)
-              children(c.first_node + n, 9 * i + row) = numbers[i] < 0 ? -1 : f.first_node + numbers[i];
-          }
-        });
+    parallel_for("cgcontact::coarsen::parents", f.num_nodes, grain_of_medium, [&](const std::size_t n) {
+      const Index3& x = f.nodes[n];
+      const int along = x[0] % 2;  // parents along x follow each other, or are one
+      for (int a = 0; a < 8; a += 2) {
+        const Index3 p{x[0] / 2, (x[1] + (a >> 1 & 1)) / 2, (x[2] + (a >> 2)) / 2};
+        parents(f.first_node + n, a) = c.find_node(p);
+        parents(f.first_node + n, a + 1) = parents(f.first_node + n, a) + along;
+      }
+    });
+    parallel_for("cgcontact::coarsen::children", c.num_nodes, grain_of_medium, [&](const std::size_t n) {
+      const Index3& x = c.nodes[n];
+      for (int row = 0; row < 9; ++row) {
+        int numbers[3];
+        f.node_numbers.find_row({2 * x[0] - 1, 2 * x[1] + row / 3 - 1, 2 * x[2] + row % 3 - 1}, 3, numbers);
+        for (int i = 0; i < 3; ++i)
+          children(c.first_node + n, 9 * i + row) = numbers[i] < 0 ? -1 : f.first_node + numbers[i];
+      }
+    });
   }
   Kokkos::deep_copy(transfer.parents, parents);
   Kokkos::deep_copy(transfer.children, children);

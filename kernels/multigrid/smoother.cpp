@@ -21,8 +21,32 @@ constexpr int at[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
 /// Terms that a node's block is the sum of, each with its rounding: eight cells, as many ghost faces.
 constexpr double sums_of_a_block = 16;
 
-constexpr int longest_run = 512;  // nodes
-constexpr int runs_at_once = 16;
+constexpr int longest_run = 512;   // nodes
+constexpr int items_at_once = 16;  // runs or columns
+
+/// The step at the nodes of one column.
+template <int size, class Real, class Vector>
+KOKKOS_INLINE_FUNCTION void step_column(const NodeColumns<Real>& columns, int c, const Vector& r, Real alpha, Real beta,
+                                        const Vector& d, const Vector& x, bool overwrite) {
+  constexpr int n = dof_of(size);
+  const auto& column = columns.columns(c);
+  const Real* __restrict m = &columns.matrices(column.matrix);
+  const int* nodes = &columns.nodes(column.first);
+  Real z[n] = {};
+  for (int q = 0; q < size; ++q)
+    for (int j = 0; j < 3; ++j) {  // symmetric: row c is column c
+      const Real value = alpha * r(dof_offset(nodes[q], j));
+      for (int i = 0; i < n; ++i) z[i] += m[dof_of(q, j) * n + i] * value;
+    }
+  for (int p = 0; p < size; ++p)
+    for (int i = 0; i < 3; ++i) {
+      const std::size_t dof = dof_offset(nodes[p], i);
+      Real change = z[dof_of(p, i)];
+      if (beta != 0) change += beta * d(dof);
+      d(dof) = change;
+      x(dof) = overwrite ? change : x(dof) + change;
+    }
+}
 
 }  // namespace
 
@@ -328,37 +352,6 @@ void SurfaceSmoother<Real>::set_groups(const std::vector<GroupRow>& rows, const 
   if (factor_->llt.info() != Eigen::Success) throw std::runtime_error("smoother: the surface matrix is not definite");
 }
 
-/// All columns of one size.
-template <class Real>
-template <int size>
-void SurfaceSmoother<Real>::step_columns(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
-                                         const Vector& x, bool overwrite) const {
-  const int first = columns_.size_begin[size], last = columns_.size_begin[size + 1];
-  if (first == last) return;
-  const NodeColumns<Real> columns = columns_;
-  Kokkos::parallel_for(
-      "cgcontact::smoother::columns", Kokkos::RangePolicy<ExecSpace>(exec, first, last), KOKKOS_LAMBDA(const int c) {
-        constexpr int n = dof_of(size);
-        const auto& column = columns.columns(c);
-        const Real* __restrict m = &columns.matrices(column.matrix);
-        const int* nodes = &columns.nodes(column.first);
-        Real z[n] = {};
-        for (int q = 0; q < size; ++q)
-          for (int j = 0; j < 3; ++j) {  // symmetric: row c is column c
-            const Real value = alpha * r(dof_offset(nodes[q], j));
-            for (int i = 0; i < n; ++i) z[i] += m[dof_of(q, j) * n + i] * value;
-          }
-        for (int p = 0; p < size; ++p)
-          for (int i = 0; i < 3; ++i) {
-            const std::size_t dof = dof_offset(nodes[p], i);
-            Real change = z[dof_of(p, i)];
-            if (beta != 0) change += beta * d(dof);
-            d(dof) = change;
-            x(dof) = overwrite ? change : x(dof) + change;
-          }
-      });
-}
-
 template <class Real>
 void SurfaceSmoother<Real>::multiply_rows(const ExecSpace& exec, const Vector& r) const {
   const auto row_begin = row_begin_, row_node = row_node_;
@@ -427,14 +420,28 @@ template <class Real>
 void SurfaceSmoother<Real>::finish_step(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d,
                                         const Vector& x, bool overwrite) const {
   const int num_runs = static_cast<int>(run_.extent(0));
+  const NodeColumns<Real> columns = columns_;
   const auto run = run_;
   const auto run_inverse = run_inverse_;
   const auto inverse = inverse_;
   Kokkos::parallel_for(
       "cgcontact::smoother::nodes",
-      Kokkos::RangePolicy<ExecSpace, Kokkos::Schedule<Kokkos::Dynamic>>(exec, 0, num_runs,
-                                                                        Kokkos::ChunkSize(runs_at_once)),
+      Kokkos::RangePolicy<ExecSpace, Kokkos::Schedule<Kokkos::Dynamic>>(exec, 0, num_runs + columns.num_columns(),
+                                                                        Kokkos::ChunkSize(items_at_once)),
       KOKKOS_LAMBDA(const int k) {
+        if (k >= num_runs) {
+          const int c = k - num_runs;
+          switch (columns.columns(c).size) {
+            case 2:
+              return step_column<2>(columns, c, r, alpha, beta, d, x, overwrite);
+            case 3:
+              return step_column<3>(columns, c, r, alpha, beta, d, x, overwrite);
+            case 4:
+              return step_column<4>(columns, c, r, alpha, beta, d, x, overwrite);
+            default:
+              return step_column<NodeColumns<Real>::longest>(columns, c, r, alpha, beta, d, x, overwrite);
+          }
+        }
         const std::size_t first = dof_offset(run(k, 0));
         const int nodes = run(k, 1);
         const Real* __restrict rk = r.data() + first;
@@ -459,10 +466,6 @@ void SurfaceSmoother<Real>::finish_step(const ExecSpace& exec, const Vector& r, 
           add(dof_of(n, 2), m[5] * r0 + m[4] * r1 + m[2] * r2);
         }
       });
-  step_columns<2>(exec, r, alpha, beta, d, x, overwrite);
-  step_columns<3>(exec, r, alpha, beta, d, x, overwrite);
-  step_columns<4>(exec, r, alpha, beta, d, x, overwrite);
-  step_columns<5>(exec, r, alpha, beta, d, x, overwrite);
   static_assert(NodeColumns<Real>::longest == 5);
   if (num_rows_ == 0) return;
   const auto surface = surface_;

@@ -60,9 +60,6 @@ class SurfaceSmoother {
   Mat3 inverse(int node) const;
   void take_out_supports(const BlocksView& blocks);
   void invert_columns(const BlocksView& blocks);
-  template <int size>
-  void step_columns(const ExecSpace& exec, const Vector& r, Real alpha, Real beta, const Vector& d, const Vector& x,
-                    bool overwrite) const;
 
   int num_nodes_ = 0;
   DofMap dofs_;

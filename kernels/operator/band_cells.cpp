@@ -5,6 +5,7 @@
 #include <map>
 #include <tuple>
 
+#include "core/base/parallel.hpp"
 #include "kernels/mesh/host_copy.hpp"
 
 namespace cgcontact {
@@ -154,14 +155,12 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };
     std::vector<Kind> kind(cc.cells.size());
-    Kokkos::parallel_for(
-        "cgcontact::band::kind",
-        Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(kind.size())), [&](const int e) {
-          const auto& n = mesh.cell_nodes[e];
-          const bool inside =
-              std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node] || !system.needs(node); });
-          kind[e] = !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
-        });
+    parallel_for("cgcontact::band::kind", kind.size(), grain_of_medium, [&](const std::size_t e) {
+      const auto& n = mesh.cell_nodes[e];
+      const bool inside =
+          std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node] || !system.needs(node); });
+      kind[e] = !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
+    });
     SupportMoments* of_cell = nullptr;
     for (std::size_t t = 0; t < system.supports[b].size(); ++t) {  // terms of a cell mostly follow each other
       const SupportTerm& term = system.supports[b][t];
@@ -222,35 +221,33 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
   auto stencil_lanes = Kokkos::create_mirror_view(result.stencil_lanes);
   auto moments = Kokkos::create_mirror_view(result.moments);
   auto pairs = Kokkos::create_mirror_view(result.pairs);
-  Kokkos::parallel_for(
-      "cgcontact::band::setup",
-      Kokkos::RangePolicy<Kokkos::DefaultHostExecutionSpace>(0, static_cast<int>(batches.size())), [&](const int b) {
-        auto& batch = batches[b];
-        for (int l = 0; l < L; ++l) {
-          const bool used = l < batch.count;
-          const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
-          const BodyMesh& mesh = *parts[cell.body];
-          for (int pair = 0; pair < 4; ++pair) nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
-          if (!used) continue;  // its moments stay zero, its forces are dropped
-          for (int a = 0; a < 8; ++a)
-            if (by_stencil[mesh.cell_nodes[cell.cell][a]]) {
-              stencil_lanes(b, a) |= 1 << l;
-              batch.stencil_any = 1;
-            }
-          if (batch.moments < 0) continue;
-          double m[27];
-          monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
-          const double scale = moment_scale(mesh, mesh.thickness_of_level(mesh.cut_cells->level(cell.cell)));
-          for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
-          int slot = batch.pairs;
-          for (int bit = 0; bit < 6; ++bit) {
-            if (!(batch.pair_mask >> bit & 1)) continue;
-            const SupportMoments& s = supports[cell.body].at(cell.cell);
-            for (int e = 0; e < 27; ++e) pairs(slot, e, l) = static_cast<Real>(s.value[bit][e]);
-            ++slot;
-          }
+  parallel_for("cgcontact::band::setup", batches.size(), grain_of_heavy, [&](const std::size_t b) {
+    auto& batch = batches[b];
+    for (int l = 0; l < L; ++l) {
+      const bool used = l < batch.count;
+      const BandCell& cell = list[first_cell[b] + (used ? l : 0)];
+      const BodyMesh& mesh = *parts[cell.body];
+      for (int pair = 0; pair < 4; ++pair) nodes(b, pair, l) = mesh.cell_nodes[cell.cell][2 * pair];
+      if (!used) continue;  // its moments stay zero, its forces are dropped
+      for (int a = 0; a < 8; ++a)
+        if (by_stencil[mesh.cell_nodes[cell.cell][a]]) {
+          stencil_lanes(b, a) |= 1 << l;
+          batch.stencil_any = 1;
         }
-      });
+      if (batch.moments < 0) continue;
+      double m[27];
+      monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
+      const double scale = moment_scale(mesh, mesh.thickness_of_level(mesh.cut_cells->level(cell.cell)));
+      for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
+      int slot = batch.pairs;
+      for (int bit = 0; bit < 6; ++bit) {
+        if (!(batch.pair_mask >> bit & 1)) continue;
+        const SupportMoments& s = supports[cell.body].at(cell.cell);
+        for (int e = 0; e < 27; ++e) pairs(slot, e, l) = static_cast<Real>(s.value[bit][e]);
+        ++slot;
+      }
+    }
+  });
   Kokkos::deep_copy(result.nodes, nodes);
   Kokkos::deep_copy(result.stencil_lanes, stencil_lanes);
   Kokkos::deep_copy(result.moments, moments);

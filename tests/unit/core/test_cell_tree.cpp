@@ -210,6 +210,57 @@ TEST(RefinedCutCells, CellsAround) {
   }
 }
 
+/// Pieces of one cell after the other, by walks from cell to cell.
+std::vector<int> pieces_by_walks(const CutCells& cells, int& count) {
+  std::vector<int> piece(cells.cells.size(), -1), waiting;
+  count = 0;
+  for (int start = 0; start < static_cast<int>(piece.size()); ++start) {
+    if (piece[start] >= 0) continue;
+    waiting.push_back(start);
+    piece[start] = count;
+    while (!waiting.empty()) {
+      const int cell = waiting.back();
+      waiting.pop_back();
+      each_cell_beside(cells, cell, [&](int beside) {
+        if (piece[beside] < 0) waiting.push_back(beside);
+        piece[beside] = count;
+      });
+    }
+    ++count;
+  }
+  return piece;
+}
+
+/// Combs with teeth along every axis, longer than a word of 64 cells, of one level and of four: the pieces of walks
+/// from cell to cell, with the same numbers. A slit ends within the body, so that walks go around its end.
+TEST(RefinedCutCells, ConnectedPieces) {
+  for (int along = 0; along < 3; ++along) {
+    Vec3 size(9.3, 8.4, 7.6);
+    size[along] = 140.3;
+    Solid comb = Solid::box(Vec3::Constant(0.2), size, "comb");
+    const int across = (along + 1) % 3;
+    for (int slit = 0; slit < 3; ++slit) {  // two through the body, one not
+      Vec3 low = Vec3::Constant(-1), high = Vec3::Constant(200);
+      low[across] = 2 + 2 * slit;
+      high[across] = low[across] + 1;
+      if (slit == 2) high[along] = 70.5;
+      comb = Solid::subtract(comb, Solid::box(low, high, "slit"));
+    }
+    Grid grid;
+    for (int d = 0; d < 3; ++d) grid.num_cells[d] = static_cast<int>(size[d]) + 2;
+    Vec3 corner = Vec3::Constant(4.2);
+    corner[along] = 66;
+    for (const CutCells& cells : {make_cut_cells(comb, grid), refined_cells(comb, grid, corner, 1. / 8, 0.5, 4)}) {
+      int count = 0, expected_count = 0;
+      const std::vector<int> pieces = find_connected_pieces(cells, count);
+      const std::vector<int> expected = pieces_by_walks(cells, expected_count);
+      EXPECT_EQ(expected_count, 3);
+      EXPECT_EQ(count, expected_count);
+      EXPECT_EQ(pieces, expected);
+    }
+  }
+}
+
 /// Cells of one size by a tree that refines everything once: those of the grid of half the size.
 TEST(RefinedCutCells, UniformTreeIsTheFinerGrid) {
   const Solid ball = Solid::sphere({3.1, 2.9, 3.2}, 2.3, "ball");
