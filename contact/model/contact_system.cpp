@@ -29,6 +29,9 @@ Scales make_scales(const Scene& scene) {
 void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                   const Scales& scales, ElasticSystem& system) {
   std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
+  std::vector<std::size_t> count(terms.size(), 0);
+  for (const SupportPoint& p : supports) count[p.body] += !p.by_plane_strain;
+  for (std::size_t b = 0; b < terms.size(); ++b) terms[b].reserve(count[b]);
   for (const SupportPoint& p : supports) {
     if (p.by_plane_strain) continue;
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;

@@ -458,6 +458,7 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
       if ((*support.face.face.normal_cone).first.sum() > 0) hold_in_plane_strain(s, b, body, face, points);
       continue;
     }
+    points.reserve(points.size() + face.points().size());
     for (const int p : face.points()) {
       const Vec3 x = body.point(p), n = body.normal(p);
       SupportPoint point{

@@ -227,6 +227,7 @@ std::vector<SupportTerm> merge_points(const std::vector<SupportTerm>& moved, std
     }
   }
   std::vector<SupportTerm> result;
+  result.reserve(moved.size() + merged.size());
   for (std::size_t t = 0; t < moved.size(); ++t)
     if (!taken[t]) result.push_back(moved[t]);
   result.insert(result.end(), merged.begin(), merged.end());
@@ -241,7 +242,8 @@ std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine,
   const std::vector<const BodyMesh*> fine_parts = fine.parts(), coarse_parts = coarse.parts();
   std::vector<std::vector<SupportTerm>> moved(coarse_parts.size());
   std::vector<char> larger(coarse_parts.size(), 0);
-  for (std::size_t p = 0; p < fine_parts.size(); ++p)
+  for (std::size_t p = 0; p < fine_parts.size(); ++p) {
+    if (moved.size() == fine_parts.size()) moved[p].reserve(fine.supports[p].size());
     for (SupportTerm t : fine.supports[p]) {
       const Index3& c = fine_parts[p]->cut_cells->cells[t.cell];
       const CoarseCells::Place place = cells.of(static_cast<int>(p), t.cell);
@@ -255,6 +257,7 @@ std::vector<std::vector<SupportTerm>> coarse_supports(const ElasticSystem& fine,
         t.stiffness = firm * coarse_parts[place.part]->modulus * coarse_parts[place.part]->h(t.cell);
       moved[place.part].push_back(t);
     }
+  }
   for (std::size_t q = 0; q < moved.size(); ++q)
     if (larger[q]) moved[q] = merge_points(moved[q], coarse_parts[q]->cut_cells->cells.size());
   return moved;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <numeric>
 #include <tuple>
 
 #include "core/base/parallel.hpp"
@@ -57,6 +57,35 @@ struct SupportMoments {
         if (v != 0) bits |= 1 << pair;
     return bits;
   }
+};
+
+/// The cells of a part that have support terms, and their boundary moments.
+class SupportedCells {
+ public:
+  SupportedCells(const std::vector<SupportTerm>& terms, std::size_t num_cells) : number_(num_cells, -1) {
+    std::vector<int> begin{0};
+    for (const SupportTerm& t : terms) {
+      int& number = number_[t.cell];
+      if (number < 0) {
+        number = static_cast<int>(begin.size()) - 1;
+        begin.push_back(0);
+      }
+      ++begin[number + 1];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<int> position(begin.begin(), begin.end() - 1), order(terms.size());
+    for (std::size_t t = 0; t < terms.size(); ++t) order[position[number_[terms[t].cell]]++] = static_cast<int>(t);
+    moments_.resize(begin.size() - 1);
+    parallel_for("cgcontact::band::supports", moments_.size(), grain_of_heavy, [&](const std::size_t n) {
+      for (int t = begin[n]; t < begin[n + 1]; ++t) moments_[n].add(terms[order[t]]);
+    });
+  }
+  /// nullptr: no support.
+  const SupportMoments* find(std::size_t cell) const { return number_[cell] < 0 ? nullptr : &moments_[number_[cell]]; }
+
+ private:
+  std::vector<int> number_;  ///< of each active cell, -1: no support
+  std::vector<SupportMoments> moments_;
 };
 
 /// A cell of the band, with what decides about its place.
@@ -141,7 +170,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
   result.far = sizeof(Real) * system.num_dofs() > cache;
   std::vector<BandCell> list;
   const std::vector<const BodyMesh*> parts = system.parts();
-  std::vector<std::map<int, SupportMoments>> supports(parts.size());
+  std::vector<SupportedCells> supports;
   std::vector<typename BandCells<Real>::Law> laws;
   for (std::size_t b = 0; b < parts.size(); ++b) {
     const BodyMesh& mesh = *parts[b];
@@ -155,19 +184,13 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };
     std::vector<Kind> kind(cc.cells.size());
+    const SupportedCells& supported = supports.emplace_back(system.supports[b], cc.cells.size());
     parallel_for("cgcontact::band::kind", kind.size(), grain_of_medium, [&](const std::size_t e) {
       const auto& n = mesh.cell_nodes[e];
       const bool inside =
           std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node] || !system.needs(node); });
-      kind[e] = !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
+      kind[e] = supported.find(e) || !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
     });
-    SupportMoments* of_cell = nullptr;
-    for (std::size_t t = 0; t < system.supports[b].size(); ++t) {  // terms of a cell mostly follow each other
-      const SupportTerm& term = system.supports[b][t];
-      if (t == 0 || term.cell != system.supports[b][t - 1].cell) of_cell = &supports[b][term.cell];
-      of_cell->add(term);
-      kind[term.cell] = cut;
-    }
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
       if (kind[e] == by_stencil_alone || !system.needs_cell(mesh, static_cast<int>(e))) continue;
       BandCell cell{static_cast<int>(b), static_cast<int>(e), slabs.slab_of(static_cast<int>(b), cc.cells[e]), 0, 0};
@@ -177,8 +200,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
         cell.pair_mask = 64;
         ++result.num_full;
       } else {
-        const auto s = supports[b].find(static_cast<int>(e));
-        if (s != supports[b].end()) cell.pair_mask = s->second.mask();
+        if (const SupportMoments* s = supported.find(e)) cell.pair_mask = s->mask();
         ++result.num_cut;
         if (cell.pair_mask) ++result.num_supported;
       }
@@ -242,7 +264,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
       int slot = batch.pairs;
       for (int bit = 0; bit < 6; ++bit) {
         if (!(batch.pair_mask >> bit & 1)) continue;
-        const SupportMoments& s = supports[cell.body].at(cell.cell);
+        const SupportMoments& s = *supports[cell.body].find(cell.cell);
         for (int e = 0; e < 27; ++e) pairs(slot, e, l) = static_cast<Real>(s.value[bit][e]);
         ++slot;
       }

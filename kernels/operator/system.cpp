@@ -93,13 +93,15 @@ void resolve_constraints(const ElasticSystem& system, std::vector<std::pair<int,
 
 void add_support_terms(ElasticSystem& system, int body, const std::vector<SupportTerm>& terms) {
   const std::vector<const BodyMesh*> parts = system.parts();
+  std::vector<std::size_t> count(parts.size(), 0);
+  for (const SupportTerm& t : terms) ++count[system.part_of(body, t.cell).first];
+  for (std::size_t p = 0; p < parts.size(); ++p) system.supports[p].reserve(system.supports[p].size() + count[p]);
   for (SupportTerm t : terms) {
     const auto [part, cell] = system.part_of(body, t.cell);
     t.cell = cell;
     if (parts[part]->cut_cells->cut_of_active[cell] < 0) throw std::logic_error("support point in an interior cell");
     system.supports[part].push_back(t);
   }
-  for (std::vector<SupportTerm>& of_part : system.supports) of_part.shrink_to_fit();
 }
 
 void set_group_rows(ElasticSystem& system, std::vector<GroupRow> rows) {
