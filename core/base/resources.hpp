@@ -18,9 +18,8 @@ double cpu_quota(const std::string& groups, const std::string& root);
 
 /// Settings of the OpenMP runtime, which reads them before main: starts the program again, in the same process, with
 /// OMP_NUM_THREADS as given and, where the environment does not have them yet, OMP_PROC_BIND, OMP_PLACES,
-/// OPENBLAS_NUM_THREADS, MALLOC_ARENA_MAX and GLIBC_TUNABLES (docs/setup.md). Returns if the environment is as it
-/// should be already (so the second time), or if the system does not allow it. threads = 0: OMP_NUM_THREADS if set,
-/// else available_threads().
+/// OPENBLAS_NUM_THREADS and MALLOC_ARENA_MAX. Returns if the environment is as it should be already (so the second
+/// time), or if the system does not allow it. threads = 0: OMP_NUM_THREADS if set, else available_threads().
 void restart_with_openmp_settings(int threads, char** argv);
 
 /// An OpenMP runtime told to bind its threads has bound the calling one before main. Programs started from here would
