@@ -6,6 +6,7 @@
 
 #include "contact/model/contact_pairs.hpp"
 #include "contact/model/memory.hpp"
+#include "contact/motions/free_motion.hpp"
 
 namespace cgcontact {
 
@@ -14,6 +15,7 @@ struct Preparation {
   std::vector<ContactPair> pairs;
   std::vector<SupportPoint> supports;
   std::vector<std::string> warnings;
+  FreeMotions resisted_by_friction;  ///< motions that friction alone resists
 };
 
 /// Throws InputError for a setting out of its range; the scene reader lets none pass, a program may set one.

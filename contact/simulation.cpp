@@ -10,11 +10,13 @@
 #include <utility>
 
 #include "contact/model/contact_system.hpp"
+#include "contact/motions/friction_loads.hpp"
 #include "contact/preparation.hpp"
 #include "contact/results/coarse_facets.hpp"
 #include "contact/results/conditions.hpp"
 #include "contact/results/contact_rows.hpp"
 #include "contact/results/face_problems.hpp"
+#include "contact/results/friction_capacity.hpp"
 #include "contact/results/holding.hpp"
 #include "contact/results/missed_contact.hpp"
 #include "contact/results/open_gaps.hpp"
@@ -221,6 +223,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
 /// Loads, prescribed displacements and interferences of a step.
 void Simulation::set_step(const StepSpec& step) {
   for (BodyModel& body : state.bodies) set_loads(state.scene, step.loads, body);
+  put_loads_in_place_of_friction(state.resisted_by_friction, state.pairs, state.bodies);
   for (SupportPoint& p : state.supports)
     if (!p.follows) p.value = step.displacements * p.prescribed;
   for (ContactPair& pair : state.pairs)
@@ -264,6 +267,7 @@ void Simulation::record_step(std::size_t number, const ProgressCallbacks& progre
     recover();
     fill_contact_rows(state, part);
     fill_pair_figures(state, part);
+    fill_friction(state, part);
     fill_fields(state, part);
     progress.load_step(number, part);
   }
@@ -290,6 +294,7 @@ void Simulation::place_on_grids() {
                       body.spec->name, thickness));
   state.supports = std::move(p.supports);
   state.pairs = std::move(p.pairs);
+  state.resisted_by_friction = std::move(p.resisted_by_friction);
   results.warnings.insert(results.warnings.end(), p.warnings.begin(), p.warnings.end());
 }
 
@@ -418,6 +423,11 @@ void Simulation::fill_results() {
       for (const std::string& warning : warnings) add_warning(warning);
   scale_to_thickness(state, results);
   fill_zone_figures(state, results);
+  fill_friction(state, results);
+  if (!results.steps.empty())
+    for (std::size_t k = 0; k < results.pairs.size(); ++k)
+      results.steps.back().pairs[k].friction = results.pairs[k].friction;
+  for (const std::string& warning : sliding_warnings(results)) add_warning(warning);
 }
 
 }  // namespace cgcontact

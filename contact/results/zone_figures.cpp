@@ -44,6 +44,13 @@ class Zone {
   /// Counts the equal parts of the whole zone, those behind planes of symmetry included.
   int parts() const { return askew_ ? 1 : 1 << planes_.size(); }
 
+  ZonePlace place() const {
+    ZonePlace place;
+    if (!askew_) place.planes = planes_;
+    if (normal_.norm() > 0) place.normal = normal_;
+    return place;
+  }
+
   std::optional<ZoneExtent> extent() const {
     if (!flat_) return std::nullopt;
     ZoneExtent extent;
@@ -241,6 +248,10 @@ Vec3 mean_normal(const ContactPair& pair, std::size_t piece) {
 }
 
 }  // namespace
+
+ZonePlace place_of_zone(const SolvedState& state, const Results& results, int pair) {
+  return Zone(state, results, pair).place();
+}
 
 void fill_zone_figures(const SolvedState& state, Results& results) {
   const double unit = state.scales.stress * state.scales.length * state.scales.length;

@@ -3,10 +3,19 @@
 
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 
 namespace cgcontact {
 
 /// Sets PairFigures::zone of all pairs. Needs their other figures, scaled to the thickness of the bodies.
 void fill_zone_figures(const SolvedState& state, Results& results);
+
+/// How the zone of a pair lies.
+struct ZonePlace {
+  std::vector<SymmetryPlane> planes;  ///< behind which it goes on; none where they are neither parallel nor across
+  std::optional<Vec3> normal;         ///< mean, outward of the primary body, where the zone is nearly flat
+};
+/// Needs contact rows and PairFigures::max_pressure.
+ZonePlace place_of_zone(const SolvedState& state, const Results& results, int pair);
 
 }  // namespace cgcontact

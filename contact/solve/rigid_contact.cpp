@@ -22,7 +22,7 @@ constexpr double balanced = 1e-6, well_balanced = 1e-11;
 /// Of the loads: what the exact normals of one side may leave over.
 constexpr double little_load = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
-constexpr int most_steps = 100, many_steps = 30, most_bisections = 80;
+constexpr int most_steps = 100, many_steps = 30, most_halvings = 80;
 
 /// A spring that presses at points by its law, gap = distance + row . motion. second = -1: a support, which also pulls.
 struct Spring {
@@ -135,7 +135,7 @@ double RigidBodies::step_length(const Eigen::VectorXd& step) const {
   };
   double low = 0, high = 1;
   if (slope(high) <= 0) return high;
-  for (int k = 0; k < most_bisections && high - low > 1e-12 * high; ++k) {
+  for (int k = 0; k < most_halvings && high - low > 1e-12 * high; ++k) {
     const double middle = 0.5 * (low + high);
     (slope(middle) <= 0 ? low : high) = middle;
   }

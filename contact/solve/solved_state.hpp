@@ -6,6 +6,7 @@
 
 #include "contact/face/face_pressures.hpp"
 #include "contact/model/contact_pairs.hpp"
+#include "contact/motions/free_motion.hpp"
 #include "contact/solve/outer_loop.hpp"
 #include "recovery/constrained/recover_stress.hpp"
 
@@ -20,6 +21,7 @@ struct SolvedState {
   std::vector<BodyModel> bodies;
   std::vector<ContactPair> pairs;
   std::vector<SupportPoint> supports;
+  FreeMotions resisted_by_friction;  ///< motions that friction alone resists (contact/motions/friction_loads.hpp)
   ElasticSystem system;
   OuterResult outer;                 ///< displacements, forces, iterations
   std::vector<RecoveredField> spr;   ///< by body: near the contact faces, where it is shown

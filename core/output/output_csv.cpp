@@ -46,15 +46,22 @@ void write_pressure_csv(const Results& results, const std::string& file_name) {
 void write_steps_csv(const Results& results, const std::string& file_name) {
   std::string text =
       "step,loads,displacements,interference,contact,force,force_x,force_y,force_z,area,max_pressure,active_points,"
-      "converged,max_displacement\n";
+      "converged,max_displacement";
+  const bool friction = has_friction(results);
+  text += friction ? ",friction_capacity,torque_capacity\n" : "\n";
   for (std::size_t k = 0; k < results.steps.size(); ++k) {
     const StepFigures& s = results.steps[k];
     for (const PairFigures& pair : s.pairs) {
       const Vec3& f = pair.force_on_first;
-      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", k + 1, s.step.loads,
+      fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{},{}", k + 1, s.step.loads,
                      s.step.displacements, s.step.interference, csv_text(pair.name), f.norm(), f[0], f[1], f[2],
                      pair.area, pair.max_pressure, pair.active_points, s.converged ? 1 : 0,
                      s.displacement ? fmt::format("{}", *s.displacement) : "");
+      if (friction)
+        text += fmt::format(
+            ",{},{}", pair.friction ? fmt::format("{}", pair.friction->capacity) : "",
+            pair.friction && pair.friction->torque ? fmt::format("{}", pair.friction->torque->capacity) : "");
+      text += "\n";
     }
   }
   write_text(file_name, text);

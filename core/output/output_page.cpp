@@ -378,6 +378,38 @@ std::string whole_zones(const Results& results) {
                             table({"Pair", "Modelled", "Normal force in all", "Area in all"}, rows);
 }
 
+std::string newton_metres(double moment) { return figure(moment, scaled(moment, "N m", 5)); }
+
+/// What friction could carry, a row for every pair that has some.
+std::string friction_of_pairs(const Results& results) {
+  std::vector<std::string> rows;
+  const auto error = [](const std::optional<double>& e) { return cell(e ? percent(*e) : "none"); };
+  for (const PairFigures& pair : results.pairs) {
+    if (!pair.friction) continue;
+    const FrictionFigures& friction = *pair.friction;
+    const bool part = pair.zone.parts > 1;
+    std::string row = name_cell(html_text(pair.name)) + cell(fmt::format("{:g}", friction.coefficient)) +
+                      cell(force(friction.capacity)) + error(friction.error) + cell(part ? force(friction.whole) : "-");
+    if (const auto& torque = friction.torque)
+      row += cell(newton_metres(torque->capacity)) + error(torque->error) +
+             cell(part ? newton_metres(torque->whole) : "-") + "<td class=\"text\">" +
+             fmt::format("{}: ({}) through ", name_of(torque->from), components_text(torque->axis.direction)) +
+             place(torque->axis.point) + "</td>";
+    else
+      row += cell("none") + cell("-") + cell("-") + "<td class=\"text\">" + html_text(friction.why_no_torque) + "</td>";
+    rows.push_back(row +
+                   cell(!friction.use                  ? "-"
+                        : std::isfinite(*friction.use) ? figure(*friction.use, use_text(*friction.use))
+                                                       : use_text(*friction.use)) +
+                   "<td class=\"text\">" + html_text(verdict_on(friction)) + "</td>");
+  }
+  return rows.empty() ? ""
+                      : "<h3>Friction</h3>\n" + note(sentence(friction_note) + ".") +
+                            table({"Pair", "mu", "Capacity", "est. error", "in all", "Torque capacity", "est. error",
+                                   "in all", "about", "Use", "Verdict"},
+                                  rows);
+}
+
 /// Zones with Hertz's answer beside them, and moments about the points of the scene.
 std::string zones_of_pairs(const Results& results) {
   std::vector<std::string> zones, moments;
@@ -425,7 +457,7 @@ std::string pairs_section(const Results& results) {
              {"Pair", "Force", "est. error", "Max. pressure", "est. error", "est. error (L2)", "Area", "Closed points"},
              rows) +
          table({"Pair", "Force on", "x", "y", "z", "acts at", "Max. pressure at"}, forces) + zones_of_pairs(results) +
-         whole_zones(results);
+         whole_zones(results) + friction_of_pairs(results);
 }
 
 /// Of loads that have a moment about the point where their force is said to act, or about their centroid.

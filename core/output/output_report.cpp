@@ -59,6 +59,26 @@ void add_zone(const PairFigures& pair, Json& json) {
   if (zone.hertz) json["hertz"] = {{"a", json_of(zone.hertz->a)}, {"b", zone.hertz->b}, {"p0", zone.hertz->p0}};
 }
 
+Json json_of(const FrictionFigures& friction) {
+  Json json{{"coefficient", friction.coefficient},
+            {"capacity", friction.capacity},
+            {"capacity_error_estimate", json_of(friction.error)},
+            {"whole", friction.whole},
+            {"torque", nullptr}};
+  if (const auto& torque = friction.torque)
+    json["torque"] = {{"capacity", torque->capacity},
+                      {"capacity_error_estimate", json_of(torque->error)},
+                      {"whole", torque->whole},
+                      {"point", json_of(torque->axis.point)},
+                      {"axis", json_of(torque->axis.direction)},
+                      {"axis_from", name_of(torque->from)}};
+  else
+    json["no_torque"] = friction.why_no_torque;
+  json["use"] = json_of(friction.use);
+  json["verdict"] = verdict_on(friction);
+  return json;
+}
+
 Json json_of(const PairFigures& pair) {
   Json json;
   json["name"] = pair.name;
@@ -84,16 +104,19 @@ Json json_of(const PairFigures& pair) {
   json["least_gap"] = pair.least_gap ? Json(*pair.least_gap) : Json();
   json["least_gap_error"] = pair.least_gap_error ? Json(*pair.least_gap_error) : Json();
   add_zone(pair, json);
+  if (pair.friction) json["friction"] = json_of(*pair.friction);
   return json;
 }
 
 Json json_of(const StepFigures& step) {
   Json contact = Json::array();
-  for (const PairFigures& pair : step.pairs)
+  for (const PairFigures& pair : step.pairs) {
     contact.push_back({{"name", pair.name},
                        {"force", json_of(pair.force_on_first)},
                        {"area", pair.area},
                        {"max_pressure", pair.max_pressure}});
+    if (pair.friction) contact.back()["friction"] = json_of(*pair.friction);
+  }
   return {{"loads", step.step.loads},
           {"displacements", step.step.displacements},
           {"interference", step.step.interference},
@@ -204,6 +227,7 @@ void add_solution(const Results& results, Json& json) {
   json["diagnosis"] = results.diagnosis;
   json["contact"] = Json::array();
   for (const PairFigures& pair : results.pairs) json["contact"].push_back(json_of(pair));
+  if (has_friction(results)) json["friction"] = friction_note;
   if (!results.probes.empty()) json["probes"] = Json::array();
   for (const ProbeFigures& probe : results.probes) json["probes"].push_back(json_of(probe));
   if (!results.steps.empty()) json["steps"] = Json::array();
@@ -225,12 +249,14 @@ void add_solution(const Results& results, Json& json) {
                              {"moment", json_of(load.moment)},
                              {"about", json_of(load.about)}});
   json["balance"] = Json::array();
-  for (const BodyBalance& body : results.balance)
+  for (const BodyBalance& body : results.balance) {
     json["balance"].push_back({{"body", body.body},
                                {"loads", json_of(body.loads)},
                                {"supports", json_of(body.supports)},
                                {"contact", json_of(body.contact)},
                                {"holds", json_of(body.holds)}});
+    if (has_friction(results)) json["balance"].back()["in_place_of_friction"] = json_of(body.friction);
+  }
 }
 
 Json json_of(const SingularPlace& place) {

@@ -166,6 +166,34 @@ std::string symmetry_text(const Results& results) {
                      in_unit(whole, force_unit(whole), 5));
 }
 
+/// What friction could carry: a line for every pair that has some, and one for its axis.
+Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
+  Lines lines{fmt::format("  {:<15} {:>5} {:>11} {:>7} {:>12} {:>7} {:>13}", "friction", "mu", "capacity", "error",
+                          "torque", "error", "use")};
+  std::size_t shown = 0;
+  for (const PairFigures& pair : results.pairs) {
+    if (!pair.friction || ++shown > rows) continue;
+    const FrictionFigures& friction = *pair.friction;
+    const auto& torque = friction.torque;
+    const auto error = [](const std::optional<double>& e) { return e ? percent(*e) : "-"; };
+    const auto add = [&](const std::string& name, double newton, double newton_metres) {
+      lines.push_back(fmt::format("  {:<15} {:>5} {:>11} {:>7} {:>12} {:>7} {:>13}", name,
+                                  short_number(friction.coefficient, 3), in_unit(newton, force_unit(newton), 5),
+                                  error(friction.error), torque ? scaled(newton_metres, "N m", 5) : "-",
+                                  torque ? error(torque->error) : "-", friction.use ? use_text(*friction.use) : "-"));
+    };
+    add(shortened_name(pair.name, 15), friction.capacity, torque ? torque->capacity : 0);
+    if (pair.zone.parts > 1) add("  in all", friction.whole, torque ? torque->whole : 0);
+    if (with_axes)
+      append(lines, paragraph("    torque: ",
+                              torque ? fmt::format("about ({}) through {}, {}", components_text(torque->axis.direction),
+                                                   place_text(torque->axis.point), name_of(torque->from))
+                                     : "none, " + friction.why_no_torque));
+  }
+  if (shown > rows) lines.push_back(fmt::format("  and {} more pairs with friction, see the report", shown - rows));
+  return lines;
+}
+
 std::string probes_text(const Results& results) {
   std::size_t points = 0, outside = 0;
   for (const ProbeFigures& probe : results.probes) {
@@ -339,6 +367,10 @@ Lines summary_lines(const Results& results, const std::string& directory, const 
   if (!results.steps.empty()) append(lines, step_lines(results, allowance.pairs));
   if (!results.pairs.empty()) append(lines, pair_table(results, allowance.pairs));
   if (const std::string symmetry = symmetry_text(results); !symmetry.empty()) add("  symmetry:   ", symmetry);
+  if (has_friction(results)) {
+    append(lines, friction_table(results, allowance.pairs, allowance.text_lines > 1));
+    append(lines, paragraph("  friction:   ", friction_note));
+  }
   if (const std::string zone = zone_text(results); !zone.empty() && allowance.text_lines > 3)
     add("  zone:       ", zone);
   if (!results.extremes.empty()) add("  largest:    ", maxima_text(results));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/cells/cut_cells.hpp"
+#include "core/results/friction_figures.hpp"
 #include "core/results/zone_figures.hpp"
 #include "core/scene/scene.hpp"
 
@@ -159,9 +160,10 @@ struct PairFigures {
   /// Of faces that nothing presses: the smallest gap left between them, and its estimated error, m; none: contact, or
   /// nothing opposite.
   std::optional<double> least_gap, least_gap_error;
-  Vec3 least_gap_at = Vec3::Zero();  ///< m
-  double least_gap_cell = 0;         ///< m, size of the larger cell there
-  ZoneFigures zone;                  ///< of the last step
+  Vec3 least_gap_at = Vec3::Zero();         ///< m
+  double least_gap_cell = 0;                ///< m, size of the larger cell there
+  ZoneFigures zone;                         ///< of the last step
+  std::optional<FrictionFigures> friction;  ///< none: the scene has no friction there
 };
 
 /// What a run says of itself before anything else: can its contact be used, and if not, what would help?
@@ -210,6 +212,8 @@ struct LoadFigures {
 struct BodyBalance {
   std::string body;
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
+  /// N, traction along the faces in the place of friction (contact/motions/friction_loads.hpp).
+  Vec3 friction = Vec3::Zero();
   /// N, that part of `supports` which is none of the scene's: it holds motions that the scene leaves free, exactly zero
   /// but for the cells.
   Vec3 holds = Vec3::Zero();
@@ -329,5 +333,12 @@ struct Results {
   AccuracyFigures accuracy;
   std::vector<SingularPlace> singular_places;  ///< with [accuracy], from two solves on
 };
+
+/// Has any pair a friction coefficient?
+inline bool has_friction(const Results& results) {
+  for (const PairFigures& pair : results.pairs)
+    if (pair.friction) return true;
+  return false;
+}
 
 }  // namespace cgcontact

@@ -21,6 +21,7 @@ const Phrase phrases[] = {
     {"has no finite value", 1},
     {"bending and the stress", 1},
     {"not resolved", 0},
+    {"slides: ", 0},
     {"were singular", 1},
     {"is its unit right", 1},
     {"cells wide", 1},

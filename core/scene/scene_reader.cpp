@@ -571,7 +571,12 @@ void read_bonded(const TomlCursor& node, ContactSpec& contact) {
     if (const auto other = node.find(key))
       other->fail("bonded faces are tied as they are drawn, without stress",
                   "without bonded = true, or without " + std::string(key));
+  if (const auto friction = node.find("friction"))
+    friction->fail("bonded faces carry any shear: nothing rubs", "without bonded = true, or without friction");
 }
+
+/// Rubber on a rough floor has 1, clean metals in vacuum up to 2.
+constexpr double largest_friction = 2;
 
 }  // namespace
 
@@ -673,8 +678,8 @@ void SceneReader::read_contacts(const TomlCursor& root) {
   std::set<std::string> seen;
   std::vector<TomlCursor> ordered = optional_elements(root, "contact");
   for (const TomlCursor& node : ordered)
-    node.expect_keys(
-        {"name", "faces", "automatic", "bonded", "interference", "preload", "search_distance", "moment_about"});
+    node.expect_keys({"name", "faces", "automatic", "bonded", "friction", "interference", "preload", "search_distance",
+                      "moment_about"});
   const auto is_automatic = [](const TomlCursor& node) {
     const auto automatic = node.find("automatic");
     return automatic && automatic->boolean();
@@ -694,6 +699,8 @@ void SceneReader::read_contacts(const TomlCursor& root) {
       ContactSpec& contact = scene_.contacts[k];
       check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
       read_bonded(node, contact);
+      if (const auto value = node.find("friction"))
+        contact.friction = value->number(Range::from_to(0, largest_friction, "0 to 2"));
       if (const auto value = node.find("interference")) {
         contact.interference = value->number(Range::any("m"));
         const double longest = std::min(longest_side(contact.first.body), longest_side(contact.second.body));

@@ -1,0 +1,347 @@
+#include "contact/results/friction_capacity.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "contact/motions/friction_loads.hpp"
+#include "contact/results/pair_figures.hpp"
+#include "contact/results/zone_figures.hpp"
+#include "core/base/decompositions.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Mean squares, summed over both sides, of what faces move along their normals in a motion that moves them by 1: of
+/// exact surfaces, and of facets of a twenty-fourth of a turn.
+constexpr double exact_face = 1e-9, faceted = 0.007;
+/// Cosine with the mean normal: facets are nearly flat, and their mean normal is the axis.
+constexpr double along_normal = 0.9;
+/// Least part of a motion that is rotation, of exact surfaces and of facets: an axis that is 100, or 5, sizes of the
+/// zone away is none.
+constexpr double far_axis = 0.01, far_axis_of_facets = 0.2;
+/// Part of a rotation that is none.
+constexpr double no_rotation = 0.2;
+/// Part of the fastest sliding that is none; sine of an angle that is none.
+constexpr double no_sliding = 1e-6;
+
+double largest_component(const Vec3& v) {
+  Eigen::Index k;
+  v.cwiseAbs().maxCoeff(&k);
+  return v[k];
+}
+
+/// Sets components that are rounding beside `size` to 0.
+Vec3 without_rounding(Vec3 v, double size) {
+  constexpr double rounding = 1e-9;
+  for (double& component : v)
+    if (std::abs(component) < rounding * size) component = 0;
+  return v;
+}
+
+double distance_from(const Axis& axis, const Vec3& x) { return axis.direction.cross(x - axis.point).norm(); }
+
+/// The motions of a zone (translation, then rotation about `centre` with lengths over `size`) that both sides resist by
+/// less than a mean square.
+Eigen::MatrixXd motions_along(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre, double size,
+                              const std::optional<Vec3>& across, double tolerance) {
+  Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero();
+  for (const std::vector<PressedPlace>& side : sides) {
+    double area = 0;
+    for (const PressedPlace& place : side) area += place.area;
+    for (const PressedPlace& place : side)
+      for (const double shift : {-1.0, 1.0}) {  // rows of plane strain lie in one plane
+        Eigen::Matrix<double, 6, 1> row;
+        const Vec3 r = (place.x - centre) / size + (across ? Vec3(shift * *across) : Vec3(Vec3::Zero()));
+        row << place.normal, r.cross(place.normal);
+        sum += place.area / (2 * area) * row * row.transpose();
+      }
+  }
+  const SymmetricEigen<6> eigen(sum);
+  Eigen::Index count = 0;
+  while (count < 6 && eigen.eigenvalues()[count] <= tolerance) ++count;
+  return eigen.eigenvectors().leftCols(count);
+}
+
+std::optional<TorqueCapacity> axis_of_motions(const Eigen::MatrixXd& motions, const Vec3& zone_centre, double size,
+                                              const Vec3& centre, double least_rotation) {
+  if (motions.cols() == 0) return {};
+  const SingularValues rotations(motions.bottomRows(3), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const auto rotation = [&](Eigen::Index k) { return k < rotations.values().size() ? rotations.values()[k] : 0.0; };
+  if (!(rotation(0) > least_rotation) || rotation(1) > no_rotation * rotation(0)) return {};
+  TorqueCapacity found;
+  const double sign = largest_component(rotations.left().col(0)) < 0 ? -1 : 1;
+  found.axis.direction = without_rounding(sign * rotations.left().col(0), 1);
+  const Vec3 velocity = motions.topRows(3) * rotations.right().col(0) * (sign / rotation(0));
+  if (std::abs(velocity.dot(found.axis.direction)) > no_rotation) return {};  // a screw
+  found.axis.point = zone_centre + size * found.axis.direction.cross(velocity);
+  for (Eigen::Index k = 1; k < motions.cols(); ++k) {  // along these the axis may lie anywhere
+    const Vec3 along = (motions.topRows(3) * rotations.right().col(k)).normalized();
+    found.axis.point += along.dot(centre - found.axis.point) * along;
+  }
+  found.axis.point = without_rounding(found.axis.point, size);
+  found.from = motions.cols() == 3 ? TorqueCapacity::From::flat_faces : TorqueCapacity::From::faces_of_revolution;
+  return found;
+}
+
+/// The zone of a pair: where it is pressed, by what the solution transmits and by the recovered pressure, with its
+/// images behind planes of symmetry.
+class FrictionZone {
+ public:
+  FrictionZone(const SolvedState& state, const Results& results, int pair, const double* group_force)
+      : state_(state),
+        pair_(state.pairs[pair]),
+        figures_(results.pairs[pair]),
+        place_(place_of_zone(state, results, pair)) {
+    for (std::size_t g = 0; g < pair_.groups.size(); ++g) {
+      const ContactGroup& group = pair_.groups[g];
+      const double force = state.bodies[pair_.primary].slices * force_unit(state) * group_force[g];
+      force_ += force;
+      for (int q = group.first_point; q < group.last_point && force != 0; ++q)
+        transmitted_.push_back({pair_.points.x(q), force * pair_.points.weight(q) / group.area});
+    }
+    for (const ContactRow& row : results.contact_rows) {
+      if (row.pair != pair || !row.touching || !is_pressed(row, figures_.max_pressure)) continue;
+      sides_[row.body == pair_.primary ? 0 : 1].push_back({row.x, row.normal, row.weight});
+      recovered_.push_back({row.x, row.weight * row.pressure_sprc});
+    }
+  }
+
+  double force() const { return force_; }
+  double parts() const { return std::pow(2.0, static_cast<double>(place_.planes.size())); }
+
+  /// Finds axis and capacity, without the error; or says why there is none.
+  std::optional<TorqueCapacity> torque(std::string& why) const {
+    std::optional<TorqueCapacity> torque = find_axis(why);
+    if (!torque) return torque;
+    torque->capacity = pair_.spec->friction * force_ * lever(torque->axis, recovered_, false);
+    torque->whole = parts() * pair_.spec->friction * force_ * lever(torque->axis, recovered_, true);
+    return torque;
+  }
+
+  /// Relative difference between the mean distances from an axis by the transmitted and by the recovered pressure.
+  double difference_of_levers(const Axis& axis) const {
+    const double recovered = lever(axis, recovered_, false);
+    return recovered > 0 ? std::abs(lever(axis, transmitted_, false) / recovered - 1) : 0;
+  }
+
+ private:
+  struct Force {
+    Vec3 x;
+    double size;  ///< N, or in proportion to it
+  };
+
+  std::vector<Vec3> places(const Vec3& x, bool with_images_of) const {
+    return with_images_of ? with_images(x, place_.planes) : std::vector<Vec3>{x};
+  }
+
+  /// Mean distance from an axis, m.
+  double lever(const Axis& axis, const std::vector<Force>& forces, bool with_images_of) const {
+    double sum = 0, all = 0;
+    for (const Force& f : forces)
+      for (const Vec3& x : places(f.x, with_images_of)) {
+        sum += f.size * distance_from(axis, x);
+        all += f.size;
+      }
+    return all > 0 ? sum / all : 0;
+  }
+
+  /// Centre of the pressure on the whole zone, m.
+  Vec3 centre() const {
+    Vec3 sum = Vec3::Zero();
+    double all = 0;
+    for (const Force& f : transmitted_)
+      for (const Vec3& x : places(f.x, true)) {
+        sum += f.size * x;
+        all += f.size;
+      }
+    return all > 0 ? Vec3(sum / all) : sum;
+  }
+
+  std::optional<TorqueCapacity> find_axis(std::string& why) const {
+    TorqueCapacity torque;
+    const Vec3 centre = this->centre();
+    const auto& strain = state_.bodies[pair_.primary].spec->plane_strain;
+    const std::optional<Vec3> across =
+        strain ? std::optional<Vec3>(Vec3::Unit(static_cast<int>(*strain))) : std::nullopt;
+    if (const auto& given = pair_.spec->moment_about; given && given->axis) {
+      torque.axis = {given->point, *given->axis};
+    } else if (const auto found = axis_of_faces(sides_, centre, across)) {
+      torque = *found;
+    } else if (place_.normal) {
+      torque.axis = {centre, *place_.normal};
+      torque.from = TorqueCapacity::From::mean_normal;
+    } else {
+      why = "the zone is neither flat nor of revolution: moment_about with an axis names one";
+      return {};
+    }
+    if (across && std::abs(across->dot(torque.axis.direction)) < 1 - no_sliding) {
+      why = "in plane strain friction has a torque about the axis of plane strain alone";
+      return {};
+    }
+    return torque;
+  }
+
+  const SolvedState& state_;
+  const ContactPair& pair_;
+  const PairFigures& figures_;
+  ZonePlace place_;
+  double force_ = 0;
+  std::vector<Force> transmitted_, recovered_;
+  std::array<std::vector<PressedPlace>, 2> sides_;
+};
+
+/// Estimates the error of the normal force, relative.
+std::optional<double> error_of_force(const SolvedState& state, const Results& results, std::size_t k, double force) {
+  const PairFigures& figures = results.pairs[k];
+  if (k >= results.verdict.pairs.size() || !figures.force_error_estimate) return {};
+  const Verdict::Pair& verdict = results.verdict.pairs[k];
+  if (verdict.state == Verdict::State::not_resolved) return {};
+  if (state.pairs[k].spec->preload && state.scene.steps.size() < 2) return *figures.force_error_estimate;
+  if (figures.force_given_by_loads) {
+    const double turned = std::max(0.0, 1 - figures.force_on_first.norm() / force);
+    return std::max(*figures.force_error_estimate, turned * figures.pressure_error_estimate);
+  }
+  const double edge = verdict.cells_across ? state.scene.results.edge_factor : 1;
+  return std::max(*figures.force_error_estimate, edge * std::pow(results.estimated_error_relative, 2));
+}
+
+/// Averages the speed at which the faces of a pair slide in a motion.
+double sliding_of(const SolvedState& state, const ContactPair& pair, const Eigen::VectorXd& motion) {
+  double sum = 0, area = 0;
+  for (const ContactPoint& point : pair.points) {
+    sum += point.weight * (sliding_at(pair, point, state.resisted_by_friction, state.bodies) * motion).norm();
+    area += point.weight;
+  }
+  return sum / area;
+}
+
+/// Sets the use of all pairs that slide in the motion which the loads drive most.
+void fill_use(const SolvedState& state, Results& results) {
+  const FreeMotions& motions = state.resisted_by_friction;
+  const Eigen::VectorXd load = asked_of_friction(motions, state.bodies);
+  if (load.isZero(0)) return;
+  std::vector<Eigen::MatrixXd> rows;
+  std::size_t group = 0;
+  for (const ContactPair& pair : state.pairs)
+    for (const ContactGroup& g : pair.groups) {
+      const double force = force_unit(state) * state.outer.group_force[group++];
+      if (!(pair.spec->friction > 0) || !(force > 0)) continue;
+      for (int q = g.first_point; q < g.last_point; ++q) {
+        const ContactPoint point = pair.points[q];
+        rows.push_back(pair.spec->friction * force * point.weight / g.area *
+                       sliding_at(pair, point, motions, state.bodies));
+      }
+    }
+  const auto [use, motion] = largest_ratio(load, rows);
+  std::vector<double> sliding(state.pairs.size(), 0.0);
+  for (std::size_t k = 0; k < sliding.size(); ++k)
+    if (results.pairs[k].friction) sliding[k] = sliding_of(state, state.pairs[k], motion);
+  const double fastest = *std::max_element(sliding.begin(), sliding.end());
+  for (std::size_t k = 0; k < sliding.size(); ++k)
+    if (sliding[k] > no_sliding * fastest) results.pairs[k].friction->use = use;
+}
+
+}  // namespace
+
+std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre,
+                                            const std::optional<Vec3>& across) {
+  Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();  // of the first side less the second one
+  double area = 0, size = 0;
+  for (const auto& side : sides)
+    for (const PressedPlace& place : side) {
+      middle += place.area * place.x;
+      normal += (&side == sides.data() ? 1 : -1) * place.area * place.normal;
+      area += place.area;
+    }
+  if (!(area > 0)) return {};
+  middle /= area;
+  for (const auto& side : sides)
+    for (const PressedPlace& place : side) size = std::max(size, (place.x - middle).norm());
+  if (!(size > 0)) return {};
+  const auto find = [&](double tolerance, double least_rotation) {
+    return axis_of_motions(motions_along(sides, middle, size, across, tolerance), middle, size, centre, least_rotation);
+  };
+  if (const auto exact = find(exact_face, far_axis)) return exact;
+  const auto near = find(faceted, far_axis_of_facets);
+  if (near && std::abs(near->axis.direction.dot(normal)) > along_normal * area) return {};
+  return near;
+}
+
+/// Weighted least squares whose weights are the reciprocals of the speeds (Weiszfeld): the sum falls in every
+/// iteration.
+std::pair<double, Eigen::VectorXd> largest_ratio(const Eigen::VectorXd& load,
+                                                 const std::vector<Eigen::MatrixXd>& rows) {
+  constexpr int most_iterations = 300;
+  constexpr double settled = 1e-9, at_rest = 1e-9, singular = 1e-12;
+  const double infinite = std::numeric_limits<double>::infinity();
+  std::vector<double> speed(rows.size(), 1);
+  Eigen::VectorXd motion = load;
+  double ratio = 0;
+  for (int k = 0; k < most_iterations; ++k) {
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(load.size(), load.size());
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      if (speed[i] > 0) sum += rows[i].transpose() * rows[i] / speed[i];
+    const SymmetricEigen<Eigen::Dynamic> eigen(sum);
+    const double largest = eigen.eigenvalues()[load.size() - 1];
+    motion.setZero();
+    for (Eigen::Index j = 0; j < load.size(); ++j) {
+      const double part = eigen.eigenvectors().col(j).dot(load);
+      if (eigen.eigenvalues()[j] > singular * largest)
+        motion += part / eigen.eigenvalues()[j] * eigen.eigenvectors().col(j);
+      else if (std::abs(part) > at_rest * load.norm())
+        return {infinite, eigen.eigenvectors().col(j)};
+    }
+    double all = 0, fastest = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      speed[i] = (rows[i] * motion).norm();
+      all += speed[i];
+      fastest = std::max(fastest, speed[i]);
+    }
+    if (!(all > 0)) return {infinite, motion};
+    const double now = load.dot(motion) / all;
+    if (k > 0 && std::abs(now - ratio) <= settled * now) return {now, motion};
+    ratio = now;
+    for (double& s : speed) s = std::max(s, at_rest * fastest);
+  }
+  return {ratio, motion};
+}
+
+void fill_friction(const SolvedState& state, Results& results) {
+  std::size_t group = 0;
+  bool any = false;
+  for (std::size_t k = 0; k < state.pairs.size(); ++k) {
+    const ContactPair& pair = state.pairs[k];
+    const double* const group_force = state.outer.group_force.data() + group;
+    group += pair.groups.size();
+    if (!(pair.spec->friction > 0)) continue;
+    any = true;
+    FrictionFigures friction;
+    friction.coefficient = pair.spec->friction;
+    if (results.pairs[k].area > 0) {
+      const FrictionZone zone(state, results, static_cast<int>(k), group_force);
+      friction.capacity = pair.spec->friction * zone.force();
+      friction.whole = zone.parts() * friction.capacity;
+      friction.error = error_of_force(state, results, k, zone.force());
+      friction.torque = zone.torque(friction.why_no_torque);
+      if (friction.torque && friction.error)
+        friction.torque->error = std::hypot(*friction.error, zone.difference_of_levers(friction.torque->axis));
+    } else {
+      friction.why_no_torque = "nothing presses the faces";
+    }
+    results.pairs[k].friction = friction;
+  }
+  if (any) fill_use(state, results);
+}
+
+std::vector<std::string> sliding_warnings(const Results& results) {
+  std::vector<std::string> warnings;
+  for (const PairFigures& pair : results.pairs)
+    if (pair.friction && pair.friction->use && *pair.friction->use > 1)
+      warnings.push_back(fmt::format("contact \"{}\": {}", pair.name, verdict_on(*pair.friction)));
+  return warnings;
+}
+
+}  // namespace cgcontact

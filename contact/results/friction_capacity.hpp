@@ -1,0 +1,45 @@
+/// What friction could carry of every pair with a friction coefficient (PairFigures::friction). The solve knows nothing
+/// of friction: the pressure is that of frictionless contact, and every figure here bounds what friction could do with
+/// that pressure before the faces slide all over.
+#pragma once
+
+#include <array>
+
+#include "contact/solve/solved_state.hpp"
+#include "core/results/results.hpp"
+
+namespace cgcontact {
+
+/// Sets PairFigures::friction of the pairs with friction, for the thickness of the bodies. Needs the pairs' other
+/// figures and the contact rows; errors only with the verdict and the estimates of the forces.
+/// - The capacity is the coefficient times the normal force (ZoneFigures::normal_force): the integral of the pressure
+///   that the solution transmits. Its error is that of the force, or of the energy norm where the force has none (a
+///   shrink fit); where the loads give the force it is what the face turns away from the force of the pressure's error.
+/// - The torque capacity is that normal force times the mean distance from the axis, weighted by the recovered pressure
+///   (ContactRow::pressure_sprc), which ends where the zone does. Its error has besides what the transmitted pressure
+///   gives otherwise. Axis: that of `moment_about`; else the one that all of the zone's faces turn about and stay what
+///   they are, if they have one; else, where the zone is nearly flat, its mean normal through the centre of pressure.
+/// - The use is the most, over all motions that friction alone resists, of the work of the loads over the coefficient
+///   times the integral of pressure times sliding speed: above 1 no friction with that pressure holds the bodies (the
+///   theorems of limit analysis with a given bound).
+void fill_friction(const SolvedState& state, Results& results);
+
+/// A sentence for every pair whose friction cannot carry what the loads ask of it.
+std::vector<std::string> sliding_warnings(const Results& results);
+
+/// A place that is pressed: m, outward unit normal, m^2 of area.
+struct PressedPlace {
+  Vec3 x, normal;
+  double area;
+};
+
+/// The axis about which faces turn and stay what they are, of both sides of a zone, through `centre` where its place is
+/// not determined (flat faces). None: there is none, or more than one (spheres). across: direction of plane strain.
+std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre,
+                                            const std::optional<Vec3>& across);
+
+/// The largest load . v over sum |weight_i rows_i v| over all v, and a v that has it; infinite where the sum can be
+/// zero. rows: (3, n) each.
+std::pair<double, Eigen::VectorXd> largest_ratio(const Eigen::VectorXd& load, const std::vector<Eigen::MatrixXd>& rows);
+
+}  // namespace cgcontact
