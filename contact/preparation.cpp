@@ -12,6 +12,7 @@
 #include "contact/model/rigid_supports.hpp"
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/free_pieces.hpp"
+#include "contact/plausibility.hpp"
 #include "contact/results/reference.hpp"
 
 namespace cgcontact {
@@ -193,6 +194,8 @@ void complete(const Scene& scene, Preparation& preparation) {
   check_free_motions(scene, preparation);
   check_body_forces(preparation.bodies);
   check_reference(scene, preparation.pairs);
+  for (std::string& warning : implausible_values(scene, preparation))
+    preparation.warnings.push_back(std::move(warning));
 }
 
 Preparation prepare(const Scene& scene, bool refuse_near_limit) {

@@ -184,6 +184,7 @@ std::pair<const char*, const char*> verdict_heading(const Results& results) {
     default:
       if (results.accuracy.asked && !results.accuracy.reached)
         return {"doubtful", "Solved, but not as accurate as asked"};
+      if (results.verdict.spring_share > 0) return {"doubtful", "Solved, but springs take a part of the load"};
       return {"good", "Solved"};
   }
 }

@@ -30,7 +30,10 @@ Json json_of(const Verdict& verdict) {
                      {"state", name_of(pair.state)},
                      {"cells_across", json_of(pair.cells_across)},
                      {"cell_size_needed", json_of(pair.cell_size_needed)}});
-  return {{"state", name_of(verdict.state)}, {"text", verdict.text}, {"pairs", pairs}};
+  return {{"state", name_of(verdict.state)},
+          {"text", verdict.text},
+          {"pairs", pairs},
+          {"spring_share", verdict.spring_share > 0 ? Json(verdict.spring_share) : Json(nullptr)}};
 }
 
 Json json_of(const MomentAbout& moment, const PairFigures& pair) {

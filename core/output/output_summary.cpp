@@ -314,7 +314,10 @@ std::string opening_words(const Results& results) {
     case Verdict::State::no_contact:
       return results.pairs.empty() ? "solved" : "solved, without contact";
     default:
-      return results.accuracy.asked && !results.accuracy.reached ? "solved, but NOT AS ACCURATE AS ASKED" : "solved";
+      if (results.accuracy.asked && !results.accuracy.reached) return "solved, but NOT AS ACCURATE AS ASKED";
+      if (results.verdict.spring_share > 0)
+        return fmt::format("solved, but SPRINGS TAKE {} % OF A LOAD", percent_number(results.verdict.spring_share));
+      return "solved";
   }
 }
 

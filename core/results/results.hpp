@@ -177,6 +177,7 @@ struct Verdict {
   State state = State::resolved;
   std::string text;  ///< one sentence
   std::vector<Pair> pairs;
+  double spring_share = 0;  ///< the part of a push on a body that springs take beside contact, where it is too large
 };
 
 /// "resolved", "not_resolved", ... as in report.json.
