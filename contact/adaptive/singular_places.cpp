@@ -7,6 +7,8 @@
 #include <map>
 #include <numeric>
 
+#include "contact/adaptive/singular_causes.hpp"
+
 namespace cgcontact {
 namespace {
 
@@ -33,6 +35,8 @@ constexpr double least_refinement = 2;
 /// its cells changes the measure by up to 1.3.
 constexpr double end_refinement = 2.5;
 
+/// Cells around a place in which its cause lies: the cell with the densest error is next to it.
+constexpr double cause_cells = 2;
 /// Cosine of the angle by which a surface may turn in the ball: 30 degrees in three cells, a radius of six cells.
 constexpr double least_cosine = 0.87;
 
@@ -221,6 +225,7 @@ std::vector<SingularPlace> singular_places(const SolvedState& state,
       if (fall_exponent(last, place.x, place.cell) < least_fall) continue;
       const auto growth = growth_at(solves, b, place.x);
       if (!growth || has_unseen_fillet(state.bodies[b], place.x, ball * growth->cell)) continue;
+      if (!has_cause_of_singularity(state, static_cast<int>(b), place.x, cause_cells * place.cell)) continue;
       place.exponent = growth->exponent;
       place.body = state.bodies[b].spec->name;
       place.faces = faces_near(state, b, place.x, ball * place.cell);

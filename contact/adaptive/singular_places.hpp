@@ -19,6 +19,7 @@ std::vector<CellEnergies> cell_energies(const Results& results);
 /// singular if
 /// - the last solve's error there is a large part of the stress still, and the largest of its surroundings,
 /// - S has grown from solve to solve like h^-a while its cells were at least halved, and still grows at the end,
+/// - something there can make it infinite (singular_causes.hpp),
 /// - and S falls with the radius of the ball on the last grid, as it does not where a smooth stress was merely not
 /// resolved before.
 /// One for each set of faces; not where further faces meet the edge between some. solves: in order, the last one the

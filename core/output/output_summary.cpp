@@ -234,7 +234,9 @@ std::string recovery_text(const Results& results) {
 }
 
 std::string error_text(const Results& results) {
-  std::string text = fmt::format("stress {} of the energy norm", percent(results.estimated_error_relative));
+  std::string text =
+      fmt::format("stress {} of the energy norm, displacement {}", percent(results.estimated_error_relative),
+                  percent(results.displacement_error_estimate));
   if (results.has_effectivity) text += fmt::format(" (effectivity {:.3f})", results.effectivity);
   return text;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -252,6 +253,7 @@ struct Scene {
   RecoveryOptions recovery;
   ResultOptions results;
   AccuracyOptions accuracy;
+  std::map<std::string, FaceRef> accuracy_faces;  ///< those that targets of `accuracy` name
   OutputOptions output;
   ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
   /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it

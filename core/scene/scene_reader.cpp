@@ -464,7 +464,10 @@ std::vector<std::string> SceneReader::face_names(int body) const {
 }
 
 FaceRef SceneReader::resolve_face(const TomlCursor& node) const {
-  const std::string reference = node.string("\"body.face\"");
+  return resolve_face(node, node.string("\"body.face\""));
+}
+
+FaceRef SceneReader::resolve_face(const TomlCursor& node, const std::string& reference) const {
   const std::size_t dot = reference.find('.');
   const std::string name = reference.substr(0, dot);
   FaceRef result;
@@ -739,6 +742,13 @@ void SceneReader::check_new_pair(const TomlCursor& node, const ContactSpec& cont
 
 namespace {
 
+/// A target of the pair's own, beside [accuracy].
+void read_pair_target(const TomlCursor& node, const std::string& pair, AccuracyOptions& accuracy) {
+  node.expect_keys({"pressure"});
+  if (!accuracy.any()) node.fail("stands in a scene without [accuracy]", "[accuracy] with a target for all, beside it");
+  accuracy.named.push_back({NamedTarget::Kind::pressure, pair, read_target(node.at("pressure", "\"5 %\""))});
+}
+
 bool is_automatic(const TomlCursor& node) {
   const auto automatic = node.find("automatic");
   return automatic && automatic->boolean();
@@ -748,8 +758,8 @@ bool is_automatic(const TomlCursor& node) {
 
 /// One pair, or all automatic ones.
 void SceneReader::read_contact(const TomlCursor& node, std::set<std::string>& seen) {
-  node.expect_keys(
-      {"name", "faces", "automatic", "bonded", "interference", "preload", "search_distance", "moment_about"});
+  node.expect_keys({"name", "faces", "automatic", "bonded", "interference", "preload", "search_distance",
+                    "moment_about", "accuracy"});
   const std::size_t first = scene_.contacts.size();
   if (is_automatic(node)) {
     add_automatic_contacts(node);
@@ -777,6 +787,7 @@ void SceneReader::read_contact(const TomlCursor& node, std::set<std::string>& se
     if (const auto value = node.find("search_distance"))
       contact.search_distance = value->number(Range::not_negative("m"));
     if (const auto value = node.find("moment_about")) contact.moment_about = read_moment(*value);
+    if (const auto value = node.find("accuracy")) read_pair_target(*value, contact.name, scene_.accuracy);
   }
 }
 
@@ -789,6 +800,20 @@ void SceneReader::read_contacts(const TomlCursor& root) {
     return !(automatic && automatic->node().is_boolean() && automatic->boolean());
   });
   for (const TomlCursor& node : ordered) attempt([&] { read_contact(node, seen); });
+}
+
+/// Faces of targets of displacements; other names are those of probes.
+void SceneReader::find_places_of_targets(const TomlCursor& root) {
+  const auto accuracy = root.find("accuracy");
+  const auto node = accuracy ? accuracy->find("displacement") : std::nullopt;
+  if (!node || !node->is_table()) return;
+  for (const auto& [name, target] : node->entries()) {
+    const auto is_this = [&place = name](const ProbeSpec& probe) { return probe.name == place; };
+    if (name == "largest" || std::any_of(scene_.probes.begin(), scene_.probes.end(), is_this)) continue;
+    if (name.find('.') == std::string::npos)
+      target.fail("there is no probe \"" + name + "\"", "\"body.face\", the name of a [[probe]], or largest");
+    scene_.accuracy_faces[name] = resolve_face(target, name);
+  }
 }
 
 /// A preload is found in the first step and kept: parts of interferences would leave parts of it.
@@ -838,6 +863,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   const bool has_contacts = mistakes_.size() == before;
   if (has_contacts) attempt([&] { choose_cells_of_rigid_bodies(); });
   if (has_bodies) attempt([&] { read_probes(root); });
+  if (has_bodies) attempt([&] { find_places_of_targets(root); });
   if (has_bodies) attempt([&] { read_sections(root); });
   if (const auto node = root.find("steps"))
     attempt([&] {

@@ -73,6 +73,8 @@ class SceneReader {
   void read_sections(const TomlCursor& root);
   SectionSpec read_section(const TomlCursor& node) const;
   FaceRef resolve_face(const TomlCursor& node) const;
+  FaceRef resolve_face(const TomlCursor& node, const std::string& reference) const;
+  void find_places_of_targets(const TomlCursor& root);
   int body_index(const std::string& name) const;
   std::vector<std::string> body_names() const;
   std::vector<std::string> face_names(int body) const;
@@ -97,6 +99,8 @@ SolverOptions read_solver(const TomlCursor& node);
 RecoveryOptions read_recovery(const TomlCursor& node);
 OutputOptions read_output(const TomlCursor& node);
 AccuracyOptions read_accuracy(const TomlCursor& node);
+/// A relative error: a number, or text with a per cent sign.
+double read_target(const TomlCursor& node);
 
 // [reference] (scene_reference.cpp).
 
