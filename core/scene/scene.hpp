@@ -41,8 +41,8 @@ struct Material {
   std::optional<double> density = {};       ///< kg/m^3
   std::optional<double> expansion = {};     ///< 1/K, of lengths
   std::optional<double> yield_stress = {};  ///< Pa
-  bool is_rigid() const { return std::isinf(youngs_modulus); }
   bool modulus_has_units = false;           ///< the scene gives E with a unit
+  bool is_rigid() const { return std::isinf(youngs_modulus); }
 };
 
 /// Forces per volume on a body that is accelerated, or turns steadily.
@@ -108,8 +108,8 @@ struct BodySpec {
   std::array<Expression, 3> body_force;  ///< N/m^3
   Inertia inertia;                       ///< what acts on its mass
   double temperature = 0;                ///< K, change since it was free of stress
-  std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
   bool plain_lengths = false;            ///< its shape has numbers without a unit
+  std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
   std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;     ///< the same for what the user should look at
   std::vector<std::shared_ptr<const RepairedSurface>> repairs;  ///< on request, of its mesh files
