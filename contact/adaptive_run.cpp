@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact/model/memory.hpp"
 #include "contact/results/peak_estimate.hpp"
 #include "contact/results/small_strain.hpp"
 #include "core/base/ranks.hpp"
 #include "core/base/text.hpp"
-#include "core/results/answer.hpp"
 
 namespace cgcontact {
 namespace {
@@ -21,6 +21,10 @@ constexpr double unknowns_power = -2.5;
 constexpr double coarsening_power = -1.7;
 /// What a limit leaves of the wanted change of size must be more than that to be worth a solve.
 constexpr double least_gain = 1.15;
+/// Cells of a grid that is the last one again, over those of that; cells are then made so much finer.
+constexpr double same_cell = 0.95, finer = 0.75;
+/// Times as many unknowns, at least, of a grid with the same smallest cells that is worth a solve.
+constexpr double worth_a_solve = 1.2;
 /// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
 constexpr double first_exploration = 2.5e5;
 /// Of each cell: a node of its own, or two that share the components in the plane.
@@ -34,6 +38,14 @@ constexpr double step = 1.03;
 constexpr double worth_a_fall = 10;
 /// A last solve with fields and pictures takes longer per unknown than those before it.
 constexpr double dearer = 1.2;
+/// Times max_time at which a solve that may be given up is: a forecast that is a little too short loses no solve, and
+/// what cannot be interrupted still ends within a fifth of max_time.
+constexpr double give_up = 1.1;
+/// Part of the time of a run with one solve beside it that is told.
+constexpr double told_part = 0.01;
+
+/// Ends a solve whose time is over while the run has the solution of an earlier one.
+struct OutOfTime {};
 
 /// Counts the closed pieces of contact surfaces: how many times as many there are on other grids.
 double more_closed_pieces(const SolvedState& state, const std::vector<BodyModel>& next) {
@@ -67,14 +79,25 @@ double most_cells(const Scene& scene, double unknowns) {
 
 /// The largest of the estimated errors over their targets; none: the zones are not resolved.
 std::optional<double> missing_factor(const AccuracyOptions& options, const SolveFigures& solve) {
-  if (!solve.converged || ((options.pressure || options.force) && !solve.pressure)) return std::nullopt;
+  const bool known = std::all_of(solve.named.begin(), solve.named.end(), [](const auto& error) { return error; });
+  if (!solve.converged || !known || ((options.pressure || options.force) && !solve.pressure)) return std::nullopt;
   double largest = 0;
   if (options.pressure) largest = std::max(largest, *solve.pressure / *options.pressure);
   if (options.force) largest = std::max(largest, solve.force.value_or(0) / *options.force);
   if (options.stress) largest = std::max(largest, solve.stress / *options.stress);
   for (std::size_t k = 0; k < solve.stress_of_body.size(); ++k)
     largest = std::max(largest, solve.stress_of_body[k] / options.stress_of_body[k].error);
+  for (std::size_t k = 0; k < solve.named.size(); ++k)
+    largest = std::max(largest, *solve.named[k] / options.named[k].error);
   return largest;
+}
+
+/// s, of some phases of a run.
+double seconds_of_phases(const Results& results, const std::vector<std::string>& names) {
+  double sum = 0;
+  for (const auto& [phase, seconds] : results.times_s)
+    if (std::find(names.begin(), names.end(), phase) != names.end()) sum += seconds;
+  return sum;
 }
 
 std::string number(double unknowns) { return grouped(static_cast<long long>(std::round(unknowns))); }
@@ -103,6 +126,7 @@ AdaptiveRun::AdaptiveRun(const Scene& scene) : given_(scene), sizes_(first_sizes
   figures_.force = scene.accuracy.force;
   figures_.stress = scene.accuracy.stress;
   figures_.stress_of_body = scene.accuracy.stress_of_body;
+  figures_.named = scene.accuracy.named;
 }
 
 /// "", or that the errors of the last solve are no smaller than those of one with a tenth of its unknowns.
@@ -138,20 +162,26 @@ double AdaptiveRun::allowed_unknowns() const {
   if (figures_.solves.empty()) return options.max_unknowns;
   const SolveFigures& last = figures_.solves.back();
   const double in_time =
-      (options.max_time - seconds()) / (dearer * (last.seconds - search_)) * static_cast<double>(last.unknowns);
+      (options.max_time - seconds()) / (dearer * (own_ - search_)) * static_cast<double>(last.unknowns);
   return std::min(in_time, options.max_unknowns);
 }
 
-/// s, of a solve on the next grid, from the phases of the last one: the system goes with the unknowns, recovery and
-/// estimates with the patches of the contact, which take by far most of their time.
+/// s, to make cells for so many unknowns, as the last grid took.
+double AdaptiveRun::seconds_of_cells(double unknowns) const {
+  if (figures_.solves.empty()) return 0;
+  return seconds_of_phases(simulation_->results, {"cut cells"}) / static_cast<double>(simulation_->results.unknowns) *
+         unknowns;
+}
+
+/// s, of a solve on the next grid, whose cells are there already, from the phases of the last one: the system goes with
+/// the unknowns, recovery and estimates with the patches of the contact, which take by far most of their time.
 double AdaptiveRun::forecast() const {
   const SolveFigures& last = figures_.solves.back();
   const double unknowns = count_unknowns(next_->state.bodies) / static_cast<double>(last.unknowns);
-  if (!last.converged) return dearer * last.seconds * unknowns;
-  double system = 0;
-  for (const auto& [phase, s] : simulation_->results.times_s)
-    if (phase == "cut cells" || phase == "operator" || phase == "solve") system += s;
-  const double rest = std::max(0.0, last.seconds - search_ - system);
+  const double cells = seconds_of_cells(static_cast<double>(last.unknowns));
+  if (!last.converged) return dearer * std::max(0.0, own_ - cells) * unknowns;
+  const double system = seconds_of_phases(simulation_->results, {"operator", "solve"});
+  const double rest = std::max(0.0, own_ - search_ - system - cells);
   const double pieces = more_closed_pieces(simulation_->state, next_->state.bodies);
   return dearer * (system * unknowns + rest * std::max(unknowns, pieces));
 }
@@ -165,6 +195,26 @@ double AdaptiveRun::excess(double allowed) {
   if (time <= unknowns) return unknowns;
   limit_ = "max_time";
   return time;
+}
+
+/// Tells whether the next grid is the last one again, though the targets are not met: sizes are rounded to halvings,
+/// and where all cells have one size, all of them the same way.
+bool AdaptiveRun::stands_still() const {
+  const SolveFigures& last = figures_.solves.back();
+  double smallest = 1e300;
+  for (const BodyModel& body : next_->state.bodies)
+    smallest = std::min(smallest, body.cut_cells.grid.cell_size_of(body.cut_cells.grid.num_levels - 1));
+  return last.converged && smallest > same_cell * last.smallest_cell &&
+         count_unknowns(next_->state.bodies) < worth_a_solve * static_cast<double>(last.unknowns);
+}
+
+/// "", or that triangles keep the cells at the contact as they are.
+std::string AdaptiveRun::end_at_facets() const {
+  if (figures_.solves.empty() || sizes_.faceted.empty()) return "";
+  return fmt::format(
+      "the cells at the contact are as small as the triangles of body \"{}\" there, {:.3g} m: a finer surface is "
+      "needed, not finer cells",
+      sizes_.faceted, sizes_.facets);
 }
 
 /// Cells of the first grid, or of the next one; beyond a limit they become larger. False: they would be hardly smaller
@@ -183,9 +233,12 @@ bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
     if (enough < allowed && place_within(enough, 1, callbacks)) return true;
     return place_within(allowed, 1, callbacks);
   }
-  // Not even the cells of a grid that is too large by far.
-  const double factor = needed_ > 4 * allowed ? std::pow(allowed / needed_, 1 / unknowns_power) : 1;
-  return place_within(allowed, factor, callbacks);
+  // Not even the cells of a grid that is too large by far, or that would take what is left of the time.
+  const double left = given_.accuracy.max_time - seconds();
+  const bool too_large = needed_ > 4 * allowed || dearer * seconds_of_cells(needed_) > left;
+  const double factor = too_large && needed_ > allowed ? std::pow(allowed / needed_, 1 / unknowns_power) : 1;
+  if (!place_within(allowed, factor, callbacks)) return false;
+  return !stands_still() || place_within(allowed, finer * factor, callbacks);
 }
 
 /// Places the next grid, its refined cells times a factor that grows until the unknowns are no more than `allowed`, and
@@ -199,7 +252,11 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
     if (enough > 0) factor = enough < least_gain * too_fine ? enough : std::sqrt(too_fine * enough);
   };
   // What no limit makes coarser is worth a solve even if little is missing.
-  while (factor == 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
+  while (factor <= 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
+    if (!figures_.solves.empty() && seconds() > given_.accuracy.max_time) {
+      limit_ = "max_time";
+      break;
+    }
     next_scene_ = scene_on_grids(given_, sizes_, factor, most_cells(given_, allowed));
     next_ = std::make_unique<Simulation>(*next_scene_);
     try {
@@ -217,9 +274,9 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
     const double times = excess(allowed);
     if (times > 1) {
       grow(step * std::pow(1 / times, 1 / coarsening_power));
-    } else if (factor == 1 || times * worth > 1 || factor <= least_gain * too_fine) {
+    } else if (factor <= 1 || times * worth > 1 || factor <= least_gain * too_fine) {
       const double unknowns = count_unknowns(next_->state.bodies);
-      if (factor == 1 || !resolved_ || unknowns > worth * static_cast<double>(figures_.solves.back().unknowns))
+      if (factor <= 1 || !resolved_ || unknowns > worth * static_cast<double>(figures_.solves.back().unknowns))
         return true;
       break;
     } else {
@@ -232,10 +289,58 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
   return false;
 }
 
+/// Tells whether a solve is to be given up: time is over, and there is a solution already.
+bool AdaptiveRun::is_out_of_time() const { return has_solution() && seconds() > give_up * given_.accuracy.max_time; }
+
+/// Makes the next solve the present one. One that is worse by its estimates and does not meet the targets is none to
+/// show: the better one before it is kept.
+void AdaptiveRun::keep(const SolveFigures& solve, const ErrorFigures& errors) {
+  const auto now = missing_factor(given_.accuracy, solve);
+  const double factor = now.value_or(std::numeric_limits<double>::infinity());
+  if (best_.simulation) {
+    if (factor <= best_.factor) best_ = {};
+  } else if (has_solution() && !errors.met && factor > factor_before(solve)) {
+    best_ = {std::move(scene_), std::move(simulation_), number_, factor_before(solve), energies_.size() - 1};
+  }
+  simulation_ = std::move(next_);
+  scene_ = std::move(next_scene_);
+  number_ = figures_.solves.size();
+}
+
+/// The errors of the present solve over their targets, seen from the next one: a pressure that changes by more than its
+/// estimate was off by about the change. Infinite: not known.
+double AdaptiveRun::factor_before(const SolveFigures& solve) const {
+  const auto factor = missing_factor(given_.accuracy, figures_.solves[number_]);
+  if (!factor) return std::numeric_limits<double>::infinity();
+  return given_.accuracy.pressure && solve.change ? std::max(*factor, *solve.change / *given_.accuracy.pressure)
+                                                  : *factor;
+}
+
+/// The kept solve becomes the present one again.
+void AdaptiveRun::take_best() {
+  if (!best_.simulation) return;
+  simulation_ = std::move(best_.simulation);
+  scene_ = std::move(best_.scene);
+  if (best_.energies.empty())
+    energies_.resize(best_.num_energies);
+  else
+    energies_ = std::move(best_.energies);
+  number_ = best_.number;
+}
+
+/// Those of solves whose zones are resolved begin anew.
+void AdaptiveRun::forget_energies() {
+  if (best_.simulation && best_.energies.empty()) {
+    best_.energies = std::move(energies_);
+    best_.energies.resize(best_.num_energies);
+  }
+  energies_.clear();
+}
+
 /// Solves on the next grid and estimates its errors. It becomes the present one, unless that has a solution and the
-/// next one has not.
+/// next one has not. Throws OutOfTime where that is over.
 ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
-  const double before = figures_.solves.empty() ? 0 : seconds();
+  const double before = seconds() - seconds_of_phases(next_->results, {"cut cells"});
   EarlierSolution earlier;
   if (resolved_) earlier.state = &simulation_->state;
   for (const ZoneState& zone : zones_) earlier.cell.push_back(zone.cell);
@@ -256,8 +361,13 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
     zones_ = zone_states(state, results);
     search_ = seconds() - search_;
     solve.change = estimate_from_two_grids(zones_, earlier, given_.accuracy, results);
-    errors = error_figures(*next_scene_, zones_, results);
-    if (!resolved_) energies_.clear();  // the stress of a zone grows like 1/h until it is resolved
+    const DisplacementState displacements{named_displacements(state), results.estimated_error_relative};
+    displacement_errors_ = displacement_errors(displacements, displacements_);
+    displacements_ = displacements;
+    for (const double e : displacement_errors_)
+      results.displacement_error_estimate = std::max(results.displacement_error_estimate, e);
+    errors = error_figures(*next_scene_, zones_, results, displacement_errors_);
+    if (!resolved_) forget_energies();  // the stress of a zone grows like 1/h until it is resolved
     resolved_ = errors.pressure.has_value() || zones_.empty();
     energies_.push_back(cell_energies(results));
   } else {
@@ -277,23 +387,57 @@ ErrorFigures AdaptiveRun::solve(const AdaptiveCallbacks& callbacks) {
   solve.force = errors.force;
   solve.stress = errors.stress;
   solve.stress_of_body = errors.stress_of_body;
-  if (solve.converged || !has_solution()) {
-    simulation_ = std::move(next_);
-    scene_ = std::move(next_scene_);
-  }
-  solve.seconds = seconds() - before;
+  solve.named = errors.named;
+  if (solve.converged || !has_solution()) keep(solve, errors);
+  const double now = seconds();
+  solve.seconds = now - begin_;
+  own_ = now - before;
+  begin_ = now;
   figures_.solves.push_back(solve);
   callbacks.solved(static_cast<int>(figures_.solves.size()), solve);
   return errors;
 }
 
 void AdaptiveRun::run(const AdaptiveCallbacks& told) {
-  const AccuracyOptions& options = given_.accuracy;
   AdaptiveCallbacks callbacks = told;
   callbacks.phase = [&](const std::string& name) {
+    if (is_out_of_time()) throw OutOfTime();
     told.phase(fmt::format("solve {}: {}", figures_.solves.size() + 1, name));
   };
+  callbacks.step = [&](const OuterStep& outer_step) {
+    if (is_out_of_time()) throw OutOfTime();
+    told.step(outer_step);
+  };
+  refine(callbacks);
+  next_.reset();
+  take_best();
+  const double all = seconds();
+  simulation_->sample_paths(told);
+  Results& results = simulation_->results;
+  figures_.answer = static_cast<int>(number_);
+  figures_.seconds = all;
+  if (results.converged && number_ + 1 < figures_.solves.size())
+    figures_.text += fmt::format("; the results are those of solve {}", number_ + 1);
+  double own = 0;  // what the solve has phases for
+  for (const auto& [phase, s] : results.times_s) own += s;
+  own -= seconds() - all;
+  if (figures_.solves.size() > 1 || all - own > told_part * all)
+    results.times_s.insert(results.times_s.begin(), {"other solves", std::max(0.0, all - own)});
+  if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
+  if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular place
+  for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
+  results.accuracy = figures_;
+  results.accuracy.asked = true;
+}
+
+/// Solves on finer and finer grids until the targets are met or a limit is.
+void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
+  const AccuracyOptions& options = given_.accuracy;
   for (;;) {
+    if (const std::string text = end_at_facets(); !text.empty()) {
+      figures_.text = text;
+      break;
+    }
     if (!place(callbacks)) {
       figures_.text = after_failure() +
                       (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",
@@ -326,24 +470,14 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
       break;
     }
     if (converged)
-      sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_);
+      sizes_ = next_sizes(simulation_->state, simulation_->results, zones_, sizes_, displacement_errors_);
     else
       halve(sizes_);
     simulation_->state.keep_fields_only();
   }
-  simulation_->sample_paths(told);
-  Results& results = simulation_->results;
-  const std::size_t answer = answer_of(figures_);
-  if (results.converged && answer + 1 < figures_.solves.size())
-    figures_.text += fmt::format("; the results are those of solve {}", answer + 1);
-  double others = 0;
-  for (std::size_t k = 0; k < figures_.solves.size(); ++k) others += k == answer ? 0 : figures_.solves[k].seconds;
-  if (others > 0) results.times_s.insert(results.times_s.begin(), {"other solves", others});
-  if (results.converged) results.singular_places = singular_places(simulation_->state, energies_);
-  if (!results.singular_places.empty()) estimate_peak_errors(results);  // none at a singular place
-  for (const SingularPlace& place : results.singular_places) results.warnings.push_back(describe(place));
-  results.accuracy = figures_;
-  results.accuracy.asked = true;
+} catch (const OutOfTime&) {
+  figures_.text = fmt::format("accuracy.max_time = {:g} s stopped the refinement during solve {}",
+                              given_.accuracy.max_time, figures_.solves.size() + 1);
 }
 
 }  // namespace cgcontact

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <memory>
 
+#include "contact/adaptive/displacement_error.hpp"
 #include "contact/adaptive/next_grid.hpp"
 #include "contact/adaptive/singular_places.hpp"
 #include "contact/adaptive/two_grid_estimate.hpp"
@@ -31,7 +32,7 @@ class AdaptiveRun {
   /// Throws InputError for what a single run would refuse on the first grid.
   void run(const AdaptiveCallbacks& callbacks);
 
-  /// The last solve that converged, or the last one if none did; Results::accuracy tells of all.
+  /// The solve that AccuracyFigures::answer says; Results::accuracy tells of all.
   Simulation& simulation() { return *simulation_; }
   /// Its scene: with its grids.
   const Scene& scene() const { return *scene_; }
@@ -39,27 +40,52 @@ class AdaptiveRun {
  private:
   bool place(const AdaptiveCallbacks& callbacks);
   bool place_within(double allowed, double factor, const AdaptiveCallbacks& callbacks);
+  void refine(const AdaptiveCallbacks& callbacks);
   ErrorFigures solve(const AdaptiveCallbacks& callbacks);
+  void keep(const SolveFigures& solve, const ErrorFigures& errors);
+  void forget_energies();
+  void take_best();
+  double factor_before(const SolveFigures& solve) const;
+  bool is_out_of_time() const;
   double allowed_unknowns() const;
+  double seconds_of_cells(double unknowns) const;
   double forecast() const;
   double excess(double allowed);
   double seconds() const;
   bool has_solution() const;
   std::string after_failure() const;
   std::string standstill() const;
+  bool stands_still() const;
+  std::string end_at_facets() const;
+
+  /// A solve that is kept while later ones are worse.
+  struct Kept {
+    std::unique_ptr<Scene> scene;
+    std::unique_ptr<Simulation> simulation;
+    std::size_t number = 0;
+    double factor = 0;             ///< its errors over their targets
+    std::size_t num_energies = 0;  ///< so many of energies_ are up to it; once those are gone:
+    std::vector<std::vector<CellEnergies>> energies = {};
+  };
 
   const Scene& given_;
   GridSizes sizes_;
   std::unique_ptr<Scene> scene_, next_scene_;
   std::unique_ptr<Simulation> simulation_, next_;
+  std::size_t number_ = 0;  // of the solve in simulation_
+  Kept best_;               // simulation: none, the present one is better
   AccuracyFigures figures_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   std::vector<ZoneState> zones_;                     // of the last solve
   std::vector<std::vector<CellEnergies>> energies_;  // of the solves since the zones are resolved
+  DisplacementState displacements_;                  // of the last solve that converged
+  std::vector<double> displacement_errors_;          // of the same
   bool resolved_ = false;                            // are they all?
   bool may_converge_when_finer_ = false;             // the last solve, if it has not
   std::string refused_;                              // why a next grid could not be made
   double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns
+  double begin_ = 0;        // s, when the last solve had ended
+  double own_ = 0;          // s, of the last solve and its own grid; others may have been tried before
   const char* limit_ = "";  // that binds the next grid
   double needed_ = 0;       // unknowns of the grid that the targets ask for
 };

@@ -20,6 +20,7 @@
 #include "contact/study/study.hpp"
 #include "core/base/errors.hpp"
 #include "core/base/memory.hpp"
+#include "core/base/mistakes.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
 #include "core/base/resources.hpp"
@@ -168,12 +169,15 @@ std::string fault_of(const std::string& text, const std::string& file) try {
   return error.what();
 }
 
-/// Tells an error; of several ranks one tells it for all. If it is this rank's alone, the others are ended.
-void tell_error(const std::string& text) {
+/// Tells an error in one line, or mistakes in a line for each; of several ranks one tells it for all. If it is this
+/// rank's alone, the others are ended.
+void tell_error(const std::vector<std::string>& lines) {
   const int rank = this_rank(), ranks = num_ranks();
   const bool of_all = failed_on_all_ranks();
   if (!of_all || rank == 0)
-    fmt::print(stderr, "cgcontact: {}{}\n", of_all ? "" : fmt::format("rank {} of {}: ", rank, ranks), printable(text));
+    for (const std::string& line : lines)
+      fmt::print(stderr, "cgcontact: {}{}\n", of_all ? "" : fmt::format("rank {} of {}: ", rank, ranks),
+                 printable(line));
   if (!of_all) abort_all_ranks(1);
   failed_on_all_ranks();  // mpirun ends all as soon as one has ended: not before it is told
 }
@@ -216,9 +220,11 @@ int main(int argc, char** argv) {
     exit_code = options->command == CommandLine::check ? check(scene, *options) : run(scene, *options, argv);
     return flushed(exit_code);
   } catch (const InputError& error) {
-    tell_error(options ? options->with_variables(error.what()) : error.what());
+    std::vector<std::string> lines = messages_of(error);
+    for (std::string& line : lines) line = options ? options->with_variables(line) : line;
+    tell_error(lines);
   } catch (const std::exception& error) {
-    tell_error(is_out_of_memory(error) ? out_of_memory_text() : error.what());
+    tell_error({is_out_of_memory(error) ? out_of_memory_text() : error.what()});
   }
   return 1;
 }

@@ -13,6 +13,7 @@
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/free_pieces.hpp"
 #include "contact/motions/friction_loads.hpp"
+#include "contact/plausibility.hpp"
 #include "contact/results/reference.hpp"
 
 namespace cgcontact {
@@ -215,6 +216,8 @@ void complete(const Scene& scene, Preparation& preparation) {
   check_free_motions(scene, preparation);
   check_body_forces(preparation.bodies);
   check_reference(scene, preparation.pairs);
+  for (std::string& warning : implausible_values(scene, preparation))
+    preparation.warnings.push_back(std::move(warning));
 }
 
 Preparation prepare(const Scene& scene, bool refuse_near_limit) {

@@ -30,6 +30,7 @@
 #include "contact/results/rigid_figures.hpp"
 #include "contact/results/slices.hpp"
 #include "contact/results/small_strain.hpp"
+#include "contact/results/spring_share.hpp"
 #include "contact/results/verdict.hpp"
 #include "contact/results/zone_figures.hpp"
 #include "contact/solve/surface_wanderers.hpp"
@@ -414,6 +415,7 @@ void Simulation::fill_results() {
   results.verdict = judge(state, results);
   estimate_contact_errors(state, results);
   judge_errors(state, results);
+  tell_spring_shares(state, results);
   estimate_peak_errors(results);
   fill_conditions(state, results);
   fill_pressure_errors(state, results);

@@ -19,6 +19,7 @@
 #include "contact/results/postprocess.hpp"
 #include "core/base/errors.hpp"
 #include "core/base/memory.hpp"
+#include "core/base/mistakes.hpp"
 #include "core/base/parallel.hpp"
 #include "core/base/ranks.hpp"
 #include "core/drawing/extremes.hpp"
@@ -376,8 +377,10 @@ PYBIND11_MODULE(_cgcontact, module) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const InputError& error) {  // a name of a file need not be UTF-8, but a message in Python has to be
-      const std::string message = error.what();
-      PyErr_SetString(input_error.ptr(), printable(message, message.size()).c_str());
+      std::string text;
+      for (const std::string& message : messages_of(error))
+        text += (text.empty() ? "" : "\n") + printable(message, message.size());
+      PyErr_SetString(input_error.ptr(), text.c_str());
     }
   });
   module.def("read", &read_file, "file"_a, "overrides"_a);

@@ -1,10 +1,12 @@
 #include "contact/adaptive/next_grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
+#include "contact/results/coarse_facets.hpp"
 #include "contact/results/open_gaps.hpp"
 
 namespace cgcontact {
@@ -24,7 +26,8 @@ bool is_unclear(const Results& results, std::size_t pair) {
 }
 
 /// The largest error of the energy norm that the targets allow, relative; infinite: any.
-double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results) {
+double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results,
+                            const std::vector<double>& displacement) {
   const AccuracyOptions& options = scene.accuracy;
   double allowed = std::numeric_limits<double>::infinity();
   if (options.stress) allowed = *options.stress;
@@ -39,8 +42,15 @@ double allowed_energy_error(const Scene& scene, const std::vector<ZoneState>& zo
     // The force's error is some multiple of the square of the energy norm's (pressure_estimate.hpp).
     const double factor = figures.force_error_estimate && by_energy > 0 ? *figures.force_error_estimate / by_energy : 0;
     if (options.force && factor > 0) allowed = std::min(allowed, std::sqrt(*options.force / factor));
-    if (options.pressure) allowed = std::min(allowed, std::sqrt(options.force_part * *options.pressure));
+    if (const auto target = options.pressure_of(figures.name))
+      allowed = std::min(allowed, std::sqrt(options.force_part * *target));
   }
+  auto error = displacement.begin();  // goes with the square of the energy norm's
+  for (const NamedTarget& target : options.named)
+    if (target.kind == NamedTarget::Kind::displacement && error != displacement.end()) {
+      if (*error > 0) allowed = std::min(allowed, results.estimated_error_relative * std::sqrt(target.error / *error));
+      ++error;
+    }
   return allowed;
 }
 
@@ -60,6 +70,59 @@ void add_body_targets(const AccuracyOptions& options, const Results& results,
     next.energy[b] = energy_sizes(body, wanted, next.first[b]);
     next.change = std::min(next.change, wanted / energy_error_of_body(body));
   }
+}
+
+/// Cells that may become smaller by less stay as they are.
+constexpr double as_they_are = 0.87;
+/// Radii of a zone within which the stress of the contact, and so the edges between its triangles, counts.
+constexpr double around_zone = 3;
+
+/// A zone whose cells are not to be smaller than the triangles there: they would follow the edges between these, which
+/// the surface that is meant does not have.
+struct FacetedZone {
+  std::array<int, 2> bodies;
+  Vec3 centre = Vec3::Zero();
+  double radius = 0, size = 0;  ///< m
+};
+
+/// Enlarges the places of a zone to the triangles there, though not beyond its present cells. None: there is nothing to
+/// enlarge.
+std::optional<FacetedZone> keep_to_facets(const SolvedState& state, const ContactPair& pair, ZoneState& zone,
+                                          GridSizes& next) {
+  FacetedZone faceted{{pair.primary, pair.secondary}};
+  int widest = pair.primary;
+  for (const int body : faceted.bodies)
+    if (const double width = widest_facet(state, pair, body).metres; width > faceted.size) {
+      faceted.size = width;
+      widest = body;
+    }
+  const double size = std::min(faceted.size, zone.cell);
+  bool enlarged = false;
+  Vec3 low = Vec3::Constant(1e300), high = -low;
+  for (SizedBall& ball : zone.places) {
+    enlarged |= ball.size < size;
+    ball.size = std::max(ball.size, size);
+    low = low.cwiseMin(ball.center - Vec3::Constant(ball.radius));
+    high = high.cwiseMax(ball.center + Vec3::Constant(ball.radius));
+  }
+  if (!enlarged) return std::nullopt;
+  if (size > as_they_are * zone.cell) {
+    next.faceted = state.bodies[widest].spec->name;
+    next.facets = faceted.size;
+  }
+  faceted.size = size;
+  faceted.centre = (low + high) / 2;
+  faceted.radius = (high - low).norm() / 2;
+  return faceted;
+}
+
+/// The same for the sizes that the energy norm's error asks for in and around such zones.
+void keep_to_facets(const std::vector<FacetedZone>& zones, GridSizes& next) {
+  for (const FacetedZone& zone : zones)
+    for (const int body : zone.bodies)
+      for (SizedBall& ball : next.energy[body])
+        if ((ball.center - zone.centre).norm() < around_zone * zone.radius + ball.radius)
+          ball.size = std::max(ball.size, zone.size);
 }
 
 }  // namespace
@@ -103,18 +166,23 @@ Scene on_first_grids(const Scene& scene) {
   return scene.accuracy.any() ? *scene_on_grids(scene, first_sizes(scene)) : scene;
 }
 
-ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results) {
+ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results,
+                           const std::vector<double>& displacement) {
   const AccuracyOptions& options = scene.accuracy;
   ErrorFigures errors;
   errors.stress = results.estimated_error_relative;
   bool known = true, any = false;
   double pressure = 0, force = 0;
+  errors.named.resize(options.named.size());
   for (std::size_t p = 0; p < zones.size(); ++p) {
     known &= !is_unclear(results, p);
     if (!zones[p].relevant) continue;
     any = true;
     known &= zones[p].resolved && results.pairs[p].force_error_estimate.has_value();
-    pressure = worse(pressure, results.pairs[p].pressure_error_estimate);
+    if (const int own = options.named_pressure(results.pairs[p].name); own >= 0)
+      errors.named[own] = results.pairs[p].pressure_error_estimate;
+    else
+      pressure = worse(pressure, results.pairs[p].pressure_error_estimate);
     force = worse(force, results.pairs[p].force_error_estimate.value_or(0));
   }
   if (known && any) {
@@ -126,20 +194,35 @@ ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zon
     errors.stress_of_body.push_back(energy_error_of_body(body_named(results, target.body)));
     bodies_met &= errors.stress_of_body.back() <= target.error;
   }
-  errors.met = known && bodies_met && (!options.pressure || pressure <= *options.pressure) &&
+  bool named_met = true;
+  auto error = displacement.begin();
+  for (std::size_t k = 0; k < options.named.size(); ++k) {
+    std::optional<double>& own = errors.named[k];
+    if (options.named[k].kind == NamedTarget::Kind::displacement)
+      own = error == displacement.end() ? std::nullopt : std::optional(*error++);
+    else if (!known)
+      own.reset();
+    else
+      own = own.value_or(0);  // the pair carries next to nothing
+    named_met &= own && *own <= options.named[k].error;
+  }
+  errors.met = known && bodies_met && named_met && (!options.pressure || pressure <= *options.pressure) &&
                (!options.force || force <= *options.force) && (!options.stress || errors.stress <= *options.stress);
-  errors.finite = std::isfinite(pressure) && std::isfinite(force) && std::isfinite(errors.stress);
+  errors.finite = std::isfinite(pressure) && std::isfinite(force) && std::isfinite(errors.stress) &&
+                  std::all_of(errors.named.begin(), errors.named.end(),
+                              [](const std::optional<double>& e) { return !e || std::isfinite(*e); });
   return errors;
 }
 
 GridSizes next_sizes(const SolvedState& state, const Results& results, const std::vector<ZoneState>& zones,
-                     const GridSizes& present) {
+                     const GridSizes& present, const std::vector<double>& displacement) {
   const AccuracyOptions& options = state.scene.accuracy;
   GridSizes next;
   next.first = present.first;
   next.zones.resize(present.first.size());
   next.energy.resize(present.first.size());
   bool all_resolved = true;
+  std::vector<FacetedZone> faceted;
   for (std::size_t p = 0; p < zones.size(); ++p) {
     ZoneState zone = zones[p];
     if (!zone.relevant) continue;
@@ -147,23 +230,29 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
     // Cells of the zone answer for what the pressure is off at its force, those elsewhere for the force.
     const double estimate = results.pairs[p].pressure_error_estimate,
                  by_force = results.pairs[p].force_part_of_pressure;
+    const std::optional<double> target = options.pressure_of(results.pairs[p].name);
     const double ratio =
-        by_force > 0 && options.pressure
+        by_force > 0 && target
             ? next_size_ratio(zone, std::sqrt(std::max(estimate * estimate - by_force * by_force, 0.0)),
-                              *options.pressure * std::sqrt(1 - options.force_part * options.force_part), options)
-            : next_size_ratio(zone, estimate, options.pressure, options);
-    next.change = std::min(next.change, ratio);
+                              *target * std::sqrt(1 - options.force_part * options.force_part), options)
+            : next_size_ratio(zone, estimate, target, options);
     if (zone.resolved && !zone.width && ratio < 1)
-      size_by_error(state, results, static_cast<int>(p), options.aim * *options.pressure, zone);
+      size_by_error(state, results, static_cast<int>(p), options.aim * *target, zone);
     else
       for (SizedBall& ball : zone.places) ball.size = ratio * zone.cell;
+    double smallest = ratio;  // as far as triangles let them
+    if (const auto limited = keep_to_facets(state, state.pairs[p], zone, next)) {
+      faceted.push_back(*limited);
+      smallest = std::max(ratio, limited->size / zone.cell);
+    }
+    next.change = std::min(next.change, smallest);
     for (SizedBall& ball : zone.places) {
       ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
       for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);
     }
   }
   if (!all_resolved) return next;
-  const double allowed = allowed_energy_error(state.scene, zones, results);
+  const double allowed = allowed_energy_error(state.scene, zones, results, displacement);
   std::vector<std::unique_ptr<SizeField>> fields;
   for (const auto& balls : next.zones) fields.push_back(std::make_unique<SizeField>(balls, options.grading));
   if (allowed < expected_energy_error(results, fields)) {
@@ -173,6 +262,7 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
     next.energy = present.energy;
   }
   add_body_targets(options, results, fields, next);
+  keep_to_facets(faceted, next);
   return next;
 }
 

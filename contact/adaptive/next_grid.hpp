@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "contact/adaptive/zone_sizes.hpp"
@@ -12,6 +13,10 @@ namespace cgcontact {
 struct GridSizes {
   std::vector<double> first;                          ///< of each body: the largest cells
   std::vector<std::vector<SizedBall>> zones, energy;  ///< of each body: where they are to be smaller
+  /// Body whose triangles keep the cells of a zone as they are though its pressure asks for smaller ones, and their
+  /// width there, m; "": none.
+  std::string faceted;
+  double facets = 0;
   double change = 1;  ///< smallest ratio of cells to those before: of a zone, of the energy norm's error in the mean
 };
 
@@ -33,14 +38,17 @@ Scene on_first_grids(const Scene& scene);
 struct ErrorFigures {
   std::optional<double> pressure, force;  ///< the largest of the pairs that matter
   double stress = 0;
-  std::vector<double> stress_of_body;  ///< of those that the scene asks for
-  bool met = false;                    ///< all that the scene asks for
-  bool finite = true;                  ///< are they numbers?
+  std::vector<double> stress_of_body;        ///< of those that the scene asks for
+  std::vector<std::optional<double>> named;  ///< of AccuracyOptions::named
+  bool met = false;                          ///< all that the scene asks for
+  bool finite = true;                        ///< are they numbers?
 };
-ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results);
+/// displacement: errors of the targets that are displacements, in their order.
+ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results,
+                           const std::vector<double>& displacement = {});
 
-/// Sizes of the next grids, from the present ones.
+/// Sizes of the next grids, from the present ones. displacement: as above.
 GridSizes next_sizes(const SolvedState& state, const Results& results, const std::vector<ZoneState>& zones,
-                     const GridSizes& present);
+                     const GridSizes& present, const std::vector<double>& displacement = {});
 
 }  // namespace cgcontact

@@ -15,7 +15,7 @@ namespace {
 /// upper quarter and tenth, 5.8 at most (docs/decisions.md).
 constexpr double safety = 3;
 /// Part of a body's motion: a deformation that is less is none.
-constexpr double rounding = 1e-9;
+constexpr double motion_rounding = 1e-9;
 /// Part of the error that a gap counts as, where it is next to nothing.
 constexpr double least_ratio = 0.1;
 
@@ -32,7 +32,7 @@ std::vector<double> deformations(const SolvedState& state) {
     const double moved =
         part.translation.norm() + (part.rotation.norm() + part.expansion.norm()) * longest_extent(body);
     here *= state.scales.length;
-    largest.push_back(mesh.rigid || here < rounding * moved ? 0 : here);
+    largest.push_back(mesh.rigid || here < motion_rounding * moved ? 0 : here);
   }
   return largest;
 }

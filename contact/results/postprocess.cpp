@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/results/displacement_estimate.hpp"
 #include "contact/results/holding.hpp"
 #include "contact/results/pressure_error.hpp"
 #include "contact/results/reference.hpp"
@@ -143,6 +144,7 @@ void fill_body_fields(const SolvedState& state, Results& results) {
   }
   results.estimated_error = std::sqrt(std::max(error, 0.0) * energy);
   results.estimated_error_relative = std::sqrt(std::max(error, 0.0) / std::max(solution, 1e-300));
+  results.displacement_error_estimate = displacement_estimate(results.estimated_error_relative);
   if (!reference.stress_of_body.empty() && exact_error > 0) {
     results.has_effectivity = true;
     results.exact_error = std::sqrt(exact_error * energy);

@@ -17,6 +17,8 @@ namespace cgcontact {
 namespace {
 
 constexpr int num_samples = 401;
+/// Of a cell: so far below a place on a face there is material, but beyond its end.
+constexpr double below_face = 1e-3;
 /// Steps of the first walk to the ends of a path, in cells, and their number at most.
 constexpr double walk_step = 0.25;
 constexpr int most_steps = 4000;
@@ -203,6 +205,8 @@ std::optional<ContactRow> FaceProjection::operator()(int body, int pair, const V
   if (n.dot(row_normal) < 0) n = -n;
   const int cell = model.cut_cells.locate(position - 1e-9 * n);
   if (cell < 0) return std::nullopt;
+  // A cell that is cut goes on beyond the end of the face, and so does the surface.
+  if (!solid.contains(position - below_face * model.cut_cells.size(cell) * n)) return std::nullopt;
   return contact_row(state_, body, nearest->pair, cell, position, grid.rotation * n);
 }
 

@@ -5,7 +5,7 @@
 namespace cgcontact {
 namespace {
 
-constexpr int most_bisections = 30;
+constexpr int most_interval_bisections = 30;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ double search_along_step(const LinearSolver& solver, const RealView& before, Ite
   };
   if (slope(1) <= 0) return 1;
   double low = 0, high = 1;
-  for (int k = 0; k < most_bisections; ++k) {
+  for (int k = 0; k < most_interval_bisections; ++k) {
     const double middle = 0.5 * (low + high);
     (slope(middle) <= 0 ? low : high) = middle;
   }

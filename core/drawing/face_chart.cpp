@@ -17,6 +17,9 @@ constexpr double flat_spread = 1e-3, round_spread = 0.02;
 constexpr double round_tolerance = 0.02;
 /// Cosine between the mean normal and a coordinate axis along which the face is seen.
 constexpr double along_axis = 0.95;
+/// Part of the largest component of the mean normal that the one along an axis must be; part of the area of a face that
+/// may turn away from it (triangles of rounding size at its end).
+constexpr double about_as_near = 0.8, turned_away = 0.02;
 
 Vec3 area_normal(const FaceTriangles& face, const std::array<int, 3>& t) {
   const std::vector<Vec3>& x = *face.position;
@@ -53,7 +56,27 @@ FaceChart::FaceChart(const FaceTriangles& face) {
     area += a;
   }
   if (area > 0) normals /= area;
-  if (!unroll(face, normals)) project(mean.norm() > 1e-3 * area ? Vec3(mean.normalized()) : Vec3(Vec3::UnitZ()));
+  if (unroll(face, normals)) return;
+  const Vec3 mean_normal = mean.norm() > 1e-3 * area ? Vec3(mean.normalized()) : Vec3(Vec3::UnitZ());
+  int axis = 0;
+  if (!(mean_normal.cwiseAbs().maxCoeff(&axis) > along_axis)) axis = axis_of_curved_face(face, mean_normal, normals);
+  project(mean_normal, axis);
+}
+
+/// -1: none, or the face is flat.
+int FaceChart::axis_of_curved_face(const FaceTriangles& face, const Vec3& mean_normal, const Mat3& normals) const {
+  if (SymmetricEigen<3>(normals).eigenvalues()[1] < round_spread) return -1;
+  for (int axis = 2; axis >= 0; --axis) {
+    if (std::abs(mean_normal[axis]) < about_as_near * mean_normal.cwiseAbs().maxCoeff()) continue;
+    double away = 0, area = 0;
+    for (const auto& t : face.triangles) {
+      const Vec3 n = area_normal(face, t);
+      area += n.norm();
+      if (n[axis] * mean_normal[axis] < 0) away += n.norm();
+    }
+    if (away <= turned_away * area) return axis;
+  }
+  return -1;
 }
 
 bool FaceChart::unroll(const FaceTriangles& face, const Mat3& normals) {
@@ -100,9 +123,9 @@ bool FaceChart::unroll(const FaceTriangles& face, const Mat3& normals) {
   return true;
 }
 
-void FaceChart::project(const Vec3& mean_normal) {
-  int axis = 0;
-  if (mean_normal.cwiseAbs().maxCoeff(&axis) > along_axis) {
+/// axis: coordinate axis, -1: along the mean normal.
+void FaceChart::project(const Vec3& mean_normal, int axis) {
+  if (axis >= 0) {
     right_ = axis == 0 ? Vec3::UnitY() : Vec3::UnitX();
     up_ = axis == 2 ? Vec3::UnitY() : Vec3::UnitZ();
     right_name_ = axis == 0 ? "y" : "x";

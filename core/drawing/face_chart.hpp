@@ -19,7 +19,9 @@ class FaceChart {
  public:
   /// A face whose normals lie in one plane and spread by more than about 30 degrees is a cylinder, if it is round: it
   /// is unrolled, `right` being the arc length. Any other face is projected: along the coordinate axis within 18
-  /// degrees of its mean normal, else along that.
+  /// degrees of its mean normal; a curved one along the last of the coordinate axes that its normals do not turn away
+  /// from and that is about as near to its mean normal as any, so that a cup keeps its symmetry; else along its mean
+  /// normal.
   explicit FaceChart(const FaceTriangles& face);
 
   /// Of a triangle near `x`, so that no triangle of a closed cylinder is torn.
@@ -33,7 +35,8 @@ class FaceChart {
 
  private:
   bool unroll(const FaceTriangles& face, const Mat3& normals);
-  void project(const Vec3& mean_normal);
+  int axis_of_curved_face(const FaceTriangles& face, const Vec3& mean_normal, const Mat3& normals) const;
+  void project(const Vec3& mean_normal, int axis);
   double angle(const Vec3& x) const;
 
   Vec3 right_ = Vec3::UnitX(), up_ = Vec3::UnitY(), eye_ = Vec3::UnitZ();

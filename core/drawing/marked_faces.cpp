@@ -1,6 +1,7 @@
 #include "core/drawing/marked_faces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace cgcontact {
@@ -19,6 +20,14 @@ double area_factor(const Grid& grid) { return grid.slices() * grid.cell_size * g
 }  // namespace
 
 MarkedFaces::MarkedFaces(const Scene& scene, const std::vector<CheckedBody>& bodies) : scene_(scene), bodies_(bodies) {
+  for (int b = 0; b < static_cast<int>(scene.bodies.size()); ++b) {
+    std::vector<FaceRef>& faces = declared_faces_.emplace_back();
+    for (const FaceSpec& face : scene.bodies[b].faces) faces.push_back({b, face, face.place});
+  }
+  for (const std::vector<FaceRef>& faces : declared_faces_) {
+    std::vector<Selected>& selected = declared_.emplace_back();
+    for (const FaceRef& face : faces) selected.push_back(select(face));
+  }
   for (const SupportSpec& support : scene.supports) supports_.push_back(select(support.face));
   for (const LoadSpec& load : scene.loads) loads_.push_back(select(load.face));
   for (const ContactSpec& contact : scene.contacts) {
@@ -70,6 +79,9 @@ MarkedFaces::Key MarkedFaces::key_at(int body, int cell, int surface, const Vec3
   // Automatic pairs may touch anywhere: what counts is that something is opposite.
   const auto automatic = automatic_pair_.find({body, cell, surface});
   if (automatic != automatic_pair_.end()) key.contacts.push_back(automatic->second);
+  if (!key.loads.empty()) return key;  // the resultant of a load is not to be divided
+  for (int f = 0; f < static_cast<int>(declared_[body].size()); ++f)
+    if (contains(declared_[body][f], body, surface, x, n)) key.declared.push_back(f);
   return key;
 }
 
@@ -82,6 +94,11 @@ FaceRegion MarkedFaces::new_region(const Key& key) const {
   region.low_displacement.fill(std::numeric_limits<double>::max());
   region.high_displacement.fill(std::numeric_limits<double>::lowest());
   std::string face = joined(key.names);
+  if (!key.declared.empty()) {
+    std::vector<std::string> declared;
+    for (const int f : key.declared) declared.push_back(scene_.bodies[key.body].faces[f].name);
+    face = joined(declared);
+  }
   if (!key.contacts.empty() && !scene_.contacts[key.contacts.front()].automatic) {
     const ContactSpec& contact = scene_.contacts[key.contacts.front()];
     face = (contact.first.body == key.body ? contact.first : contact.second).face.name;
@@ -100,11 +117,19 @@ FaceRegion MarkedFaces::new_region(const Key& key) const {
 
 void MarkedFaces::add_point(const Key& key, const Vec3& x, const Vec3& n, double area) {
   const auto [entry, is_new] = index_.emplace(key, static_cast<int>(regions_.size()));
-  if (is_new) regions_.push_back(new_region(key));
+  if (is_new) {
+    regions_.push_back(new_region(key));
+    acting_.push_back(0);
+  }
   FaceRegion& region = regions_[entry->second];
   region.area += area;
   region.centroid += area * x;
-  for (int l : key.loads) region.force += area * scene_.loads[l].traction_at(x, n, resultants_[l]);
+  for (int l : key.loads) {
+    const Vec3 force = area * scene_.loads[l].traction_at(x, n, resultants_[l]);
+    region.force += force;
+    region.moment += x.cross(force);
+    acting_[entry->second] += force.norm();
+  }
   const auto add = [&](Held component, const std::optional<Expression>& prescribed) {
     if (!prescribed) return;
     const auto k = static_cast<std::size_t>(component);
@@ -137,7 +162,19 @@ void MarkedFaces::add_body(int b) {
     add_point(key_at(b, points.cell[p], points.surface[p], piece, piece_normal), x, n,
               points.weight[p] * area_factor(grid));
   }
-  for (std::size_t r = first; r < regions_.size(); ++r) regions_[r].centroid /= regions_[r].area;
+  for (std::size_t r = first; r < regions_.size(); ++r) finish(regions_[r], acting_[r]);
+}
+
+/// Means instead of sums; what is rounding beside all that acts on the region (N) is zero.
+void MarkedFaces::finish(FaceRegion& region, double acting) const {
+  constexpr double rounding = 1e-9;
+  region.centroid /= region.area;
+  region.moment -= region.centroid.cross(region.force);
+  const auto leave_out = [](Vec3& v, double least) {
+    for (double& component : v) component = std::abs(component) <= least ? 0 : component;
+  };
+  leave_out(region.force, rounding * acting);
+  leave_out(region.moment, rounding * acting * (std::sqrt(region.area) + region.centroid.norm()));
 }
 
 int MarkedFaces::region_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const {

@@ -1,4 +1,5 @@
-/// The boundary of the bodies divided into regions: same elementary surface, same supports, loads and contact.
+/// The boundary of the bodies divided into regions: same elementary surface, same supports, loads and contact; where
+/// none of the loads acts also by the faces that the scene declares.
 #pragma once
 
 #include <map>
@@ -21,10 +22,11 @@ struct CheckedBody {
 /// One region. Supports, loads and contacts are indices into the scene.
 struct FaceRegion {
   int body = 0;
-  std::string name;  ///< "body.face", as the scene calls it where a condition names it
+  std::string name;  ///< "body.face", as the scene calls it where a condition names it, or declares it
   std::vector<int> supports, loads, contacts;
   double area = 0;                                                   ///< m^2
   Vec3 centroid = Vec3::Zero(), force = Vec3::Zero();                ///< m; N, resultant of the loads
+  Vec3 moment = Vec3::Zero();                                        ///< N m, of the same about the centroid
   std::array<double, num_held> low_displacement, high_displacement;  ///< m, prescribed; low > high: free
   bool symmetry = false, elastic = false;                            ///< a plane of symmetry; held by springs
 };
@@ -42,9 +44,10 @@ class MarkedFaces {
     int body = 0;
     std::vector<std::string> names;  ///< of the elementary surface
     std::vector<int> supports, loads, contacts;
+    std::vector<int> declared;  ///< faces of the body; without loads
     bool operator<(const Key& o) const {
-      return std::tie(body, names, supports, loads, contacts) <
-             std::tie(o.body, o.names, o.supports, o.loads, o.contacts);
+      return std::tie(body, names, supports, loads, contacts, declared) <
+             std::tie(o.body, o.names, o.supports, o.loads, o.contacts, o.declared);
     }
   };
   /// A face of the scene with the surfaces of its body that it selects.
@@ -60,14 +63,18 @@ class MarkedFaces {
   Key key_at(int body, int cell, int surface, const Vec3& x, const Vec3& n) const;
   FaceRegion new_region(const Key& key) const;
   void add_point(const Key& key, const Vec3& x, const Vec3& n, double area);
+  void finish(FaceRegion& region, double acting) const;
 
   const Scene& scene_;
   const std::vector<CheckedBody>& bodies_;
+  std::vector<std::vector<FaceRef>> declared_faces_;  // of each body
+  std::vector<std::vector<Selected>> declared_;
   std::vector<Selected> supports_, loads_, firsts_, seconds_;
   std::vector<FaceTraction> resultants_;              // of the loads
   std::map<std::array<int, 3>, int> automatic_pair_;  ///< of body, cell, surface
   std::map<Key, int> index_;
   std::vector<FaceRegion> regions_;
+  std::vector<double> acting_;  ///< N, integral of the size of the loads in each of them
 };
 
 }  // namespace cgcontact

@@ -114,6 +114,42 @@ std::optional<ContactPlace> contact_inside(const Results& results, const SceneBo
   return place;
 }
 
+/// Sides of the scene that a zone reaches, a plane of symmetry mostly: the contact is seen there. -1 and 1: the lower
+/// and the upper end of an axis, 0: neither or both.
+struct ReachedSides {
+  bool any = false;
+  std::array<int, 3> side{0, 0, 0};
+};
+
+ReachedSides sides_reached(const SceneBox& scene, const ContactZoneBox& zone) {
+  ReachedSides reached;
+  for (int k = 0; k < 3; ++k) {
+    if (k == zone.axis) continue;
+    const double near = beside * zone.box.extent()[k];
+    const bool low = zone.box.low[k] - scene.low[k] <= near, high = scene.high[k] - zone.box.high[k] <= near;
+    reached.any |= low || high;
+    if (low != high) reached.side[k] = low ? -1 : 1;
+  }
+  return reached;
+}
+
+/// Turns a direction to the viewer to where the contact is seen.
+Vec3 towards(const ReachedSides& reached, Vec3 eye) {
+  for (int k = 0; k < 3; ++k)
+    if (reached.side[k] != 0) eye[k] = reached.side[k] * std::abs(eye[k]);
+  return eye;
+}
+
+/// The pair with the largest force that is pressed; -1: none.
+int most_pressed(const Results& results) {
+  int most = -1;
+  for (int p = 0; p < static_cast<int>(results.pairs.size()); ++p)
+    if (results.pairs[p].max_pressure > 0 &&
+        (most < 0 || results.pairs[p].force_on_first.norm() > results.pairs[most].force_on_first.norm()))
+      most = p;
+  return most;
+}
+
 /// The quarter towards the viewer around the contact.
 SceneCut cut_towards(const ContactPlace& place, const Vec3& eye) {
   SceneCut cut;
@@ -135,7 +171,12 @@ SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody
     look_along_axis(view.thin_axis, view.camera);
   } else {
     look_from_corner(bodies, view.camera);
-    if (const auto place = contact_inside(results, view.box)) {
+    const int most = most_pressed(results);
+    const auto zone = most < 0 ? std::nullopt : zone_of_pair(results, most);
+    const ReachedSides reached = zone ? sides_reached(view.box, *zone) : ReachedSides();
+    if (reached.side != std::array<int, 3>{0, 0, 0}) {  // a plane of symmetry opens them already
+      look_from(towards(reached, view.camera.eye), view.camera);
+    } else if (const auto place = contact_inside(results, view.box)) {
       view.cut = cut_towards(*place, view.camera.eye);
       view.opened = true;
     }
@@ -178,17 +219,10 @@ std::optional<ContactZoneBox> zone_of_pair(const Results& results, int pair) {
 SceneView look_at_zone(const std::vector<DrawnBody>& bodies, const SceneView& scene, const ContactZoneBox& zone) {
   SceneView view = scene;
   if (scene.thin_axis >= 0) return view;
-  bool reaches_side = false;
-  Vec3 eye = scene.camera.eye;
-  for (int k = 0; k < 3; ++k) {
-    if (k == zone.axis) continue;
-    const double near = beside * zone.box.extent()[k];
-    const bool low = zone.box.low[k] - scene.box.low[k] <= near, high = scene.box.high[k] - zone.box.high[k] <= near;
-    reaches_side |= low || high;
-    if (low != high) eye[k] = (low ? -1 : 1) * std::abs(eye[k]);
-  }
+  const ReachedSides reached = sides_reached(scene.box, zone);
+  const Vec3 eye = towards(reached, scene.camera.eye);
   look_from(eye, view.camera);
-  view.opened = !reaches_side;
+  view.opened = !reached.any;
   view.cut = cut_towards({(zone.box.low + zone.box.high) / 2, zone.axis}, eye);
   view.shown = shown_in(view, bodies);
   return view;

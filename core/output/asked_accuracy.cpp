@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/base/text.hpp"
 #include "core/results/answer.hpp"
 
@@ -19,6 +21,9 @@ std::vector<AskedError> asked_errors(const AccuracyFigures& accuracy) {
     if (k < last.stress_of_body.size()) estimate = last.stress_of_body[k];
     errors.push_back({"stress in " + target.body, target.error, estimate});
   }
+  for (std::size_t k = 0; k < accuracy.named.size(); ++k)
+    errors.push_back(
+        {accuracy.named[k].text(), accuracy.named[k].error, k < last.named.size() ? last.named[k] : std::nullopt});
   return errors;
 }
 
@@ -30,7 +35,7 @@ std::string solves_text(const AccuracyFigures& accuracy) {
   double seconds = 0;
   for (const SolveFigures& solve : accuracy.solves) seconds += solve.seconds;
   const std::size_t count = accuracy.solves.size();
-  return fmt::format("{} solve{}, {:.1f} s", count, count == 1 ? "" : "s", seconds);
+  return fmt::format("{} solve{}, {:.1f} s", count, count == 1 ? "" : "s", std::max(seconds, accuracy.seconds));
 }
 
 }  // namespace cgcontact

@@ -47,6 +47,13 @@ std::vector<Curve> curves_of(const AccuracyFigures& accuracy) {
       curve.errors.emplace_back(k < solve.stress_of_body.size() ? std::optional(solve.stress_of_body[k])
                                                                 : std::nullopt);
   }
+  for (std::size_t k = 0; k < accuracy.named.size(); ++k) {
+    const std::size_t colour = accuracy.stress_of_body.size() + k;
+    Curve& curve = all.emplace_back(
+        Curve{accuracy.named[k].text(), colours[colour % std::size(colours)], accuracy.named[k].error, {}});
+    for (const SolveFigures& solve : accuracy.solves)
+      curve.errors.push_back(k < solve.named.size() ? solve.named[k] : std::nullopt);
+  }
   std::vector<Curve> curves;
   for (Curve& curve : all) {
     for (std::optional<double>& error : curve.errors)

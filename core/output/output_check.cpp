@@ -36,13 +36,32 @@ constexpr int arrow_length = 56, arrow_gap = 14;
 constexpr Rgb full_cell{0.66, 0.80, 0.91}, cut_cell{0.95, 0.66, 0.33}, cut_outside{0.99, 0.92, 0.82}, no_cell{1, 1, 1},
     grid_line{0.62, 0.65, 0.70}, unknown_face{0.5, 0.5, 0.5};
 
+/// Pixels, across the stripes of a face on which several things hold.
+constexpr int stripe = 9;
+/// Pixels: radius of the arc that stands for a moment; its parts.
+constexpr double arc_radius = 24;
+constexpr int arc_parts = 18;
+
 /// What holds on a region decides its hue, so that supports, loads and contact are told apart at a glance.
 enum class Role { free, support, load, contact };
 
-Role role_of(const FaceRegion& region) {
-  if (!region.loads.empty()) return Role::load;
-  if (!region.supports.empty()) return Role::support;  // also where a contact names the whole face
-  return region.contacts.empty() ? Role::free : Role::contact;
+/// The first one is the colour of the face, the others are stripes on it.
+std::vector<Role> roles_of(const FaceRegion& region) {
+  std::vector<Role> roles;
+  if (!region.loads.empty()) roles.push_back(Role::load);
+  if (!region.supports.empty()) roles.push_back(Role::support);  // also where a contact names the whole face
+  if (!region.contacts.empty()) roles.push_back(Role::contact);
+  if (roles.empty()) roles.push_back(Role::free);
+  return roles;
+}
+
+Role role_of(const FaceRegion& region) { return roles_of(region).front(); }
+
+/// Is the moment of the loads what they are for, and not what a varying pressure has beside its resultant?
+bool shows_moment(const Scene& scene, const FaceRegion& region) {
+  if (region.moment.isZero(0)) return false;
+  return region.force.isZero(0) ||
+         std::any_of(region.loads.begin(), region.loads.end(), [&](int l) { return !scene.loads[l].moment.isZero(0); });
 }
 
 Rgb colour_of(Role role, int k) {
@@ -133,7 +152,50 @@ void add_arrow(const Panel& view, const Spot& spot, const Vec3& direction, const
                   tip[0] - arrow_length * x / length, tip[1] - arrow_length * y / length, tip[0], tip[1], colour);
 }
 
-/// Numbers of the faces that can be seen, arrows for loads and prescribed displacements.
+/// An arc with a point around the axis of a moment, by the right hand, and the axis.
+void add_moment(const Panel& view, const Spot& spot, const Vec3& moment, Sheet& sheet) {
+  const Vec3 axis = moment.normalized();
+  const Vec3 first = axis.cross(std::abs(axis[2]) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX()).normalized();
+  const Vec3 second = axis.cross(first);
+  const auto place = [&](const Vec3& x) {
+    return std::array<double, 2>{view.left + spot.x + view.camera.right.dot(x),
+                                 view.bottom + spot.y + view.camera.up.dot(x)};
+  };
+  const auto line = [&](const std::array<double, 2>& from, const std::array<double, 2>& to, const char* style) {
+    sheet.settings +=
+        fmt::format("set arrow from {},{} to {},{} front {} lc rgb '#a00010'\n", from[0], from[1], to[0], to[1], style);
+  };
+  line(place(-1.2 * arc_radius * axis), place(1.2 * arc_radius * axis), "nohead lw 1 dt (6,4)");
+  constexpr double whole = 1.7 * pi;  // an open arc
+  std::array<double, 2> before = place(arc_radius * first);
+  for (int k = 1; k <= arc_parts; ++k) {
+    const double angle = whole * k / arc_parts;
+    const std::array<double, 2> next = place(arc_radius * (std::cos(angle) * first + std::sin(angle) * second));
+    line(before, next, k < arc_parts ? "nohead lw 2.5" : "filled size 11,22 lw 2.5");
+    before = next;
+  }
+}
+
+/// Stripes in the colours of all that holds on a face, in its shading.
+void add_stripes(const Drawing& drawing, RenderedImage& image) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * image.width + x;
+      const int r = image.parts[pixel];
+      if (r < 0 || r >= static_cast<int>(drawing.regions.size())) continue;
+      const std::vector<Role> roles = roles_of(drawing.regions[r]);
+      const std::size_t k = static_cast<std::size_t>((x + y) / stripe) % roles.size();
+      if (k == 0) continue;
+      const Rgb from = drawing.region_colours[r], to = colour_of(roles[k], 0);
+      for (std::size_t c = 0; c < 3; ++c) {
+        char& channel = image.pixels[3 * pixel + c];
+        const double shaded = static_cast<unsigned char>(channel) * to[c] / std::max(from[c], 0.05);
+        channel = static_cast<char>(static_cast<unsigned char>(std::lround(std::min(shaded, 255.0))));
+      }
+    }
+}
+
+/// Numbers of the faces that can be seen, arrows for loads, moments and prescribed displacements.
 void add_marks(const Drawing& drawing, const Panel& view, const RenderedImage& image, Sheet& sheet) {
   for (const auto& [region, spot] : roomiest_pixels(image)) {
     if (region >= static_cast<int>(drawing.regions.size())) continue;
@@ -142,6 +204,7 @@ void add_marks(const Drawing& drawing, const Panel& view, const RenderedImage& i
       sheet.label(std::to_string(region + 1), view.left + spot.x, view.bottom + spot.y,
                   "center front boxed font ',13'");
     if (face.force.norm() > 0) add_arrow(view, spot, face.force, "#a00010", sheet);
+    if (shows_moment(drawing.scene, face)) add_moment(view, spot, face.moment, sheet);
     if (prescribed(face).norm() > 0) add_arrow(view, spot, prescribed(face), "#103a90", sheet);
   }
 }
@@ -218,7 +281,8 @@ void add_views(const Drawing& drawing, const std::vector<std::size_t>& bodies, d
     view.bottom = bottom;
     look_from(behind, view.camera);
     view.fit(positions);
-    const RenderedImage image = draw(drawing, bodies, view, colour, part);
+    RenderedImage image = draw(drawing, bodies, view, colour, part);
+    if (numbered) add_stripes(drawing, image);
     sheet.add_panel(view, image, name + (behind ? "_behind" : "_front"),
                     behind ? "from below, behind" : "from above, in front", drawing.folder);
     sheet.add_axes_and_scale(view);
@@ -250,10 +314,11 @@ void add_overview(const Drawing& drawing, double bottom, Sheet& sheet) {
   legend.words("");
   legend.words("Colours of the faces below:");
   for (const auto& [role, name] : {std::pair<Role, const char*>{Role::support, "support (arrow: prescribed motion)"},
-                                   {Role::load, "load (arrow: its direction)"},
+                                   {Role::load, "load (arrow: its direction; arc: a moment)"},
                                    {Role::contact, "contact"},
                                    {Role::free, "free"}})
     legend.entry(colour_of(role, 0), name);
+  legend.words("stripes: several of them on one face");
   legend.finish("see check_faces.vtkhdf");
 }
 
@@ -320,7 +385,7 @@ std::string conditions_script(const Drawing& drawing) {
     legend.entry(colour_of(role, 0), name);
     left += 130;
   }
-  sheet.label("arrows: loads red, prescribed motions blue", left, key, "left font ',12'");
+  sheet.label("arrows: loads red (arcs: moments), prescribed motions blue", left, key, "left font ',12'");
   return text + sheet.settings + sheet.panels + "\n";
 }
 
@@ -418,11 +483,16 @@ const char* role_name(const FaceRegion& region) {
 }
 
 Vec3 prescribed(const FaceRegion& region) {
+  constexpr double rounding = 1e-9;
   Vec3 u = Vec3::Zero();
+  double largest = 0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double low = region.low_displacement[k], high = region.high_displacement[k];
-    if (low <= high && (low >= 0 || high <= 0)) u[static_cast<Eigen::Index>(k)] = (low + high) / 2;
+    if (low > high) continue;
+    largest = std::max({largest, std::abs(low), std::abs(high)});
+    if (low >= 0 || high <= 0) u[static_cast<Eigen::Index>(k)] = (low + high) / 2;
   }
+  for (double& component : u) component = std::abs(component) <= rounding * largest ? 0 : component;
   return u;
 }
 
@@ -443,15 +513,16 @@ std::string conditions(const Scene& scene, const FaceRegion& region) {
       add(fmt::format("moved: {} = {}{}", name, low == high ? "" : short_number(low * unit.factor) + " .. ",
                       in_unit(high, unit)));
   }
-  if (!region.loads.empty()) {
-    const Vec3& f = region.force;
-    const DisplayUnit unit = force_unit(f.norm());
-    Vec3 shown = f * unit.factor;
+  const auto components = [](const Vec3& v, const DisplayUnit& unit) {
+    Vec3 shown = v * unit.factor;
     for (double& c : shown)
       if (std::abs(c) < 1e-9 * shown.norm()) c = 0;
-    add(fmt::format("load ({}, {}, {}) {}", short_number(shown[0]), short_number(shown[1]), short_number(shown[2]),
-                    unit.name));
-  }
+    return fmt::format("({}, {}, {}) {}", short_number(shown[0]), short_number(shown[1]), short_number(shown[2]),
+                       unit.name);
+  };
+  if (!region.force.isZero(0)) add("load " + components(region.force, force_unit(region.force.norm())));
+  if (shows_moment(scene, region)) add("moment " + components(region.moment, DisplayUnit{1, "N m"}));
+  if (!region.loads.empty() && region.force.isZero(0) && region.moment.isZero(0)) add("load without a resultant");
   return text.empty() ? "free" : text;
 }
 

@@ -184,6 +184,7 @@ std::pair<const char*, const char*> verdict_heading(const Results& results) {
     default:
       if (results.accuracy.asked && !results.accuracy.reached)
         return {"doubtful", "Solved, but not as accurate as asked"};
+      if (results.verdict.spring_share > 0) return {"doubtful", "Solved, but springs take a part of the load"};
       return {"good", "Solved"};
   }
 }
@@ -322,10 +323,13 @@ std::string accuracy_section(const Results& results, const PageParts& parts) {
                                  "Levels",     "Outer iterations", "Est. error of the pressure",
                                  "its change", "of the force",     "of the stress"};
   for (const BodyTarget& target : accuracy.stress_of_body) heads.push_back("of that in " + html_text(target.body));
+  for (const NamedTarget& target : accuracy.named) heads.push_back("of the " + html_text(target.text()));
   heads.insert(heads.end(), {"Time", ""});
   const auto of_bodies = [&](const SolveFigures& solve) {
     std::string cells;
     for (const double e : solve.stress_of_body) cells += cell(percent(e));
+    for (std::size_t k = 0; k < accuracy.named.size(); ++k)
+      cells += error(k < solve.named.size() ? solve.named[k] : std::nullopt);
     return cells;
   };
   for (std::size_t k = 0; k < accuracy.solves.size(); ++k) {

@@ -267,22 +267,36 @@ std::string picture_script(const std::string& name, const Results& results, cons
   return script;
 }
 
-/// Where the largest von Mises stress is drawn; nothing if it has been cut away.
+/// How far the point of a drawn body that is nearest to x has been shifted beside its displacements, m.
+Vec3 shift_near(const DrawnBody& body, const std::vector<Vec3>& displacements, const Vec3& x) {
+  std::size_t nearest = 0;
+  for (std::size_t p = 1; p < displacements.size(); ++p)
+    if ((body.position[p] - x).squaredNorm() < (body.position[nearest] - x).squaredNorm()) nearest = p;
+  return displacements.empty() ? Vec3(Vec3::Zero()) : Vec3(body.displacement[nearest] - displacements[nearest]);
+}
+
+/// Where the largest von Mises stress is drawn; nothing if it has been cut away. displacements: of the drawn bodies
+/// before fits were closed.
 std::optional<Vec3> place_of_largest(const Results& results, const std::vector<DrawnBody>& whole,
-                                     const std::vector<DrawnBody>& drawn, bool opened, const View& view) {
+                                     const std::vector<DrawnBody>& drawn,
+                                     const std::vector<std::vector<Vec3>>& displacements, bool opened,
+                                     const View& view) {
   const auto most = most_stressed(results);
   if (!most) return std::nullopt;
   const Vec3& place = largest_stress(results, *most).at;
-  for (const DrawnBody& body : {std::cref(drawn[*most]), std::cref(whole[*most])}) {
+  const auto position_in = [&](const DrawnBody& body) -> std::optional<Vec3> {
     for (std::size_t p = 0; p < body.position.size(); ++p)
       if (body.position[p] == place) return drawn_position(body, static_cast<int>(p), view.exaggeration);
-    if (opened) return std::nullopt;
-  }
+    return std::nullopt;
+  };
+  if (const auto found = position_in(drawn[*most]); found || opened) return found;
   const DrawnBody& body = whole[*most];
+  const Vec3 shift = view.exaggeration * shift_near(drawn[*most], displacements[*most], place);
+  if (const auto found = position_in(body)) return Vec3(*found + shift);
   for (int p = 0; p < static_cast<int>(body.mesh.num_interior_points()); ++p) {
     if (interior_position(body, p) != place) continue;
     const std::vector<Vec3> displacement = body.interior(body.mesh, {p}).displacement;
-    return displacement.empty() ? place : Vec3(place + view.exaggeration * displacement.front());
+    return displacement.empty() ? place : Vec3(place + view.exaggeration * displacement.front() + shift);
   }
   return std::nullopt;
 }
@@ -301,6 +315,8 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
   view.thin_axis = scene.thin_axis;
   view.exaggeration = picture_exaggeration(results, view.box);
   std::vector<DrawnBody>& drawn = scene.shown;
+  std::vector<std::vector<Vec3>> displacements;
+  for (const DrawnBody& body : drawn) displacements.push_back(body.displacement);
   draw_fits_closed(results, view.exaggeration, drawn);
   if (const double end = end_of_colours(drawn); end > 0) view.high = end;
   PaperBox box;
@@ -309,7 +325,8 @@ void write_picture(const Results& results, const std::vector<DrawnBody>& bodies,
   if (size[0] < 1 || size[1] < 1) return;
   write_text(runs.directory() + "/plots/scene.rgb", draw_bodies(drawn, view, size));
   runs.start("scene",
-             picture_script("scene", results, view, size, place_of_largest(results, bodies, drawn, scene.opened, view)),
+             picture_script("scene", results, view, size,
+                            place_of_largest(results, bodies, drawn, displacements, scene.opened, view)),
              {"scene.png"});
 }
 

@@ -22,6 +22,9 @@ namespace {
 constexpr std::size_t most_maps = 12;
 constexpr int long_side = 720;
 constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face is drawn as a curve
+/// Rows of contact.csv so near to each other along a curve, in the body's smallest cells and in parts of the curve, are
+/// one point of it: beside each other on the face they have pressures of their own.
+constexpr double bin_in_cells = 0.5, most_bins = 400;
 /// Of the largest pressure: below this the face is grey. On curved faces the recovered pressure where nothing touches
 /// is zero to a few thousandths only.
 constexpr double no_pressure = 0.005;
@@ -312,31 +315,40 @@ std::string map_script(const Results& results, const ContactSurface& surface, co
   return script + "\n";
 }
 
-/// Means over the thin direction: coordinate, SPR-C, share of closed points; one block per body.
-std::string curve_data(const Results& results, const Face& face, const FaceChart& chart, int axis,
+/// Sums over the rows in a bin of a curve.
+struct Bin {
+  double place = 0, pressure = 0, closed = 0, weight = 0;
+  bool is_closed() const { return 2 * closed > weight; }
+};
+
+/// Means over the thin direction: coordinate, SPR-C; one block per body.
+std::string curve_data(const Results& results, const Face& face, const FaceChart& chart, const Paper& paper, int axis,
                        const DisplayUnit& length, const DisplayUnit& stress, std::vector<int>& bodies,
                        std::vector<double>& borders) {
   std::string data;
   for (int b = 0; b < static_cast<int>(results.bodies.size()); ++b) {
-    std::map<double, std::array<double, 3>> bins;  // rounded coordinate: sums of pressure, closed, count
+    const double width = std::max(bin_in_cells * smallest_cell(results, b), paper.extent(axis) / most_bins);
+    std::map<long long, Bin> bins;
     for (const ContactRow& row : results.contact_rows) {
       if (row.body != b || row.pair != static_cast<int>(face.pair)) continue;
-      const double s = chart.place(row.x)[axis] * length.factor;
-      auto& bin = bins.try_emplace(std::stod(fmt::format("{:.6g}", s)), std::array<double, 3>{}).first->second;
-      bin[0] += row.pressure_sprc * stress.factor;
-      bin[1] += row.active ? 1 : 0;
-      bin[2] += 1;
+      const double s = chart.place(row.x)[axis];
+      Bin& bin = bins[std::llround(s / width)];
+      bin.place += row.weight * s;
+      bin.pressure += row.weight * row.pressure_sprc;
+      bin.closed += row.active ? row.weight : 0;
+      bin.weight += row.weight;
     }
-    if (bins.empty()) continue;
-    bodies.push_back(b);
-    const auto* previous = static_cast<const std::pair<const double, std::array<double, 3>>*>(nullptr);
-    for (const auto& bin : bins) {
-      fmt::format_to(std::back_inserter(data), "{} {}\n", bin.first, bin.second[0] / bin.second[2]);
-      const auto closed = [](const auto& entry) { return 2 * entry.second[1] > entry.second[2]; };
-      if (b == face.body && previous && closed(*previous) != closed(bin))
-        borders.push_back((previous->first + bin.first) / 2);
+    const Bin* previous = nullptr;
+    for (const auto& [number, bin] : bins) {
+      if (!(bin.weight > 0)) continue;
+      fmt::format_to(std::back_inserter(data), "{} {}\n", bin.place / bin.weight * length.factor,
+                     bin.pressure / bin.weight * stress.factor);
+      if (b == face.body && previous && previous->is_closed() != bin.is_closed())
+        borders.push_back((previous->place / previous->weight + bin.place / bin.weight) / 2 * length.factor);
       previous = &bin;
     }
+    if (!previous) continue;
+    bodies.push_back(b);
     data += "\n\n";
   }
   return data;
@@ -350,7 +362,8 @@ std::string curve_script(const Results& results, const Face& face, const FaceCha
   const DisplayUnit length = unit_of(paper), stress = stress_unit(std::max(-range.low, range.high));
   std::vector<int> bodies;
   std::vector<double> borders;
-  write_text(folder + "/" + name + ".dat", curve_data(results, face, chart, axis, length, stress, bodies, borders));
+  write_text(folder + "/" + name + ".dat",
+             curve_data(results, face, chart, paper, axis, length, stress, bodies, borders));
   std::string script = "set terminal pngcairo size 900,520 noenhanced font 'sans-serif,14' background 'white'\n";
   script += fmt::format("set output '../{}.png'\nset title {}\nset grid lc rgb '#e4e4e4' lw 1 dt 1\n", name,
                         title_of(results, face, 800).text);

@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "core/base/errors.hpp"
 #include "core/base/text.hpp"
 #include "core/drawing/extremes.hpp"
 #include "core/output/output_probes.hpp"
+#include "core/results/answer.hpp"
 
 namespace cgcontact {
 
@@ -30,7 +32,10 @@ Json json_of(const Verdict& verdict) {
                      {"state", name_of(pair.state)},
                      {"cells_across", json_of(pair.cells_across)},
                      {"cell_size_needed", json_of(pair.cell_size_needed)}});
-  return {{"state", name_of(verdict.state)}, {"text", verdict.text}, {"pairs", pairs}};
+  return {{"state", name_of(verdict.state)},
+          {"text", verdict.text},
+          {"pairs", pairs},
+          {"spring_share", verdict.spring_share > 0 ? Json(verdict.spring_share) : Json(nullptr)}};
 }
 
 Json json_of(const MomentAbout& moment, const PairFigures& pair) {
@@ -126,7 +131,17 @@ Json json_of(const StepFigures& step) {
           {"contact", contact}};
 }
 
+/// Values of the targets of one kind by their names.
+Json by_name(const AccuracyFigures& accuracy, NamedTarget::Kind kind,
+             const std::function<Json(std::size_t number)>& value) {
+  Json values = object();
+  for (std::size_t k = 0; k < accuracy.named.size(); ++k)
+    if (accuracy.named[k].kind == kind) values[accuracy.named[k].name] = value(k);
+  return values;
+}
+
 Json json_of(const AccuracyFigures& accuracy) {
+  const auto asked = [&](std::size_t k) { return Json(accuracy.named[k].error); };
   Json solves = Json::array(), targets = object();
   for (const BodyTarget& target : accuracy.stress_of_body) targets[target.body] = target.error;
   const auto by_body = [&](const SolveFigures& solve) {
@@ -135,7 +150,8 @@ Json json_of(const AccuracyFigures& accuracy) {
       errors[accuracy.stress_of_body[k].body] = solve.stress_of_body[k];
     return errors;
   };
-  for (const SolveFigures& solve : accuracy.solves)
+  for (const SolveFigures& solve : accuracy.solves) {
+    const auto error = [&](std::size_t k) { return k < solve.named.size() ? json_of(solve.named[k]) : Json(); };
     solves.push_back({{"unknowns", solve.unknowns},
                       {"seconds", solve.seconds},
                       {"outer_iterations", solve.outer_iterations},
@@ -146,14 +162,21 @@ Json json_of(const AccuracyFigures& accuracy) {
                       {"force", json_of(solve.force)},
                       {"stress", solve.stress},
                       {"stress_of_body", by_body(solve)},
+                      {"displacement", by_name(accuracy, NamedTarget::Kind::displacement, error)},
+                      {"pressure_of_pair", by_name(accuracy, NamedTarget::Kind::pressure, error)},
                       {"change", json_of(solve.change)}});
+  }
   return {{"targets",
            {{"pressure", json_of(accuracy.pressure)},
             {"force", json_of(accuracy.force)},
             {"stress", json_of(accuracy.stress)},
-            {"stress_of_body", targets}}},
+            {"stress_of_body", targets},
+            {"displacement", by_name(accuracy, NamedTarget::Kind::displacement, asked)},
+            {"pressure_of_pair", by_name(accuracy, NamedTarget::Kind::pressure, asked)}}},
           {"reached", accuracy.reached},
           {"text", accuracy.text},
+          {"answer", answer_of(accuracy) + 1},
+          {"seconds", accuracy.seconds},
           {"solves", solves}};
 }
 
@@ -178,7 +201,9 @@ Json json_of(const ProbeFigures& probe) {
 }
 
 void add_errors(const Results& results, Json& json) {
-  json["estimated_error"] = {{"absolute", results.estimated_error}, {"relative", results.estimated_error_relative}};
+  json["estimated_error"] = {{"absolute", results.estimated_error},
+                             {"relative", results.estimated_error_relative},
+                             {"displacement", results.displacement_error_estimate}};
   if (results.has_effectivity) {
     json["exact_error"] = results.exact_error;
     json["effectivity"] = results.effectivity;

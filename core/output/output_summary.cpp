@@ -262,7 +262,9 @@ std::string recovery_text(const Results& results) {
 }
 
 std::string error_text(const Results& results) {
-  std::string text = fmt::format("stress {} of the energy norm", percent(results.estimated_error_relative));
+  std::string text =
+      fmt::format("stress {} of the energy norm, displacement {}", percent(results.estimated_error_relative),
+                  percent(results.displacement_error_estimate));
   if (results.has_effectivity) text += fmt::format(" (effectivity {:.3f})", results.effectivity);
   return text;
 }
@@ -342,7 +344,10 @@ std::string opening_words(const Results& results) {
     case Verdict::State::no_contact:
       return results.pairs.empty() ? "solved" : "solved, without contact";
     default:
-      return results.accuracy.asked && !results.accuracy.reached ? "solved, but NOT AS ACCURATE AS ASKED" : "solved";
+      if (results.accuracy.asked && !results.accuracy.reached) return "solved, but NOT AS ACCURATE AS ASKED";
+      if (results.verdict.spring_share > 0)
+        return fmt::format("solved, but SPRINGS TAKE {} % OF A LOAD", percent_number(results.verdict.spring_share));
+      return "solved";
   }
 }
 

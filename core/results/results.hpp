@@ -179,6 +179,7 @@ struct Verdict {
   State state = State::resolved;
   std::string text;  ///< one sentence
   std::vector<Pair> pairs;
+  double spring_share = 0;  ///< the part of a push on a body that springs take beside contact, where it is too large
 };
 
 /// "resolved", "not_resolved", ... as in report.json.
@@ -247,6 +248,8 @@ struct SolveFigures {
   std::optional<double> pressure, force;
   double stress = 0;
   std::vector<double> stress_of_body;  ///< of the bodies of AccuracyFigures::stress_of_body
+  /// Of AccuracyFigures::named; none: not known, as the pressure.
+  std::vector<std::optional<double>> named;
   /// Relative L2 norm of the change of the pressure since the solve before, the largest of all pairs; none: the zones
   /// of that were not resolved.
   std::optional<double> change;
@@ -258,7 +261,10 @@ struct AccuracyFigures {
   std::string text;                               ///< what stopped it, if it is not reached
   std::optional<double> pressure, force, stress;  ///< targets
   std::vector<BodyTarget> stress_of_body;         ///< the same
+  std::vector<NamedTarget> named;                 ///< the same
   std::vector<SolveFigures> solves;
+  int answer = -1;     ///< number of the solve that has the results, from 0; -1: the last one that converged
+  double seconds = 0;  ///< of all solves and grids, those too that were made and not solved on; 0: not known
 };
 
 /// Where the stress has no finite value: from solve to solve it grows like a negative power of the cell size.
@@ -315,6 +321,7 @@ struct Results {
   std::vector<ProbeFigures> probes;                          ///< as in the scene
   std::vector<BodyBalance> balance;                          ///< by body
   double estimated_error = 0, estimated_error_relative = 0;  ///< sqrt(J); relative to the energy norm of the solution
+  double displacement_error_estimate = 0;  ///< relative, of the displacement that the loads do their work on
   bool has_effectivity = false;
   double exact_error = 0, effectivity = 0;
   std::vector<std::string> patch_kinds, patch_statuses;  ///< names of the numbers in BodyFields

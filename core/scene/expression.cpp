@@ -12,6 +12,7 @@
 
 #include "core/base/suggest.hpp"
 #include "core/scene/expression_dimension.hpp"
+#include "core/scene/unit_hints.hpp"
 
 namespace cgcontact {
 
@@ -121,7 +122,8 @@ std::string format_number(double value) {
     std::vector<std::string> all = known;
     all.insert(all.end(), functions.begin(), functions.end());
     const bool coordinate = token == "x" || token == "y" || token == "z";
-    std::string why = "unknown name " + in_quotes(token) + did_you_mean(token, all);
+    const std::string hint = hint_of_unit(token);
+    std::string why = "unknown name " + in_quotes(token) + (hint.empty() ? did_you_mean(token, all) : hint);
     if (coordinate) why = "must be one number, it cannot depend on " + in_quotes(token);
     if (token == contact_force_name)
       why = in_quotes(token) +
@@ -131,12 +133,12 @@ std::string format_number(double value) {
   }
   std::string message = error.GetCode() == mu::ecINTERNAL_ERROR ? "an operand is missing" : error.GetMsg();
   while (!message.empty() && (message.back() == '.' || message.back() == ' ')) message.pop_back();
-  throw InputError(place, in_quotes(text), "not a valid expression: " + message, operators_help);
+  throw InputError(place, in_quotes(text), "not a valid expression: " + message + hint_of_comma(text), operators_help);
 }
 
 /// What muParser would accept although it makes no sense here: nothing at all, assignments, several values.
 void check_text(const std::string& text, const SourcePlace& place) {
-  const auto fail_with = [&](const char* problem) {
+  const auto fail_with = [&](const std::string& problem) {
     throw InputError(place, in_quotes(text), problem, operators_help);
   };
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) fail_with("empty expression");
@@ -145,7 +147,8 @@ void check_text(const std::string& text, const SourcePlace& place) {
     const char last = k > 0 ? text[k - 1] : ' ', next = k + 1 < text.size() ? text[k + 1] : ' ';
     if (text[k] == '(') ++depth;
     if (text[k] == ')') --depth;
-    if (text[k] == ',' && depth == 0) fail_with("not a valid expression: one value is needed, not several");
+    if (text[k] == ',' && depth == 0)
+      fail_with("not a valid expression: one value is needed, not several" + hint_of_comma(text));
     if (text[k] == '=' && next != '=' && last != '=' && last != '<' && last != '>' && last != '!')
       fail_with("not a valid expression: assignment is not possible, equality is ==");
   }
@@ -174,9 +177,9 @@ void check_no_word(const std::string& text, std::size_t begin, const SourcePlace
   const std::string word = text.substr(begin, end - begin);
   if (word.empty() || word[0] == '_' || length_of_number(text, begin) > 0) return;
   const bool celsius = word == "C" || word == "\u00b0C" || word == "degC";
+  const std::string hint = celsius ? ": temperatures are differences, in K" : hint_of_unit(word);
   throw InputError(place, in_quotes(text),
-                   in_quotes(word) + " is no unit" +
-                       (celsius ? ": temperatures are differences, in K" : did_you_mean(word, names_of_units())),
+                   in_quotes(word) + " is no unit" + (hint.empty() ? did_you_mean(word, names_of_units()) : hint),
                    "an operator behind the number, or one of " + join(names_of_units()));
 }
 

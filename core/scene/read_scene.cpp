@@ -7,12 +7,14 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <sstream>
 #include <string_view>
 
 #include "core/scene/scene_copies.hpp"
 #include "core/scene/scene_overrides.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/scene/toml_cursor.hpp"
+#include "core/scene/unit_hints.hpp"
 
 namespace cgcontact {
 
@@ -80,12 +82,22 @@ void check_text(std::string_view text, const std::string& file) {
   }
 }
 
+/// One line of a text, counted from 1; "" beyond its end.
+std::string line_of(const std::string& text, int number) {
+  std::istringstream stream(text);
+  std::string line;
+  for (int k = 0; k < number; ++k)
+    if (!std::getline(stream, line)) return "";
+  return line;
+}
+
 toml::table parse_toml(const std::string& text, const std::string& file) {
   try {
     return toml::parse(std::string_view(text), std::string_view(file));
   } catch (const toml::parse_error& error) {
     const SourcePlace place{file, static_cast<int>(error.source().begin.line), ""};
-    throw InputError(place, "", "not valid TOML: " + std::string(error.description()));
+    throw InputError(place, "",
+                     "not valid TOML: " + std::string(error.description()) + hint_of_line(line_of(text, place.line)));
   }
 }
 

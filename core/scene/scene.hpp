@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,6 +41,7 @@ struct Material {
   std::optional<double> density = {};       ///< kg/m^3
   std::optional<double> expansion = {};     ///< 1/K, of lengths
   std::optional<double> yield_stress = {};  ///< Pa
+  bool modulus_has_units = false;           ///< the scene gives E with a unit
   bool is_rigid() const { return std::isinf(youngs_modulus); }
 };
 
@@ -106,6 +108,7 @@ struct BodySpec {
   std::array<Expression, 3> body_force;  ///< N/m^3
   Inertia inertia;                       ///< what acts on its mass
   double temperature = 0;                ///< K, change since it was free of stress
+  bool plain_lengths = false;            ///< its shape has numbers without a unit
   std::vector<FaceSpec> faces;           ///< those declared; a primitive's own faces can be used by their names too
   std::vector<std::string> notes;        ///< on what was read from mesh files, one line each
   std::vector<std::string> warnings;     ///< the same for what the user should look at
@@ -251,6 +254,7 @@ struct Scene {
   RecoveryOptions recovery;
   ResultOptions results;
   AccuracyOptions accuracy;
+  std::map<std::string, FaceRef> accuracy_faces;  ///< those that targets of `accuracy` name
   OutputOptions output;
   ReferenceSpec reference;  ///< at a contact force of 1 N, if it depends on that
   /// [reference] at a contact force in N (magnitude, first pair); empty if it does not depend on it

@@ -26,6 +26,7 @@ Material read_values(const TomlCursor& node) {
   const TomlCursor youngs_modulus = node.at("E", "> 0 Pa");
   youngs_modulus.number(Range::positive("Pa"));
   material.youngs_modulus = youngs_modulus.number(modulus);
+  material.modulus_has_units = youngs_modulus.quantity().has_units;
   material.poisson_ratio = node.at("nu", "-1 < nu < 0.5").number(poisson);
   if (const auto value = node.find("density")) material.density = value->number(Range::positive("kg/m^3"));
   if (const auto value = node.find("expansion")) material.expansion = value->number(Range::any("1/K"));

@@ -243,6 +243,28 @@ FaceSpec face_of_body(const TomlCursor& node, const BodySpec& body, const Shape&
   return face;
 }
 
+/// Tells whether a length of a shape is a number without a unit; directions, angles and texts that are no numbers are
+/// none. Files have units of their own.
+bool has_plain_length(const TomlCursor& node) {
+  if (node.is_table()) {
+    for (const auto& [key, child] : node.entries()) {
+      const bool no_length = key == "mesh" || key == "cad" || key == "axis" || key == "angle" || key == "normal";
+      if (!no_length && has_plain_length(child)) return true;
+    }
+    return false;
+  }
+  if (node.is_array()) {
+    const std::vector<TomlCursor> elements = node.elements("");
+    return std::any_of(elements.begin(), elements.end(), has_plain_length);
+  }
+  try {
+    const Quantity quantity = node.quantity();
+    return !quantity.has_units && quantity.value != 0;
+  } catch (const InputError&) {  // a name
+    return false;
+  }
+}
+
 }  // namespace
 
 RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const {
@@ -271,37 +293,57 @@ RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body
   return refine;
 }
 
-BodySpec SceneReader::read_body(const TomlCursor& node, const Shape& shape, const SceneMaterials& materials) const {
-  BodySpec body;
+void SceneReader::read_faces_of_body(const TomlCursor& node, BodySpec& body, const Shape& shape) {
+  std::set<std::string> seen;
+  for (const TomlCursor& entry : node.elements("[{name, surfaces, box, normal}, ...]"))
+    unread_.back().faces |= !attempt([&] {
+      body.faces.push_back(read_face(entry, shape));
+      check_unique(entry.at("name"), body.faces.back().name, seen, "face of this body");
+    });
+}
+
+/// Adds a body and its shape, what of them can be read.
+void SceneReader::read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials) {
+  Shape& shape = shapes_.back();
+  BodySpec& body = scene_.bodies.back();
   body.place = node.place();
-  body.name = read_name(node.at("name", "a name"));
+  unread_.back().shape = !attempt([&] { shape = read_shape(node); });
   body.solid = shape.solid;
   body.notes = shape.notes;
   body.warnings = shape.warnings;
   body.repairs = shape.repairs;
-  const auto rigid = node.find("rigid");
-  body.material = rigid && rigid->boolean()
-                      ? materials.read_rigid(node.find("material"))
-                      : materials.read(node.at("material", "\"steel\" or another name, or {E = .., nu = ..}"));
+  if (const auto node_of_shape = node.find("shape")) body.plain_lengths = has_plain_length(*node_of_shape);
+  const bool has_material = attempt([&] {
+    const auto rigid = node.find("rigid"), material = node.find("material");
+    if (!materials) throw FollowingMistake();
+    body.material = rigid && rigid->boolean()
+                        ? materials->read_rigid(material)
+                        : materials->read(node.at("material", "\"steel\" or another name, or {E = .., nu = ..}"));
+  });
   // Without it the first grid of a run to an accuracy comes from the shape, that of a rigid body from its partners.
-  if (node.find("cell_size") || !(scene_.accuracy.any() || body.rigid())) body.cell_size = read_cell_size(node, shape);
-  if (const auto grid = node.find("grid")) read_grid(*grid, body);
-  if (const auto force = node.find("body_force")) body.body_force = read_vector_field(*force, "N/m^3");
-  if (const auto temperature = node.find("temperature"); temperature && body.rigid())
-    temperature->fail("a rigid body does not expand", "without temperature, or without rigid = true");
-  else if (temperature)
-    body.temperature = read_temperature(*temperature, body.material);
-  if (const auto faces = node.find("faces")) {
-    std::set<std::string> seen;
-    for (const TomlCursor& entry : faces->elements("[{name, surfaces, box, normal}, ...]")) {
-      body.faces.push_back(read_face(entry, shape));
-      check_unique(entry.at("name"), body.faces.back().name, seen, "face of this body");
-    }
-  }
-  if (const auto refine = node.find("refine"))
-    for (const TomlCursor& entry : refine->elements("[{sphere, size}, ...]"))
-      body.refine.push_back(read_refine(entry, body, shape));
-  return body;
+  const bool wants_size = has_material && !(scene_.accuracy.any() || body.rigid());
+  bool has_size = true;
+  if (node.find("cell_size") || wants_size)
+    has_size =
+        attempt([&] { body.cell_size = unread_.back().shape ? read_cell_size(node) : read_cell_size(node, shape); });
+  if (const auto grid = node.find("grid")) attempt([&] { read_grid(*grid, body); });
+  if (const auto force = node.find("body_force"))
+    attempt([&] { body.body_force = read_vector_field(*force, "N/m^3"); });
+  if (const auto temperature = node.find("temperature"); temperature && has_material)
+    attempt([&] {
+      if (body.rigid())
+        temperature->fail("a rigid body does not expand", "without temperature, or without rigid = true");
+      body.temperature = read_temperature(*temperature, body.material);
+    });
+  const auto faces = node.find("faces"), refine = node.find("refine");
+  unread_.back().faces |= unread_.back().shape;
+  if (faces && !unread_.back().shape)
+    unread_.back().faces |= !attempt([&] { read_faces_of_body(*faces, body, shape); });
+  if (refine && has_size && !unread_.back().faces)
+    attempt([&] {
+      for (const TomlCursor& entry : refine->elements("[{sphere, size}, ...]"))
+        attempt([&] { body.refine.push_back(read_refine(entry, body, shape)); });
+    });
 }
 
 namespace {
@@ -365,17 +407,30 @@ constexpr double coarsest_of_rigid = 4;
 void SceneReader::read_bodies(const TomlCursor& root) {
   std::set<std::string> seen;
   const TomlCursor list = root.at("body", "one [[body]] section per body");
-  const SceneMaterials materials(root);
-  for (const TomlCursor& node : list.elements("[[body]] sections")) {
-    node.expect_keys({"name", "shape", "material", "rigid", "cell_size", "grid", "body_force", "temperature", "faces",
-                      "refine", "plane_strain"});
-    const TomlCursor name = node.at("name", "a name");
-    check_unique(name, read_name(name), seen, "body");
-    shapes_.push_back(read_shape(node));
-    scene_.bodies.push_back(read_body(node, shapes_.back(), materials));
+  const std::vector<TomlCursor> nodes = list.elements("[[body]] sections");
+  if (nodes.empty()) list.fail("there is no body", "one [[body]] section per body");
+  std::optional<SceneMaterials> materials;
+  attempt([&] { materials.emplace(root); });
+  for (const TomlCursor& node : nodes) {
+    shapes_.emplace_back();
+    scene_.bodies.emplace_back();
+    unread_.emplace_back();
+    const bool known_keys = attempt([&] {
+      node.expect_keys({"name", "shape", "material", "rigid", "cell_size", "grid", "body_force", "temperature", "faces",
+                        "refine", "plane_strain"});
+    });
+    unread_.back().name = !attempt([&] {
+      const TomlCursor name = node.at("name", "a name");
+      scene_.bodies.back().name = read_name(name);
+      check_unique(name, scene_.bodies.back().name, seen, "body");
+    });
+    if (known_keys)
+      read_body(node, materials);
+    else  // what seems to be missing may be the key that is not known
+      unread_.back().shape = unread_.back().faces = true;
   }
-  if (scene_.bodies.empty()) list.fail("there is no body", "one [[body]] section per body");
-  if (std::all_of(scene_.bodies.begin(), scene_.bodies.end(), [](const BodySpec& body) { return body.rigid(); }))
+  if (mistakes_.empty() &&
+      std::all_of(scene_.bodies.begin(), scene_.bodies.end(), [](const BodySpec& body) { return body.rigid(); }))
     list.fail("all bodies are rigid: there is nothing to compute", "at least one body without rigid = true");
 }
 
@@ -409,12 +464,17 @@ std::vector<std::string> SceneReader::face_names(int body) const {
 }
 
 FaceRef SceneReader::resolve_face(const TomlCursor& node) const {
-  const std::string reference = node.string("\"body.face\"");
+  return resolve_face(node, node.string("\"body.face\""));
+}
+
+FaceRef SceneReader::resolve_face(const TomlCursor& node, const std::string& reference) const {
   const std::size_t dot = reference.find('.');
   const std::string name = reference.substr(0, dot);
   FaceRef result;
   result.place = node.place();
   result.body = body_index(name);
+  if (result.body < 0 && std::any_of(unread_.begin(), unread_.end(), [](const Unread& body) { return body.name; }))
+    throw FollowingMistake();
   if (result.body < 0)
     node.fail("there is no body \"" + name + "\"" + did_you_mean(name, body_names()),
               "\"body.face\" with body one of " + join(body_names()));
@@ -426,8 +486,10 @@ FaceRef SceneReader::resolve_face(const TomlCursor& node) const {
   }
   result.face.name = face;
   result.face.place = result.place;
+  if (unread_[result.body].shape) throw FollowingMistake();
   result.face.surfaces = shapes_[result.body].resolve(face);
   if (!result.face.surfaces.empty()) return result;
+  if (unread_[result.body].faces) throw FollowingMistake();
   const std::vector<std::string> known = face_names(result.body);
   node.fail("body \"" + name + "\" has no face \"" + face + "\"" + did_you_mean(reference, known), join(known));
 }
@@ -468,53 +530,60 @@ void read_held(const TomlCursor& node, SupportSpec& support) {
 
 }  // namespace
 
+void SceneReader::read_support(const TomlCursor& node) {
+  node.expect_keys({"face", "symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring"});
+  SupportSpec support;
+  support.place = node.place();
+  const bool has_face = attempt([&] { support.face = resolve_face(node.at("face", "\"body.face\"")); });
+  read_held(node, support);
+  if (!has_face) return;
+  std::vector<const Expression*> given;
+  if (support.normal_displacement) given.push_back(&*support.normal_displacement);
+  for (const auto& components : {&support.displacement, &support.cylindrical})
+    for (const auto& component : *components)
+      if (component) given.push_back(&*component);
+  probe_expressions(scene_.bodies[support.face.body], support.face.face, given);
+  scene_.supports.push_back(support);
+}
+
 void SceneReader::read_supports(const TomlCursor& root) {
-  for (const TomlCursor& node : optional_elements(root, "support")) {
-    node.expect_keys({"face", "symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring"});
-    SupportSpec support;
-    support.place = node.place();
-    support.face = resolve_face(node.at("face", "\"body.face\""));
-    read_held(node, support);
-    std::vector<const Expression*> given;
-    if (support.normal_displacement) given.push_back(&*support.normal_displacement);
-    for (const auto& components : {&support.displacement, &support.cylindrical})
-      for (const auto& component : *components)
-        if (component) given.push_back(&*component);
-    probe_expressions(scene_.bodies[support.face.body], support.face.face, given);
-    scene_.supports.push_back(support);
-  }
-  if (scene_.supports.empty()) {
+  const std::vector<TomlCursor> nodes = optional_elements(root, "support");
+  for (const TomlCursor& node : nodes) attempt([&] { read_support(node); });
+  if (nodes.empty()) {
     SourcePlace place{scene_.file, 0, "support"};
     throw InputError(place, "", "nothing holds the bodies: the scene has no support",
                      "at least one [[support]] with symmetry = true or displacement = {...}");
   }
 }
 
+void SceneReader::read_load(const TomlCursor& node) {
+  node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing"});
+  LoadSpec load;
+  load.place = node.place();
+  const bool has_face = attempt([&] { load.face = resolve_face(node.at("face", "\"body.face\"")); });
+  const auto pressure = node.find("pressure"), traction = node.find("traction");
+  const auto force = node.find("force"), moment = node.find("moment"), at = node.find("at");
+  if (!pressure && !traction && !force && !moment)
+    node.fail("says no load", "pressure, traction = [x, y, z] (Pa), force = [x, y, z] (N), moment = [x, y, z] (N m)");
+  if (pressure) load.pressure = pressure->expression("Pa");
+  if (traction) load.traction = read_vector_field(*traction, "Pa");
+  if (force) load.force = force->vector("N");
+  if (moment) load.moment = moment->vector("N*m");
+  if (at && !force) at->fail("says where a force acts, and there is none", "with force = [x, y, z]");
+  if (at) load.at = at->vector("m");
+  if (const auto bearing = node.find("bearing")) load.bearing = bearing->boolean();
+  if (load.bearing && (load.force.isZero(0) || moment || at))
+    node.at("bearing").fail(force ? "is the pressure of a force towards the axis: it has no moment and no other place"
+                                  : "is the pressure of a force, and there is none",
+                            "with force = [x, y, z], without moment and at");
+  if (!has_face) return;
+  probe_expressions(scene_.bodies[load.face.body], load.face.face,
+                    {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
+  scene_.loads.push_back(load);
+}
+
 void SceneReader::read_loads(const TomlCursor& root) {
-  for (const TomlCursor& node : optional_elements(root, "load")) {
-    node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing"});
-    LoadSpec load;
-    load.place = node.place();
-    load.face = resolve_face(node.at("face", "\"body.face\""));
-    const auto pressure = node.find("pressure"), traction = node.find("traction");
-    const auto force = node.find("force"), moment = node.find("moment"), at = node.find("at");
-    if (!pressure && !traction && !force && !moment)
-      node.fail("says no load", "pressure, traction = [x, y, z] (Pa), force = [x, y, z] (N), moment = [x, y, z] (N m)");
-    if (pressure) load.pressure = pressure->expression("Pa");
-    if (traction) load.traction = read_vector_field(*traction, "Pa");
-    if (force) load.force = force->vector("N");
-    if (moment) load.moment = moment->vector("N*m");
-    if (at && !force) at->fail("says where a force acts, and there is none", "with force = [x, y, z]");
-    if (at) load.at = at->vector("m");
-    if (const auto bearing = node.find("bearing")) load.bearing = bearing->boolean();
-    if (load.bearing && (load.force.isZero(0) || moment || at))
-      node.at("bearing").fail(force ? "is the pressure of a force towards the axis: it has no moment and no other place"
-                                    : "is the pressure of a force, and there is none",
-                              "with force = [x, y, z], without moment and at");
-    probe_expressions(scene_.bodies[load.face.body], load.face.face,
-                      {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
-    scene_.loads.push_back(load);
-  }
+  for (const TomlCursor& node : optional_elements(root, "load")) attempt([&] { read_load(node); });
 }
 
 /// Gravity and steady rotation of the whole scene, on the mass of every body.
@@ -580,7 +649,7 @@ constexpr double largest_friction = 2;
 
 }  // namespace
 
-ContactSpec SceneReader::read_contact(const TomlCursor& node) const {
+ContactSpec SceneReader::read_pair(const TomlCursor& node) const {
   ContactSpec contact;
   contact.place = node.place();
   const TomlCursor list = node.at("faces", "[\"body.face\", \"body.face\"] of two bodies, or automatic = true");
@@ -593,6 +662,8 @@ ContactSpec SceneReader::read_contact(const TomlCursor& node) const {
   if (contact.first.body == contact.second.body)
     list.fail("both faces belong to the body \"" + scene_.bodies[contact.first.body].name + "\"",
               "faces of two different bodies");
+  const auto is_rigid = [](const BodySpec& body) { return body.rigid(); };
+  if (std::all_of(scene_.bodies.begin(), scene_.bodies.end(), is_rigid)) throw FollowingMistake();
   if (scene_.bodies[contact.first.body].rigid() && scene_.bodies[contact.second.body].rigid())
     list.fail("both bodies are rigid: the pressure between them is not determined", "at least one elastic body");
   const auto name = node.find("name");
@@ -674,48 +745,81 @@ void SceneReader::check_new_pair(const TomlCursor& node, const ContactSpec& cont
       node.at("faces").fail("is the pair \"" + earlier.name + "\" again", "every two faces once");
 }
 
+namespace {
+
+/// A target of the pair's own, beside [accuracy].
+void read_pair_target(const TomlCursor& node, const std::string& pair, AccuracyOptions& accuracy) {
+  node.expect_keys({"pressure"});
+  if (!accuracy.any()) node.fail("stands in a scene without [accuracy]", "[accuracy] with a target for all, beside it");
+  accuracy.named.push_back({NamedTarget::Kind::pressure, pair, read_target(node.at("pressure", "\"5 %\""))});
+}
+
+bool is_automatic(const TomlCursor& node) {
+  const auto automatic = node.find("automatic");
+  return automatic && automatic->boolean();
+}
+
+}  // namespace
+
+/// One pair, or all automatic ones.
+void SceneReader::read_contact(const TomlCursor& node, std::set<std::string>& seen) {
+  node.expect_keys({"name", "faces", "automatic", "bonded", "friction", "interference", "preload", "search_distance",
+                    "moment_about", "accuracy"});
+  const std::size_t first = scene_.contacts.size();
+  if (is_automatic(node)) {
+    add_automatic_contacts(node);
+  } else {
+    ContactSpec contact = read_pair(node);
+    check_new_pair(node, contact);
+    scene_.contacts.push_back(std::move(contact));
+  }
+  for (std::size_t k = first; k < scene_.contacts.size(); ++k) {
+    ContactSpec& contact = scene_.contacts[k];
+    check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
+    read_bonded(node, contact);
+    if (const auto value = node.find("friction"))
+      contact.friction = value->number(Range::from_to(0, largest_friction, "0 to 2"));
+    if (const auto value = node.find("interference")) {
+      contact.interference = value->number(Range::any("m"));
+      if (unread_[contact.first.body].shape || unread_[contact.second.body].shape) throw FollowingMistake();
+      const double longest = std::min(longest_side(contact.first.body), longest_side(contact.second.body));
+      if (std::abs(contact.interference) > longest)
+        value->fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
+    }
+    if (const auto value = node.find("preload")) {
+      contact.preload = value->number(Range::positive("N"));
+      if (contact.automatic)
+        value->fail("a preload is that of one pair", "in a section with faces = [\"body.face\", \"body.face\"]");
+    }
+    if (const auto value = node.find("search_distance"))
+      contact.search_distance = value->number(Range::not_negative("m"));
+    if (const auto value = node.find("moment_about")) contact.moment_about = read_moment(*value);
+    if (const auto value = node.find("accuracy")) read_pair_target(*value, contact.name, scene_.accuracy);
+  }
+}
+
 void SceneReader::read_contacts(const TomlCursor& root) {
   std::set<std::string> seen;
   std::vector<TomlCursor> ordered = optional_elements(root, "contact");
-  for (const TomlCursor& node : ordered)
-    node.expect_keys({"name", "faces", "automatic", "bonded", "friction", "interference", "preload", "search_distance",
-                      "moment_about"});
-  const auto is_automatic = [](const TomlCursor& node) {
+  // Automatic pairs fill what the named ones leave; a section that cannot tell is one with a mistake.
+  std::stable_partition(ordered.begin(), ordered.end(), [](const TomlCursor& node) {
     const auto automatic = node.find("automatic");
-    return automatic && automatic->boolean();
-  };
-  // Automatic pairs fill what the named ones leave.
-  std::stable_partition(ordered.begin(), ordered.end(), [&](const TomlCursor& node) { return !is_automatic(node); });
-  for (const TomlCursor& node : ordered) {
-    const std::size_t first = scene_.contacts.size();
-    if (is_automatic(node)) {
-      add_automatic_contacts(node);
-    } else {
-      ContactSpec contact = read_contact(node);
-      check_new_pair(node, contact);
-      scene_.contacts.push_back(std::move(contact));
-    }
-    for (std::size_t k = first; k < scene_.contacts.size(); ++k) {
-      ContactSpec& contact = scene_.contacts[k];
-      check_unique(node.find("name").value_or(node), contact.name, seen, "contact pair: give this one a name");
-      read_bonded(node, contact);
-      if (const auto value = node.find("friction"))
-        contact.friction = value->number(Range::from_to(0, largest_friction, "0 to 2"));
-      if (const auto value = node.find("interference")) {
-        contact.interference = value->number(Range::any("m"));
-        const double longest = std::min(longest_side(contact.first.body), longest_side(contact.second.body));
-        if (std::abs(contact.interference) > longest)
-          value->fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
-      }
-      if (const auto value = node.find("preload")) {
-        contact.preload = value->number(Range::positive("N"));
-        if (contact.automatic)
-          value->fail("a preload is that of one pair", "in a section with faces = [\"body.face\", \"body.face\"]");
-      }
-      if (const auto value = node.find("search_distance"))
-        contact.search_distance = value->number(Range::not_negative("m"));
-      if (const auto value = node.find("moment_about")) contact.moment_about = read_moment(*value);
-    }
+    return !(automatic && automatic->node().is_boolean() && automatic->boolean());
+  });
+  for (const TomlCursor& node : ordered) attempt([&] { read_contact(node, seen); });
+}
+
+/// Faces of targets of displacements; other names are those of probes.
+void SceneReader::find_places_of_targets(const TomlCursor& root) {
+  const auto accuracy = root.find("accuracy");
+  const auto node = accuracy ? accuracy->find("displacement") : std::nullopt;
+  if (!node || !node->is_table()) return;
+  for (const auto& [name, target] : node->entries()) {
+    const auto is_this = [&place = name](const ProbeSpec& probe) { return probe.name == place; };
+    if (name == "largest" || std::any_of(scene_.probes.begin(), scene_.probes.end(), is_this)) continue;
+    if (name.find('.') == std::string::npos)
+      target.fail("there is no probe \"" + name + "\"", "\"body.face\", the name of a [[probe]], or largest");
+    scene_.accuracy_faces[name] = resolve_face(target, name);
   }
 }
 
@@ -736,35 +840,51 @@ const std::vector<std::string>& scene_keys() {
   return keys;
 }
 
+/// Sections that need no grid and no body.
+void SceneReader::read_settings(const TomlCursor& root) {
+  if (const auto node = root.find("solver")) attempt([&] { scene_.solver = read_solver(*node); });
+  if (const auto node = root.find("recovery")) attempt([&] { scene_.recovery = read_recovery(*node); });
+  if (const auto node = root.find("output")) attempt([&] { scene_.output = read_output(*node); });
+}
+
 Scene SceneReader::read(const TomlCursor& root) {
-  root.expect_keys(scene_keys());
+  attempt([&] { root.expect_keys(scene_keys()); });
   scene_.file = root.text().file;
   scene_.parameters = root.text().parameters;
-  if (const auto title = root.find("title")) scene_.title = printable(title->string());
-  if (const auto node = root.find("accuracy")) scene_.accuracy = read_accuracy(*node);
-  read_bodies(root);
-  if (!scene_.accuracy.stress_of_body.empty()) check_bodies_of_stress(*root.find("accuracy")->find("stress"));
-  read_inertia(root);
-  read_plane_strain(root);
-  read_supports(root);
+  if (const auto title = root.find("title")) attempt([&] { scene_.title = printable(title->string()); });
+  if (const auto node = root.find("accuracy"))
+    if (!attempt([&] { scene_.accuracy = read_accuracy(*node); }))
+      scene_.accuracy.pressure = 1;  // bodies need no cell_size beside it
+  const std::size_t before = mistakes_.size();
+  attempt([&] { read_bodies(root); });
+  if (scene_.bodies.empty()) throw Mistakes(mistakes_, scene_.file);
+  const bool has_bodies = mistakes_.size() == before;
+  if (!scene_.accuracy.stress_of_body.empty() && has_bodies)
+    attempt([&] { check_bodies_of_stress(*root.find("accuracy")->find("stress")); });
+  if (has_bodies) attempt([&] { read_inertia(root); });
+  attempt([&] { read_plane_strain(root); });
+  attempt([&] { read_supports(root); });
   add_ends_in_plane_strain();
-  read_loads(root);
-  read_contacts(root);
-  choose_cells_of_rigid_bodies();
-  read_probes(root);
-  read_sections(root);
-  if (const auto node = root.find("steps")) {
-    scene_.steps = read_steps(*node);
-    check_preload_of_steps(*node);
-  }
-  if (const auto node = root.find("solver")) scene_.solver = read_solver(*node);
-  if (const auto node = root.find("recovery")) scene_.recovery = read_recovery(*node);
-  if (const auto node = root.find("output")) scene_.output = read_output(*node);
-  if (const auto node = root.find("reference")) {
-    std::optional<double> contact_force;
-    if (!scene_.contacts.empty()) contact_force = 1;
-    scene_.reference = read_reference(*node, body_names(), contact_force);
-  }
+  attempt([&] { read_loads(root); });
+  attempt([&] { read_contacts(root); });
+  const bool has_contacts = mistakes_.size() == before;
+  if (has_contacts) attempt([&] { choose_cells_of_rigid_bodies(); });
+  if (has_bodies) attempt([&] { read_probes(root); });
+  if (has_bodies) attempt([&] { find_places_of_targets(root); });
+  if (has_bodies) attempt([&] { read_sections(root); });
+  if (const auto node = root.find("steps"))
+    attempt([&] {
+      scene_.steps = read_steps(*node);
+      check_preload_of_steps(*node);
+    });
+  read_settings(root);
+  if (const auto node = root.find("reference"); node && has_contacts)
+    attempt([&] {
+      std::optional<double> contact_force;
+      if (!scene_.contacts.empty()) contact_force = 1;
+      scene_.reference = read_reference(*node, body_names(), contact_force);
+    });
+  if (!mistakes_.empty()) throw Mistakes(mistakes_, scene_.file);
   return std::move(scene_);
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "core/base/mistakes.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_materials.hpp"
 #include "core/scene/scene_shapes.hpp"
@@ -19,41 +21,73 @@ Constants read_parameters(const TomlCursor& table);
 /// Sections and keys at the top of a scene.
 const std::vector<std::string>& scene_keys();
 
+/// Reads on behind a mistake as far as what follows does not depend on it, and throws all of them together.
 class SceneReader {
  public:
   /// `root`: the whole document; the text's parameters must have been read.
   Scene read(const TomlCursor& root);
 
  private:
+  /// A part that cannot be read because of a mistake that is known: no mistake of its own.
+  struct FollowingMistake {};
+
+  /// False: the part has a mistake, or cannot be read because of another one.
+  template <typename Part>
+  bool attempt(const Part& part) {
+    try {
+      part();
+      return true;
+    } catch (const FollowingMistake&) {
+      return false;
+    } catch (const InputError& mistake) {
+      for (const std::string& message : messages_of(mistake)) mistakes_.push_back(message);
+      return false;
+    }
+  }
+
   void read_bodies(const TomlCursor& root);
   void read_plane_strain(const TomlCursor& root);
   void add_ends_in_plane_strain();
-  BodySpec read_body(const TomlCursor& node, const Shape& shape, const SceneMaterials& materials) const;
+  void read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials);
+  void read_faces_of_body(const TomlCursor& node, BodySpec& body, const Shape& shape);
   FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;
   RefineSpec read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const;
   void check_bodies_of_stress(const TomlCursor& node) const;
   void choose_cells_of_rigid_bodies();
   void read_supports(const TomlCursor& root);
+  void read_support(const TomlCursor& node);
   void read_loads(const TomlCursor& root);
+  void read_load(const TomlCursor& node);
   void read_inertia(const TomlCursor& root);
   void read_contacts(const TomlCursor& root);
-  ContactSpec read_contact(const TomlCursor& node) const;
+  void read_contact(const TomlCursor& node, std::set<std::string>& seen);
+  ContactSpec read_pair(const TomlCursor& node) const;
   void check_preload_of_steps(const TomlCursor& node) const;
   void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
   void add_automatic_contacts(const TomlCursor& node);
   double longest_side(int body) const;
+  void read_settings(const TomlCursor& root);
   void read_probes(const TomlCursor& root);
   ProbeSpec read_probe(const TomlCursor& node) const;
   void find_outside(const TomlCursor& node, ProbeSpec& probe) const;
   void read_sections(const TomlCursor& root);
   SectionSpec read_section(const TomlCursor& node) const;
   FaceRef resolve_face(const TomlCursor& node) const;
+  FaceRef resolve_face(const TomlCursor& node, const std::string& reference) const;
+  void find_places_of_targets(const TomlCursor& root);
   int body_index(const std::string& name) const;
   std::vector<std::string> body_names() const;
   std::vector<std::string> face_names(int body) const;
 
+  /// What of a body could not be read: what refers to it follows.
+  struct Unread {
+    bool name = false, shape = false, faces = false;
+  };
+
   Scene scene_;
-  std::vector<Shape> shapes_;  ///< one per body
+  std::vector<Shape> shapes_;   ///< one per body
+  std::vector<Unread> unread_;  ///< one per body
+  std::vector<std::string> mistakes_;
 };
 
 /// The elements of an optional array of tables at the top.
@@ -65,6 +99,8 @@ SolverOptions read_solver(const TomlCursor& node);
 RecoveryOptions read_recovery(const TomlCursor& node);
 OutputOptions read_output(const TomlCursor& node);
 AccuracyOptions read_accuracy(const TomlCursor& node);
+/// A relative error: a number, or text with a per cent sign.
+double read_target(const TomlCursor& node);
 
 // [reference] (scene_reference.cpp).
 

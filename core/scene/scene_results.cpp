@@ -144,8 +144,10 @@ void SceneReader::read_probes(const TomlCursor& root) {
                            fmt::format("at most {} points of all probes together", most_points_of_all));
   std::set<std::string> seen;
   for (const TomlCursor& node : nodes) {
-    scene_.probes.push_back(read_probe(node));
-    check_unique(node.at("name"), scene_.probes.back().name, seen, "probe");
+    attempt([&] {
+      scene_.probes.push_back(read_probe(node));
+      check_unique(node.at("name"), scene_.probes.back().name, seen, "probe");
+    });
   }
 }
 
@@ -174,10 +176,11 @@ SectionSpec SceneReader::read_section(const TomlCursor& node) const {
 
 void SceneReader::read_sections(const TomlCursor& root) {
   std::set<std::string> seen;
-  for (const TomlCursor& node : few_elements(root, "section", most_sections)) {
-    scene_.sections.push_back(read_section(node));
-    check_unique(node.at("name"), scene_.sections.back().name, seen, "section");
-  }
+  for (const TomlCursor& node : few_elements(root, "section", most_sections))
+    attempt([&] {
+      scene_.sections.push_back(read_section(node));
+      check_unique(node.at("name"), scene_.sections.back().name, seen, "section");
+    });
 }
 
 }  // namespace cgcontact

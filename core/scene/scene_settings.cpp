@@ -73,7 +73,8 @@ std::vector<double> read_factors(const TomlCursor& node) {
   return factors;
 }
 
-/// A relative error: a number, or text with a per cent sign.
+}  // namespace
+
 double read_target(const TomlCursor& node) {
   Range range = Range::fraction();
   range.text = "more than 0 and less than 1 (100 %), as 0.01 or \"1 %\"";
@@ -86,6 +87,20 @@ double read_target(const TomlCursor& node) {
   const double value = value_in({}, per_cent, node.place(), node.value(), range.text) / 100;
   if (!range.contains(value)) node.fail("out of range", range.text);
   return value;
+}
+
+namespace {
+
+/// Of the largest displacement, or place = target: a face, a probe or "largest".
+std::vector<NamedTarget> read_displacement_targets(const TomlCursor& node) {
+  std::vector<NamedTarget> targets;
+  if (!node.is_table())
+    targets.push_back({NamedTarget::Kind::displacement, "largest", read_target(node)});
+  else
+    for (const auto& [place, target] : node.entries())
+      targets.push_back({NamedTarget::Kind::displacement, place, read_target(target)});
+  if (targets.empty()) node.fail("names no place", "\"1 %\", or {\"body.face\" = \"1 %\", probe = \"1 %\", ...}");
+  return targets;
 }
 
 /// body = target
@@ -113,8 +128,10 @@ AccuracyOptions read_accuracy(const TomlCursor& node) {
     else
       options.stress = read_target(*target);
   }
+  also.emplace_back("displacement");
+  if (const auto target = node.find("displacement")) options.named = read_displacement_targets(*target);
   read_settings(node, options.settings(), "", also);
-  if (!options.any()) node.fail("asks for nothing", "at least one of pressure, force, stress = \"1 %\"");
+  if (!options.any()) node.fail("asks for nothing", "at least one of pressure, force, stress, displacement = \"1 %\"");
   return options;
 }
 

@@ -172,7 +172,12 @@ int TomlCursor::integer(int min, int max) const {
 Vec3 TomlCursor::vector(const std::string& unit) const {
   const std::string allowed = "[x, y, z]" + (unit.empty() ? "" : ", " + unit);
   const std::vector<TomlCursor> components = elements(allowed);
-  if (components.size() != 3) fail("has " + std::to_string(components.size()) + " components, not 3", allowed);
+  if (components.size() != 3) {
+    const bool commas = components.size() > 3 && components.size() <= 6;
+    fail("has " + std::to_string(components.size()) + " components, not 3" +
+             (commas ? " (decimal commas? 0.5 is written with a point)" : ""),
+         allowed);
+  }
   Vec3 result;
   for (int k = 0; k < 3; ++k) result[k] = components[k].number(Range::any(unit));
   return result;

@@ -57,6 +57,15 @@ std::string unit_of_divisor(const std::string& text, const Dimension& found, con
   return "";
 }
 
+/// A mass in the place of its weight ("50 kg" as a force, "5 kg/cm^2" as a pressure): what it weighs; "" if it is
+/// something else.
+std::string weight_of_mass(const Dimension& found, const Dimension& wanted) {
+  Dimension weight = found;
+  weight.exponents[Dimension::length] += 1;
+  weight.exponents[Dimension::time] -= 2;
+  return weight.same_but_angle(wanted) ? ": 1 kg weighs 9.80665 N, write N in the place of the mass" : "";
+}
+
 }  // namespace
 
 double value_in(const Unit& unit, const Quantity& quantity, const SourcePlace& place, const std::string& text,
@@ -69,7 +78,7 @@ double value_in(const Unit& unit, const Quantity& quantity, const SourcePlace& p
   if (!fits)
     throw InputError(place, text,
                      "is " + name_of(dimension) + ", not " + name_of(unit.dimension) +
-                         unit_of_divisor(text, dimension, unit.dimension),
+                         weight_of_mass(dimension, unit.dimension) + unit_of_divisor(text, dimension, unit.dimension),
                      allowed_units(unit, allowed));
   return unit.from_si(quantity.value);
 }

@@ -25,6 +25,17 @@ std::vector<Setting> AccuracyOptions::settings() {
           method_constant("near_gap", near_gap, Range::fraction())};
 }
 
+int AccuracyOptions::named_pressure(const std::string& pair) const {
+  for (std::size_t k = 0; k < named.size(); ++k)
+    if (named[k].kind == NamedTarget::Kind::pressure && named[k].name == pair) return static_cast<int>(k);
+  return -1;
+}
+
+std::optional<double> AccuracyOptions::pressure_of(const std::string& pair) const {
+  const int own = named_pressure(pair);
+  return own < 0 ? pressure : named[own].error;
+}
+
 void AccuracyOptions::check() const {
   AccuracyOptions copy = *this;
   check_settings("accuracy", copy.settings());

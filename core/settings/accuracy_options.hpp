@@ -15,12 +15,24 @@ struct BodyTarget {
   double error = 0;  ///< relative to the energy norm of its own stress
 };
 
+/// Of a displacement (of the face "body.face", the probe or, "largest", of all) or of the pressure of one contact pair.
+struct NamedTarget {
+  enum class Kind { displacement, pressure };
+  Kind kind = Kind::displacement;
+  std::string name;
+  double error = 0;  ///< relative
+
+  /// "displacement of beam.tip"
+  std::string text() const { return (kind == Kind::pressure ? "pressure of " : "displacement of ") + name; }
+};
+
 struct AccuracyOptions {
   // Wanted relative errors; none: not asked for.
   std::optional<double> pressure;          ///< contact pressure, L2 norm over the faces of each pair
   std::optional<double> force;             ///< contact force of each pair
   std::optional<double> stress;            ///< stress, energy norm, all bodies together
   std::vector<BodyTarget> stress_of_body;  ///< the same of single bodies
+  std::vector<NamedTarget> named;          ///< pairs have their own target in the place of `pressure`
 
   // What a run may cost at most.
   double max_unknowns = 5e6;  ///< of one solve
@@ -58,7 +70,11 @@ struct AccuracyOptions {
   /// Part of a cell: faces of an open pair that are so near may touch between the points where the gap is known.
   double near_gap = 0.05;
 
-  bool any() const { return pressure || force || stress || !stress_of_body.empty(); }
+  bool any() const { return pressure || force || stress || !stress_of_body.empty() || !named.empty(); }
+  /// Number among `named`; -1: the pair has none of its own.
+  int named_pressure(const std::string& pair) const;
+  /// Target of a pair; none: its pressure is not asked for.
+  std::optional<double> pressure_of(const std::string& pair) const;
   std::vector<Setting> settings();
   void check() const;
   std::string print() const;

@@ -64,7 +64,7 @@ class Results(unittest.TestCase):
         for key, kind in REPORT_KEYS.items():
             self.assertIsInstance(r.get(key), kind, key)
         self.assertEqual(r["cells"]["active"], r["cells"]["cut"] + r["cells"]["interior"])
-        self.assertEqual(set(r["estimated_error"]), {"absolute", "relative"})
+        self.assertEqual(set(r["estimated_error"]), {"absolute", "relative", "displacement"})
         keys = {"patches", "status", "grown_patches", "truncated_rows", "inconsistent_patches", "degree_2"}
         self.assertLessEqual(set(r["recovery"]), keys)
         self.assertGreaterEqual(set(r["recovery"]), keys - {"degree_2"})

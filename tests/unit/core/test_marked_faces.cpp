@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "core/drawing/marked_faces.hpp"
 #include "core/scene/read_scene.hpp"
 
@@ -70,6 +72,45 @@ TEST(marked_faces, automatic_contact_is_where_something_is_opposite) {
       area += region.area;
     }
   EXPECT_NEAR(area, 1, 1e-12);
+}
+
+// A moment has no resultant but itself, without rounding; a declared face that nothing acts on has its name, and a load
+// is not divided by one.
+TEST(marked_faces, moments_and_declared_faces) {
+  const Scene scene = parse_scene(R"(
+[[body]]
+name = "bar"
+shape = {box = {min = [0, 0, 0], max = [1, 0.5, 0.4]}}
+material = {E = 1e9, nu = 0.3}
+cell_size = 0.13
+faces = [{name = "strip", surfaces = ["z+"], box = {min = [0.2, -1, -1], max = [0.6, 1, 1]}},
+         {name = "half", surfaces = ["x+"], box = {min = [-1, -1, -1], max = [2, 0.25, 1]}}]
+
+[[support]]
+face = "bar.x-"
+displacement = {x = 0, y = 0, z = 0}
+
+[[load]]
+face = "bar.x+"
+moment = [10, 0, -2]
+)",
+                                  "bar.toml");
+  const CutCells cells = on_grid(scene.bodies[0]);
+  const std::vector<CheckedBody> bodies{{&cells, std::vector<int>(cells.boundary.size(), -1)}};
+  const MarkedFaces faces(scene, bodies);
+  std::map<std::string, int> count;
+  for (const FaceRegion& region : faces.regions()) {
+    ++count[region.name];
+    EXPECT_EQ(region.force, Vec3(0, 0, 0)) << region.name;
+    if (!region.loads.empty())
+      EXPECT_LT((region.moment - Vec3(10, 0, -2)).norm(), 1e-8);
+    else
+      EXPECT_EQ(region.moment, Vec3(0, 0, 0)) << region.name;
+  }
+  EXPECT_EQ(count["bar.strip"], 1);
+  EXPECT_EQ(count["bar.x+"], 1) << "the load";
+  EXPECT_EQ(count["bar.box.z+"], 1) << "what is left beside the strip";
+  EXPECT_EQ(faces.regions().size(), 7u);
 }
 
 }  // namespace

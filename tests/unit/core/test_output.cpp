@@ -244,7 +244,12 @@ TEST_F(output, report_holds_the_solves_to_an_accuracy) {
     EXPECT_FALSE(nlohmann::json::parse(read_text(file("report.json"))).contains(key)) << key;
   blocks->results.accuracy = solves_to_an_accuracy(3, false);
   blocks->results.accuracy.stress_of_body = {{"lower", 0.02}};
-  for (SolveFigures& solve : blocks->results.accuracy.solves) solve.stress_of_body = {0.04};
+  blocks->results.accuracy.named = {{NamedTarget::Kind::displacement, "lower.tip", 0.03},
+                                    {NamedTarget::Kind::pressure, "lower-upper", 0.2}};
+  for (SolveFigures& solve : blocks->results.accuracy.solves) {
+    solve.stress_of_body = {0.04};
+    solve.named = {0.05, std::nullopt};
+  }
   blocks->results.singular_places = {{"lower", {"base.x+", "base.z+"}, Vec3(1, 2, 3), 0.4, 1e-3}};
   write_results(blocks->results, blocks->scene, out_);
   const auto report = nlohmann::json::parse(read_text(file("report.json")));
@@ -255,8 +260,13 @@ TEST_F(output, report_holds_the_solves_to_an_accuracy) {
                                                                {"cell", 1e-3}}}));
   const auto& json = report["accuracy"];
   EXPECT_EQ(json["targets"],
-            nlohmann::json(
-                {{"pressure", 0.01}, {"force", nullptr}, {"stress", nullptr}, {"stress_of_body", {{"lower", 0.02}}}}));
+            nlohmann::json({{"pressure", 0.01},
+                            {"force", nullptr},
+                            {"stress", nullptr},
+                            {"stress_of_body", {{"lower", 0.02}}},
+                            {"displacement", {{"lower.tip", 0.03}}},
+                            {"pressure_of_pair", {{"lower-upper", 0.2}}}}));
+  EXPECT_EQ(json["answer"], 3);
   EXPECT_EQ(json["reached"], false);
   EXPECT_EQ(json["text"], blocks->results.accuracy.text);
   ASSERT_EQ(json["solves"].size(), 3u);
@@ -270,6 +280,8 @@ TEST_F(output, report_holds_the_solves_to_an_accuracy) {
                                                {"force", 0.0},
                                                {"stress", 0.5 / 3},
                                                {"stress_of_body", {{"lower", 0.04}}},
+                                               {"displacement", {{"lower.tip", 0.05}}},
+                                               {"pressure_of_pair", {{"lower-upper", nullptr}}},
                                                {"change", 0.03}}));
   EXPECT_TRUE(json["solves"][0]["pressure"].is_null());
 }

@@ -1,0 +1,27 @@
+/// Several mistakes of one input, told together.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/errors.hpp"
+
+namespace cgcontact {
+
+/// One error for all of them: what() has a line for each.
+class Mistakes : public InputError {
+ public:
+  /// In the order of their lines in `file` (those without a line first), without repetition; what goes beyond what a
+  /// terminal shows is counted. Throws std::logic_error for none.
+  Mistakes(const std::vector<std::string>& messages, const std::string& file);
+
+  const std::vector<std::string>& messages() const { return messages_; }
+
+ private:
+  std::vector<std::string> messages_;
+};
+
+/// One message for each mistake of an error.
+std::vector<std::string> messages_of(const InputError& error);
+
+}  // namespace cgcontact
