@@ -259,13 +259,12 @@ TEST_F(output, report_holds_the_solves_to_an_accuracy) {
                                                                {"exponent", 0.4},
                                                                {"cell", 1e-3}}}));
   const auto& json = report["accuracy"];
-  EXPECT_EQ(json["targets"],
-            nlohmann::json({{"pressure", 0.01},
-                            {"force", nullptr},
-                            {"stress", nullptr},
-                            {"stress_of_body", {{"lower", 0.02}}},
-                            {"displacement", {{"lower.tip", 0.03}}},
-                            {"pressure_of_pair", {{"lower-upper", 0.2}}}}));
+  EXPECT_EQ(json["targets"], nlohmann::json({{"pressure", 0.01},
+                                             {"force", nullptr},
+                                             {"stress", nullptr},
+                                             {"stress_of_body", {{"lower", 0.02}}},
+                                             {"displacement", {{"lower.tip", 0.03}}},
+                                             {"pressure_of_pair", {{"lower-upper", 0.2}}}}));
   EXPECT_EQ(json["answer"], 3);
   EXPECT_EQ(json["reached"], false);
   EXPECT_EQ(json["text"], blocks->results.accuracy.text);
