@@ -19,9 +19,8 @@
 namespace cgcontact {
 namespace {
 
-/// Loads whose part along a free motion is less than this part of them are in balance: they are integrated to 1e-9, or
-/// to less where a face ends between quadrature points.
-constexpr double no_load = 1e-7, little_load = 1e-3;
+/// Part of all loads that may act along a surface on which a body slides: a face may end between quadrature points.
+constexpr double little_load = 1e-3;
 
 constexpr const char* not_for_friction =
     " (friction is no part of the solve; what it would have to carry is found for sliding along flat faces, and along "

@@ -7,8 +7,6 @@ namespace {
 
 /// Of what friction resists most: less is rounding, of a motion in which no such faces slide.
 constexpr double no_resistance = 1e-12;
-/// Part of all loads: what is less drives no motion (contact/preparation.cpp has the same).
-constexpr double no_load = 1e-7;
 
 /// Calls use(pair, point, sliding, weight) for all points of pairs with friction; weight in m^2.
 template <class Use>

@@ -8,6 +8,9 @@
 
 namespace cgcontact {
 
+/// Part of all loads: what is less drives no motion. They are integrated to 1e-9.
+constexpr double no_load = 1e-7;
+
 /// Relative motion along the faces of a pair at one of its points, of the primary body less the secondary one, in each
 /// of the motions: (3, number of motions).
 Eigen::MatrixXd sliding_at(const ContactPair& pair, const ContactPoint& point, const FreeMotions& motions,

@@ -24,8 +24,8 @@ constexpr double walk_step = 0.25;
 constexpr int most_steps = 4000;
 /// A path ends so far beyond the last pressure: part of its length, and cells.
 constexpr double beyond = 0.3, beyond_cells = 2;
-/// Of the largest pressure of the pair.
-constexpr double no_pressure = 0.01;
+/// Part of the largest pressure of the pair.
+constexpr double hardly_any_pressure = 0.01;
 /// Of the largest second moment of the zone: a coordinate axis with so much is taken.
 constexpr double long_enough = 0.8;
 
@@ -44,7 +44,8 @@ const ContactRow* largest_row(const Results& results, int pair) {
 Vec3 direction_of(const Results& results, const ContactRow& top) {
   Mat3 second = Mat3::Zero();
   for (const ContactRow& r : results.contact_rows) {
-    if (r.pair != top.pair || r.body != top.body || !(r.pressure_sprc > no_pressure * top.pressure_sprc)) continue;
+    if (r.pair != top.pair || r.body != top.body || !(r.pressure_sprc > hardly_any_pressure * top.pressure_sprc))
+      continue;
     Vec3 d = r.x - top.x;
     d -= d.dot(top.normal) * top.normal;
     second += r.weight * d * d.transpose();
@@ -100,7 +101,7 @@ Extent extent_of(const FaceProjection& project, const ContactRow& top, const Vec
   walk(project, top, along, walk_step * h, most_steps, [&](const ContactRow& row, double way) {
     extent.length = way;
     extent.closed = way > 4 * walk_step * h && (row.x - top.x).norm() < 0.7 * walk_step * h;
-    if (row.pressure_sprc > no_pressure * top.pressure_sprc) last_pressed = way;
+    if (row.pressure_sprc > hardly_any_pressure * top.pressure_sprc) last_pressed = way;
     return way < (1 + beyond) * last_pressed + beyond_cells * h;
   });
   return extent;

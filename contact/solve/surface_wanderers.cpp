@@ -8,7 +8,7 @@ namespace cgcontact {
 namespace {
 
 /// Of the loads: what may be left along a motion that they do not drive.
-constexpr double little_load = 1e-3;
+constexpr double hardly_driven = 1e-3;
 
 /// Orthonormal columns that span the rows of some bodies (the others' are zero) in `modes`.
 Eigen::MatrixXd of_bodies(const Eigen::MatrixXd& modes, const std::vector<int>& members) {
@@ -22,7 +22,7 @@ Eigen::MatrixXd of_bodies(const Eigen::MatrixXd& modes, const std::vector<int>& 
 /// Without the one that the loads do work on.
 Eigen::MatrixXd not_driven(const Eigen::MatrixXd& modes, const Eigen::VectorXd& load, double magnitude) {
   const Eigen::VectorXd work = modes.transpose() * load;
-  if (work.norm() <= little_load * magnitude) return modes;
+  if (work.norm() <= hardly_driven * magnitude) return modes;
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(work);
   const Eigen::MatrixXd q = qr.householderQ();
   return modes * q.rightCols(modes.cols() - 1);

@@ -185,7 +185,7 @@ class Time(Runs):
 
     def test_max_time(self):
         """A run that would take minutes ends about when its time is over, with the result of an earlier solve. A fifth later at most on
-        an idle machine; twice the time also on one where other jobs run, where it took four times as long before."""
+        an idle machine; twice the time on one where other jobs run."""
         if harness.SLOW_BUILD:
             self.skipTest("times of a build with sanitizers")
         limit = 8
