@@ -208,15 +208,6 @@ bool AdaptiveRun::stands_still() const {
          count_unknowns(next_->state.bodies) < worth_a_solve * static_cast<double>(last.unknowns);
 }
 
-/// "", or that triangles keep the cells at the contact as they are.
-std::string AdaptiveRun::end_at_facets() const {
-  if (figures_.solves.empty() || sizes_.faceted.empty()) return "";
-  return fmt::format(
-      "the cells at the contact are as small as the triangles of body \"{}\" there, {:.3g} m: a finer surface is "
-      "needed, not finer cells",
-      sizes_.faceted, sizes_.facets);
-}
-
 /// Cells of the first grid, or of the next one; beyond a limit they become larger. False: they would be hardly smaller
 /// than those before.
 bool AdaptiveRun::place(const AdaptiveCallbacks& callbacks) {
@@ -434,10 +425,6 @@ void AdaptiveRun::run(const AdaptiveCallbacks& told) {
 void AdaptiveRun::refine(const AdaptiveCallbacks& callbacks) try {
   const AccuracyOptions& options = given_.accuracy;
   for (;;) {
-    if (const std::string text = end_at_facets(); !text.empty()) {
-      figures_.text = text;
-      break;
-    }
     if (!place(callbacks)) {
       figures_.text = after_failure() +
                       (refused_.empty() ? fmt::format("accuracy.{} stopped the refinement: {} unknowns would be needed",

@@ -56,7 +56,6 @@ class AdaptiveRun {
   std::string after_failure() const;
   std::string standstill() const;
   bool stands_still() const;
-  std::string end_at_facets() const;
 
   /// A solve that is kept while later ones are worse.
   struct Kept {

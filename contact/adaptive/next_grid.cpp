@@ -1,12 +1,10 @@
 #include "contact/adaptive/next_grid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "contact/adaptive/energy_sizes.hpp"
 #include "contact/adaptive/first_grid.hpp"
-#include "contact/results/coarse_facets.hpp"
 #include "contact/results/open_gaps.hpp"
 
 namespace cgcontact {
@@ -70,59 +68,6 @@ void add_body_targets(const AccuracyOptions& options, const Results& results,
     next.energy[b] = energy_sizes(body, wanted, next.first[b]);
     next.change = std::min(next.change, wanted / energy_error_of_body(body));
   }
-}
-
-/// Cells that may become smaller by less stay as they are.
-constexpr double as_they_are = 0.87;
-/// Radii of a zone within which the stress of the contact, and so the edges between its triangles, counts.
-constexpr double around_zone = 3;
-
-/// A zone whose cells are not to be smaller than the triangles there: they would follow the edges between these, which
-/// the surface that is meant does not have.
-struct FacetedZone {
-  std::array<int, 2> bodies;
-  Vec3 centre = Vec3::Zero();
-  double radius = 0, size = 0;  ///< m
-};
-
-/// Enlarges the places of a zone to the triangles there, though not beyond its present cells. None: there is nothing to
-/// enlarge.
-std::optional<FacetedZone> keep_to_facets(const SolvedState& state, const ContactPair& pair, ZoneState& zone,
-                                          GridSizes& next) {
-  FacetedZone faceted{{pair.primary, pair.secondary}};
-  int widest = pair.primary;
-  for (const int body : faceted.bodies)
-    if (const double width = widest_facet(state, pair, body).metres; width > faceted.size) {
-      faceted.size = width;
-      widest = body;
-    }
-  const double size = std::min(faceted.size, zone.cell);
-  bool enlarged = false;
-  Vec3 low = Vec3::Constant(1e300), high = -low;
-  for (SizedBall& ball : zone.places) {
-    enlarged |= ball.size < size;
-    ball.size = std::max(ball.size, size);
-    low = low.cwiseMin(ball.center - Vec3::Constant(ball.radius));
-    high = high.cwiseMax(ball.center + Vec3::Constant(ball.radius));
-  }
-  if (!enlarged) return std::nullopt;
-  if (size > as_they_are * zone.cell) {
-    next.faceted = state.bodies[widest].spec->name;
-    next.facets = faceted.size;
-  }
-  faceted.size = size;
-  faceted.centre = (low + high) / 2;
-  faceted.radius = (high - low).norm() / 2;
-  return faceted;
-}
-
-/// The same for the sizes that the energy norm's error asks for in and around such zones.
-void keep_to_facets(const std::vector<FacetedZone>& zones, GridSizes& next) {
-  for (const FacetedZone& zone : zones)
-    for (const int body : zone.bodies)
-      for (SizedBall& ball : next.energy[body])
-        if ((ball.center - zone.centre).norm() < around_zone * zone.radius + ball.radius)
-          ball.size = std::max(ball.size, zone.size);
 }
 
 }  // namespace
@@ -222,7 +167,6 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
   next.zones.resize(present.first.size());
   next.energy.resize(present.first.size());
   bool all_resolved = true;
-  std::vector<FacetedZone> faceted;
   for (std::size_t p = 0; p < zones.size(); ++p) {
     ZoneState zone = zones[p];
     if (!zone.relevant) continue;
@@ -240,12 +184,7 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
       size_by_error(state, results, static_cast<int>(p), options.aim * *target, zone);
     else
       for (SizedBall& ball : zone.places) ball.size = ratio * zone.cell;
-    double smallest = ratio;  // as far as triangles let them
-    if (const auto limited = keep_to_facets(state, state.pairs[p], zone, next)) {
-      faceted.push_back(*limited);
-      smallest = std::max(ratio, limited->size / zone.cell);
-    }
-    next.change = std::min(next.change, smallest);
+    next.change = std::min(next.change, ratio);
     for (SizedBall& ball : zone.places) {
       ball.radius += options.beyond_zone * zone.width.value_or(0) / 2;
       for (const int body : {state.pairs[p].primary, state.pairs[p].secondary}) next.zones[body].push_back(ball);
@@ -262,7 +201,6 @@ GridSizes next_sizes(const SolvedState& state, const Results& results, const std
     next.energy = present.energy;
   }
   add_body_targets(options, results, fields, next);
-  keep_to_facets(faceted, next);
   return next;
 }
 

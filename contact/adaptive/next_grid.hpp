@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "contact/adaptive/zone_sizes.hpp"
@@ -13,10 +12,6 @@ namespace cgcontact {
 struct GridSizes {
   std::vector<double> first;                          ///< of each body: the largest cells
   std::vector<std::vector<SizedBall>> zones, energy;  ///< of each body: where they are to be smaller
-  /// Body whose triangles keep the cells of a zone as they are though its pressure asks for smaller ones, and their
-  /// width there, m; "": none.
-  std::string faceted;
-  double facets = 0;
   double change = 1;  ///< smallest ratio of cells to those before: of a zone, of the energy norm's error in the mean
 };
 

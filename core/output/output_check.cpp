@@ -385,7 +385,7 @@ std::string conditions_script(const Drawing& drawing) {
     legend.entry(colour_of(role, 0), name);
     left += 130;
   }
-  sheet.label("arrows: loads red (arcs: moments), prescribed motions blue", left, key, "left font ',12'");
+  sheet.label("red: loads, arcs: moments; blue: motions", left, key, "left font ',12'");
   return text + sheet.settings + sheet.panels + "\n";
 }
 

@@ -162,7 +162,7 @@ std::string symmetry_text(const Results& results) {
     if (pair.zone.parts > 1 && (!most || pair.zone.normal_force > most->zone.normal_force)) most = &pair;
   if (!most) return "";
   const double whole = most->zone.parts * most->zone.normal_force;
-  return fmt::format("1/{} of {} is modelled, {} in all", most->zone.parts, shortened_name(most->name, 20),
+  return fmt::format("1/{} of {} is modelled, normal force {} in all", most->zone.parts, shortened_name(most->name, 20),
                      in_unit(whole, force_unit(whole), 5));
 }
 

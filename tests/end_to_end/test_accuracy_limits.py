@@ -1,11 +1,9 @@
 #!/usr/bin/python3
 # threads
 # timeout: 240
-"""Runs to an accuracy: displacements and single pairs as targets, the time that they take, triangles that cells do not pass,
-smooth faces that are not called singular."""
-import math
+"""Runs to an accuracy: displacements and single pairs as targets, the time that they take, smooth
+faces that are not called singular."""
 import pathlib
-import struct
 import unittest
 
 import harness
@@ -39,25 +37,6 @@ def deflection(x):
     """Timoshenko's beam with 100 N at its end of 0.1 m, m."""
     inertia, area, shear = 0.01**4 / 12, 1e-4, 210e9 / 2
     return 100 * x**2 * (0.3 - x) / (6 * 210e9 * inertia) + 100 * x / (5 / 6 * shear * area)
-
-
-def ball_stl(file, radius, parts):
-    """A ball of triangles about the origin: parts over a half circle, twice as many around."""
-    def point(i, j):
-        theta, phi = math.pi * i / parts, math.pi * j / parts
-        return [radius * math.sin(theta) * math.cos(phi), radius * math.sin(theta) * math.sin(phi), -radius * math.cos(theta)]
-    triangles = []
-    for i in range(parts):
-        for j in range(2 * parts):
-            a, b, c, d = point(i, j), point(i, j + 1), point(i + 1, j + 1), point(i + 1, j)
-            if i > 0:
-                triangles.append((a, c, b))
-            if i < parts - 1:
-                triangles.append((a, d, c))
-    data = b"ball".ljust(80) + struct.pack("<I", len(triangles))
-    for t in triangles:
-        data += struct.pack("<12fH", 0, 0, 0, *(c for p in t for c in p), 0)
-    pathlib.Path(file).write_bytes(data)
 
 
 # Walls of 4 mm that a roller bends: their faces are smooth where it presses, their inner edges are not loaded much.
@@ -196,40 +175,6 @@ class Time(Runs):
         first = accuracy["solves"][0]["seconds"]
         self.assertLess(accuracy["seconds"], max(2 * limit, first + limit))
         self.assertEqual(written["unknowns"], accuracy["solves"][accuracy["answer"] - 1]["unknowns"])
-
-
-class Surfaces(Runs):
-    def test_cells_do_not_pass_triangles(self):
-        """A ball of triangles of 1.05 mm: the run ends in plain words, and no cell is smaller than half of them (a triangle's width is
-        less than its side)."""
-        ball_stl("ball.stl", 10, 30)
-        text = """
-[accuracy]
-pressure = "0.5 %"
-[[body]]
-name = "plate"
-shape = {box = {min = ["-20 mm", "-20 mm", "-20 mm"], max = ["20 mm", "20 mm", 0]}}
-material = "steel"
-grid = {offset = [0.3, 0.7, 0.2]}
-[[body]]
-name = "ball"
-shape = {mesh = {file = "ball.stl", unit = "mm"}, translate = [0, 0, "10 mm"]}
-material = "steel"
-faces = [{name = "top", box = {min = ["-20 mm", "-20 mm", "16 mm"], max = ["20 mm", "20 mm", "21 mm"]}}]
-[[support]]
-face = "plate.z-"
-displacement = {x = 0, y = 0, z = 0}
-[[support]]
-face = "ball.top"
-displacement = {x = 0, y = 0, z = "-0.4 mm"}
-[[contact]]
-faces = ["plate.z+", "ball.rest"]
-"""
-        written, _ = self.solve_text(text)
-        accuracy = written["accuracy"]
-        self.assertFalse(accuracy["reached"])
-        self.assertRegex(accuracy["text"], 'as small as the triangles of body "ball" there, .* m: a finer surface is needed')
-        self.assertGreater(min(solve["smallest_cell"] for solve in accuracy["solves"]), 0.5e-3)
 
 
 class Smooth(Runs):

@@ -196,7 +196,7 @@ class Figures(unittest.TestCase):
         self.close([hertz["p0"]], [6 * pair["normal_force"] / (math.pi * a**2)], 1e-9)
         self.assertEqual(pair["zone"]["shape"], "round")
         self.assertEqual(pair["whole"], {"parts": 4, "normal_force": 4 * pair["normal_force"], "area": 4 * pair["area"]})
-        self.assertIn("symmetry: 1/4 of block-cap is modelled, 142.74 MN in all", unwrapped(outcome.out))
+        self.assertIn("symmetry: 1/4 of block-cap is modelled, normal force 142.74 MN in all", unwrapped(outcome.out))
         self.close(pair["zone"]["half_axes"], [a, a], 0.01)
         self.close([pair["max_pressure"]], [hertz["p0"]], 0.02)
 

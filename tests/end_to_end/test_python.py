@@ -135,8 +135,8 @@ class Python(unittest.TestCase):
                          lambda: cgcontact.read({file!r}, n=4).solve().probe(np.zeros(3))):
                 try:
                     call()
-                except Exception as error:
-                    print(type(error).__name__, error)
+                except Exception as error:  # lines: one for each mistake
+                    print(type(error).__name__, str(error).replace(chr(10), "; "))
             """, file=str(scene("two_solids"))).splitlines()
         self.assertEqual([line.split()[0] for line in printed], ["InputError", "TypeError", "InputError", "InputError"])
         self.assertIn("cell_sise", printed[0])
