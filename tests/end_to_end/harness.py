@@ -112,7 +112,7 @@ def largest_difference(first, second):
             differences.append((max(abs(a - b) for a, b in values) / scale, column))
     reports = [figures({key: value for key, value in report(directory).items()
                         if key not in NOT_COMPARED and "residual" not in key}) for directory in (first, second)]
-    rounded = re.compile(r"^\.(bodies|maxima)\b.*(\bat|_at)\[\d+\]$|\.zone\.directions\[|^\.accuracy\.solves\[\d+\]\.seconds$")
+    rounded = re.compile(r"^\.(bodies|maxima)\b.*(\bat|_at)\[\d+\]$|\.zone\.directions\[|^\.accuracy\.(solves\[\d+\]\.)?seconds$")
     reports = [{name: value for name, value in each.items() if not rounded.search(name)} for each in reports]
     if set(reports[0]) != set(reports[1]):
         return float("inf"), f"parts of the reports: {sorted(set(reports[0]) ^ set(reports[1]))}"
