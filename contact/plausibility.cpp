@@ -11,6 +11,7 @@
 #include "contact/results/conditions.hpp"
 #include "core/base/suggest.hpp"
 #include "core/base/text.hpp"
+#include "core/geometry/solid_middle.hpp"
 
 namespace cgcontact {
 namespace {
@@ -40,25 +41,17 @@ struct Checked {
   void tell(const std::string& sentence) { found.push_back(sentence); }
 };
 
-Vec3 extent_of(const BodySpec& body) {
-  Vec3 low, high;
-  body.solid.bounding_box(low, high);
-  return high - low;
-}
-
-double longest_side(const BodySpec& body) { return extent_of(body).maxCoeff(); }
-
 /// Geometric mean of the sides of its bounding box: foils and long bars have a small one. In plane strain the sides in
 /// the plane, m.
 double mean_side(const BodySpec& body) {
-  Vec3 sides = extent_of(body);
+  Vec3 sides = extent_of(body.solid);
   if (!body.plane_strain) return std::cbrt(sides[0]) * std::cbrt(sides[1]) * std::cbrt(sides[2]);
   sides[static_cast<int>(*body.plane_strain)] = 1;
   return std::sqrt(sides[0]) * std::sqrt(sides[1]) * std::sqrt(sides[2]);
 }
 
 std::string sides_text(const BodySpec& body) {
-  const Vec3 sides = extent_of(body);
+  const Vec3 sides = extent_of(body.solid);
   return fmt::format("{:.3g} x {:.3g} x {:.3g} m", sides[0], sides[1], sides[2]);
 }
 
@@ -69,7 +62,7 @@ std::string bodies_text(const Checked& c, const std::vector<int>& bodies) {
   return (names.size() == 1 ? "body " : "bodies ") + join(names);
 }
 
-/// What is wrong with a modulus, Pa; "" if nothing is.
+/// Says what is wrong with a modulus, Pa; "" if nothing is.
 std::string fault_of_modulus(const BodySpec& body) {
   const double modulus = body.material.youngs_modulus;
   const std::string given = fmt::format("E = {:.6g} Pa", modulus);
@@ -79,7 +72,7 @@ std::string fault_of_modulus(const BodySpec& body) {
            "others has rigid = true";
   if (body.material.modulus_has_units || modulus >= softest_rubber)
     return modulus < softest ? given + " is less than soft gels have (1e5 Pa): is its unit right?" : "";
-  const bool in_millimetres = body.plain_lengths && longest_side(body) > longer_than_in_metres;
+  const bool in_millimetres = body.plain_lengths && longest_side(body.solid) > longer_than_in_metres;
   return given +
          fmt::format(
              " is less than rubber has (1e6 Pa): a number without a unit is in Pa; write \"{0:.6g} {1}\", or "
@@ -123,7 +116,7 @@ void find_sizes_of_pairs(Checked& c) {
 
 void find_long_bodies(Checked& c) {
   for (int b = 0; b < static_cast<int>(c.scene.bodies.size()); ++b) {
-    const double longest = longest_side(c.body(b));
+    const double longest = longest_side(c.body(b).solid);
     if (!c.body(b).plain_lengths || longest <= longest_part || c.told.count(b) > 0) continue;
     c.told.insert(b);
     c.tell(
@@ -148,7 +141,7 @@ void find_long_ways(Checked& c) {
   const double factor = largest_factor(c.scene, &StepSpec::displacements);
   for (std::size_t s = 0; s < way.size(); ++s) {
     const FaceRef& face = c.scene.supports[s].face;
-    const double longest = longest_side(c.body(face.body));
+    const double longest = longest_side(c.body(face.body).solid);
     if (factor * way[s] <= c.scene.results.largest_displacement * longest) continue;
     c.tell(
         fmt::format("support of \"{0}.{1}\": it moves the face by {2:.4g} m, the body is {3:.3g} m long: too much "
@@ -162,7 +155,8 @@ void find_large_interferences(Checked& c) {
   std::set<const ContactSpec*> seen;
   for (const ContactPair& pair : c.preparation.pairs) {
     const double depth = factor * std::abs(pair.spec->interference);
-    const double longest = std::min(longest_side(c.body(pair.primary)), longest_side(c.body(pair.secondary)));
+    const double longest =
+        std::min(longest_side(c.body(pair.primary).solid), longest_side(c.body(pair.secondary).solid));
     if (depth <= c.scene.results.largest_displacement * longest || !seen.insert(pair.spec).second) continue;
     c.tell(
         fmt::format("contact \"{0}\": an interference of {1:.4g} m, the smaller body is {2:.3g} m long: too much "
@@ -188,7 +182,7 @@ void find_large_loads(Checked& c) {
   }
 }
 
-/// What of a traction is left beside the directions that supports hold.
+/// Finds what of a traction is left beside the directions that supports hold.
 Vec3 left_beside(const std::vector<Vec3>& held, const Vec3& traction) {
   std::vector<Vec3> basis;
   Vec3 left = traction;

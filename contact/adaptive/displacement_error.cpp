@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "contact/results/displacement_estimate.hpp"
+#include "contact/results/probes.hpp"
 #include "core/base/parallel.hpp"
 
 namespace cgcontact {
@@ -13,9 +14,8 @@ namespace {
 constexpr double slowest = 0.75;
 
 Vec3 at_boundary(const SolvedState& state, int body, int point) {
-  const CutCells& cells = state.bodies[body].cut_cells;
-  const int cell = cells.boundary.cell[point];
-  return displacement(state, body, cell, cell_coordinates(cells, cell, cells.boundary.position[point]));
+  const CellPoint place = place_of_boundary_point(state.bodies[body], point);
+  return displacement(state, body, place.cell, place.xi);
 }
 
 Vec3 mean_over_face(const SolvedState& state, const FaceRef& face) {
@@ -34,18 +34,16 @@ Vec3 mean_over_points(const SolvedState& state, const ProbeSpec& probe) {
   int count = 0;
   for (const Vec3& x : probe.points)
     for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {
-      if ((probe.body >= 0 && probe.body != b) || !state.bodies[b].spec->holds(x)) continue;
-      const CutCells& cells = state.bodies[b].cut_cells;
-      const Vec3 position = cells.grid.to_grid(x);
-      const int cell = cells.locate(position);
-      if (cell < 0) continue;
-      sum += displacement(state, b, cell, cell_coordinates(cells, cell, position));
+      if (probe.body >= 0 && probe.body != b) continue;
+      const std::optional<CellPoint> place = place_in(state.bodies[b], x);
+      if (!place) continue;
+      sum += displacement(state, b, place->cell, place->xi);
       ++count;
     }
   return count > 0 ? Vec3(sum / count) : sum;
 }
 
-/// Of all bodies, on their boundaries.
+/// Finds the largest displacement on the boundaries of all bodies, m.
 double largest(const SolvedState& state) {
   double largest = 0;
   for (int b = 0; b < static_cast<int>(state.bodies.size()); ++b) {

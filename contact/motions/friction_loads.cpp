@@ -5,7 +5,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of what friction resists most: less is rounding, of a motion in which no such faces slide.
+/// Part of what friction resists most: less is rounding, of a motion in which no such faces slide.
 constexpr double no_resistance = 1e-12;
 
 /// Calls use(pair, point, sliding, weight) for all points of pairs with friction; weight in m^2.

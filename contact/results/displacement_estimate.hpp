@@ -1,4 +1,4 @@
-/// How far displacements may be off.
+/// Estimate of how far displacements may be off.
 #pragma once
 
 namespace cgcontact {

@@ -1,4 +1,4 @@
-/// What friction could carry of every pair with a friction coefficient (PairFigures::friction). The solve knows nothing
+/// Capacity of friction of every pair with a coefficient (PairFigures::friction). The solve knows nothing
 /// of friction: the pressure is that of frictionless contact, and every figure here bounds what friction could do with
 /// that pressure before the faces slide all over.
 #pragma once

@@ -17,7 +17,7 @@ namespace cgcontact {
 namespace {
 
 constexpr int num_samples = 401;
-/// Of a cell: so far below a place on a face there is material, but beyond its end.
+/// Part of a cell: so far below a place on a face there is material, but not beyond its end.
 constexpr double below_face = 1e-3;
 /// Steps of the first walk to the ends of a path, in cells, and their number at most.
 constexpr double walk_step = 0.25;

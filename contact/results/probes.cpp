@@ -23,12 +23,9 @@ class Prober {
   /// Values in one body; none if it does not hold the point.
   std::optional<ProbeSample> sample(int body, int point) const {
     const Vec3& x = probe_.points[point];
-    const CutCells& cells = state_.bodies[body].cut_cells;
-    if (!state_.bodies[body].spec->holds(x)) return std::nullopt;
-    const Vec3 g = cells.grid.to_grid(x);
-    const int cell = cells.locate(g);
-    if (cell < 0) return std::nullopt;
-    ProbeSample sample = at(body, cell, g, x);
+    const std::optional<CellPoint> place = place_in(state_.bodies[body], x);
+    if (!place) return std::nullopt;
+    ProbeSample sample = at(body, *place, x);
     sample.point = point;
     sample.way = probe_.way[point];
     if (asks_pressure()) set_pressure(contact_pressure(body, x), sample);
@@ -38,9 +35,8 @@ class Prober {
   /// At a boundary point of the face's body.
   ProbeSample on_boundary(int body, int boundary_point) const {
     const BodyModel& model = state_.bodies[body];
-    const BoundaryPoints& boundary = model.cut_cells.boundary;
     const Vec3 x = model.point(boundary_point);
-    ProbeSample sample = at(body, boundary.cell[boundary_point], boundary.position[boundary_point], x);
+    ProbeSample sample = at(body, place_of_boundary_point(model, boundary_point), x);
     sample.weight = model.slices * model.area(boundary_point);
     if (asks_pressure()) set_pressure(contact_pressure(body, x), sample);
     return sample;
@@ -51,10 +47,9 @@ class Prober {
     return std::find(probe_.fields.begin(), probe_.fields.end(), ScalarField::pressure) != probe_.fields.end();
   }
 
-  ProbeSample at(int body, int cell, const Vec3& grid_position, const Vec3& x) const {
-    const Vec3 xi = cell_coordinates(state_.bodies[body].cut_cells, cell, grid_position);
-    const Vec3 u = displacement(state_, body, cell, xi);
-    const Sym3 stress = recovered_stress(state_, state_.sprc[body], body, cell, xi);
+  ProbeSample at(int body, const CellPoint& place, const Vec3& x) const {
+    const Vec3 u = displacement(state_, body, place.cell, place.xi);
+    const Sym3 stress = recovered_stress(state_, state_.sprc[body], body, place.cell, place.xi);
     ProbeSample sample;
     sample.body = body;
     sample.x = x;
@@ -111,6 +106,20 @@ ProbeFigures figures_of(const SolvedState& state, const FaceProjection& project,
 }
 
 }  // namespace
+
+std::optional<CellPoint> place_in(const BodyModel& body, const Vec3& x) {
+  if (!body.spec->holds(x)) return std::nullopt;
+  const Vec3 position = body.cut_cells.grid.to_grid(x);
+  const int cell = body.cut_cells.locate(position);
+  if (cell < 0) return std::nullopt;
+  return CellPoint{cell, cell_coordinates(body.cut_cells, cell, position)};
+}
+
+CellPoint place_of_boundary_point(const BodyModel& body, int point) {
+  const BoundaryPoints& boundary = body.cut_cells.boundary;
+  const int cell = boundary.cell[point];
+  return {cell, cell_coordinates(body.cut_cells, cell, boundary.position[point])};
+}
 
 void fill_probes(const SolvedState& state, Results& results) {
   if (state.scene.probes.empty()) return;

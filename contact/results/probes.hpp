@@ -1,10 +1,22 @@
 /// Displacement and recovered stress at the places that the scene asks for.
 #pragma once
 
+#include <optional>
+
 #include "contact/solve/solved_state.hpp"
 #include "core/results/results.hpp"
 
 namespace cgcontact {
+
+/// A point in an active cell: cell coordinates.
+struct CellPoint {
+  int cell = 0;
+  Vec3 xi;
+};
+/// Finds the cell that holds x (m); none where the body does not hold it.
+std::optional<CellPoint> place_in(const BodyModel& body, const Vec3& x);
+/// Finds the cell coordinates of a boundary point.
+CellPoint place_of_boundary_point(const BodyModel& body, int point);
 
 /// Appends the figures of all probes of the scene; needs the contact rows. Points that no body holds are counted and
 /// warned of.

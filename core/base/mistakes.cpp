@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t most_mistakes = 20;  // that a terminal shows at once
 
-/// Of a message "file:line: ..."; 0: it has none.
+/// Line number of a message "file:line: ..."; 0: it has none.
 int line_of(const std::string& message, const std::string& file) {
   const std::string begin = file + ":";
   return message.compare(0, begin.size(), begin) == 0 ? std::atoi(message.c_str() + begin.size()) : 0;
@@ -48,7 +48,9 @@ std::vector<std::string> in_order(const std::vector<std::string>& messages, cons
 }  // namespace
 
 Mistakes::Mistakes(const std::vector<std::string>& messages, const std::string& file)
-    : InputError(join(in_order(messages, file), "\n")), messages_(in_order(messages, file)) {}
+    : Mistakes(in_order(messages, file)) {}
+
+Mistakes::Mistakes(std::vector<std::string> lines) : InputError(join(lines, "\n")), messages_(std::move(lines)) {}
 
 std::vector<std::string> messages_of(const InputError& error) {
   const auto* const several = dynamic_cast<const Mistakes*>(&error);

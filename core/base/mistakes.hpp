@@ -18,6 +18,8 @@ class Mistakes : public InputError {
   const std::vector<std::string>& messages() const { return messages_; }
 
  private:
+  explicit Mistakes(std::vector<std::string> lines);
+
   std::vector<std::string> messages_;
 };
 

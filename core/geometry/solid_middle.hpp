@@ -1,4 +1,5 @@
-/// Choices that a body's mirror image shall make as well (where to begin, which way to go) are made as seen from here.
+/// Middle and sides of a body's bounding box. Choices that a body's mirror image shall make as well (where to begin,
+/// which way to go) are made as seen from the middle.
 #pragma once
 
 #include <cmath>
@@ -15,5 +16,13 @@ inline Vec3 middle_of(const BodyGeometry& body) {
   return 0.5 * sum.unaryExpr([](double x) { return std::isfinite(x) ? x : 0.0; });
 }
 inline Vec3 middle_of(const Solid& solid) { return middle_of(solid.geometry()); }
+
+/// Sides of the bounding box, and the longest one.
+inline Vec3 extent_of(const Solid& solid) {
+  Vec3 min, max;
+  solid.bounding_box(min, max);
+  return max - min;
+}
+inline double longest_side(const Solid& solid) { return extent_of(solid).maxCoeff(); }
 
 }  // namespace cgcontact

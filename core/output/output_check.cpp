@@ -57,7 +57,8 @@ std::vector<Role> roles_of(const FaceRegion& region) {
 
 Role role_of(const FaceRegion& region) { return roles_of(region).front(); }
 
-/// Is the moment of the loads what they are for, and not what a varying pressure has beside its resultant?
+/// Tells whether the moment of the loads is what they are for, and not what a varying pressure has beside its
+/// resultant.
 bool shows_moment(const Scene& scene, const FaceRegion& region) {
   if (region.moment.isZero(0)) return false;
   return region.force.isZero(0) ||

@@ -384,7 +384,7 @@ std::string whole_zones(const Results& results) {
 
 std::string newton_metres(double moment) { return figure(moment, scaled(moment, "N m", 5)); }
 
-/// What friction could carry, a row for every pair that has some.
+/// Lists what friction could carry, a row for every pair that has some.
 std::string friction_of_pairs(const Results& results) {
   std::vector<std::string> rows;
   const auto error = [](const std::optional<double>& e) { return cell(e ? percent(*e) : "none"); };

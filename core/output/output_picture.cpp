@@ -267,7 +267,7 @@ std::string picture_script(const std::string& name, const Results& results, cons
   return script;
 }
 
-/// How far the point of a drawn body that is nearest to x has been shifted beside its displacements, m.
+/// Finds how far the point of a drawn body that is nearest to x has been shifted beside its displacements, m.
 Vec3 shift_near(const DrawnBody& body, const std::vector<Vec3>& displacements, const Vec3& x) {
   std::size_t nearest = 0;
   for (std::size_t p = 1; p < displacements.size(); ++p)
@@ -275,8 +275,8 @@ Vec3 shift_near(const DrawnBody& body, const std::vector<Vec3>& displacements, c
   return displacements.empty() ? Vec3(Vec3::Zero()) : Vec3(body.displacement[nearest] - displacements[nearest]);
 }
 
-/// Where the largest von Mises stress is drawn; nothing if it has been cut away. displacements: of the drawn bodies
-/// before fits were closed.
+/// Finds where the largest von Mises stress is drawn; nothing if it has been cut away. displacements: of the drawn
+/// bodies before fits were closed.
 std::optional<Vec3> place_of_largest(const Results& results, const std::vector<DrawnBody>& whole,
                                      const std::vector<DrawnBody>& drawn,
                                      const std::vector<std::vector<Vec3>>& displacements, bool opened,

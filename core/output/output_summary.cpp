@@ -166,7 +166,7 @@ std::string symmetry_text(const Results& results) {
                      in_unit(whole, force_unit(whole), 5));
 }
 
-/// What friction could carry: a line for every pair that has some, and one for its axis.
+/// Lists what friction could carry: a line for every pair that has some, and one for its axis.
 Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
   Lines lines{fmt::format("  {:<15} {:>5} {:>11} {:>7} {:>12} {:>7} {:>13}", "friction", "mu", "capacity", "error",
                           "torque", "error", "use")};

@@ -1,4 +1,4 @@
-/// What friction could carry of a contact pair before it slides all over, with the pressure of the frictionless
+/// Capacity of friction of a contact pair before it slides all over, with the pressure of the frictionless
 /// solution. SI units, global axes.
 #pragma once
 
@@ -36,8 +36,8 @@ struct FrictionFigures {
   std::optional<double> error;           ///< estimated, relative; none: not resolved, or of a step before the last
   std::optional<TorqueCapacity> torque;  ///< none: no axis is known
   std::string why_no_torque;
-  /// What loads ask of friction along the motion that they drive and that friction alone resists, over the most that it
-  /// can carry there; infinite: nothing presses. None: no load drives such a motion of this pair.
+  /// Part that loads ask of friction along the motion that they drive and that friction alone resists, over the most
+  /// that it can carry there; infinite: nothing presses. None: no load drives such a motion of this pair.
   std::optional<double> use;
 };
 

@@ -248,7 +248,7 @@ struct SolveFigures {
   std::optional<double> pressure, force;
   double stress = 0;
   std::vector<double> stress_of_body;  ///< of the bodies of AccuracyFigures::stress_of_body
-  /// Of AccuracyFigures::named; none: not known, as the pressure.
+  /// Errors of AccuracyFigures::named; none: not known, as the pressure.
   std::vector<std::optional<double>> named;
   /// Relative L2 norm of the change of the pressure since the solve before, the largest of all pairs; none: the zones
   /// of that were not resolved.
@@ -341,7 +341,7 @@ struct Results {
   std::vector<SingularPlace> singular_places;  ///< with [accuracy], from two solves on
 };
 
-/// Has any pair a friction coefficient?
+/// Tells whether any pair has a friction coefficient.
 inline bool has_friction(const Results& results) {
   for (const PairFigures& pair : results.pairs)
     if (pair.friction) return true;

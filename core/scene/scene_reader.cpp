@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/base/suggest.hpp"
+#include "core/geometry/solid_middle.hpp"
 #include "core/scene/scene_probe.hpp"
 
 namespace cgcontact {
@@ -713,7 +714,7 @@ void SceneReader::choose_cells_of_rigid_bodies() {
                        "a [[contact]] with an elastic body");
     RefineSpec surface;
     surface.kind = RefineSpec::Kind::face;
-    surface.size = longest_side(b);
+    surface.size = longest_side(scene_.bodies[b].solid);
     surface.grading = 1;
     surface.place = body.place;
     for (const int partner : partners) {
@@ -725,15 +726,9 @@ void SceneReader::choose_cells_of_rigid_bodies() {
     }
     body.cell_size = surface.size;
     if (body.plane_strain) continue;  // cells of one size, as those of the others
-    while (2 * body.cell_size * coarsest_of_rigid <= longest_side(b)) body.cell_size *= 2;
+    while (2 * body.cell_size * coarsest_of_rigid <= longest_side(scene_.bodies[b].solid)) body.cell_size *= 2;
     if (body.cell_size > surface.size) body.refine.push_back(surface);
   }
-}
-
-double SceneReader::longest_side(int body) const {
-  Vec3 min, max;
-  scene_.bodies[body].solid.bounding_box(min, max);
-  return (max - min).maxCoeff();
 }
 
 /// The same two faces in an earlier pair would carry the pressure twice.
@@ -782,7 +777,8 @@ void SceneReader::read_contact(const TomlCursor& node, std::set<std::string>& se
     if (const auto value = node.find("interference")) {
       contact.interference = value->number(Range::any("m"));
       if (unread_[contact.first.body].shape || unread_[contact.second.body].shape) throw FollowingMistake();
-      const double longest = std::min(longest_side(contact.first.body), longest_side(contact.second.body));
+      const double longest = std::min(longest_side(scene_.bodies[contact.first.body].solid),
+                                      longest_side(scene_.bodies[contact.second.body].solid));
       if (std::abs(contact.interference) > longest)
         value->fail(fmt::format("is more than the smaller body, which is {:.3g} m long", longest));
     }

@@ -65,7 +65,6 @@ class SceneReader {
   void check_preload_of_steps(const TomlCursor& node) const;
   void check_new_pair(const TomlCursor& node, const ContactSpec& contact) const;
   void add_automatic_contacts(const TomlCursor& node);
-  double longest_side(int body) const;
   void read_settings(const TomlCursor& root);
   void read_probes(const TomlCursor& root);
   ProbeSpec read_probe(const TomlCursor& node) const;
@@ -79,7 +78,7 @@ class SceneReader {
   std::vector<std::string> body_names() const;
   std::vector<std::string> face_names(int body) const;
 
-  /// What of a body could not be read: what refers to it follows.
+  /// Parts of a body that could not be read: what refers to them follows.
   struct Unread {
     bool name = false, shape = false, faces = false;
   };

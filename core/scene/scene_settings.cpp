@@ -91,7 +91,7 @@ double read_target(const TomlCursor& node) {
 
 namespace {
 
-/// Of the largest displacement, or place = target: a face, a probe or "largest".
+/// Reads the target of the largest displacement, or place = target: a face, a probe or "largest".
 std::vector<NamedTarget> read_displacement_targets(const TomlCursor& node) {
   std::vector<NamedTarget> targets;
   if (!node.is_table())

@@ -1,4 +1,4 @@
-/// What was meant by texts that look like numbers and units and are none: "N/mm2", "kgf", "1,5 mm".
+/// Hints at what was meant by texts that look like numbers and units and are none: "N/mm2", "kgf", "1,5 mm".
 #pragma once
 
 #include <string>

@@ -15,7 +15,7 @@ struct BodyTarget {
   double error = 0;  ///< relative to the energy norm of its own stress
 };
 
-/// Of a displacement (of the face "body.face", the probe or, "largest", of all) or of the pressure of one contact pair.
+/// Target of a displacement (of the face "body.face", the probe or, "largest", of all) or of the pressure of a pair.
 struct NamedTarget {
   enum class Kind { displacement, pressure };
   Kind kind = Kind::displacement;

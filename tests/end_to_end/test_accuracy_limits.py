@@ -150,8 +150,8 @@ class Pairs(Runs):
 
 class Time(Runs):
     def test_times_add_up(self):
-        """The solves' seconds have all but a twentieth of what the program ran before its output, their grids too; so has the sum of
-        the phases."""
+        """The solves' seconds have all but a twentieth of what the program ran before its output, their grids too; so
+        has the sum of the phases."""
         written, outcome = self.solve(scene("ball_on_plate"), "--set", "accuracy.pressure=2%")
         accuracy = written["accuracy"]
         solves = sum(solve["seconds"] for solve in accuracy["solves"])
@@ -163,8 +163,8 @@ class Time(Runs):
         self.assertLess(phases, outcome.seconds)
 
     def test_max_time(self):
-        """A run that would take minutes ends about when its time is over, with the result of an earlier solve. A fifth later at most on
-        an idle machine; twice the time on one where other jobs run."""
+        """A run that would take minutes ends about when its time is over, with the result of an earlier solve. A fifth
+        later at most on an idle machine; twice the time on one where other jobs run."""
         if harness.SLOW_BUILD:
             self.skipTest("times of a build with sanitizers")
         limit = 8

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # timeout: 200
-"""What friction could carry, as a user meets it: the shipped press fit on terminal, page, report and in Python; other faces, rigid
-partners, plane strain, steps, [accuracy] and ranks; and a solve that knows nothing of it, to the last bit."""
+"""What friction could carry, as a user meets it: the shipped press fit on terminal, page, report and in Python; other
+faces, rigid partners, plane strain, steps, [accuracy] and ranks; and a solve that knows nothing of it, to the last
+bit."""
 import json
 import math
 import os
@@ -155,8 +156,8 @@ class Friction(unittest.TestCase):
         self.assertEqual([float(row.split(",")[-2]) for row in rows], [step["capacity"] for step in steps])
 
     def test_triangles(self):
-        """The shaft as facets of 3.75 degrees with the mean radius of the cylinder: the axis is found, the capacity is that of the
-        cylinder within 3 % (the interference varies by 11 of 17 um along each facet)."""
+        """The shaft as facets of 3.75 degrees with the mean radius of the cylinder: the axis is found, the capacity is
+        that of the cylinder within 3 % (the interference varies by 11 of 17 um along each facet)."""
         count, facets = 96, []
         radius = 0.02 / (1 - (math.pi / count)**2 / 3)
         angles = [2 * math.pi * k / count for k in range(count)]

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""What pictures are drawn from: curves end with the face and have one value at a place, cups keep their symmetry, moments are drawn."""
+"""What pictures are drawn from: curves end with the face and have one value at a place, cups keep their symmetry,
+moments are drawn."""
 import csv
 import pathlib
 import re
@@ -87,7 +88,8 @@ class Curves(unittest.TestCase):
 
 class Conditions(unittest.TestCase):
     def test_moments_stripes_and_names(self):
-        """A moment is an arc of eighteen pieces and is named as one, without a force of rounding; a declared face has its name."""
+        """A moment is an arc of eighteen pieces and is named as one, without a force of rounding; a declared face has
+        its name."""
         pathlib.Path("bar.toml").write_text("""
 [[body]]
 name = "bar"

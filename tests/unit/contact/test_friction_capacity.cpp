@@ -1,4 +1,4 @@
-/// What friction could carry: axes of faces, the limit over motions, and closed forms of whole scenes.
+/// Capacity of friction: axes of faces, the limit over motions, and closed forms of whole scenes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -188,7 +188,7 @@ face = "upper.block.z+"
 
 const FrictionFigures& friction(const test::SolvedScene& solved) { return *solved.results().pairs[0].friction; }
 
-/// Of a rectangle, mean distance from its centre: (2 / (a b)) times the integral over an eighth ..., here by sums.
+/// Mean distance of a rectangle from its centre: (2 / (a b)) times the integral over an eighth ..., here by sums.
 double mean_distance(double a, double b) {
   double sum = 0;
   const int n = 400;
@@ -279,7 +279,7 @@ force = [28, 0, 0]
   for (const PairFigures& pair : r.pairs) EXPECT_NEAR(*pair.friction->use, 0.4, 1e-6);
 }
 
-/// What a scene needs besides friction is asked for as before; two blocks that slide on each other and nothing drives
+/// Needs of a scene besides friction are asked for as before; two blocks that slide on each other and nothing drives
 /// them are held.
 TEST(FrictionCapacity, MistakesOfPushedBlocks) {
   const auto refusal = [](const std::string& text) { return message_of([&] { test::run_text(text); }); };

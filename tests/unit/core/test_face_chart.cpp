@@ -25,7 +25,7 @@ struct Patch {
   FaceTriangles face;
 };
 
-/// Of the unit sphere about the origin, between angles in degrees: of the height, then about z.
+/// Part of the unit sphere about the origin, between angles in degrees: of the height, then about z.
 Patch sphere(double lowest, double highest, double first, double last) {
   return Patch([=](double s, double t) {
     const double height = (lowest + (highest - lowest) * t) * radians_per_degree;
@@ -46,7 +46,7 @@ TEST(face_chart, a_quarter_of_a_cup_keeps_its_symmetry) {
   }
 }
 
-// Of a band around the equator some normals turn away from every axis that is as near: along its mean normal.
+// Some normals of a band around the equator turn away from every axis that is as near: along its mean normal.
 TEST(face_chart, a_face_that_would_fold_is_seen_along_its_mean_normal) {
   const Patch band = sphere(-60, 75, -80, 170);
   EXPECT_EQ(FaceChart(band.face).right_name(), "horizontal");
