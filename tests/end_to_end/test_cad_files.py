@@ -142,7 +142,8 @@ class Damaged(Inspected):
         """A scene with a damaged file: file and line of the scene, the key, and what is wrong with the CAD file."""
         pathlib.Path("bad.step").write_text(step_files.boxes(((0, 0, 0), (10, 20, 30))).replace("#1=", "#100001="))
         pathlib.Path("scene.toml").write_text(
-            '[[body]]\nname = "a"\nshape = {cad = {file = "bad.step"}}\nmaterial = "steel"\ncell_size = 1e-3\n')
+            '[[body]]\nname = "a"\nshape = {cad = {file = "bad.step"}}\nmaterial = "steel"\ncell_size = 1e-3\n'
+            '[[support]]\nface = "a.face1"\ndisplacement = {x = 0, y = 0, z = 0}\n')
         outcome = cgcontact("check", "scene.toml")
         self.assertEqual(outcome.code, 1)
         self.assertEqual(len(outcome.err.splitlines()), 1)
