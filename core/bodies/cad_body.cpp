@@ -8,6 +8,7 @@
 #include "core/bodies/triangle_body.hpp"
 #include "core/bodies/triangle_cells.hpp"
 #include "core/bodies/triangle_pieces.hpp"
+#include "core/cells/cell_tree.hpp"
 #include "core/cells/grid.hpp"
 
 namespace cgcontact {
@@ -92,10 +93,11 @@ class CadPatch final : public SurfacePatch {
 
 }  // namespace
 
-CadSurface::CadSurface(CurvedTriangles triangles, const std::vector<std::string>& names)
+CadSurface::CadSurface(CurvedTriangles triangles, const std::vector<std::string>& names,
+                       const CurvedTriangles::Wanted& wanted)
     : curved(std::move(triangles)),
       flat(curved.points, curved.corners, patches(curved), names),
-      sag(curved.largest_sag()) {}
+      sag(curved.largest_sag(wanted)) {}
 
 CadBody::CadBody(const CadModel& model, double scale, double cell_size) : model_(model) {
   Similarity to_metres;
@@ -133,6 +135,21 @@ std::shared_ptr<const BodyGeometry> CadBody::transformed(const Mat3& rotation, c
   if (scale != 1) moved.refine(sag_of_cell);
   return std::shared_ptr<const BodyGeometry>(
       new CadBody(model_, std::make_shared<const CadSurface>(std::move(moved), face_names(model_))));
+}
+
+/// Elsewhere the triangles stay as large as the coarsest cells allow, or a ball pressed on a plate would have as many
+/// as if all of its cells were as small as those in the contact zone.
+std::shared_ptr<const BodyGeometry> CadBody::on_level(int level, const CellTree& tree) const {
+  const double scale = std::ldexp(1.0, level);
+  // Pieces of pruned cells go to leaves up to three cells of the level before away; images bulge out of the boxes.
+  const Vec3 margin = Vec3::Constant(3 * 2 / scale + 4 * sag_of_cell);
+  const auto wanted = [&](const Vec3& low, const Vec3& high) {
+    return tree.is_refined_in(level - 1, low / scale - margin, high / scale + margin);
+  };
+  CurvedTriangles moved = surface_->curved.moved({Mat3::Identity(), Vec3::Zero(), scale});
+  moved.refine(sag_of_cell, wanted);
+  return std::shared_ptr<const BodyGeometry>(
+      new CadBody(model_, std::make_shared<const CadSurface>(std::move(moved), face_names(model_), wanted)));
 }
 
 std::shared_ptr<const BodyGeometry> CadBody::stretched(int, double, double) const {

@@ -16,9 +16,11 @@ namespace cgcontact {
 struct CadSurface {
   CurvedTriangles curved;
   TriangleSurface flat;  ///< patches are the faces
-  double sag = 0;        ///< the largest distance between both
+  double sag = 0;        ///< the largest distance between both, where triangles are wanted
 
-  explicit CadSurface(CurvedTriangles triangles, const std::vector<std::string>& names);
+  /// `sag` is that of the triangles that are wanted.
+  CadSurface(CurvedTriangles triangles, const std::vector<std::string>& names,
+             const CurvedTriangles::Wanted& wanted = {});
 };
 
 class CadBody final : public BodyGeometry {
@@ -33,6 +35,7 @@ class CadBody final : public BodyGeometry {
 
   std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                   double scale) const override;
+  std::shared_ptr<const BodyGeometry> on_level(int level, const CellTree& tree) const override;
   /// Not possible: throws InputError.
   std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const override;
   bool bounding_box(Vec3& min, Vec3& max) const override;

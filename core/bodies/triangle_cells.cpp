@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -62,7 +63,8 @@ CurvedDegrees curved_degrees(const SurfacePolygon& piece) {
 /// Adds up the integrals over the pieces in one cell, several points at a time.
 class PieceIntegrals {
  public:
-  explicit PieceIntegrals(const Vec3& corner) : corner_(corner) {
+  /// Without moments only the section is made.
+  PieceIntegrals(const Vec3& corner, bool with_moments) : corner_(corner), with_moments_(with_moments) {
     for (auto& sum : sums_) sum.fill(0);
     for (auto& sum : section_) sum.fill(0);
   }
@@ -86,7 +88,8 @@ class PieceIntegrals {
   void finish(Moments& moments, Section& section) {
     for (int l = filled_; l < lanes; ++l) xi_[0][l] = xi_[1][l] = xi_[2][l] = weight_[l] = 0;
     flush();
-    for (int q = 0; q < num_moments; ++q) moments[q] += std::accumulate(sums_[q].begin(), sums_[q].end(), 0.0);
+    for (int q = 0; with_moments_ && q < num_moments; ++q)
+      moments[q] += std::accumulate(sums_[q].begin(), sums_[q].end(), 0.0);
     for (int q = 0; q < n1 * n1; ++q) section[q] += std::accumulate(section_[q].begin(), section_[q].end(), 0.0);
   }
 
@@ -98,11 +101,11 @@ class PieceIntegrals {
     Lanes ax[n1], ly[n1], lz[n1];
     for (int l = 0; l < lanes; ++l) {
       double a[n1], b[n1], c[n1];
-      legendre_integrals(xi_[0][l], a);
+      if (with_moments_) legendre_integrals(xi_[0][l], a);
       legendre_values(xi_[1][l], b);
       legendre_values(xi_[2][l], c);
       for (int i = 0; i < n1; ++i) {
-        ax[i][l] = a[i];
+        if (with_moments_) ax[i][l] = a[i];
         ly[i][l] = weight_[l] * b[i];
         lz[i][l] = c[i];
       }
@@ -112,13 +115,14 @@ class PieceIntegrals {
         Lanes product;
         for (int l = 0; l < lanes; ++l) product[l] = ly[j][l] * lz[k][l];
         for (int l = 0; l < lanes; ++l) section_[j * n1 + k][l] += product[l];
-        for (int i = 0; i < n1; ++i)
+        for (int i = 0; with_moments_ && i < n1; ++i)
           for (int l = 0; l < lanes; ++l) sums_[(i * n1 + j) * n1 + k][l] += ax[i][l] * product[l];
       }
     filled_ = 0;
   }
 
   const Vec3 corner_;
+  const bool with_moments_;
   int filled_ = 0;
   Lanes xi_[3], weight_;
   std::array<Lanes, num_moments> sums_;
@@ -222,17 +226,61 @@ bool settle(Section& section, const Index3& cell) {
   return exact[0] > 0;
 }
 
+/// The rows of cells along x that hold leaves of a level, which lie in divided cells of the level before; of the
+/// coarsest level all rows.
+class RowsOfLeaves {
+ public:
+  RowsOfLeaves(const LeafLevel& leaves, const Index3& num_cells)
+      : all_(!leaves.tree || leaves.level == 0), layers_(all_ ? 0 : num_cells[2] / 2) {
+    if (all_) return;
+    last_ = num_cells[1] / 2 - 1;
+    leaves.tree->refined(leaves.level - 1).each([&](const Index3& divided) {
+      std::vector<int>& rows = layers_[divided[2]];
+      if (rows.empty() || rows.back() != divided[1]) rows.push_back(divided[1]);
+    });
+    for (std::size_t k = 0; k < layers_.size(); ++k) {
+      std::sort(layers_[k].begin(), layers_[k].end());
+      layers_[k].erase(std::unique(layers_[k].begin(), layers_[k].end()), layers_[k].end());
+      if (!layers_[k].empty()) filled_.push_back(static_cast<int>(k));
+    }
+  }
+
+  /// As each_piece_of_triangle asks for it. Cells outside of the grid count as the nearest one inside.
+  int next(int axis, const Index3& cell) const {
+    if (all_ || axis == 0) return cell[axis];
+    const int last_layer = static_cast<int>(layers_.size()) - 1;
+    if (axis == 2) return first_from(cell[2], last_layer, filled_);
+    return first_from(cell[1], last_, layers_[std::clamp(cell[2] >> 1, 0, last_layer)]);
+  }
+
+ private:
+  /// wanted: of the level before, ascending, at most `last`.
+  static int first_from(int begin, int last, const std::vector<int>& wanted) {
+    const int divided = std::clamp(begin >> 1, 0, last);
+    const auto found = std::lower_bound(wanted.begin(), wanted.end(), divided);
+    if (found == wanted.end()) return std::numeric_limits<int>::max();
+    return *found == divided ? begin : 2 * *found;
+  }
+
+  bool all_;
+  int last_ = 0;                          ///< row of the level before
+  std::vector<std::vector<int>> layers_;  ///< divided cells of the level before: j by k, ascending
+  std::vector<int> filled_;               ///< the layers that have some
+};
+
 }  // namespace
 
 TriangleCells::TriangleCells(const TriangleSurface& surface, const CurvedTriangles* curved, const Index3& num_cells,
                              const std::vector<Plane>& dividers, int order, const LeafLevel& leaves)
     : surface_(surface), curved_(curved), num_cells_(num_cells), dividers_(dividers), order_(order), leaves_(leaves) {
   const int n = static_cast<int>(surface.triangles().size());
-  entries_.reserve(2 * surface.triangles().size());
+  const RowsOfLeaves rows(leaves, num_cells);
   for (int t = 0; t < n; ++t)
-    each_piece_of_triangle(surface, t, [&](const Index3& cell, const SurfacePolygon&) {
-      entries_.push_back({code(cell), t});
-    });
+    each_piece_of_triangle(
+        surface, t, [&](int axis, const Index3& cell) { return rows.next(axis, cell); },
+        [&](const Index3& cell, const SurfacePolygon&) {
+          entries_.push_back({code(cell), t});
+        });
   std::sort(entries_.begin(), entries_.end(),
             [](const Entry& a, const Entry& b) { return std::tie(a.cell, a.triangle) < std::tie(b.cell, b.triangle); });
   for (std::size_t i = 0; i < entries_.size(); ++i)
@@ -256,9 +304,9 @@ void TriangleCells::sweep(std::size_t row, SweptCells& found) const {
     Moments& moments = cells.back().moments;
     for (int q = 0; q < n1 * n1; ++q) moments[q] = 2 * section[q];
     triangles.clear();
-    PieceIntegrals integrals(corner);
-    std::optional<SliverIntegrals> slivers;
     const bool leaf = leaves_.has(cell);
+    PieceIntegrals integrals(corner, leaf);
+    std::optional<SliverIntegrals> slivers;
     if (curved_ && leaf) slivers.emplace(surface_, *curved_, corner);
     for (begin = end; begin > row_begin_[row] && entries_[begin - 1].cell == entries_[end - 1].cell; --begin) {
       triangles.push_back(entries_[begin - 1].triangle);

@@ -47,6 +47,10 @@ SurfacePolygon piece_in_cell(const TriangleSurface& surface, int triangle, const
 /// Calls use(cell, piece) for all cells that hold a piece of the triangle.
 template <class Use>
 void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use);
+/// The same for the cells that are wanted: next(axis, cell) is the first index from cell[axis] on, along z of all,
+/// along y of those in the layer cell[2], along x of those in the row cell[1], cell[2].
+template <class Next, class Use>
+void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use);
 
 /// As cell_boundary_points (core/bodies/cell_pieces.hpp), from the given triangles. The pieces of a patch in a cell are
 /// grouped by plane: up to 8 planes get the full rule on every plane, up to 32 one of degree 2 (in cells with more than
@@ -76,16 +80,25 @@ namespace triangle_pieces {
 /// Range of cells along an axis that hold a polygon.
 std::pair<int, int> cell_range(const SurfacePolygon& polygon, int axis, double normal);
 
-template <class Use>
-void split_into_cells(const SurfacePolygon& polygon, int axis, const Vec3& normal, Index3& cell, const Use& use) {
+/// next(axis, cell): the first index from cell[axis] on that is wanted, of the cells with these indices along the later
+/// axes.
+template <class Next, class Use>
+void split_into_cells(const SurfacePolygon& polygon, int axis, const Vec3& normal, Index3& cell, const Next& next,
+                      const Use& use) {
   const auto [first, last] = cell_range(polygon, axis, normal[axis]);
   SurfacePolygon rest = polygon, below, above;
-  for (cell[axis] = first; cell[axis] <= last; ++cell[axis]) {
+  int reached = cell[axis] = first;  // where the rest begins
+  for (; (cell[axis] = next(axis, cell)) <= last; reached = ++cell[axis]) {
+    if (cell[axis] > reached) {
+      split_at(rest, axis, cell[axis], below, above);
+      rest = above;
+      if (rest.n == 0) return;
+    }
     const bool is_last = cell[axis] == last;
     if (!is_last) split_at(rest, axis, cell[axis] + 1, below, above);
     const SurfacePolygon& piece = is_last ? rest : below;
     if (axis > 0)
-      split_into_cells(piece, axis - 1, normal, cell, use);
+      split_into_cells(piece, axis - 1, normal, cell, next, use);
     else
       use(static_cast<const Index3&>(cell), piece);
     if (!is_last) rest = above;
@@ -94,10 +107,16 @@ void split_into_cells(const SurfacePolygon& polygon, int axis, const Vec3& norma
 
 }  // namespace triangle_pieces
 
+template <class Next, class Use>
+void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Next& next, const Use& use) {
+  Index3 cell{0, 0, 0};
+  triangle_pieces::split_into_cells(triangle_polygon(surface, triangle), 2, surface.normal(triangle), cell, next, use);
+}
+
 template <class Use>
 void each_piece_of_triangle(const TriangleSurface& surface, int triangle, const Use& use) {
-  Index3 cell{0, 0, 0};
-  triangle_pieces::split_into_cells(triangle_polygon(surface, triangle), 2, surface.normal(triangle), cell, use);
+  each_piece_of_triangle(
+      surface, triangle, [](int axis, const Index3& cell) { return cell[axis]; }, use);
 }
 
 }  // namespace cgcontact

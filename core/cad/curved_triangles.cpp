@@ -104,16 +104,23 @@ double CurvedTriangles::sag_of_side(std::size_t t, int s) const {
   return (placement(jet.x) - (points[corners[t][s]] + points[corners[t][(s + 1) % 3]]) / 2).norm();
 }
 
-double CurvedTriangles::largest_sag() const {
+bool CurvedTriangles::is_wanted(std::size_t t, const Wanted& wanted) const {
+  if (!wanted) return true;
+  const Vec3 &a = points[corners[t][0]], &b = points[corners[t][1]], &c = points[corners[t][2]];
+  return wanted(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+}
+
+double CurvedTriangles::largest_sag(const Wanted& wanted) const {
   double largest = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (!is_wanted(t, wanted)) continue;
     for (int s = 0; s < 3; ++s) largest = std::max(largest, sag_of_side(t, s));
   }
   return largest;
 }
 
 /// Sides of several triangles are divided alike: what they are decided by belongs to the side, not to the triangle.
-bool CurvedTriangles::divide_long_sides(double sag) {
+bool CurvedTriangles::divide_long_sides(double sag, const Wanted& wanted) {
   if (triangles.size() > most_triangles)
     throw InputError(fmt::format("it takes more than {} triangles to follow its faces: the cells are too small for it",
                                  most_triangles));
@@ -125,6 +132,7 @@ bool CurvedTriangles::divide_long_sides(double sag) {
   };
   std::map<Key, int> middle;  // number of the new point, -1: none
   for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (!is_wanted(t, wanted)) continue;
     // A triangle whose middle is too far away although its sides are not: all sides.
     const Vec3 centroid = (points[corners[t][0]] + points[corners[t][1]] + points[corners[t][2]]) / 3;
     const bool all =
@@ -158,7 +166,8 @@ bool CurvedTriangles::divide_long_sides(double sag) {
     for (int s = 0; s < 3; ++s) {
       around.push_back({old_corners[t][s], old.uv[s], s});
       const auto [low, high] = std::minmax(old_corners[t][s], old_corners[t][(s + 1) % 3]);
-      const int number = middle.at({low, high, old.sides[s].edge >= 0 ? old.sides[s].edge : -1 - old.face});
+      const auto found = middle.find({low, high, old.sides[s].edge >= 0 ? old.sides[s].edge : -1 - old.face});
+      const int number = found == middle.end() ? -1 : found->second;
       CurvedTriangle::Side side = old.sides[s];
       if (number >= 0) {
         CurvedTriangle::Side first = side;
@@ -257,8 +266,8 @@ void CurvedTriangles::find_bends() {
     }
 }
 
-void CurvedTriangles::refine(double sag) {
-  for (int pass = 0; pass < most_passes && divide_long_sides(sag); ++pass) find_bends();
+void CurvedTriangles::refine(double sag, const Wanted& wanted) {
+  for (int pass = 0; pass < most_passes && divide_long_sides(sag, wanted); ++pass) find_bends();
   find_bends();
 }
 

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -79,10 +80,13 @@ class CurvedTriangles {
   Vec2 parameters(int triangle, double a, double b) const;
   CurvedPlace place(int triangle, double a, double b) const;
 
-  /// Divides triangles until no side and no middle is farther than `sag` from the exact surface; computes the bends.
-  void refine(double sag);
-  /// The largest distance of the middles of the sides and of the triangles from the exact surface.
-  double largest_sag() const;
+  /// Is a box a place where triangles have to follow the surface? An empty one: they have to everywhere.
+  using Wanted = std::function<bool(const Vec3& low, const Vec3& high)>;
+  /// Divides triangles until no side and no middle is farther than `sag` from the exact surface, of those whose boxes
+  /// are wanted; computes the bends.
+  void refine(double sag, const Wanted& wanted = {});
+  /// The largest distance of the middles of the sides of such triangles from the exact surface.
+  double largest_sag(const Wanted& wanted = {}) const;
   /// The image; `points` and `placement` move.
   CurvedTriangles moved(const Similarity& motion) const;
 
@@ -93,7 +97,8 @@ class CurvedTriangles {
   Map map(int triangle, double a, double b) const;
   Vec2 middle_of_side(const CurvedTriangle& triangle, int side) const;
   double sag_of_side(std::size_t triangle, int side) const;
-  bool divide_long_sides(double sag);
+  bool is_wanted(std::size_t triangle, const Wanted& wanted) const;
+  bool divide_long_sides(double sag, const Wanted& wanted);
   void find_bends();
 };
 

@@ -46,6 +46,33 @@ CellTree::CellTree(const Index3& num_cells, const std::vector<std::vector<Index3
   }
 }
 
+bool CellTree::is_refined_in(int level, const Vec3& low, const Vec3& high) const {
+  if (level >= static_cast<int>(refined_.size())) return false;
+  return is_refined_in(0, {0, 0, 0}, {num_cells_[0] - 1, num_cells_[1] - 1, num_cells_[2] - 1}, level, low, high);
+}
+
+bool CellTree::is_refined_in(int from, const Index3& first, const Index3& last, int level, const Vec3& low,
+                             const Vec3& high) const {
+  Index3 begin, end;
+  for (int d = 0; d < 3; ++d) {
+    const auto cell_at = [&](double x) {
+      return static_cast<int>(std::floor(std::clamp(std::ldexp(x, from), first[d] - 1.0, last[d] + 1.0)));
+    };
+    begin[d] = std::max(first[d], cell_at(low[d]));
+    end[d] = std::min(last[d], cell_at(high[d]));
+  }
+  Index3 c;
+  for (c[2] = begin[2]; c[2] <= end[2]; ++c[2])
+    for (c[1] = begin[1]; c[1] <= end[1]; ++c[1])
+      for (c[0] = begin[0]; c[0] <= end[0]; ++c[0]) {
+        if (refined_[from].find(c) < 0) continue;
+        if (from == level) return true;
+        const Index3 part{2 * c[0], 2 * c[1], 2 * c[2]};
+        if (is_refined_in(from + 1, part, {part[0] + 1, part[1] + 1, part[2] + 1}, level, low, high)) return true;
+      }
+  return false;
+}
+
 CellTree CellTree::coarsened() const {
   std::vector<std::vector<Index3>> refined(num_levels() > 2 ? num_levels() - 2 : 0);
   for (std::size_t l = 0; l < refined.size(); ++l)

@@ -41,6 +41,8 @@ class CellTree {
     return !is_refined(level, cell) &&
            (level == 0 || is_refined(level - 1, {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1}));
   }
+  /// Does a divided cell of a level touch a box? Cells of level 0 as unit of the coordinates.
+  bool is_refined_in(int level, const Vec3& low, const Vec3& high) const;
   /// The tree with every cell whose parts are all leaves put together again, for as far as the balance allows: one
   /// level less.
   CellTree coarsened() const;
@@ -48,6 +50,9 @@ class CellTree {
   const GridNumbers& refined(int level) const { return refined_[level]; }
 
  private:
+  /// The same for the parts of level `from` of a cell of the level before.
+  bool is_refined_in(int from, const Index3& first, const Index3& last, int level, const Vec3& low,
+                     const Vec3& high) const;
   Index3 clamped(int level, Index3 cell) const;
 
   Index3 num_cells_{0, 0, 0};

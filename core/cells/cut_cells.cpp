@@ -116,7 +116,7 @@ class CutCellBuilder {
       level.grid.cell_size = grid.cell_size_of(l);
       level.grid.num_cells = cells_of_level(grid.num_cells, l);
       // powers of two: planes and cells lie as they do on the other levels, to the last bit
-      level.solid = l == 0 ? solid : solid.transformed(Mat3::Identity(), Vec3::Zero(), std::ldexp(1.0, l));
+      level.solid = l == 0 ? solid : solid.on_level(l, tree);
       level.dividers = planes_of_level(face_dividers, l);
       level.leaves = LeafLevel{num_levels() > 1 ? &tree : nullptr, l, grid.is_quadtree() ? grid.plane_strain : -1};
     }

@@ -13,6 +13,7 @@ namespace cgcontact {
 class CellSweep;
 struct BoundaryPoints;
 struct Grid;
+class CellTree;
 struct LeafLevel;
 struct Plane;
 
@@ -40,6 +41,9 @@ class BodyGeometry {
   /// Its image under x -> scale * rotation * x + translation (scale > 0).
   virtual std::shared_ptr<const BodyGeometry> transformed(const Mat3& rotation, const Vec3& translation,
                                                           double scale) const = 0;
+  /// The same, 2^level times as large, for one level of a refined grid: what follows the surface as closely as the
+  /// cells need does so in and around its leaves. level >= 1.
+  virtual std::shared_ptr<const BodyGeometry> on_level(int level, const CellTree& tree) const;
   /// Of a prism along an axis: its image under x[axis] -> factor * x[axis] + shift (factor > 0). Throws InputError if a
   /// surface is neither along the axis nor across it, or lies across it between the prism's ends.
   virtual std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const = 0;

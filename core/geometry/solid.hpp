@@ -42,6 +42,8 @@ class Solid {
 
   /// Throws InputError if the placement is none.
   Solid transformed(const Mat3& rotation, const Vec3& translation, double scale = 1.0) const;
+  /// As BodyGeometry::on_level.
+  Solid on_level(int level, const CellTree& tree) const { return Solid(geometry_->on_level(level, tree)); }
   Solid stretched(int axis, double factor, double shift) const {
     return Solid(geometry_->stretched(axis, factor, shift));
   }
