@@ -96,7 +96,7 @@ MemoryExtras memory_extras(const Scene& scene) {
   MemoryExtras extras;
   extras.pictures = scene.output.plots;
   extras.pictures_of_steps = scene.output.plots && !scene.steps.empty();
-  extras.fields_beside_pictures = scene.output.plots && scene.output.vtk && TrilinosScope::concurrency() > 1;
+  extras.fields_beside_pictures = scene.output.plots && scene.output.fields() && TrilinosScope::concurrency() > 1;
   extras.cad = cad_is_loaded();
   return extras;
 }

@@ -639,6 +639,17 @@ std::array<int, 8> ClippedMesh::interior_hexahedron(std::size_t i) const {
   return hexahedron;
 }
 
+ClippedMesh::Piece ClippedMesh::piece(std::size_t i) const {
+  if (i < hexahedra.size()) return {hexahedra[i], 8, cell_of_hexahedron[i]};
+  i -= hexahedra.size();
+  if (i >= tetrahedra.size()) {
+    i -= tetrahedra.size();
+    return {interior_hexahedron(i), 8, interior.cells[i]};
+  }
+  const auto& t = tetrahedra[i];
+  return {{t[0], t[1], t[2], t[3]}, 4, cell_of_tetrahedron[i]};
+}
+
 double ClippedMesh::volume() const {
   double sum = 0;
   for (const auto& h : hexahedra) {

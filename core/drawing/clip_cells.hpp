@@ -52,8 +52,14 @@ struct ClippedMesh {
   std::size_t num_interior_points() const { return interior.cell_of_point.size(); }
   /// With the interior ones.
   std::size_t num_points() const { return points.size() + num_interior_points(); }
-  /// Hexahedra, tetrahedra and interior cells.
+  /// Hexahedra, tetrahedra and interior cells, in this order.
   std::size_t num_pieces() const { return hexahedra.size() + tetrahedra.size() + interior.cells.size(); }
+  struct Piece {
+    std::array<int, 8> points;
+    int num_points;  ///< 8: a hexahedron, VTK order; 4: a tetrahedron
+    int cell;        ///< active cell
+  };
+  Piece piece(std::size_t i) const;
   /// Of an interior point: cell coordinates in its cell; grid coordinates.
   Vec3 interior_xi(std::size_t point) const;
   Vec3 interior_point(std::size_t point) const;

@@ -93,6 +93,7 @@ void add_body(const DrawnBody& drawn, const CutCells& cut_cells, const PieceRows
       if (number[p] < 0) {
         number[p] = static_cast<int>(surface.position.size());
         surface.position.push_back(drawn.position[p]);
+        surface.point.push_back(p);
         if (!drawn.displacement.empty()) surface.displacement.push_back(drawn.displacement[p]);
       }
       points[v] = number[p];
@@ -198,6 +199,11 @@ PointValues values_at(const std::function<Vec3(int cell, const Vec3& xi)>& displ
 
 Vec3 interior_position(const DrawnBody& drawn, std::size_t point) {
   return drawn.mesh.cut_cells->grid.to_global(drawn.mesh.interior_point(point));
+}
+
+Vec3 position_of(const DrawnBody& drawn, std::size_t point) {
+  const std::size_t boundary = drawn.position.size();
+  return point < boundary ? drawn.position[point] : interior_position(drawn, point - boundary);
 }
 
 void each_interior_block(const DrawnBody& drawn, const std::function<void(int first, const PointValues& values)>& use) {

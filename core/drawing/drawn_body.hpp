@@ -27,6 +27,8 @@ struct DrawnBody : PointValues {
 
 /// m, undeformed.
 Vec3 interior_position(const DrawnBody& drawn, std::size_t point);
+/// The same of any point of the mesh.
+Vec3 position_of(const DrawnBody& drawn, std::size_t point);
 
 /// use(first, values) for all interior points, a block of successive ones at a time, so that their values need little
 /// memory.
@@ -49,6 +51,7 @@ struct ContactSurface {
   enum Value { gap, pressure_raw, pressure_spr, pressure_sprc, pressure_error, num_values };
   std::vector<Vec3> position;      ///< m, undeformed
   std::vector<Vec3> displacement;  ///< m
+  std::vector<int> point;          ///< of the mesh of the drawn body
   std::vector<std::array<int, 3>> triangles;
   std::vector<int> body, pair, active;  ///< per triangle
   std::vector<int> cell;                ///< per triangle, active cell of the body

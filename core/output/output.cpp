@@ -24,6 +24,7 @@
 #include "core/drawing/extremes.hpp"
 #include "core/output/output_check.hpp"
 #include "core/output/output_csv.hpp"
+#include "core/output/output_frd.hpp"
 #include "core/output/output_grid.hpp"
 #include "core/output/output_page.hpp"
 #include "core/output/output_picture.hpp"
@@ -33,6 +34,7 @@
 #include "core/output/output_sections.hpp"
 #include "core/output/output_steps.hpp"
 #include "core/output/output_vtk.hpp"
+#include "core/output/output_vtu.hpp"
 #include "core/output/view/output_view.hpp"
 #include "core/program/interruption.hpp"
 
@@ -223,15 +225,30 @@ void set_displacements(const StepFields* fields, Results& results) {
     results.steps.back().displacement = results.extremes[body].body.displacement.value;
 }
 
-void write_fields(const Results& results, const std::vector<DrawnBody>& drawn, const ContactSurface& surface,
-                  const fs::path& directory) {
+/// VTU files are copies of VTKHDF files, which go if they are not wanted.
+void write_fields(const Results& results, const OutputOptions& output, const std::vector<DrawnBody>& drawn,
+                  const ContactSurface& surface, const fs::path& directory) {
+  if (output.frd) {
+    std::vector<std::string> names;
+    for (const BodyFields& body : results.bodies) names.push_back(body.name);
+    write_frd(drawn, surface, names, results.title, (directory / "result.frd").string());
+  }
+  if (!output.vtk && !output.vtu) return;
+  const auto finish = [&](const char* name) {
+    const fs::path file = directory / (std::string(name) + ".vtkhdf");
+    if (output.vtu) write_vtu(file.string(), (directory / (std::string(name) + ".vtu")).string());
+    if (!output.vtk) fs::remove(file);
+  };
   write_vtk(results, drawn, (directory / "result.vtkhdf").string());
-  if (surface.size() > 0) write_vtk_contact(surface, (directory / "contact.vtkhdf").string());
+  finish("result");
+  if (surface.size() == 0) return;
+  write_vtk_contact(surface, (directory / "contact.vtkhdf").string());
+  finish("contact");
 }
 
 /// Nothing is drawn, and the ranks have found the extremes together.
 bool extremes_by_ranks_alone(const Scene& scene) {
-  return num_ranks() > 1 && !scene.output.vtk && !scene.output.plots && scene.steps.empty();
+  return num_ranks() > 1 && !scene.output.fields() && !scene.output.plots && scene.steps.empty();
 }
 
 bool wants_view(const Scene& scene) { return scene.output.report && scene.output.plots && scene.output.view; }
@@ -257,7 +274,7 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
   if (scene.output.csv && !results.steps.empty()) write_steps_csv(results, temporary.file("steps.csv"));
   if (scene.output.plots && steps && !results.pairs.empty()) write_force_displacement_plot(results, runs);
   std::optional<SceneView> view;
-  if (scene.output.vtk || scene.output.plots) {
+  if (scene.output.fields() || scene.output.plots) {
     const ContactSurface surface = make_contact_surface(results, drawn);
     std::optional<DrawnFaces> faces;
     if (scene.output.plots && knows_contact_of_points(results))
@@ -273,7 +290,8 @@ PageParts write_files(Results& results, const Scene& scene, const TemporaryDirec
     };
     parallel_for("cgcontact::output::files", 2, 1, [&](std::size_t task) {
       if (task == 0 && scene.output.plots) draw();
-      if (task == 1 && scene.output.vtk && !fields_elsewhere) write_fields(results, drawn, surface, temporary.path());
+      if (task == 1 && scene.output.fields() && !fields_elsewhere)
+        write_fields(results, scene.output, drawn, surface, temporary.path());
     });
     if (wants_view(scene) && has_view_library())
       parts.view = view_data({results, drawn, surface, faces ? &*faces : nullptr, &scene,
@@ -324,7 +342,7 @@ ResultWriter::ResultWriter(const Scene& scene, const std::string& directory)
     : parts_(new Parts{absolute_directory(directory),
                        directory,
                        scene.steps.size(),
-                       scene.output.vtk || scene.output.plots,
+                       scene.output.fields() || scene.output.plots,
                        {},
                        {}}) {}
 ResultWriter::~ResultWriter() = default;
@@ -375,7 +393,7 @@ std::vector<std::string> ResultWriter::write(Results& results, const Scene& scen
   });
   const std::string directory =
       text_of_first_rank(parts_->temporary ? parts_->temporary->path().string() : std::string());
-  const bool apart = scene.output.vtk && rank_of_fields() > 0;
+  const bool apart = scene.output.fields() && rank_of_fields() > 0;
   if (extremes_by_ranks_alone(scene)) results.extremes = extremes_by_ranks(results, scene);
   on_all_ranks([&] {
     try {
@@ -385,7 +403,7 @@ std::vector<std::string> ResultWriter::write(Results& results, const Scene& scen
         parts = write_files(results, scene, *parts_->temporary, steps, apart);
       } else if (apart && this_rank() == num_ranks() - 1) {
         const std::vector<DrawnBody> drawn = draw_bodies(results);
-        write_fields(results, drawn, make_contact_surface(results, drawn), directory);
+        write_fields(results, scene.output, drawn, make_contact_surface(results, drawn), directory);
       }
     } catch (const fs::filesystem_error& error) {
       throw InputError(explain(error));

@@ -224,6 +224,49 @@ std::vector<float> HdfFile::read(const std::string& path, std::size_t first_row,
   return values;
 }
 
+HdfReader::HdfReader(const std::string& file_name) {
+  begin_hdf();
+  file_ = H5Fopen(file_name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  if (file_ < 0) throw InputError(fmt::format("cannot read {}", file_name));
+}
+
+HdfReader::~HdfReader() { H5Fclose(file_); }
+
+std::vector<HdfReader::Array> HdfReader::arrays(const std::string& group) const {
+  std::vector<Array> found;
+  const Handle opened(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose, "open a group");
+  H5G_info_t info;
+  check(H5Gget_info(opened.id, &info), "list a group");
+  for (hsize_t k = 0; k < info.nlinks; ++k) {
+    char name[256] = "";
+    check(H5Lget_name_by_idx(opened.id, ".", H5_INDEX_NAME, H5_ITER_INC, k, name, sizeof name, H5P_DEFAULT), "name");
+    const Handle object(H5Oopen(opened.id, name, H5P_DEFAULT), H5Oclose, "open an object");
+    if (H5Iget_type(object.id) != H5I_DATASET) continue;
+    const Handle space(H5Dget_space(object.id), H5Sclose, "open a space"),
+        type(H5Dget_type(object.id), H5Tclose, "open a type");
+    hsize_t size[2] = {0, 1};
+    check(H5Sget_simple_extent_dims(space.id, size, nullptr), "size a data set");
+    Array array{group + "/" + name, "", H5Tget_size(type.id), size[0], size[1]};
+    const bool is_real = H5Tget_class(type.id) == H5T_FLOAT;
+    const char* const kind = is_real ? "Float" : H5Tget_sign(type.id) == H5T_SGN_NONE ? "UInt" : "Int";
+    array.type = fmt::format("{}{}", kind, 8 * array.bytes);
+    found.push_back(std::move(array));
+  }
+  return found;
+}
+
+std::string HdfReader::read(const Array& array, std::size_t first_row, std::size_t num_rows) const {
+  const Handle set(H5Dopen2(file_, array.path.c_str(), H5P_DEFAULT), H5Dclose, "open a data set");
+  const Handle space(H5Dget_space(set.id), H5Sclose, "open a space"),
+      type(H5Dget_type(set.id), H5Tclose, "open a type");
+  const hsize_t first[2] = {first_row, 0}, count[2] = {num_rows, array.columns};
+  check(H5Sselect_hyperslab(space.id, H5S_SELECT_SET, first, nullptr, count, nullptr), "choose rows");
+  const Handle rows(H5Screate_simple(H5Sget_simple_extent_ndims(space.id), count, nullptr), H5Sclose, "create a space");
+  std::string values(num_rows * array.columns * array.bytes, '\0');
+  check(H5Dread(set.id, type.id, rows.id, space.id, H5P_DEFAULT, values.data()), "read a data set");
+  return values;
+}
+
 template void HdfFile::write(const std::string&, const std::vector<unsigned char>&, int);
 template void HdfFile::write(const std::string&, const std::vector<int>&, int);
 template void HdfFile::write(const std::string&, const std::vector<long long>&, int);

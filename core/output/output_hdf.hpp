@@ -49,6 +49,30 @@ class HdfFile {
   bool is_broken_ = false;     ///< could not be written: closing it would try again
 };
 
+/// The arrays of a file that has been written, for writers of other formats.
+class HdfReader {
+ public:
+  struct Array {
+    std::string path;
+    std::string type;  ///< as VTK names it: UInt8, Int32, Int64, Float32, Float64
+    std::size_t bytes = 0, rows = 0, columns = 1;
+  };
+
+  /// Throws InputError if the file cannot be opened.
+  explicit HdfReader(const std::string& file_name);
+  ~HdfReader();
+  HdfReader(const HdfReader&) = delete;
+  HdfReader& operator=(const HdfReader&) = delete;
+
+  /// Those in a group, in the order of their names.
+  std::vector<Array> arrays(const std::string& group) const;
+  /// Some of the rows, as they lie in memory.
+  std::string read(const Array& array, std::size_t first_row, std::size_t num_rows) const;
+
+ private:
+  long long file_;  ///< hid_t
+};
+
 /// An array that comes piece by piece, of which no more than one compressed piece of the file is in memory.
 template <class T>
 class HdfRows {

@@ -32,24 +32,6 @@ void write_header(const GridSizes& sizes, HdfFile& file, long long version = 1) 
   for (const char* group : {"PointData", "CellData", "FieldData"}) file.make_group(std::string("/VTKHDF/") + group);
 }
 
-/// One piece of a drawn body: hexahedra come first, then tetrahedra, then interior cells.
-struct DrawnCell {
-  std::array<int, 8> points;
-  int num_points;
-  int cell;  ///< active cell
-};
-
-DrawnCell drawn_cell(const ClippedMesh& mesh, std::size_t i) {
-  if (i < mesh.hexahedra.size()) return {mesh.hexahedra[i], 8, mesh.cell_of_hexahedron[i]};
-  i -= mesh.hexahedra.size();
-  if (i >= mesh.tetrahedra.size()) {
-    i -= mesh.tetrahedra.size();
-    return {mesh.interior_hexahedron(i), 8, mesh.interior.cells[i]};
-  }
-  const auto& t = mesh.tetrahedra[i];
-  return {{t[0], t[1], t[2], t[3]}, 4, mesh.cell_of_tetrahedron[i]};
-}
-
 int active_cell(const ClippedMesh& mesh, std::size_t i) {
   if (i < mesh.hexahedra.size()) return mesh.cell_of_hexahedron[i];
   i -= mesh.hexahedra.size();
@@ -69,11 +51,6 @@ std::size_t offset_of_cell(const ClippedMesh& mesh, std::size_t i) {
 Vec3 point_of(const ClippedMesh& mesh, int point) {
   const auto p = static_cast<std::size_t>(point);
   return p < mesh.points.size() ? mesh.points[p] : mesh.interior_point(p - mesh.points.size());
-}
-
-Vec3 position_of(const DrawnBody& body, std::size_t point) {
-  const std::size_t boundary = body.position.size();
-  return point < boundary ? body.position[point] : interior_position(body, point - boundary);
 }
 
 /// Rows that are in memory at a time.
@@ -185,7 +162,7 @@ class BodyWriter {
       const std::size_t offset = offset_of_cell(mesh, first);
       std::vector<long long> block(offset_of_cell(mesh, end) - offset);
       parallel_for("cgcontact::output_vtk::connectivity", end - first, 1024, [&](std::size_t i) {
-        const DrawnCell cell = drawn_cell(mesh, first + i);
+        const ClippedMesh::Piece cell = mesh.piece(first + i);
         long long* id = &block[offset_of_cell(mesh, first + i) - offset];
         for (int p = 0; p < cell.num_points; ++p) id[p] = first_point[b] + cell.points[p];
       });
@@ -235,7 +212,7 @@ void write_vtk(const Results& results, const std::vector<DrawnBody>& bodies, con
                    [&](std::size_t b, std::size_t i, int* row) { *row = active_cell(bodies[b].mesh, i); });
   if (std::all_of(results.bodies.begin(), results.bodies.end(), [](const auto& fields) { return fields.stress_raw; }))
     write.cells<float>("CellData/stress_raw", 6, [&](std::size_t b, std::size_t i, float* row) {
-      const DrawnCell cell = drawn_cell(bodies[b].mesh, i);
+      const ClippedMesh::Piece cell = bodies[b].mesh.piece(i);
       Vec3 centroid = Vec3::Zero();
       for (int p = 0; p < cell.num_points; ++p) centroid += point_of(bodies[b].mesh, cell.points[p]) / cell.num_points;
       const BodyFields& fields = results.bodies[b];

@@ -7,6 +7,8 @@ namespace cgcontact {
 std::vector<Setting> OutputOptions::settings() {
   return {{"directory", &directory, {}, {}, "out/<name of the file>"},
           {"vtk", &vtk},
+          {"vtu", &vtu},
+          {"frd", &frd},
           {"csv", &csv},
           {"plots", &plots},
           {"report", &report},

@@ -8,7 +8,7 @@ solver.tolerance solver.max_outer_iterations solver.linear_tolerance solver.max_
 solver.preconditioner solver.nested solver.kappa solver.ghost_penalty solver.shared_unknowns
 recovery.spr_c recovery.rank_tolerance recovery.auxiliary_depth recovery.contact_edge recovery.pressure recovery.degree
 recovery.inverse_variance recovery.points_per_face recovery.patch_volume recovery.rings
-output.directory output.vtk output.csv output.plots output.report output.view output.path"
+output.directory output.vtk output.vtu output.frd output.csv output.plots output.report output.view output.path"
 
 # _cgcontact_keys SCENE: the parameters, the bodies' and the pairs' values of a scene file, then the settings.
 _cgcontact_keys() {
