@@ -383,14 +383,19 @@ PYBIND11_MODULE(_cgcontact, module) {
       PyErr_SetString(input_error.ptr(), text.c_str());
     }
   });
+  module.attr("__version__") = CGCONTACT_VERSION;
   module.def("read", &read_file, "file"_a, "overrides"_a);
   module.def("parse", &parse_text, "text"_a, "file"_a, "overrides"_a);
-  module.def("set_threads", &set_threads, "threads"_a);
-  module.def("threads", &num_threads);
-  module.def("rank", [] { return on_trilinos(&this_rank); });
-  module.def("ranks", [] { return on_trilinos(&num_ranks); });
+  module.def("set_threads", &set_threads, "threads"_a,
+             "Sets the number of threads (OpenMP backend), before the first scene. Raises InputError.");
+  module.def("threads", &num_threads, "Number of threads.");
+  module.def(
+      "rank", [] { return on_trilinos(&this_rank); }, "Number of this MPI rank, from 0.");
+  module.def(
+      "ranks", [] { return on_trilinos(&num_ranks); }, "Number of MPI ranks.");
   module.def("stop", &stop);
-  py::class_<PythonScene>(module, "Scene")
+  py::class_<PythonScene>(module, "Scene",
+                          "A scene that has been read: `title`, `file`, `parameters` (SI units), `bodies` (names).")
       .def_property_readonly("title", [](const PythonScene& s) { return s.scene()->title; })
       .def_property_readonly("file",
                              [](const PythonScene& s) {
@@ -410,11 +415,12 @@ PYBIND11_MODULE(_cgcontact, module) {
                                for (const BodySpec& body : s.scene()->bodies) names.push_back(body.name);
                                return names;
                              })
-      .def("check", &PythonScene::check)
+      .def("check", &PythonScene::check,
+           "The text of `cgcontact check`: cells, faces, pairs, what holds. Raises InputError.")
       .def("_solve", [](const PythonScene& s, const py::object& progress) {
         return std::make_unique<PythonResult>(s.scene(), progress);
       });
-  py::class_<PythonResult>(module, "Result")
+  py::class_<PythonResult>(module, "Result", "The result of a solve, with its fields.")
       .def("_report", &PythonResult::report)
       .def_property_readonly("summary", &PythonResult::summary_text)
       .def_property_readonly("converged", [](PythonResult& r) { return r.results().converged; })
@@ -425,8 +431,14 @@ PYBIND11_MODULE(_cgcontact, module) {
       .def_property_readonly("patch_statuses", [](PythonResult& r) { return r.results().patch_statuses; })
       .def_property_readonly("contact", [](const py::object& self) { return self.cast<PythonResult&>().contact(self); })
       .def_property_readonly("path", &PythonResult::path)
-      .def("cells", &PythonResult::cells, "body"_a)
-      .def("surface", &PythonResult::surface, "body"_a)
+      .def("cells", &PythonResult::cells, "body"_a,
+           "Of the n active cells of a body: `centre` (n, 3) m, `size` m, `volume_fraction`, `error` (estimated, "
+           "energy norm) "
+           "sqrt(J), `energy` J, numbers of `patch_kind` and `patch_status`. Raises InputError.")
+      .def(
+          "surface", &PythonResult::surface, "body"_a,
+          "The undeformed surface of a body: `points` (n, 3) m, `triangles` (m, 3), `displacement` (n, 3) m, recovered "
+          "`stress` (n, 6: xx, yy, zz, xy, yz, zx) Pa. Raises InputError.")
       .def("probe", &PythonResult::probe, "points"_a, "body"_a = py::none())
       .def("write", &PythonResult::write, "directory"_a);
 }

@@ -25,7 +25,8 @@ packages=(
 )
 for option in "$@"; do
   case "$option" in
-    --test) packages+=(ccache python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio groff-base
+    --test) packages+=(ccache python3 python3-vtk9 python3-h5py python3-matplotlib python3-scipy python3-meshio
+      python3-pandas groff-base
       chromium chromium-driver python3-selenium) ;;
     --docs) packages+=(doxygen graphviz) ;;
     --format) packages+=(clang-format-14) ;;

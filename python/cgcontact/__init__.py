@@ -12,16 +12,26 @@ Raises InputError (a ValueError), with the program's message, for whatever is wr
 """
 import atexit
 import collections.abc
-import html
 import json
 import numbers
 import os
 import warnings
 
-from . import _cgcontact
-from ._cgcontact import InputError, Result, Scene, rank, ranks, set_threads, threads
+import numpy
 
-__all__ = ["read", "scene", "Scene", "Result", "InputError", "set_threads", "threads", "rank", "ranks"]
+from . import _cgcontact
+from ._cgcontact import InputError, Result, Scene, __version__, rank, ranks, set_threads, threads
+from ._results import Names, ResultMethods, StoredResult, load, read_report
+
+__all__ = ["read", "scene", "load", "Scene", "Result", "StoredResult", "InputError", "NotConverged", "set_threads", "threads", "rank",
+           "ranks"]
+
+
+class NotConverged(RuntimeWarning):
+    """A result is not one: its `diagnosis` says why. Shown every time, not only the first one in a sweep."""
+
+
+warnings.simplefilter("always", NotConverged, append=True)
 
 
 def _overrides(settings, parameters):
@@ -81,15 +91,17 @@ def _solve(self, progress=None):
     progress: called with a dict when a phase begins ({"phase": name}), after an outer iteration ({"iteration", "active_points",
     "residual"}) and after each solve of a run to an accuracy ({"solve", "unknowns", "seconds", "pressure", "force", "stress"}:
     estimated relative errors, None if unknown). Ctrl-C stops at the next of these. Returns a Result; one that did not converge
-    says so in `converged`, `diagnosis` and a RuntimeWarning. Raises InputError.
+    says so in `converged`, `diagnosis` and the warning NotConverged. Raises InputError.
     """
     result = self._solve(progress)
     if not result.converged:
-        warnings.warn(f"not converged: {result.diagnosis}", RuntimeWarning, stacklevel=2)
+        warnings.warn(f"not converged: {result.diagnosis}", NotConverged, stacklevel=2)
     return result
 
 
 _write = Result.write
+_probe = Result.probe
+_contact, _path = Result.contact, Result.path
 
 
 def _write_result(self, directory):
@@ -98,65 +110,56 @@ def _write_result(self, directory):
     return _write(self, os.fsdecode(directory))
 
 
+def _probe_points(self, points, body=None):
+    """Values at points (n, 3) of the undeformed bodies, or at one point (3,), m: a dict of arrays with n rows, or of one row.
+
+    `body` (number of the body, -1: outside), `displacement` m, `stress` (recovered) and `stress_raw` (xx, yy, zz, xy, yz, zx) Pa,
+    `von_mises` Pa; NaN outside. body: only in the body of that name. Raises InputError.
+    """
+    array = numpy.asarray(points, dtype=float)
+    values = Names(_probe(self, array[None] if array.shape == (3,) else array, body))
+    return Names({name: rows[0] for name, rows in values.items()}) if array.shape == (3,) else values
+
+
 def _scene_repr(self):
     return f"<cgcontact scene {self.title!r}: {', '.join(self.bodies)}>"
 
 
 def _report(self):
     """What report.json of the program holds, as dicts and lists (docs/scene.md, "The output directory")."""
-    return json.loads(self._report())
+    return read_report(self._report())
 
 
-def _result_repr(self):
-    return f"<cgcontact result of {self.report['title']!r}: {self.unknowns:,} unknowns; {self.report['verdict']['text']}>"
+def _contact_arrays(self):
+    """A row per boundary point of the contact faces: `x`, `normal` (n, 3) m; `weight` m^2, `gap` m, `pressure_sprc` (the result),
+    `pressure_spr`, `pressure_raw`, `pressure_error` Pa, `stress` (n, 6) Pa, `active`, `body`, `pair`. Read-only views."""
+    return Names(_contact.__get__(self))
 
 
-def _percent(value):
-    return "-" if value is None else f"{100 * value:.2g} %"
+def _path_arrays(self):
+    """Along output.path, or through the largest pressure: `s` m, `x` (n, 3) m, the pressures and `pressure_reference` Pa (NaN:
+    none), `body`, `pair`."""
+    return Names(_path.__get__(self))
 
 
-def _result_html(self):
-    """The pairs as a table, for notebooks."""
-    report = self.report
-    rows = "".join(
-        f"<tr><td>{html.escape(pair['name'])}</td>"
-        f"<td>{sum(f * f for f in pair['force'][pair['bodies'][0]]) ** 0.5:.5g} N</td><td>{_percent(pair['force_error_estimate'])}</td>"
-        f"<td>{pair['max_pressure'] / 1e6:.5g} MPa</td><td>{_percent(pair['max_pressure_error_estimate'])}</td>"
-        f"<td>{_percent(pair['pressure_error_estimate'])}</td><td>{pair['area'] * 1e6:.4g} mm&sup2;</td></tr>"
-        for pair in report["contact"])
-    return (f"<b>{html.escape(report['title'])}</b>: {html.escape(report['verdict']['text'])}; {self.unknowns:,} unknowns"
-            "<table><tr><th>pair</th><th>force</th><th>error</th><th>max. pressure</th><th>error</th><th>L2 error</th>"
-            f"<th>area</th></tr>{rows}</table>")
-
-
-def _plot_pressure(self, axes=None, which="pressure_sprc"):
-    """The contact pressure along the scene's path (output.path; else through the largest pressure), a line per body and pair, and
-    the reference where there is one. which: "pressure_sprc", "pressure_spr" or "pressure_raw". Returns the matplotlib axes.
-    """
-    import matplotlib.pyplot
-
-    pressures = ("pressure_sprc", "pressure_spr", "pressure_raw")
-    if which not in pressures:
-        raise InputError(f"which: {which!r} is no pressure (allowed: {', '.join(pressures)})")
-    axes = axes if axes is not None else matplotlib.pyplot.gca()
-    path, bodies = self.path, [body["name"] for body in self.report["bodies"]]
-    for pair, body in sorted(set(zip(path["pair"].tolist(), path["body"].tolist()))):
-        rows = (path["pair"] == pair) & (path["body"] == body)
-        axes.plot(1e3 * path["s"][rows], path[which][rows] / 1e6, label=bodies[body])
-        reference = path["pressure_reference"][rows]
-        if body == path["body"][0] and (reference == reference).any():
-            axes.plot(1e3 * path["s"][rows], reference / 1e6, "k--", label="reference")
-    axes.set_xlabel("along the path [mm]")
-    axes.set_ylabel("contact pressure [MPa]")
-    axes.legend()
-    return axes
+def _reduce(self):
+    """Pickles report, contact and path: a StoredResult comes back."""
+    contact = Names({name: numpy.array(values) for name, values in self.contact.items()})
+    return StoredResult, (self.report, contact, self.path)
 
 
 Scene.solve = _solve
 Scene.__repr__ = _scene_repr
 Result.report = property(_report)
-Result.__repr__ = _result_repr
-Result._repr_html_ = _result_html
+Result.contact = property(_contact_arrays)
+Result.path = property(_path_arrays)
 Result.write = _write_result
-Result.plot_pressure = _plot_pressure
+Result.probe = _probe_points
+Result.__reduce__ = _reduce
+for _name in ("__repr__", "_repr_html_", "plot_pressure", "to_pandas", "show", "_page"):
+    setattr(Result, _name, getattr(ResultMethods, _name))
 atexit.register(_cgcontact.stop)
+
+
+def __dir__():
+    return __all__ + ["__version__", "__doc__"]

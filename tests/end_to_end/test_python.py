@@ -117,6 +117,64 @@ class Python(unittest.TestCase):
             self.assertAlmostEqual(value / -2e6, 1, delta=1e-6)
         self.assertNotEqual(stress[2], stress[2], "NaN outside of all bodies")
 
+    def test_results_are_taken_along(self):
+        """load reads what write has written, pickle keeps all digits, both as tables; what is missing is named."""
+        printed = python("""
+            import pickle, warnings
+            result = cgcontact.read({file!r}, {{"output.plots": False}}, n=6).solve()
+            result.write("taken")
+            stored, thawed = cgcontact.load("taken"), pickle.loads(pickle.dumps(result))
+            for name, values in result.contact.items():
+                np.testing.assert_array_equal(thawed.contact[name], values)
+                if name in stored.contact:
+                    np.testing.assert_allclose(stored.contact[name], values, rtol=1e-9)
+            for name, values in result.path.items():
+                np.testing.assert_allclose(stored.path[name], values, rtol=1e-9)
+            assert set(result.contact) - set(stored.contact) == {{"stress"}}
+            assert stored.report["contact"] == result.report["contact"] == thawed.report["contact"]
+            assert (stored.unknowns, stored.converged, thawed.diagnosis) == (result.unknowns, True, result.diagnosis)
+            assert pickle.loads(pickle.dumps(stored)).unknowns == result.unknowns
+            table = result.to_pandas()
+            assert list(table.columns[:5]) == ["body", "pair", "x", "y", "z"] and "stress_xy" in table
+            assert (table.pressure_sprc.to_numpy() == result.contact["pressure_sprc"]).all()
+            assert set(table.body) == {{body["name"] for body in result.report["bodies"]}}
+            assert len(stored.to_pandas()) == len(table)
+            assert stored.plot_pressure().get_ylabel() == result.plot_pressure().get_ylabel()
+            probe = result.probe(result.contact["x"][0])
+            assert probe["stress"].shape == (6,) and probe["von_mises"].shape == ()
+            many = result.probe(result.contact["x"][:1])
+            assert all(np.array_equal(probe[name], many[name][0], equal_nan=True) for name in many)
+            for ask in (lambda: result.contact["pressure"], lambda: stored.report["contact"][0]["max_presure"]):
+                try:
+                    ask()
+                except KeyError as error:
+                    print(error)
+            for directory in ("nowhere", "."):
+                try:
+                    cgcontact.load(directory)
+                except cgcontact.InputError as error:
+                    print(error)
+            print(cgcontact.__version__, [name for name in dir(cgcontact) if name[0] != "_"])
+            """, file=str(scene("two_solids_3d")))
+        lines = printed.splitlines()
+        self.assertIn("'pressure' is not there (there is: ", lines[0])
+        self.assertIn("did you mean 'max_pressure'?", lines[1])
+        self.assertIn("nowhere holds no result of cgcontact", lines[2])
+        self.assertIn(". holds no result of cgcontact", lines[3])
+        self.assertIn(lines[4].split()[0], cgcontact("--version").out)
+        self.assertNotIn("json", lines[4])
+
+    def test_every_result_that_has_not_converged_is_told(self):
+        """In a sweep too, where Python would show a warning of one place once."""
+        printed = python("""
+            import warnings
+            with warnings.catch_warnings(record=True) as told:
+                for n in (4, 4, 4):
+                    cgcontact.read({file!r}, {{"solver.max_outer_iterations": 1}}, n=n).solve()
+            print(len([w for w in told if w.category is cgcontact.NotConverged]))
+            """, file=str(scene("two_solids_3d")))
+        self.assertEqual(printed.strip(), "3")
+
     def test_messages(self):
         """Those of the program, as InputError, which is a ValueError."""
         bad = harness.SOURCE / "tests" / "bad_scenes" / "contact_with_one_face.toml"
@@ -132,7 +190,7 @@ class Python(unittest.TestCase):
         printed = python("""
             for call in (lambda: cgcontact.scene(dict(body=[dict(name="a", cell_sise=1)])), lambda: cgcontact.scene(dict(body=[object()])),
                          lambda: cgcontact.read({file!r}, n=4).solve().cells("nobody"),
-                         lambda: cgcontact.read({file!r}, n=4).solve().probe(np.zeros(3))):
+                         lambda: cgcontact.read({file!r}, n=4).solve().probe(np.zeros(2))):
                 try:
                     call()
                 except Exception as error:  # lines: one for each mistake
