@@ -26,6 +26,7 @@
 #include "core/base/resources.hpp"
 #include "core/base/standard_descriptors.hpp"
 #include "core/base/text.hpp"
+#include "core/decks/deck_scene.hpp"
 #include "core/output/output.hpp"
 #include "core/output/output_compare.hpp"
 #include "core/output/output_summary.hpp"
@@ -97,15 +98,29 @@ int check(const Scene& given, const CommandLine& options) {
   return 0;
 }
 
+/// The summary or the report; where there is neither, the warnings that they hold.
+void tell(const Results& results, const std::string& directory, const CommandLine& options, Progress& progress) {
+  if (options.json) {
+    fmt::print("{}", read_text((std::filesystem::path(directory) / "report.json").string()));
+  } else if (!options.quiet) {
+    fmt::print("{}", summary(results, directory));
+  } else {
+    if (results.verdict.state != Verdict::State::resolved || results.verdict.spring_share > 0)
+      progress.warning(results.verdict.text);
+    for (const std::string& warning : results.warnings) progress.warning(warning);
+  }
+}
+
 int run(const Scene& scene, const CommandLine& options, char** argv) {
   const std::string directory = output_directory(options, scene);
   on_first_rank([&] { check_output_directory(directory); });
   const std::string threads_warning = too_many_threads(options);
   set_interruption_note(directory + " is as it was");
   const TrilinosScope trilinos(options.threads);
-  Progress progress(is_first_rank() ? Progress::Mode::automatic : Progress::Mode::silent);
+  const Progress::Mode mode = options.quiet ? Progress::Mode::warnings : Progress::Mode::automatic;
+  Progress progress(is_first_rank() ? mode : Progress::Mode::silent);
   const CleanUp clear_line([&] { progress.abandon(); });
-  if (!threads_warning.empty()) progress.message("warning: " + threads_warning);
+  if (!threads_warning.empty()) progress.warning(threads_warning);
   AdaptiveCallbacks callbacks;
   callbacks.phase = [&](const std::string& name) { progress.begin_phase(name); };
   callbacks.step = [&](const OuterStep& s) { progress.outer_iteration(s.iteration, s.active_points, s.residual); };
@@ -123,9 +138,9 @@ int run(const Scene& scene, const CommandLine& options, char** argv) {
     fill_rank_figures(results);
     if (!threads_warning.empty()) results.warnings.push_back(threads_warning);
     decisive_first(results.warnings);
-    for (const std::string& warning : writer.write(results, solved)) progress.message("warning: " + warning);
+    for (const std::string& warning : writer.write(results, solved)) progress.warning(warning);
     progress.finish();
-    if (is_first_rank()) fmt::print("{}", summary(results, directory));
+    if (is_first_rank()) tell(results, directory, options, progress);
     const bool last_converged = results.accuracy.solves.empty() || results.accuracy.solves.back().converged;
     if (results.converged && last_converged) return 0;
     if (is_first_rank())
@@ -212,7 +227,8 @@ int main(int argc, char** argv) {
     if (ranks > 1 && options->command == CommandLine::run) of_all_ranks.emplace(options->threads);
     const KokkosScope kokkos(options->threads);
     if (options->command == CommandLine::init) {
-      fmt::print("{}", init_scene(options->init_options, fault_of));
+      const InitOptions& init = options->init_options;
+      fmt::print("{}", is_deck(init.file) ? init_deck(init, fault_of) : init_scene(init, fault_of));
       return flushed(0);
     }
     const InterruptionWatch watch;

@@ -7,7 +7,7 @@ cd "${1:-$(dirname "$0")/..}"
 
 layers=(core kernels recovery contact)
 declare -A rooms=(
-  [core]="base settings triangles quadrature geometry cad cells bodies scene results drawing program output"
+  [core]="base settings triangles quadrature geometry cad cells bodies scene decks results drawing program output"
   [kernels]="simd mesh operator reference assembled ranks multigrid solver"
   [recovery]="patch spr zone_edge batched constrained face error"
   [contact]="kernels model motions face solve results adaptive study"

@@ -198,7 +198,7 @@ void StudyRunner::write(Progress& progress) {
   compare_with_finest();
   for (const std::string& warning : write_study(study_, directory_)) {
     if (std::find(warned_.begin(), warned_.end(), warning) != warned_.end()) continue;
-    progress.message("warning: " + warning);
+    progress.warning(warning);
     warned_.push_back(warning);
   }
 }

@@ -15,10 +15,10 @@ std::string read_text(const std::string& file_name);
 /// A field of a CSV file: quoted if it holds a comma, a quote or a line break.
 std::string csv_text(const std::string& text);
 
-/// A number for people: `digits` significant digits, e.g. "9.37", "1.6e-06".
 /// 1, 2 or 5 times a power of ten, not above the value.
 double round_down(double value);
 
+/// A number for people: `digits` significant digits, e.g. "9.37", "1.6e-06".
 std::string short_number(double value, int digits = 4);
 
 /// A fraction in per cent with two digits and no exponent above 1 %, e.g. "0.41", "12", "340", "over 9999".

@@ -77,9 +77,11 @@ const char* const init_footer =
     "Examples:\n"
     "  cgcontact init                                  scene.toml: a sphere on a block, with Hertz's solution\n"
     "  cgcontact init first.toml\n"
-    "  cgcontact init --stl part.stl --unit mm         part.toml: the part under a plate, faces and TODOs listed\n"
+    "  cgcontact init part.stl --unit mm               part.toml: the part under a plate, faces and TODOs listed\n"
     "  cgcontact init fine.toml --stl part.obj --unit in --cells 40\n"
     "  cgcontact init assembly.step                    assembly.toml: all its solids as bodies, pairs that may touch\n"
+    "  cgcontact init deck.inp --unit mm               deck.toml: bodies, conditions, pairs of a CalculiX or Abaqus "
+    "deck\n"
     "The scene runs as it is. A file that exists is never overwritten.\n"
     "Exit codes: 0 written, 1 bad input (nothing is written).";
 
@@ -197,7 +199,7 @@ void Parser::describe_init() {
       add_command("init", CommandLine::init, "Write a commented scene to start from; it runs as it is", init_footer);
   InitOptions& options = line.init_options;
   init.add_option("FILE", options.file,
-                  "Scene to write [default: scene.toml, or as the surface, with .toml], or a CAD file")
+                  "Scene to write [default: scene.toml, or as the part, with .toml], or a part: CAD, surface, deck.inp")
       ->type_name("")
       ->check([](const std::string& value) { return value.empty() ? "is empty (allowed: a name in .toml)" : ""; }, "");
   add(init, "--stl", "FILE", "A closed surface (.stl, .obj, .ply or .off) to be a body of the scene",
@@ -264,6 +266,8 @@ Parser::Parser() {
                          take_threads(text);
                          line.threads_given_by = threads_variable;
                        }});
+  run.add_flag("-q,--quiet", line.quiet, "Print warnings and errors only");
+  run.add_flag("--json", line.json, "Print report.json in the place of the summary; with --quiet nothing else");
   CLI::App& check = add_command("check", CommandLine::check,
                                 "Validate a scene and print what it contains, without solving", check_footer);
   add_scene(check);
@@ -405,6 +409,12 @@ std::string CommandLine::with_variables(const std::string& message) const {
 
 std::optional<CommandLine> parse_command_line(int argc, const char* const* argv, int& exit_code) {
   Parser parser;
+  if (argc > 1 && std::string(argv[1]) == "help") {  // cgcontact help run
+    std::vector<const char*> words{argv[0]};
+    if (argc > 2) words.push_back(argv[2]);
+    if (argc == 2 || find_command(parser.app, argv[2])) words.push_back("--help");
+    return parse_command_line(static_cast<int>(words.size()), words.data(), exit_code);
+  }
   const bool silent = ranks_of_mpirun().second > 0;  // the first rank tells it
   std::ostream nowhere(nullptr);
   exit_code = 0;

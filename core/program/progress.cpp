@@ -65,6 +65,15 @@ void Progress::outer_iteration(int iteration, long long active_points, double re
 
 void Progress::message(const std::string& text) {
   const std::lock_guard lock(mutex_);
+  if (mode_ != Mode::warnings) show(text);
+}
+
+void Progress::warning(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  show("warning: " + text);
+}
+
+void Progress::show(const std::string& text) {
   if (mode_ == Mode::silent) return;
   clear_line();
   stream_ << text << std::endl;

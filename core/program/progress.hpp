@@ -16,7 +16,7 @@ namespace cgcontact {
 /// times a second by a thread of its own, so that the clock in it runs while a phase takes long.
 class Progress {
  public:
-  enum class Mode { automatic, terminal_only, terminal, log, silent };
+  enum class Mode { automatic, terminal_only, terminal, log, warnings, silent };
 
   /// Writes to standard error; automatic: terminal if standard error is one, else log (terminal_only: else silent).
   explicit Progress(Mode mode = Mode::automatic);
@@ -29,9 +29,10 @@ class Progress {
   void begin_phase(const std::string& name);
   /// State of the outer (contact) iteration.
   void outer_iteration(int iteration, long long active_points, double residual);
-  /// State of the linear solver inside; shown on a terminal only.
-  /// A line that stays, for example a warning.
+  /// A line that stays.
   void message(const std::string& text);
+  /// The same, marked as a warning; also where only warnings are shown.
+  void warning(const std::string& text);
   /// Ends the last phase and clears the updating line.
   void finish();
   /// Clears the updating line and says nothing from now on; for another thread that ends the program.
@@ -45,6 +46,7 @@ class Progress {
 
   // With the lock held.
   void end_phase();
+  void show(const std::string& text);
   void update_line();
   void clear_line();
   void keep_updating();

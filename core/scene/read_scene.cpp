@@ -10,11 +10,14 @@
 #include <sstream>
 #include <string_view>
 
+#include "core/base/text.hpp"
+#include "core/cad/cad_model.hpp"
 #include "core/scene/scene_copies.hpp"
 #include "core/scene/scene_overrides.hpp"
 #include "core/scene/scene_reader.hpp"
 #include "core/scene/toml_cursor.hpp"
 #include "core/scene/unit_hints.hpp"
+#include "core/triangles/triangle_reader.hpp"
 
 namespace cgcontact {
 
@@ -24,7 +27,18 @@ namespace {
 constexpr std::uintmax_t largest_file = 16 << 20;
 constexpr int most_key_parts = 20;
 
+/// Throws for a file that is a part of a scene by its name, with what makes a scene of it.
+void expect_no_part(const std::string& file) {
+  const CadFormat format = cad_format(file);
+  const bool is_cad = format != CadFormat::unknown;
+  if (!is_cad && !is_triangle_file(file) && std::filesystem::path(file).extension() != ".inp") return;
+  throw InputError(SourcePlace{file, 0, ""}, "", "is a part and not a scene",
+                   "cgcontact init " + shell_word(file) + (is_cad && format != CadFormat::brep ? "" : " --unit mm") +
+                       " makes a scene of it");
+}
+
 std::string read_file(const std::string& file) {
+  expect_no_part(file);
   const SourcePlace place{file, 0, ""};
   std::error_code error;
   if (file.find('\0') != std::string::npos)
@@ -101,6 +115,16 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
   }
 }
 
+/// Parameters as the file has them, before overrides; none where they cannot be read, which is told afterwards unless
+/// the overrides mend it.
+Constants parameters_in_file(const toml::table& document, const std::string& file) try {
+  const SceneText text{file, {}};
+  const auto parameters = TomlCursor(document, "", text).find("parameters");
+  return parameters ? read_parameters(*parameters) : Constants{};
+} catch (const InputError&) {
+  return {};
+}
+
 /// If [reference] depends on the contact force, it is read again when that is known; document and text stay until then.
 void keep_reference(const TomlCursor& root, const std::shared_ptr<const toml::table>& document,
                     const std::shared_ptr<const SceneText>& text, Scene& scene) {
@@ -122,11 +146,12 @@ Scene read_scene(const std::string& file, const std::vector<std::string>& overri
 Scene parse_scene(const std::string& text, const std::string& file, const std::vector<std::string>& overrides) {
   check_text(text, file);
   const auto document = std::make_shared<toml::table>(parse_toml(text, file));
+  const Constants in_file = overrides.empty() ? Constants{} : parameters_in_file(*document, file);
   apply_overrides(*document, overrides);
   const auto source = std::make_shared<SceneText>(SceneText{file, {}});
   const TomlCursor root(*document, "", *source);
   if (const auto parameters = root.find("parameters")) {
-    source->parameters = read_parameters(*parameters);
+    source->parameters = read_parameters(*parameters, in_file);
     for (const auto& [name, value] : parameters->entries())
       if (value.is_string()) source->definitions[name] = value.string();
   }

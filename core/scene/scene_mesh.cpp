@@ -66,8 +66,21 @@ TriangleSelector::Growth read_growth(const TomlCursor& node, const TriangleSoup&
   return growth;
 }
 
+/// The name of one of the groups that the file has.
+std::string read_group(const TomlCursor& node, const TriangleSoup& soup) {
+  std::vector<std::string> names;
+  for (const FacetGroup& group : soup.groups)
+    if (std::find(names.begin(), names.end(), group.name) == names.end()) names.push_back(group.name);
+  const std::string name = node.string("the name of a group of the file");
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    node.fail(
+        "the file has no such group" + did_you_mean(name, names),
+        names.empty() ? "groups are the lines \"g NAME\" of an OBJ file and the solids of an STL text" : join(names));
+  return name;
+}
+
 TriangleSelector read_selector(const TomlCursor& node, const TriangleSoup& soup) {
-  node.expect_keys({"name", "normal", "box", "plane", "smooth"});
+  node.expect_keys({"name", "group", "normal", "box", "plane", "smooth"});
   TriangleSelector selector;
   selector.place = node.place();
   selector.name = read_name(node.at("name", "a name"));
@@ -90,8 +103,9 @@ TriangleSelector read_selector(const TomlCursor& node, const TriangleSoup& soup)
                       plane->at("distance", ">= 0 m").number(Range::not_negative("m"))};
   }
   if (const auto smooth = node.find("smooth")) selector.smooth = read_growth(*smooth, soup);
-  if (!selector.normal_cone && !selector.box && !selector.plane && !selector.smooth)
-    node.fail("selects nothing", "at least one of normal, box, plane, smooth");
+  if (const auto group = node.find("group")) selector.group = read_group(*group, soup);
+  if (!selector.normal_cone && !selector.box && !selector.plane && !selector.smooth && !selector.group)
+    node.fail("selects nothing", "at least one of group, normal, box, plane, smooth");
   return selector;
 }
 
@@ -99,7 +113,7 @@ std::vector<TriangleSelector> read_selectors(const TomlCursor& node, const Trian
   std::vector<TriangleSelector> selectors;
   std::set<std::string> seen{"rest"};
   if (const auto faces = node.find("faces"))
-    for (const TomlCursor& entry : faces->elements("[{name, normal, box, plane, smooth}, ...]")) {
+    for (const TomlCursor& entry : faces->elements("[{name, group, normal, box, plane, smooth}, ...]")) {
       selectors.push_back(read_selector(entry, soup));
       if (!seen.insert(selectors.back().name).second)
         entry.at("name").fail("is the name of another face of this mesh", "unique names other than \"rest\"");

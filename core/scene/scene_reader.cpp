@@ -20,8 +20,16 @@ constexpr std::size_t most_parameters = 1000;
 constexpr double same_axis = 1e-12;  // rounding of a rotation
 constexpr double end_cone = 45;      // degrees; the normals of a body in plane strain lie along the axis or across it
 
+/// The number in the SI unit of the value that it replaces. An angle stays a number, which keys take in degrees.
+Quantity with_unit_of(const Constants& in_file, const std::string& name, const Quantity& number) {
+  const auto old = in_file.find(name);
+  if (old == in_file.end() || !old->second.has_units || !old->second.dimension) return number;
+  const Dimension& dimension = *old->second.dimension;
+  return dimension.is_angle() ? number : Quantity(number.value, dimension, true);
+}
+
 /// One parameter after those that its expression uses; `in_progress` detects circles.
-Quantity read_parameter(const TomlCursor& table, const std::string& name, Constants& known,
+Quantity read_parameter(const TomlCursor& table, const std::string& name, const Constants& in_file, Constants& known,
                         std::set<std::string>& in_progress) {
   const TomlCursor entry = table.at(name);
   if (!is_free_name(name))
@@ -32,11 +40,11 @@ Quantity read_parameter(const TomlCursor& table, const std::string& name, Consta
     entry.fail("is defined by itself", "parameters that do not refer to each other");
   if (entry.is_string()) {
     for (const std::string& used : identifiers(entry.string()))
-      if (table.find(used)) read_parameter(table, used, known, in_progress);
+      if (table.find(used)) read_parameter(table, used, in_file, known, in_progress);
     const SceneText text{entry.text().file, known};
     known[name] = TomlCursor(entry.node(), entry.key(), text).quantity();
   } else {
-    known[name] = entry.quantity();
+    known[name] = with_unit_of(in_file, name, entry.quantity());
   }
   in_progress.erase(name);
   return known[name];
@@ -160,13 +168,13 @@ std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::str
   return list ? list->elements("[[" + key + "]] sections") : std::vector<TomlCursor>{};
 }
 
-Constants read_parameters(const TomlCursor& table) {
+Constants read_parameters(const TomlCursor& table, const Constants& in_file) {
   if (!table.is_table()) table.expect_keys({"name = number"});
   if (table.entries().size() > most_parameters)
     table.fail("has too many parameters", fmt::format("at most {}", most_parameters));
   Constants known = table.text().parameters;
   std::set<std::string> in_progress;
-  for (const auto& entry : table.entries()) read_parameter(table, entry.first, known, in_progress);
+  for (const auto& entry : table.entries()) read_parameter(table, entry.first, in_file, known, in_progress);
   return known;
 }
 

@@ -15,8 +15,8 @@
 namespace cgcontact {
 
 /// Values of a table of parameters and those that its text knows already; entries may be expressions of other entries,
-/// in any order.
-Constants read_parameters(const TomlCursor& table);
+/// in any order. `in_file`: values that --set has replaced, with whose units its plain numbers are SI numbers.
+Constants read_parameters(const TomlCursor& table, const Constants& in_file = {});
 
 /// Sections and keys at the top of a scene.
 const std::vector<std::string>& scene_keys();

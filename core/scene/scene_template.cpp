@@ -13,11 +13,13 @@
 #include <optional>
 
 #include "core/base/errors.hpp"
+#include "core/base/new_file.hpp"
 #include "core/base/suggest.hpp"
 #include "core/cad/cad_model.hpp"
 #include "core/scene/cad_template.hpp"
 #include "core/scene/part_outline.hpp"
 #include "core/scene/scene_mesh.hpp"
+#include "core/triangles/triangle_reader.hpp"
 
 namespace cgcontact {
 
@@ -288,26 +290,6 @@ std::string face_lines(const PartOutline& part) {
   return text;
 }
 
-/// Creates the file; what exists is not touched.
-void write_new_file(const std::string& file, const std::string& text) {
-  std::FILE* const out = std::fopen(file.c_str(), "wx");
-  if (!out && errno == EEXIST)
-    throw InputError(file + ": exists already, and init does not overwrite (allowed: the name of a new file)");
-  if (!out) throw InputError(fmt::format("{}: cannot be written: {}", file, std::strerror(errno)));
-  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
-  if (std::fclose(out) == 0 && written) return;
-  const int reason = errno;
-  std::remove(file.c_str());
-  throw InputError(fmt::format("{}: cannot be written: {}", file, std::strerror(reason)));
-}
-
-/// Before the work: what write_new_file would say of an existing file.
-void expect_new(const std::string& file) {
-  std::error_code ignored;
-  if (fs::symlink_status(file, ignored).type() != fs::file_type::not_found)
-    throw InputError(file + ": exists already, and init does not overwrite (allowed: the name of a new file)");
-}
-
 /// "" or the line of the shape that turns it.
 std::string rotation_line(const Mat3& turn) {
   const Eigen::AngleAxisd rotation(turn);
@@ -368,17 +350,8 @@ std::string seen_from(const std::string& scene, const std::string& file) {
   return fs::absolute(file).lexically_proximate(fs::absolute(scene).parent_path()).string();
 }
 
-void check_names(const std::vector<std::string>& files) {
-  for (const std::string& name : files)
-    if (printable(name) != name)
-      throw InputError(
-          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
-                      "(allowed: another name)",
-                      name));
-}
-
 Part part_of_surface(const InitOptions& options, const std::string& scene) {
-  check_names({options.surface, scene});
+  check_file_names({options.surface, scene});
   Part part{options.surface, "", outline_part(options.surface, mesh_units().at(options.unit), options.repair)};
   part.shape = fmt::format(mesh_shape, fmt::arg("surface", toml_string(seen_from(scene, options.surface))),
                            fmt::arg("unit", options.unit), fmt::arg("repair", options.repair ? "repair = true\n" : ""),
@@ -457,7 +430,7 @@ std::string passing_scene(const Part& given, std::optional<int> asked_cells, con
 /// A single solid lies under a plate as a surface does; several are as they are. Do they run?
 std::string cad_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
                       std::string& told) {
-  check_names({options.cad, file});
+  check_file_names({options.cad, file});
   const CadTemplate cad(options, seen_from(file, options.cad));
   if (const auto single = cad.single()) {
     const std::string text =
@@ -496,6 +469,11 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault) 
     by_cad.cad.swap(by_cad.file);
     return init_scene(by_cad, find_fault);
   }
+  if (options.cad.empty() && options.surface.empty() && is_triangle_file(options.file)) {
+    InitOptions by_surface = options;  // cgcontact init part.stl
+    by_surface.surface.swap(by_surface.file);
+    return init_scene(by_surface, find_fault);
+  }
   const bool from_surface = !options.surface.empty(), from_cad = !options.cad.empty();
   if (from_cad) check_cad_options(options);
   if (from_surface && options.unit.empty())
@@ -510,7 +488,7 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault) 
                                     : "scene.toml";
   if (fs::path(file).extension() != ".toml")
     throw InputError(file + ": is not the name of a scene (allowed: a name that ends in .toml)");
-  expect_new(file);
+  expect_new_file(file);
   std::string told;
   const std::string name = comment_word(file), stem = comment_word(fs::path(file).stem().string());
   const std::string text = from_cad ? cad_scene(options, file, find_fault, told)
@@ -522,6 +500,15 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault) 
   if (from_surface || from_cad) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";
   told += fmt::format("  cgcontact check {0}\n  cgcontact run {0}\n", name);
   return told;
+}
+
+void check_file_names(const std::vector<std::string>& files) {
+  for (const std::string& name : files)
+    if (printable(name) != name)
+      throw InputError(
+          fmt::format("the name \"{}\" has a control character or is not UTF-8, which a scene cannot hold "
+                      "(allowed: another name)",
+                      name));
 }
 
 std::string toml_string(const std::string& text) {

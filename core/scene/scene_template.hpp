@@ -31,6 +31,9 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault =
 /// An integer from fewest_init_cells to most_init_cells; throws InputError.
 int parse_init_cells(const std::string& text);
 
+/// Throws InputError for a name that a scene cannot hold.
+void check_file_names(const std::vector<std::string>& files);
+
 /// A TOML string.
 std::string toml_string(const std::string& text);
 

@@ -80,6 +80,10 @@ double value_in(const Unit& unit, const Quantity& quantity, const SourcePlace& p
                      "is " + name_of(dimension) + ", not " + name_of(unit.dimension) +
                          weight_of_mass(dimension, unit.dimension) + unit_of_divisor(text, dimension, unit.dimension),
                      allowed_units(unit, allowed));
+  const int angle = Dimension::angle;
+  if (!unit.dimension.is_angle() && unit.dimension.exponents[angle] != 0 && dimension.exponents[angle] == 0)
+    throw InputError(place, text, "is " + name_of(dimension) + ", which may mean revolutions or radians",
+                     allowed_units(unit, allowed));
   return unit.from_si(quantity.value);
 }
 

@@ -37,6 +37,7 @@ class FaceNamer {
 
  private:
   bool meets(const TriangleSelector& selector, std::size_t t) const {
+    if (selector.group && !soup_.is_in_group(static_cast<int>(t), *selector.group)) return false;
     if (selector.normal_cone &&
         normals_[t].dot(selector.normal_cone->first) < selector.normal_cone->second - cone_slack)
       return false;

@@ -30,6 +30,7 @@ struct TriangleSelector {
     double angle;  ///< radians: across edges where the normals differ by no more
   };
   std::optional<Growth> smooth;
+  std::optional<std::string> group;  ///< of the file
   SourcePlace place;
 };
 

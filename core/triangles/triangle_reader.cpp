@@ -110,6 +110,25 @@ std::string lower(std::string_view word) {
   return result;
 }
 
+/// Groups of facets, which begin one after the other and last until the next ones begin.
+class GroupReader {
+ public:
+  /// After so many facets.
+  void begin(const std::vector<std::string>& names, int facets, TriangleSoup& soup) {
+    finish(facets, soup);
+    names_ = names;
+    first_ = facets + 1;
+  }
+  void finish(int facets, TriangleSoup& soup) const {
+    if (facets < first_) return;
+    for (const std::string& name : names_) soup.groups.push_back({name, first_, facets});
+  }
+
+ private:
+  std::vector<std::string> names_;
+  int first_ = 1;
+};
+
 /// Adds a polygon as triangles; `line` 0: the file has none.
 void add_polygon(const std::string& file, const std::vector<int>& corners, int number, int line, TriangleSoup& soup) {
   const std::string where = fmt::format("face {}", number);
@@ -153,10 +172,16 @@ TriangleSoup read_stl_text(const std::string& file, const std::string& text) {
   LineReader reader(file, text);
   int corners = -1, facet_line = 0;  // -1: outside of a facet
   bool ended = false;
+  GroupReader groups;
+  const auto num_facets = [&] { return static_cast<int>(soup.triangles.size()); };
   for (std::string_view word = reader.next_line(); !word.empty(); word = reader.next_line()) {
     const std::string key = lower(word);
     ended = key == "endsolid";
-    if (key == "facet") {
+    if (key == "solid") {
+      const std::string_view name = reader.next_word();
+      groups.begin(name.empty() ? std::vector<std::string>{} : std::vector<std::string>{std::string(name)},
+                   num_facets(), soup);
+    } else if (key == "facet") {
       if (corners >= 0) fail(file, reader.line(), "a facet begins before the one before has ended");
       corners = 0;
       facet_line = reader.line();
@@ -171,13 +196,14 @@ TriangleSoup read_stl_text(const std::string& file, const std::string& text) {
       soup.triangles.push_back({n - 3, n - 2, n - 1});
       soup.line.push_back(facet_line);
       corners = -1;
-    } else if (key != "solid" && key != "endsolid" && key != "outer" && key != "endloop") {
+    } else if (key != "endsolid" && key != "outer" && key != "endloop") {
       fail(file, reader.line(),
            fmt::format("\"{}\" is no word of an STL file{}", word, reader.rest().empty() ? ": is it truncated?" : ""),
            "solid, facet, outer, vertex, endloop, endfacet, endsolid");
     }
   }
   if (!ended) fail(file, reader.line(), "the file ends before \"endsolid\": is it truncated?");
+  groups.finish(num_facets(), soup);
   return soup;
 }
 
@@ -222,9 +248,9 @@ TriangleSoup read_stl(const std::string& file, const std::string& bytes) {
 
 /// Statements of an OBJ file that say nothing about the surface; free-form curves and surfaces are not among them.
 bool is_ignored_in_obj(std::string_view word) {
-  static const std::set<std::string_view> ignored{
-      "vt",     "vn",     "vp",     "l",     "p",        "g",        "o",   "s",          "mg",       "usemtl",
-      "mtllib", "usemap", "maplib", "bevel", "c_interp", "d_interp", "lod", "shadow_obj", "trace_obj"};
+  static const std::set<std::string_view> ignored{"vt",    "vn",       "vp",       "l",      "p",          "o",
+                                                  "s",     "mg",       "usemtl",   "mtllib", "usemap",     "maplib",
+                                                  "bevel", "c_interp", "d_interp", "lod",    "shadow_obj", "trace_obj"};
   return word[0] == '#' || ignored.count(word) > 0;
 }
 
@@ -252,8 +278,14 @@ TriangleSoup read_obj(const std::string& file, const std::string& text) {
   int faces = 0;
   std::vector<int> corners;
   LaterPolygons later;
+  GroupReader groups;
   for (std::string_view word = reader.next_line(); !word.empty(); word = reader.next_line()) {
-    if (word == "v") {
+    if (word == "g") {
+      std::vector<std::string> names;
+      for (word = reader.next_word(); !word.empty() && word[0] != '#'; word = reader.next_word())
+        names.emplace_back(word);
+      groups.begin(names, faces, soup);
+    } else if (word == "v") {
       soup.points.push_back(reader.vector("v x y z"));
     } else if (word == "f") {
       const int line = reader.line();
@@ -265,6 +297,7 @@ TriangleSoup read_obj(const std::string& file, const std::string& text) {
     }
   }
   later.finish(file, soup);
+  groups.finish(faces, soup);
   return soup;
 }
 
@@ -489,15 +522,21 @@ std::string other_kind(const std::string& bytes) {
   return begins("ply\n") || begins("ply\r") ? ".ply" : "";
 }
 
+std::string extension_of(const std::string& file) { return lower(std::filesystem::path(file).extension().string()); }
+
 /// Throws if the name does not end like one of the formats.
-std::string extension_of(const std::string& file) {
-  const std::string extension = lower(std::filesystem::path(file).extension().string());
-  if (extension != ".stl" && extension != ".obj" && extension != ".ply" && extension != ".off")
-    fail(file, 0, "unknown kind of file \"" + extension + "\"", ".stl, .obj, .ply, .off");
-  return extension;
+std::string known_extension_of(const std::string& file) {
+  if (!is_triangle_file(file))
+    fail(file, 0, "unknown kind of file \"" + extension_of(file) + "\"", ".stl, .obj, .ply, .off");
+  return extension_of(file);
 }
 
 }  // namespace
+
+bool is_triangle_file(const std::string& file) {
+  const std::string extension = extension_of(file);
+  return extension == ".stl" || extension == ".obj" || extension == ".ply" || extension == ".off";
+}
 
 int merge_equal_points(TriangleSoup& soup) {
   std::size_t size = 16;
@@ -528,12 +567,12 @@ int merge_equal_points(TriangleSoup& soup) {
 }
 
 TriangleSoup read_triangles(const std::string& file) {
-  extension_of(file);
+  known_extension_of(file);
   return parse_triangles(file, read_bytes(file));
 }
 
 TriangleSoup parse_triangles(const std::string& file, const std::string& bytes) {
-  const std::string extension = extension_of(file);
+  const std::string extension = known_extension_of(file);
   if (bytes.empty()) fail(file, 0, "the file is empty");
   if (bytes.rfind("\xef\xbb\xbf", 0) == 0) return parse_triangles(file, bytes.substr(3));  // a byte order mark
   const std::string other = other_kind(bytes);

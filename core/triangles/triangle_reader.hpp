@@ -10,6 +10,9 @@
 
 namespace cgcontact {
 
+/// Is a file by its name (.stl, .obj, .ply, .off) one of these?
+bool is_triangle_file(const std::string& file);
+
 /// Coordinates as they stand in the file. Corners of STL facets with equal coordinates are one point. Polygons are
 /// divided into triangles (core/triangles/polygon_triangles.hpp). Throws InputError with file, line (of text) or facet,
 /// and what is wrong.

@@ -15,6 +15,13 @@ std::string TriangleSoup::place(int triangle) const {
   return fmt::format("triangle {}{} at ({:.6g}, {:.6g}, {:.6g})", given, where, x[0], x[1], x[2]);
 }
 
+bool TriangleSoup::is_in_group(int triangle, const std::string& name) const {
+  const int facet = number.empty() ? triangle + 1 : number[triangle];
+  return std::any_of(groups.begin(), groups.end(), [&](const FacetGroup& group) {
+    return group.name == name && group.first <= facet && facet <= group.last;
+  });
+}
+
 void TriangleSoup::keep(const std::vector<char>& kept) {
   if (number.empty())
     for (std::size_t t = 0; t < triangles.size(); ++t) number.push_back(static_cast<int>(t) + 1);

@@ -8,14 +8,22 @@
 
 namespace cgcontact {
 
+/// Facets of a file, first to last, that it gives a name.
+struct FacetGroup {
+  std::string name;
+  int first, last;
+};
+
 struct TriangleSoup {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
-  std::vector<int> number;  ///< of the facet in the file, from 1; empty: as they stand
-  std::vector<int> line;    ///< of the facet in the file; empty: a binary file
+  std::vector<int> number;              ///< of the facet in the file, from 1; empty: as they stand
+  std::vector<int> line;                ///< of the facet in the file; empty: a binary file
+  std::vector<FacetGroup> groups = {};  ///< several may have one name, or a facet in common
 
   /// "triangle 7 (line 52) at (x, y, z)": number, line if known, centroid.
   std::string place(int triangle) const;
+  bool is_in_group(int triangle, const std::string& name) const;
   /// Keeps the triangles whose entry is not zero.
   void keep(const std::vector<char>& kept);
   /// Of the box about all points.

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Options, default places and progress as a user sees them."""
+import json
 import os
 import pathlib
 import pty
@@ -65,6 +66,27 @@ class Options(unittest.TestCase):
         self.assertIn("results in a/b:", outcome.out)
         self.assertEqual(cgcontact("run", scene("two_solids"), *named, "--out", "c", cwd="here").code, 0)
         self.assertEqual(sorted(os.listdir("here")), ["a", "c", "out"])
+
+    def test_quiet(self):
+        """Nothing but warnings and a bad verdict, on standard error; with --json the report, which holds them, on standard output."""
+        small = settings(n=4, output__plots="false", output__vtk="false")
+        outcome = cgcontact("run", scene("two_solids"), "-q", "--out", "good", *settings(n=16, output__plots="false"))
+        self.assertEqual((outcome.code, outcome.out, outcome.err), (0, "", ""))
+        self.assertEqual(report("good")["verdict"]["state"], "resolved")
+        outcome = cgcontact("run", scene("two_solids"), "--quiet", "--out", "coarse", *settings(n=1, output__plots="false"))
+        coarse = report("coarse")
+        told = [coarse["verdict"]["text"], *coarse["warnings"]]
+        self.assertNotEqual(coarse["verdict"]["state"], "resolved")
+        self.assertEqual((outcome.code, outcome.out), (0, ""))
+        self.assertEqual(outcome.err.splitlines(), ["warning: " + text for text in told])
+        outcome = cgcontact("run", scene("two_solids"), "--quiet", "--json", "--out", "both", *small)
+        self.assertEqual((outcome.code, outcome.err), (0, ""))
+        self.assertEqual(json.loads(outcome.out), report("both"))
+        outcome = cgcontact("run", scene("two_solids"), "--json", "--out", "told", *small)
+        self.assertEqual(json.loads(outcome.out), report("told"))
+        self.assertIn("solve: ", outcome.err)
+        outcome = cgcontact("run", scene("two_solids"), "--quiet", "--set", "n=0")
+        self.assertEqual((outcome.code, outcome.out, len(outcome.err.splitlines())), (1, "", 1))
 
     def test_threads(self):
         """More threads than the program runs on: it says so on standard error and in the report, and runs."""

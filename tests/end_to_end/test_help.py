@@ -53,6 +53,14 @@ class Help(unittest.TestCase):
                                     cwd="empty", environment=variables)
                 self.assertIn(outcome.code, (0,) if words[0] != "init" else (0, 1), outcome.err)
 
+    def test_help_as_a_command(self):
+        """"help COMMAND" is "COMMAND --help"."""
+        for command in COMMANDS:
+            self.assertEqual(cgcontact("help", command).out, cgcontact(command, "--help").out)
+        outcome = cgcontact("help")
+        self.assertEqual((outcome.code, outcome.out, outcome.err), (0, cgcontact("--help").out, ""))
+        self.assertIn("unknown command", cgcontact("help", "nothing").err)
+
     def test_manual_page(self):
         """It renders without warnings, and has every command, option, exit code and variable."""
         page = harness.SOURCE / "docs" / "man" / "cgcontact.1"

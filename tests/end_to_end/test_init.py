@@ -127,7 +127,11 @@ class Example(Init):
         self.refused("file/a.toml", expected=["file/a.toml: cannot be written: Not a directory"])
         self.refused("/proc/a.toml", expected=["/proc/a.toml: cannot be written"])
         self.refused("scene", expected=["scene: is not the name of a scene", ".toml"])
-        self.refused("part.stl", expected=["part.stl: is not the name of a scene"])
+        self.refused("part.stl", expected=["--stl part.stl needs --unit as well"])
+        for part, command in (("part.STL", "init part.STL --unit mm"), ("part.step", "init part.step"), ("deck.inp", "init deck.inp --unit")):
+            outcome = cgcontact("check", part)
+            self.assertEqual((outcome.code, outcome.out), (1, ""))
+            self.assertIn(f"{part}: is a part and not a scene (allowed: cgcontact {command}", outcome.err)
 
 
 class Parts(Init):

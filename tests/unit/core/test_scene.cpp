@@ -544,6 +544,39 @@ TEST(Scene, degree_of_the_recovery_is_one_number_or_a_table) {
   expect_contains(message_of(scene_file("rings.toml"), {"recovery.rings=5"}), {"an integer from 0 to 4"});
 }
 
+// A plain number in the place of "0.08 mm" is in m, also where other parameters use it; an angle stays in degrees.
+TEST(Overrides, numbers_have_the_si_unit_of_the_parameter_that_they_replace) {
+  const std::string text = R"(
+parameters = {c = "0.08 mm", d = "2*c + 1 mm", n = 3, w = "3000 rpm", tilt = "30 deg"}
+rotation = {axis = [0, 0, 1], speed = "w"}
+[[body]]
+name = "a"
+shape = {box = {min = [0, 0, 0], max = ["d", "1 mm + c", "1 mm"]}}
+material = {E = 1e9, nu = 0.3, density = 1000}
+cell_size = "1 mm/n"
+grid = {rotation = {axis = [0, 0, 1], angle = "tilt"}}
+[[support]]
+face = "a.box.z-"
+displacement = {x = 0, y = 0, z = 0}
+)";
+  const auto read = [&](const std::vector<std::string>& overrides) { return parse_scene(text, "a.toml", overrides); };
+  const auto extent = [&](const Scene& scene) {
+    Vec3 min, max;
+    scene.bodies[0].solid.bounding_box(min, max);
+    return max;
+  };
+  const Scene scene = read({"c=1e-4", "n=4"});
+  EXPECT_DOUBLE_EQ(extent(scene)[0], 1.2e-3);
+  EXPECT_DOUBLE_EQ(extent(scene)[1], 1.1e-3);
+  EXPECT_DOUBLE_EQ(scene.bodies[0].cell_size, 0.25e-3);
+  EXPECT_DOUBLE_EQ(extent(read({"d=5e-3"}))[0], 5e-3);
+  EXPECT_DOUBLE_EQ(extent(read({"c=0.1 mm"}))[1], 1.1e-3);
+  EXPECT_DOUBLE_EQ(read({"w=2"}).bodies[0].inertia.spin, 4000);
+  const double cosine = std::cos(45 * 3.14159265358979323846 / 180);
+  EXPECT_NEAR(read({"tilt=45"}).bodies[0].grid_rotation(0, 0), cosine, 1e-15);
+  EXPECT_THROW(read({"n=4 mm"}), InputError) << "1 mm/n is no length then";
+}
+
 TEST(Overrides, change_values_by_name_index_and_parameter) {
   const std::string file = scene_file("two_solids.toml");
   EXPECT_DOUBLE_EQ(read_scene(file, {"n=32"}).bodies[0].cell_size, 0.01 / 32);

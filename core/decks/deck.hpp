@@ -1,0 +1,81 @@
+/// Input decks of CalculiX and Abaqus (keywords as in the CalculiX CrunchiX manual 2.20, chapter 7): the part of them
+/// that describes solid bodies, what holds and loads them, and where they touch. Flat decks only: no parts and
+/// instances.
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/types.hpp"
+
+namespace cgcontact {
+
+/// A side of an element, from 1, as in the manual.
+struct ElementSide {
+  int element, side;
+  bool operator<(const ElementSide& other) const {
+    return element != other.element ? element < other.element : side < other.side;
+  }
+  bool operator==(const ElementSide& other) const { return element == other.element && side == other.side; }
+};
+
+struct DeckElement {
+  enum class Shape { tetrahedron, wedge, hexahedron };
+  Shape shape;
+  std::vector<int> nodes;  ///< numbers of the file; corners first, then the middles of the edges, if it has any
+};
+
+struct DeckMaterial {
+  std::optional<double> youngs_modulus, poissons_ratio, density, expansion;
+};
+
+/// What *BOUNDARY, *CLOAD, *DLOAD and *DSLOAD say, a line each.
+struct DeckCondition {
+  enum class Kind { displacement, force, pressure, surface_pressure, gravity };
+  Kind kind;
+  std::string set;                ///< nodes, elements or surface
+  int first = 0, last = 0;        ///< components from 1; of a pressure the side of the elements
+  double value = 0;               ///< of the line; of gravity the acceleration
+  Vec3 direction = Vec3::Zero();  ///< of gravity
+  int line = 0;
+};
+
+/// *CONTACT PAIR or *TIE.
+struct DeckPair {
+  std::string slave, master;
+  bool bonded = false;
+  int line = 0;
+};
+
+/// Names are in capital letters; a set of a single number is named by it.
+struct Deck {
+  std::string file, title;
+  std::map<int, Vec3> nodes;
+  std::map<int, DeckElement> elements;
+  std::map<std::string, std::set<int>> node_sets, element_sets;
+  std::map<std::string, std::set<ElementSide>> surfaces;
+  std::map<std::string, std::set<int>> node_surfaces;
+  std::map<std::string, DeckMaterial> materials;
+  std::map<int, std::string> material_of_element;
+  std::vector<DeckCondition> conditions;
+  std::vector<DeckPair> pairs;
+  std::vector<std::string> left_out;  ///< what a scene does not take over, with the lines
+
+  /// Nodes of a set, or of the number that is its name; empty: there is none.
+  std::set<int> nodes_of(const std::string& set) const;
+  std::set<int> elements_of(const std::string& set) const;
+};
+
+/// Corners of each side of a shape, as indices into the nodes.
+const std::vector<std::vector<int>>& sides_of(DeckElement::Shape shape);
+/// Index of the node in the middle between two corners, -1: the element has none.
+int middle_node(const DeckElement& element, int corner, int other);
+
+/// Throws InputError with file and line for what is no deck, or refers to what is not there.
+Deck read_deck(const std::string& file);
+
+}  // namespace cgcontact

@@ -1,0 +1,18 @@
+/// The scene that `init` makes of an input deck.
+#pragma once
+
+#include <string>
+
+#include "core/scene/scene_template.hpp"
+
+namespace cgcontact {
+
+/// Is a file by its name an input deck?
+bool is_deck(const std::string& file);
+
+/// As init_scene, of the deck options.file: a scene, and a surface file for each body beside it, none of which may
+/// exist yet. Returns what to tell the user: also what of the deck is not taken over, and what `find_fault` says.
+/// Throws InputError; nothing is written then.
+std::string init_deck(const InitOptions& options, const FindFault& find_fault = {});
+
+}  // namespace cgcontact
