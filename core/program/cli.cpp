@@ -198,8 +198,7 @@ void Parser::describe_init() {
   CLI::App& init =
       add_command("init", CommandLine::init, "Write a commented scene to start from; it runs as it is", init_footer);
   InitOptions& options = line.init_options;
-  init.add_option("FILE", options.file,
-                  "Scene to write [default: scene.toml, or as the part, with .toml], or a part: CAD, surface, deck.inp")
+  init.add_option("FILE", options.file, "Scene to write [default: scene.toml], or a part: CAD file, surface, deck.inp")
       ->type_name("")
       ->check([](const std::string& value) { return value.empty() ? "is empty (allowed: a name in .toml)" : ""; }, "");
   add(init, "--stl", "FILE", "A closed surface (.stl, .obj, .ply or .off) to be a body of the scene",

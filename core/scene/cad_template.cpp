@@ -92,7 +92,11 @@ Touching find_touching(const CadBody& a, const CadBody& b) {
   return touching;
 }
 
-std::string vector(const Vec3& v) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v[0], v[1], v[2]); }
+/// What is rounding beside `size` is zero.
+std::string vector(const Vec3& v, double size) {
+  const Vec3 clean = v.unaryExpr([&](double x) { return std::abs(x) < 1e-9 * size ? 0 : x; });
+  return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", clean[0], clean[1], clean[2]);
+}
 
 /// The faces of a solid, largest first.
 std::string face_lines(const CadModel& model, double scale) {
@@ -100,15 +104,16 @@ std::string face_lines(const CadModel& model, double scale) {
   for (std::size_t f = 0; f < order.size(); ++f) order[f] = static_cast<int>(f);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return model.faces()[a].area > model.faces()[b].area; });
+  const auto [low, high] = model.box();
+  const double size = (high - low).maxCoeff();
   std::string text;
   for (std::size_t k = 0; k < std::min(order.size(), most_lines); ++k) {
     const CadFace& face = model.faces()[order[k]];
     text += fmt::format("#   face{:<4} {:8.4g} m^2  {}", order[k] + 1, face.area * scale * scale,
                         face.kind == "other" ? "free-form" : face.kind);
-    if (face.kind == "plane")
-      text += ", normal " + vector(face.axis.unaryExpr([](double x) { return std::abs(x) < 1e-9 ? 0 : x; }));
+    if (face.kind == "plane") text += ", normal " + vector(face.axis, 1);
     if (face.radius > 0) text += fmt::format(", radius {:.6g} m", face.radius * scale);
-    text += ", at " + vector(scale * face.middle);
+    text += ", at " + vector(scale * face.middle, scale * size);
     if (!face.name.empty()) text += fmt::format(", called \"{}\"", face.name);
     text += "\n";
   }
@@ -213,9 +218,10 @@ std::optional<CadTemplate::Single> CadTemplate::single() const {
   const Vec3 extent = part.max - part.min;
   return Single{cad_line(*part.solid) + "\n# Its faces, largest first; they are \"part.surface.face1\" and so on:\n" +
                     face_lines(model, scale_),
-                outline_surface(as_cad(part.body)->surface().flat,
-                                fmt::format("{}: solid \"{}\", {} faces, {:.4g} x {:.4g} x {:.4g} m", source_,
-                                            part.solid->name, model.faces().size(), extent[0], extent[1], extent[2]))};
+                outline_surface(
+                    as_cad(part.body)->surface().flat,
+                    fmt::format("{}: solid \"{}\", {} face{}, {:.4g} x {:.4g} x {:.4g} m", source_, part.solid->name,
+                                model.faces().size(), plural(model.faces().size()), extent[0], extent[1], extent[2]))};
 }
 
 std::string CadTemplate::scene(const std::string& file, const std::string& state, std::string& told) const {
@@ -258,8 +264,9 @@ std::string CadTemplate::scene(const std::string& file, const std::string& state
                       pairs_, plural(static_cast<std::size_t>(pairs_)));
   for (const Part& part : parts_) {
     const Vec3 extent = part.max - part.min;
-    told += fmt::format("  {}: {:.4g} x {:.4g} x {:.4g} m, {} faces, cells of {:.3g} m\n", part.name, extent[0],
-                        extent[1], extent[2], part.solid->model.faces().size(), part.cell_size);
+    told += fmt::format("  {}: {:.4g} x {:.4g} x {:.4g} m, {} face{}, cells of {:.3g} m\n", part.name, extent[0],
+                        extent[1], extent[2], part.solid->model.faces().size(),
+                        plural(part.solid->model.faces().size()), part.cell_size);
     const std::string doubt = doubtful_unit(extent);
     if (!doubt.empty()) told += fmt::format("warning: {}: {}\n", part.name, doubt);
   }

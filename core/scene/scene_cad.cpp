@@ -272,9 +272,9 @@ CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const T
     extent = scale * (high - low);
     shape.solid = Solid(std::make_shared<CadBody>(model, scale, cell_size_for_cad(body, extent.maxCoeff())));
     shape.note =
-        fmt::format("{}: solid \"{}\", {} faces, {:.4g} x {:.4g} x {:.4g} m, volume {:.6g} m^3, area {:.6g} m^2", given,
-                    chosen.name, model.faces().size(), extent[0], extent[1], extent[2],
-                    model.volume() * scale * scale * scale, model.area() * scale * scale);
+        fmt::format("{}: solid \"{}\", {} face{}, {:.4g} x {:.4g} x {:.4g} m, volume {:.6g} m^3, area {:.6g} m^2",
+                    given, chosen.name, model.faces().size(), model.faces().size() == 1 ? "" : "s", extent[0],
+                    extent[1], extent[2], model.volume() * scale * scale * scale, model.area() * scale * scale);
   } catch (const InputError& error) {
     file_node.fail(error.what());
   }
