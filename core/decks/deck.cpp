@@ -50,7 +50,8 @@ std::vector<std::string> fields_of(std::string_view line) {
 struct Line {
   int number = 0;
   std::string file;
-  std::vector<std::string> fields;
+  std::string text;                 ///< as it is written
+  std::vector<std::string> fields;  ///< in capital letters
 };
 
 struct Block {
@@ -88,11 +89,12 @@ class BlockReader {
       const std::string_view line = trimmed(rest.substr(0, end));
       rest.remove_prefix(std::min(end + 1, rest.size()));
       if (line.empty() || line.substr(0, 2) == "**") continue;
-      add_line({number, file, fields_of(line)}, line, depth);
+      add_line({number, file, std::string(line), fields_of(line)}, depth);
     }
   }
 
-  void add_line(const Line& line, std::string_view text, int depth) {
+  void add_line(const Line& line, int depth) {
+    const std::string& text = line.text;
     const bool goes_on = text.back() == ',';
     if (text[0] == '*' || in_head_) {
       in_head_ ? add_parameters(line, 0) : begin_block(line);
@@ -246,8 +248,7 @@ class DeckReader {
   void leave_out(const std::string& what, const Line& line) { unknown_[what].push_back(line.number); }
 
   void heading(const Block& block) {
-    if (block.data.empty()) return;
-    for (const std::string& field : block.data.front().fields) deck_.title += (deck_.title.empty() ? "" : ", ") + field;
+    if (!block.data.empty()) deck_.title = block.data.front().text;
   }
 
   void nodes(const Block& block) {
@@ -373,7 +374,10 @@ class DeckReader {
   void assign_materials() {
     for (const auto& [set, name, line] : sections_) {
       if (deck_.materials.count(name) == 0) fail(line, fmt::format("there is no material \"{}\"", name));
-      for (const int element : deck_.elements_of(set)) deck_.material_of_element[element] = name;
+      for (const int element : deck_.elements_of(set)) {
+        deck_.material_of_element[element] = name;
+        deck_.section_of_element[element] = set;
+      }
     }
   }
 

@@ -60,7 +60,7 @@ struct Deck {
   std::map<std::string, std::set<ElementSide>> surfaces;
   std::map<std::string, std::set<int>> node_surfaces;
   std::map<std::string, DeckMaterial> materials;
-  std::map<int, std::string> material_of_element;
+  std::map<int, std::string> material_of_element, section_of_element;  ///< the section's set of elements
   std::vector<DeckCondition> conditions;
   std::vector<DeckPair> pairs;
   std::vector<std::string> left_out;  ///< what a scene does not take over, with the lines

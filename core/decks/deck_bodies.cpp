@@ -86,6 +86,14 @@ void find_joints(const Deck& deck, DeckBodies& found) {
     }
 }
 
+/// Bodies of one section are numbered.
+void name_apart(std::vector<DeckBody>& bodies) {
+  std::map<std::string, int> count, number;
+  for (const DeckBody& body : bodies) ++count[body.name];
+  for (DeckBody& body : bodies)
+    if (const std::string section = body.name; count[section] > 1) body.name += fmt::format("_{}", ++number[section]);
+}
+
 /// Triangles of a side as nodes of the file: with the middles of its edges, where it has them, in the middle too.
 std::vector<std::array<int, 3>> triangles_of(const Deck& deck, const ElementSide& side) {
   const DeckElement& element = deck.elements.at(side.element);
@@ -147,10 +155,11 @@ DeckBodies find_bodies(const Deck& deck) {
     if (added) {
       found.bodies.emplace_back();
       found.bodies.back().material = deck.material_of_element.at(numbers[i]);
-      found.bodies.back().name = fmt::format("body{}", found.bodies.size());
+      found.bodies.back().name = name_in_scene(deck.section_of_element.at(numbers[i]));
     }
     found.bodies[body->second].elements.insert(numbers[i]);
   }
+  name_apart(found.bodies);
   for (DeckBody& body : found.bodies) find_outer_sides(deck, body);
   find_joints(deck, found);
   return found;

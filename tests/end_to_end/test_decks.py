@@ -137,7 +137,7 @@ class Decks(unittest.TestCase):
                 result = self.solve(kind, accuracy__pressure='"20 %"')
                 force = 1.5 * len(mesh.sets["HIGHZ1"])
                 pair = result["contact"][0]
-                self.assertAlmostEqual(abs(pair["force"]["body1"][2]) / force, 1, delta=1e-5)
+                self.assertAlmostEqual(abs(pair["force"]["low"][2]) / force, 1, delta=1e-5)
                 exact = force / 1e-4 * 10e-3 * (1 / 1000e6 + 1 / 2000e6)
                 self.assertAlmostEqual(max(body["max_displacement"] for body in result["bodies"]) / exact, 1, delta=1e-3)
 
@@ -194,7 +194,7 @@ class Decks(unittest.TestCase):
         pathlib.Path("parts/Mesh.inc").write_text(mesh.text())
         outcome = self.init("*include, input=parts/Mesh.inc\n" + MATERIALS + SURFACES + CONDITIONS + "*DLOAD\nHIGH, P2, 1.\n", "whole")
         self.assertEqual(outcome.code, 0, outcome.err)
-        self.assertTrue(pathlib.Path("whole_body2.obj").is_file())
+        self.assertTrue(pathlib.Path("whole_high.obj").is_file())
         outcome = self.init("*INCLUDE, INPUT=circle.inp\n", "circle")
         self.assertEqual(outcome.code, 1)
         self.assertIn("without end", outcome.err)
@@ -227,12 +227,12 @@ class Decks(unittest.TestCase):
             outcome = cgcontact("init", "bad.inp", *options)
             self.assertEqual(outcome.code, 1)
             self.assertIn(message, outcome.err)
-        pathlib.Path("bad_body2.obj").write_text("mine")
+        pathlib.Path("bad_high.obj").write_text("mine")
         outcome = self.init(good, "bad")
         self.assertEqual(outcome.code, 1)
         self.assertIn("exists already", outcome.err)
-        self.assertEqual(pathlib.Path("bad_body2.obj").read_text(), "mine")
-        self.assertFalse(pathlib.Path("bad.toml").exists() or pathlib.Path("bad_body1.obj").exists())
+        self.assertEqual(pathlib.Path("bad_high.obj").read_text(), "mine")
+        self.assertFalse(pathlib.Path("bad.toml").exists() or pathlib.Path("bad_low.obj").exists())
 
 
 if __name__ == "__main__":
