@@ -128,6 +128,8 @@ TEST(CommandLine, help_and_version_end_well) {
   EXPECT_FALSE(help.line || run_help.line || version.line);
   EXPECT_EQ(help.exit_code + run_help.exit_code + version.exit_code, 0);
   EXPECT_NE(help.out.find("Exit codes"), std::string::npos);
+  EXPECT_EQ(parse({"help"}).out, help.out);
+  EXPECT_EQ(parse({"help", "run"}).out, run_help.out);
   EXPECT_NE(run_help.out.find("--threads"), std::string::npos);
   EXPECT_EQ(version.out.rfind("cgcontact ", 0), 0u);
 }
@@ -157,7 +159,7 @@ TEST(CommandLine, mistakes_give_one_line_and_exit_code_1) {
       {{"init", ""}, "FILE: is empty"},
       {{"-version"}, "did you mean \"--version\"?"},
       {{"check", "a.toml", "--threads=2"}, "unknown option \"--threads\" of check (it belongs to run, study)"},
-      {{"help"}, "did you mean \"--help\"?"},
+      {{"help", "nothing"}, "unknown command \"nothing\""},
       {{"init", "--unit", "mm", "--stll", "a.stl"}, "did you mean \"--stl\"?"},
       {{"init", "--cells", "3"}, "--cells: \"3\" is not a number of cells (allowed: an integer from 4 to 200)"},
       {{"run", "a.toml", "--thread", "2"}, "(see cgcontact run --help)"},
