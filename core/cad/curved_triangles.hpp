@@ -80,7 +80,7 @@ class CurvedTriangles {
   Vec2 parameters(int triangle, double a, double b) const;
   CurvedPlace place(int triangle, double a, double b) const;
 
-  /// Is a box a place where triangles have to follow the surface? An empty one: they have to everywhere.
+  /// Tells whether triangles in a box have to follow the surface; an empty function: all have to.
   using Wanted = std::function<bool(const Vec3& low, const Vec3& high)>;
   /// Divides triangles until no side and no middle is farther than `sag` from the exact surface, of those whose boxes
   /// are wanted; computes the bends.

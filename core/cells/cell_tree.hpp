@@ -41,7 +41,7 @@ class CellTree {
     return !is_refined(level, cell) &&
            (level == 0 || is_refined(level - 1, {cell[0] >> 1, cell[1] >> 1, cell[2] >> 1}));
   }
-  /// Does a divided cell of a level touch a box? Cells of level 0 as unit of the coordinates.
+  /// Tells whether a divided cell of a level touches a box. Unit of the coordinates: a cell of level 0.
   bool is_refined_in(int level, const Vec3& low, const Vec3& high) const;
   /// The tree with every cell whose parts are all leaves put together again, for as far as the balance allows: one
   /// level less.
@@ -50,7 +50,7 @@ class CellTree {
   const GridNumbers& refined(int level) const { return refined_[level]; }
 
  private:
-  /// The same for the parts of level `from` of a cell of the level before.
+  /// Looks at the cells `first` to `last` of level `from` and at their parts.
   bool is_refined_in(int from, const Index3& first, const Index3& last, int level, const Vec3& low,
                      const Vec3& high) const;
   Index3 clamped(int level, Index3 cell) const;

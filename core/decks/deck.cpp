@@ -109,8 +109,7 @@ class BlockReader {
   void begin_block(const Line& line) {
     Block block;
     block.head = line;
-    std::string word = line.fields[0].substr(1);
-    block.keyword = word;
+    block.keyword = line.fields[0].substr(1);
     blocks_.push_back(std::move(block));
     add_parameters(line, 1);
   }
@@ -489,6 +488,8 @@ std::set<int> set_or_number(const std::map<std::string, std::set<int>>& sets, co
 std::set<int> Deck::nodes_of(const std::string& set) const { return set_or_number(node_sets, set); }
 std::set<int> Deck::elements_of(const std::string& set) const { return set_or_number(element_sets, set); }
 
+int num_corners(Shape shape) { return shape == Shape::tetrahedron ? 4 : shape == Shape::wedge ? 6 : 8; }
+
 const std::vector<std::vector<int>>& sides_of(DeckElement::Shape shape) {
   static const std::vector<std::vector<int>> of_tetrahedron{{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {2, 3, 0}},
       of_wedge{{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}},
@@ -504,9 +505,8 @@ int middle_node(const DeckElement& element, int corner, int other) {
   const Edges& edges = element.shape == Shape::tetrahedron ? of_tetrahedron
                        : element.shape == Shape::wedge     ? of_wedge
                                                            : of_hexahedron;
-  const int corners = element.shape == Shape::tetrahedron ? 4 : element.shape == Shape::wedge ? 6 : 8;
   const auto found = std::find(edges.begin(), edges.end(), std::minmax({corner, other}));
-  const int index = corners + static_cast<int>(found - edges.begin());
+  const int index = num_corners(element.shape) + static_cast<int>(found - edges.begin());
   return found != edges.end() && index < static_cast<int>(element.nodes.size()) ? element.nodes[index] : -1;
 }
 

@@ -70,6 +70,7 @@ struct Deck {
   std::set<int> elements_of(const std::string& set) const;
 };
 
+int num_corners(DeckElement::Shape shape);
 /// Corners of each side of a shape, as indices into the nodes.
 const std::vector<std::vector<int>>& sides_of(DeckElement::Shape shape);
 /// Index of the node in the middle between two corners, -1: the element has none.

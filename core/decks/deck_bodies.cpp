@@ -20,11 +20,9 @@ std::vector<int> corners_of(const Deck& deck, const ElementSide& side) {
   const DeckElement& element = deck.elements.at(side.element);
   std::vector<int> corners = sides_of(element.shape)[side.side - 1];
   const auto place = [&](int corner) { return deck.nodes.at(element.nodes[corner]); };
-  const std::size_t num_corners = element.shape == DeckElement::Shape::tetrahedron ? 4
-                                  : element.shape == DeckElement::Shape::wedge     ? 6
-                                                                                   : 8;
   Vec3 middle = Vec3::Zero(), of_side = Vec3::Zero(), normal = Vec3::Zero();
-  for (std::size_t c = 0; c < num_corners; ++c) middle += place(static_cast<int>(c)) / static_cast<double>(num_corners);
+  const int n = num_corners(element.shape);
+  for (int c = 0; c < n; ++c) middle += place(c) / n;
   for (const int c : corners) of_side += place(c) / static_cast<double>(corners.size());
   for (std::size_t k = 0; k < corners.size(); ++k)
     normal += (place(corners[k]) - of_side).cross(place(corners[(k + 1) % corners.size()]) - of_side);
@@ -173,6 +171,13 @@ std::set<ElementSide> sides_on_nodes(const Deck& deck, const DeckBody& body, con
       found.insert(side);
   }
   return found;
+}
+
+std::set<int> nodes_of_sides(const Deck& deck, const std::set<ElementSide>& sides) {
+  std::set<int> nodes;
+  for (const ElementSide& side : sides)
+    for (const std::array<int, 3>& triangle : triangles_of(deck, side)) nodes.insert(triangle.begin(), triangle.end());
+  return nodes;
 }
 
 std::string surface_text(const Deck& deck, const DeckBody& body, std::vector<std::vector<std::string>>& groups) {

@@ -39,8 +39,11 @@ struct DeckBodies {
 /// Throws InputError for elements without a material, or of no volume.
 DeckBodies find_bodies(const Deck& deck);
 
-/// Of a body: its outer sides all of whose corners are among the nodes.
+/// Outer sides of a body all of whose corners are among the nodes.
 std::set<ElementSide> sides_on_nodes(const Deck& deck, const DeckBody& body, const std::set<int>& nodes);
+
+/// Nodes of some sides, with the middles of their edges.
+std::set<int> nodes_of_sides(const Deck& deck, const std::set<ElementSide>& sides);
 
 /// The outer sides of a body as triangles in the OBJ format, in the units of the deck; the middles of edges are corners
 /// too. Sides that are in the same faces are a group, whose name stands behind "g". `groups`: of each face, those that

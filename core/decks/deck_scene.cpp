@@ -88,6 +88,8 @@ class SceneOfDeck {
   void take(const DeckCondition& c) {
     using Kind = DeckCondition::Kind;
     if (c.kind == Kind::gravity) {
+      if (deck_.elements_of(c.set).size() < deck_.elements.size())
+        leave_out(fmt::format("*DLOAD, GRAV on {} alone: gravity acts on all bodies of a scene", c.set), c.line);
       if (gravity_.empty())
         gravity_ = fmt::format("gravity = {}   # m/s^2, on all bodies\n\n",
                                vector(units_.length * c.value * c.direction.normalized()));
@@ -103,6 +105,7 @@ class SceneOfDeck {
                 c.line);
       return;
     }
+    tell_nodes_beside(c);
     if (c.kind == Kind::displacement) return hold(c, faces);
     if (c.kind != Kind::force)
       for (const std::string& face : faces) loads_ += load(face, "pressure = " + number(units_.stress * c.value));
@@ -117,6 +120,20 @@ class SceneOfDeck {
     std::set<ElementSide> sides;
     for (const int element : deck_.elements_of(c.set)) sides.insert({element, c.first});
     return faces_of_sides(sides, fmt::format("{}_p{}", c.set, c.first));
+  }
+
+  /// Nodes that no whole side has are not held, and their forces act on the sides that there are.
+  void tell_nodes_beside(const DeckCondition& c) {
+    if (c.kind != DeckCondition::Kind::displacement && c.kind != DeckCondition::Kind::force) return;
+    const std::set<int> nodes = deck_.nodes_of(c.set);
+    std::set<int> on_sides;
+    for (const DeckBody& body : found_.bodies)
+      on_sides.merge(nodes_of_sides(deck_, sides_on_nodes(deck_, body, nodes)));
+    const auto beside = std::count_if(nodes.begin(), nodes.end(), [&](int node) { return on_sides.count(node) == 0; });
+    if (beside > 0)
+      leave_out(fmt::format("{} of the {} nodes of {}, which are on no whole outer side of an element", beside,
+                            nodes.size(), c.set),
+                c.line);
   }
 
   void hold(const DeckCondition& c, const std::vector<std::string>& faces) {
@@ -255,13 +272,6 @@ class WrittenFiles {
 };
 
 }  // namespace
-
-bool is_deck(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == ".inp";
-}
 
 std::string init_deck(const InitOptions& options, const FindFault& find_fault) {
   check_deck_options(options);

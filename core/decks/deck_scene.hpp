@@ -7,9 +7,6 @@
 
 namespace cgcontact {
 
-/// Is a file by its name an input deck?
-bool is_deck(const std::string& file);
-
 /// As init_scene, of the deck options.file: a scene, and a surface file for each body beside it, none of which may
 /// exist yet. Returns what to tell the user: also what of the deck is not taken over, and what `find_fault` says.
 /// Throws InputError; nothing is written then.

@@ -15,6 +15,7 @@
 #include "core/scene/scene_copies.hpp"
 #include "core/scene/scene_overrides.hpp"
 #include "core/scene/scene_reader.hpp"
+#include "core/scene/scene_template.hpp"
 #include "core/scene/toml_cursor.hpp"
 #include "core/scene/unit_hints.hpp"
 #include "core/triangles/triangle_reader.hpp"
@@ -31,7 +32,7 @@ constexpr int most_key_parts = 20;
 void expect_no_part(const std::string& file) {
   const CadFormat format = cad_format(file);
   const bool is_cad = format != CadFormat::unknown;
-  if (!is_cad && !is_triangle_file(file) && std::filesystem::path(file).extension() != ".inp") return;
+  if (!is_cad && !is_triangle_file(file) && !is_deck(file)) return;
   throw InputError(SourcePlace{file, 0, ""}, "", "is a part and not a scene",
                    "cgcontact init " + shell_word(file) + (is_cad && format != CadFormat::brep ? "" : " --unit mm") +
                        " makes a scene of it");

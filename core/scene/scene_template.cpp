@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -500,6 +501,13 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault) 
   if (from_surface || from_cad) told += "  edit the lines marked TODO: material, faces, supports, motion, contact\n";
   told += fmt::format("  cgcontact check {0}\n  cgcontact run {0}\n", name);
   return told;
+}
+
+bool is_deck(const std::string& file) {
+  std::string extension = fs::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == ".inp";
 }
 
 void check_file_names(const std::vector<std::string>& files) {

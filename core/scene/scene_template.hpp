@@ -31,6 +31,9 @@ std::string init_scene(const InitOptions& options, const FindFault& find_fault =
 /// An integer from fewest_init_cells to most_init_cells; throws InputError.
 int parse_init_cells(const std::string& text);
 
+/// Tells by its name whether a file is an input deck of CalculiX or Abaqus (.inp), which core/decks reads.
+bool is_deck(const std::string& file);
+
 /// Throws InputError for a name that a scene cannot hold.
 void check_file_names(const std::vector<std::string>& files);
 

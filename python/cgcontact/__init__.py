@@ -23,8 +23,8 @@ from . import _cgcontact
 from ._cgcontact import InputError, Result, Scene, __version__, rank, ranks, set_threads, threads
 from ._results import Names, ResultMethods, StoredResult, load, read_report
 
-__all__ = ["read", "scene", "load", "Scene", "Result", "StoredResult", "InputError", "NotConverged", "set_threads", "threads", "rank",
-           "ranks"]
+__all__ = ["read", "scene", "load", "Scene", "Result", "StoredResult", "InputError", "NotConverged", "set_threads", "threads",
+           "rank", "ranks"]
 
 
 class NotConverged(RuntimeWarning):

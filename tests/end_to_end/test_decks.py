@@ -167,6 +167,7 @@ class Decks(unittest.TestCase):
         self.assertEqual(outcome.code, 0, outcome.err)
         scene = pathlib.Path("joined.toml").read_text()
         self.assertEqual(scene.count("bonded = true"), 1)
+        self.assertIn("not taken over: *DLOAD, GRAV on LOW alone", outcome.out)
         self.assertIn("gravity = [0, 0, -9.81]", scene)
         self.assertIn("density = 2000", scene)
         weight = 9.81 * 1e-6 * (2000 + 1000)
@@ -176,13 +177,15 @@ class Decks(unittest.TestCase):
         """Keywords without a meaning here, loads on single nodes, surfaces of several bodies: with their lines, also in the scene."""
         mesh = two_blocks("C3D8", gap=1e-7)
         text = mesh.text() + MATERIALS + SURFACES + CONDITIONS
+        text += "*NSET, NSET=MORE\nHIGHZ1, 1\n*BOUNDARY\nMORE, 1\n"
         line = text.count("\n") + 1
         text += "*FRICTION\n0.1\n*CLOAD\n1, 1, 5.\n*DLOAD\nLOW, CENTRIF, 100., 0., 0., 0., 0., 0., 1.\n*ELEMENT, TYPE=S4\n" \
                 "9001, 1, 2, 3, 4\n*CONTACT PAIR\nLOWTOP, NOWHERE\n*STEP\n"
         outcome = self.init(text, "rest")
         self.assertEqual(outcome.code, 0, outcome.err)
         scene = pathlib.Path("rest.toml").read_text()
-        for told in (f"*FRICTION (line {line})", "*CLOAD on 1", "*DLOAD, CENTRIF", "*ELEMENT, TYPE=S4", "LOWTOP and NOWHERE", "*STEP beyond"):
+        for told in (f"*FRICTION (line {line})", "*CLOAD on 1", "*DLOAD, CENTRIF", "*ELEMENT, TYPE=S4", "LOWTOP and NOWHERE", "*STEP beyond",
+                     "1 of the 7 nodes of MORE"):
             self.assertIn("not taken over: ", outcome.out)
             self.assertIn(told, outcome.out)
             self.assertIn(told, scene)
