@@ -126,10 +126,11 @@ void find_long_bodies(Checked& c) {
   }
 }
 
-/// The largest factor of any step.
-double largest_factor(const Scene& scene, double StepSpec::*factor) {
-  double largest = scene.steps.empty() ? 1 : 0;
-  for (const StepSpec& step : scene.steps) largest = std::max(largest, std::abs(step.*factor));
+/// The largest magnitude of factor_of(step) of any step.
+template <class FactorOf>
+double largest_factor(const Scene& scene, const FactorOf& factor_of) {
+  double largest = std::abs(factor_of(scene.last_step()));
+  for (const StepSpec& step : scene.steps) largest = std::max(largest, std::abs(factor_of(step)));
   return largest;
 }
 
@@ -138,8 +139,8 @@ void find_long_ways(Checked& c) {
   for (const SupportPoint& point : c.preparation.supports)
     if (point.support >= 0 && point.spring == 0)
       way[point.support] = std::max(way[point.support], std::abs(point.prescribed));
-  const double factor = largest_factor(c.scene, &StepSpec::displacements);
   for (std::size_t s = 0; s < way.size(); ++s) {
+    const double factor = largest_factor(c.scene, [&](const StepSpec& step) { return step.of(c.scene.supports[s]); });
     const FaceRef& face = c.scene.supports[s].face;
     const double longest = longest_side(c.body(face.body).solid);
     if (factor * way[s] <= c.scene.results.largest_displacement * longest) continue;
@@ -151,7 +152,7 @@ void find_long_ways(Checked& c) {
 }
 
 void find_large_interferences(Checked& c) {
-  const double factor = largest_factor(c.scene, &StepSpec::interference);
+  const double factor = largest_factor(c.scene, [](const StepSpec& step) { return step.interference; });
   std::set<const ContactSpec*> seen;
   for (const ContactPair& pair : c.preparation.pairs) {
     const double depth = factor * std::abs(pair.spec->interference);
@@ -166,10 +167,11 @@ void find_large_interferences(Checked& c) {
 }
 
 void find_large_loads(Checked& c) {
-  const double factor = largest_factor(c.scene, &StepSpec::loads);
   const std::vector<LoadFigures> loads = load_figures(c.scene, c.preparation.bodies);
-  const double last = c.scene.steps.empty() ? 1 : c.scene.steps.back().loads;  // what the figures have
-  for (std::size_t l = 0; l < c.scene.loads.size() && last != 0; ++l) {
+  for (std::size_t l = 0; l < c.scene.loads.size(); ++l) {
+    const auto factor_of = [&](const StepSpec& step) { return step.of(c.scene.loads[l]); };
+    const double factor = largest_factor(c.scene, factor_of), last = factor_of(c.scene.last_step());
+    if (last == 0) continue;  // the figures are those of the last step
     const int b = c.scene.loads[l].face.body;
     const double mean = factor / std::abs(last) * loads[l].force.norm() / loads[l].area;
     const double modulus = c.body(b).material.youngs_modulus;

@@ -165,12 +165,14 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       auto held = make_solver();
       held->take_over(*solver);
       solver = std::move(held);
+      k = first_step_of_new_solver(k);
       continue;
     }
     if (state.outer.converged && extensions < most_extensions && see_farther()) {
       ++extensions;
       make_system();
       solver = make_solver();
+      k = first_step_of_new_solver(k);
       continue;
     }
     if (k == 0 && state.outer.converged && tighten()) {
@@ -188,6 +190,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       supports_not_held = state.supports.size();
       hold_wanderers();
       solver = make_solver();
+      k = first_step_of_new_solver(k);
       continue;
     }
     if (!fault.empty()) {
@@ -206,6 +209,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
                           ? state.outer.diagnosis
                           : fmt::format("step {} of {}: {}", k + 1, steps.size(), state.outer.diagnosis);
     not_held.reset();
+    if (state.outer.converged) solver->end_step();
     ++k;
   }
   if (state.outer.fallbacks > 0)
@@ -221,12 +225,21 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   state.outer.diagnosis = first_failure;
 }
 
+/// A new solver does not know what friction has done in the steps before: with friction all of them come again.
+std::size_t Simulation::first_step_of_new_solver(std::size_t step) {
+  const bool rubs = std::any_of(state.pairs.begin(), state.pairs.end(),
+                                [](const ContactPair& pair) { return pair.num_tangents > 0; });
+  if (!rubs) return step;
+  results.steps.clear();
+  return 0;
+}
+
 /// Loads, prescribed displacements and interferences of a step.
 void Simulation::set_step(const StepSpec& step) {
-  for (BodyModel& body : state.bodies) set_loads(state.scene, step.loads, body);
+  for (BodyModel& body : state.bodies) set_loads(state.scene, step, body);
   put_loads_in_place_of_friction(state.resisted_by_friction, state.pairs, state.bodies);
   for (SupportPoint& p : state.supports)
-    if (!p.follows) p.value = step.displacements * p.prescribed;
+    if (!p.follows) p.value = p.support < 0 ? 0 : step.of(state.scene.supports[p.support]) * p.prescribed;
   for (ContactPair& pair : state.pairs)
     set_interference(pair, step.interference * (pair.spec->interference + preload_.tightening(pair)));
 }
@@ -320,7 +333,7 @@ void Simulation::recover() {
   const bool interior_apart = !options.spr_c || options.degree.interior == 1;
   std::vector<double> group_force = state.outer.group_force;
   for (double& force : group_force) force *= force_unit(state);
-  update_contact_links(state.pairs, state.bodies, group_force);
+  update_contact_links(state.pairs, state.bodies, group_force, state.outer.friction);
   std::vector<PatchSet> patches(state.bodies.size());
   std::vector<RecoveryBody> input;
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {

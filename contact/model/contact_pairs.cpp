@@ -262,6 +262,23 @@ void copy_for_all_axes(const std::vector<BodyModel>& bodies, ContactPair& pair) 
   pair.points = ContactPoints(points);
 }
 
+/// Gives groups of a pair with friction the axis that their tangents come from: the one across plane strain, else the
+/// one that is least along the normals.
+void set_tangents(const std::vector<BodyModel>& bodies, ContactPair& pair) {
+  if (!(pair.friction() > 0)) return;
+  const auto &first = bodies[pair.primary].spec->plane_strain, &second = bodies[pair.secondary].spec->plane_strain;
+  const bool plane = first && second && *first == *second;
+  pair.num_tangents = plane ? 1 : 2;
+  for (ContactGroup& group : pair.groups) {
+    Vec3 along = Vec3::Zero();
+    for (int q = group.first_point; q < group.last_point; ++q)
+      along += pair.points.weight(q) * pair.points.normal(q).cwiseAbs2();
+    Eigen::Index least;
+    along.minCoeff(&least);
+    group.tangent_axis = Vec3::Unit(plane ? static_cast<int>(*first) : static_cast<int>(least));
+  }
+}
+
 /// Size of the largest cells of a body on a face, m; 0: it has none.
 double largest_cell(const BodyModel& body, const FaceSpec& face) {
   double largest = 0;
@@ -368,6 +385,7 @@ ContactPair make_pair(const Scene& scene, const ContactSpec& spec, const std::ve
     if (!directions[i].isZero()) find(i, directions[i]);
   });
   add_groups(bodies, found, pair);
+  set_tangents(bodies, pair);
   set_interference(pair, spec.interference);
   return pair;
 }
@@ -409,6 +427,12 @@ void check_overlap(const Scene& scene, const std::vector<BodyModel>& bodies, con
 }
 
 }  // namespace
+
+std::array<Vec3, 2> ContactPair::tangents(std::size_t point) const {
+  const Vec3 n = points.normal(point), axis = groups[points.group(point)].tangent_axis;
+  const Vec3 second = (axis - n * n.dot(axis)).normalized();
+  return {second.cross(n), second};
+}
 
 std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
                                            const Vec3& x, const Vec3& n) {
@@ -543,7 +567,7 @@ std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vect
 }
 
 void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
-                          const std::vector<double>& group_force) {
+                          const std::vector<double>& group_force, const std::vector<FrictionPoints>& friction) {
   std::size_t first_group = 0;
   std::vector<std::size_t> num_links(bodies.size(), 0);
   for (const ContactPair& pair : pairs)
@@ -553,6 +577,8 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
     body.boundary.links.reserve(num_links[&body - bodies.data()]);
     body.boundary.bonded.clear();
     for (const ContactPair& pair : pairs) body.boundary.bonded.push_back(pair.bonded() ? 1 : 0);
+    body.boundary.friction.clear();
+    for (const ContactPair& pair : pairs) body.boundary.friction.push_back(pair.friction());
   }
   for (std::size_t p = 0; p < pairs.size(); ++p) {
     const ContactPair& pair = pairs[p];
@@ -582,6 +608,15 @@ void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<Bod
                                           q.weight, pair.primary, q.primary_cell, q.primary_position, group.larger_cell,
                                           q.distance, q.active, pressure, spread, false,
                                           to_secondary * on_secondary / group.area});
+      if (friction.empty() || friction[p].shear.empty()) continue;
+      const FrictionPoints& points = friction[p];
+      for (const auto& [link, axes, sign] : {std::tuple(&primary.boundary.links.back(), &to_primary, -1.0),
+                                             std::tuple(&secondary.boundary.links.back(), &to_secondary, 1.0)}) {
+        link->shear = sign * (*axes * points.shear[place]);
+        link->slip = sign * (*axes * points.slip[place]);
+        link->travelled = points.travelled[place];
+        link->slips = points.slips[place] != 0;
+      }
     }
     first_group += pair.groups.size();
   }

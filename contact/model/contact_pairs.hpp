@@ -19,6 +19,7 @@ struct ContactGroup {
   double h = 0;            ///< m, smallest of the cells of both bodies that its points lie in
   double distance = 0;     ///< m, mean of its points
   double initial_gap = 0;  ///< m, distance minus interference
+  Vec3 tangent_axis = Vec3::Zero();  ///< friction: tangents of its points come from this and their normals
 };
 
 struct ContactPair {
@@ -36,10 +37,33 @@ struct ContactPair {
   std::size_t num_places() const { return points.size() / copies; }
   std::size_t num_pieces() const { return groups.size() / copies; }
   bool bonded() const { return spec->bonded; }
+  /// Coulomb's coefficient; 0: no friction.
+  double friction() const { return spec->friction; }
+  /// Directions along the faces in which friction acts: none without it, one in plane strain, else two.
+  int num_tangents = 0;
+  /// Those at a point, unit, orthogonal to its normal and to each other, global axes; the first `num_tangents` count.
+  std::array<Vec3, 2> tangents(std::size_t point) const;
+  /// Calls use(direction) for the directions in which a closed point holds: its own, and with friction the tangents.
+  template <class Use>
+  void each_direction(std::size_t point, const Use& use) const {
+    use(points.direction(point));
+    if (num_tangents == 0) return;
+    const std::array<Vec3, 2> along = tangents(point);
+    for (int i = 0; i < num_tangents; ++i) use(along[i]);
+  }
   double stiffness(const ContactGroup& group) const { return modulus / group.h; }  ///< kappa E/h, Pa/m
   NormalContact law(const ContactGroup& group) const { return {stiffness(group), bonded()}; }
   int other(int body) const { return primary == body ? secondary : primary; }
   const FaceSpec& face(int body) const { return spec->first.body == body ? spec->first.face : spec->second.face; }
+};
+
+/// What friction does at the points of a pair after a load step, global axes; empty without friction.
+struct FrictionPoints {
+  std::vector<Vec3> shear;        ///< Pa, on the secondary body
+  std::vector<Vec3> slip;         ///< m, of the secondary body against the primary one since the points last met
+  std::vector<double> travelled;  ///< m, lengths of the slips of all steps
+  std::vector<char> slips;        ///< closed, and no longer where it was at the end of the last step
+  double work = 0;                ///< J, dissipated in all steps
 };
 
 /// What a boundary point of one body of a pair sees of the other one; in automatic pairs third bodies block the view.
@@ -66,8 +90,10 @@ Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::siz
 std::vector<std::string> bonded_gap_warnings(const Scene& scene, const std::vector<ContactPair>& pairs);
 
 /// Hands the contact points with their state to the bodies' boundary data, for the recovery.
-/// group_force: N, compression positive, of all groups of all pairs in order; empty: not known.
+/// group_force: N, compression positive, of all groups of all pairs in order; empty: not known. friction: of each pair;
+/// empty: none.
 void update_contact_links(const std::vector<ContactPair>& pairs, std::vector<BodyModel>& bodies,
-                          const std::vector<double>& group_force = {});
+                          const std::vector<double>& group_force = {},
+                          const std::vector<FrictionPoints>& friction = {});
 
 }  // namespace cgcontact

@@ -9,10 +9,24 @@ namespace {
 
 void add_contact(const ExecSpace& exec, const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs,
                  const Scales& scales, ElasticSystem& system) {
-  set_group_rows(system, make_group_rows(exec, pairs, bodies, system));
+  std::vector<GroupRow> rows = make_group_rows(exec, pairs, bodies, system);
+  const std::size_t first_tangent = rows.size();
+  for (GroupRow& row : make_tangent_rows(exec, pairs, bodies, system)) rows.push_back(std::move(row));
+  const bool rubs = rows.size() > first_tangent;
+  set_group_rows(system, std::move(rows));
+  if (rubs) {
+    match_tangent_rows(pairs, first_tangent, system.group_rows);
+    compress_group_rows(system);
+  }
+  const auto closed_stiffness = [&](const ContactPair& pair, const ContactGroup& g) {
+    return pair.stiffness(g) * g.area / (scales.stress * scales.length);
+  };
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& g : pair.groups) system.full_group_stiffness.push_back(closed_stiffness(pair, g));
   for (const ContactPair& pair : pairs)
     for (const ContactGroup& g : pair.groups)
-      system.full_group_stiffness.push_back(pair.stiffness(g) * g.area / (scales.stress * scales.length));
+      system.full_group_stiffness.insert(system.full_group_stiffness.end(), pair.num_tangents,
+                                         closed_stiffness(pair, g));
 }
 
 }  // namespace

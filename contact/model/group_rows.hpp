@@ -9,4 +9,13 @@ namespace cgcontact {
 std::vector<GroupRow> make_group_rows(const ExecSpace& exec, const std::vector<ContactPair>& pairs,
                                       const std::vector<BodyModel>& bodies, const ElasticSystem& system);
 
+/// Makes the rows of friction: how the bodies slide along the tangents of the groups of pairs with friction, in order,
+/// ContactPair::num_tangents for each group.
+std::vector<GroupRow> make_tangent_rows(const ExecSpace& exec, const std::vector<ContactPair>& pairs,
+                                        const std::vector<BodyModel>& bodies, const ElasticSystem& system);
+
+/// Gives both rows of a group along its tangents entries at the same degrees of freedom, so that they can be turned.
+/// Rows from `first` on, of pairs with friction; constraints are resolved.
+void match_tangent_rows(const std::vector<ContactPair>& pairs, std::size_t first, std::vector<GroupRow>& rows);
+
 }  // namespace cgcontact

@@ -65,7 +65,7 @@ std::vector<std::pair<const LoadSpec*, FaceTraction>> tractions_of(const Scene& 
 }
 
 TractionCondition make_condition(const Scene& scene, const BodyModel& body, const PointConditions& key,
-                                 double load_factor) {
+                                 const StepSpec& step) {
   TractionCondition condition;
   for (int s : key.supports) {
     const SupportSpec& support = scene.supports[s];
@@ -80,10 +80,10 @@ TractionCondition make_condition(const Scene& scene, const BodyModel& body, cons
       return directions;
     };
   if (!key.loads.empty())
-    condition.traction = [tractions = tractions_of(scene, body, key), load_factor](const Vec3& x, const Vec3& n) {
+    condition.traction = [tractions = tractions_of(scene, body, key), step](const Vec3& x, const Vec3& n) {
       Vec3 t = Vec3::Zero();
-      for (const auto& [load, resultant] : tractions) t += load->traction_at(x, n, resultant);
-      return Vec3(load_factor * t);
+      for (const auto& [load, resultant] : tractions) t += step.of(*load) * load->traction_at(x, n, resultant);
+      return t;
     };
   return condition;
 }
@@ -339,7 +339,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
     assign_conditions(scene, static_cast<int>(b), model, support_used, load_used);
     find_resultants(scene, static_cast<int>(b), model);
     measure_supported_faces(scene, static_cast<int>(b), model);
-    set_loads(scene, 1, model);
+    set_loads(scene, scene.last_step(), model);
     measure_thickness(model);
     for (int e = 0; e < static_cast<int>(model.cut_cells.cells.size()); ++e)
       extend_box(model.cut_cells, e, model.low, model.high);
@@ -355,11 +355,12 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
   return bodies;
 }
 
-void set_loads(const Scene& scene, double factor, BodyModel& model) {
+void set_loads(const Scene& scene, const StepSpec& step, BodyModel& model) {
+  const double factor = step.loads;
   set_temperature(factor, model);
   model.boundary.conditions.clear();
   for (const PointConditions& key : model.conditions)
-    model.boundary.conditions.push_back(make_condition(scene, model, key, factor));
+    model.boundary.conditions.push_back(make_condition(scene, model, key, step));
   if (has_body_force(*model.spec))
     model.boundary.body_force_at = [spec = model.spec, factor](const Vec3& x) {
       const Vec3 given(spec->body_force[0](x), spec->body_force[1](x), spec->body_force[2](x));

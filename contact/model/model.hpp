@@ -131,7 +131,7 @@ double support_stiffness(const Scene& scene, const BodyModel& body, const Suppor
 Grid make_grid(const BodySpec& body);
 
 /// Tractions, body forces and temperature of the scene, all times a factor, as boundary data of a body.
-void set_loads(const Scene& scene, double factor, BodyModel& model);
+void set_loads(const Scene& scene, const StepSpec& step, BodyModel& model);
 
 /// Cut cells and faces of all bodies. Throws InputError (empty body, a face that selects nothing, ...).
 std::vector<BodyModel> make_body_models(const Scene& scene);

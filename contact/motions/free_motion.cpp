@@ -60,7 +60,14 @@ std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& pi
   for (const ContactPair& pair : pairs) {
     const bool is_primary = assembly[pair.primary] == assembly[b];
     if (is_primary == (assembly[pair.secondary] == assembly[b])) continue;
-    for (const ContactPoint& point : pair.points) {
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      const ContactPoint point = pair.points[q];
+      if (pair.num_tangents > 0)  // friction resists along both surfaces
+        for (const Vec3& t : pair.tangents(q)) {
+          const RigidMotion along = piece.row(point.x, t);
+          own += point.weight * along * along.transpose();
+          others += point.weight * along * along.transpose();
+        }
       const RigidMotion primary = piece.row(point.x, normals[pair.primary](point.primary_cell, point.primary_position));
       const Vec3 opposite = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
       const RigidMotion secondary =
@@ -200,14 +207,18 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(free.modes.cols(), free.modes.cols());
   double area = 0;
   for (const ContactPair& pair : pairs)
-    for (const ContactPoint& point : pair.points) {
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      const ContactPoint point = pair.points[q];
       const Vec3 y = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
-      const Vec3 n =
-          pair.bonded() ? point.direction : normals[pair.secondary](point.secondary_cell, point.secondary_position);
-      const Eigen::VectorXd row =
-          free.modes.middleRows<6>(6 * pair.secondary).transpose() * free.bodies[pair.secondary].row(y, n) -
-          free.modes.middleRows<6>(6 * pair.primary).transpose() * free.bodies[pair.primary].row(y, n);
-      gram += point.weight * row * row.transpose();
+      const auto add = [&](const Vec3& n) {
+        const Eigen::VectorXd row =
+            free.modes.middleRows<6>(6 * pair.secondary).transpose() * free.bodies[pair.secondary].row(y, n) -
+            free.modes.middleRows<6>(6 * pair.primary).transpose() * free.bodies[pair.primary].row(y, n);
+        gram += point.weight * row * row.transpose();
+      };
+      add(pair.bonded() ? point.direction
+                        : normals[pair.secondary](point.secondary_cell, point.secondary_position));
+      for (int i = 0; i < pair.num_tangents; ++i) add(pair.tangents(q)[i]);
       area += point.weight;
     }
   constexpr double no_stiffness = 1e-9;

@@ -31,15 +31,18 @@ PieceResistance resistance_of(const RigidPieces& pieces, const std::vector<BodyM
     add(k, k, p.weight / (piece.size() * piece.size()) * q * q.transpose());
   }
   for (const ContactPair& pair : pairs)
-    for (const ContactPoint& point : pair.points) {
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      const ContactPoint point = pair.points[q];
       if (!point.active) continue;
       const int k[2] = {pieces.at(pair.primary, point.primary_cell), pieces.at(pair.secondary, point.secondary_cell)};
-      const RigidMotion row[2] = {pieces.list[k[0]].row(point.x, -point.direction),
-                                  pieces.list[k[1]].row(point.x, point.direction)};
       const double size = pieces.list[k[0]].size();
-      for (int i = 0; i < 2; ++i)
-        for (int j = 0; j < 2; ++j)
-          if (k[i] >= k[j]) add(k[i], k[j], point.weight / (size * size) * row[i] * row[j].transpose());
+      pair.each_direction(q, [&](const Vec3& direction) {
+        const RigidMotion row[2] = {pieces.list[k[0]].row(point.x, -direction),
+                                    pieces.list[k[1]].row(point.x, direction)};
+        for (int i = 0; i < 2; ++i)
+          for (int j = 0; j < 2; ++j)
+            if (k[i] >= k[j]) add(k[i], k[j], point.weight / (size * size) * row[i] * row[j].transpose());
+      });
     }
   return sum;
 }

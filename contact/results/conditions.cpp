@@ -54,8 +54,9 @@ void leave_out_rounding(LoadFigures& load) {
   leave_out(load.about, size);
 }
 
-LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodies, int number, double factor) {
+LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodies, int number) {
   const LoadSpec& load = scene.loads[number];
+  const double factor = scene.last_step().of(load);
   const BodyModel& body = bodies[load.face.body];
   const FaceTraction resultant = resultant_of(body, number);
   LoadFigures figures;
@@ -160,11 +161,10 @@ double area_of(const SolvedState& state, const FaceRef& reference, bool is_end) 
 }  // namespace
 
 std::vector<LoadFigures> load_figures(const Scene& scene, const std::vector<BodyModel>& bodies) {
-  const double factor = scene.steps.empty() ? 1 : scene.steps.back().loads;
   std::vector<LoadFigures> all;
   for (std::size_t l = 0; l < scene.loads.size(); ++l)
-    all.push_back(load_figures(scene, bodies, static_cast<int>(l), factor));
-  for (const BodyModel& body : bodies) add_volume_loads(body, factor, all);
+    all.push_back(load_figures(scene, bodies, static_cast<int>(l)));
+  for (const BodyModel& body : bodies) add_volume_loads(body, scene.last_step().loads, all);
   return all;
 }
 

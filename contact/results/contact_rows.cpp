@@ -95,6 +95,22 @@ void look_across(const SolvedState& state, int cell, const Vec3& xi, ContactRow&
       carries ? pressure(recovered_stress(state, state.sprc[other], other, opposite->cell, other_xi), row.normal) : 0.0;
 }
 
+bool pairs_rub(const SolvedState& state, int pair) { return state.pairs[pair].num_tangents > 0; }
+
+/// Shear of the stress along the face, and what the nearest contact point has done.
+void set_friction(const BodyModel& model, const ContactLink* link, const Vec3& n, ContactRow& row) {
+  const auto shear = [&](const Sym3& stress) {
+    const Vec3 traction = tensor(stress) * n;
+    return Vec3(traction - n * n.dot(traction));
+  };
+  if (!row.active) return;
+  row.shear_raw = shear(row.stress_raw);
+  row.shear_sprc = shear(row.stress_sprc);
+  row.slip = model.cut_cells.grid.rotation * link->slip;
+  row.travelled = link->travelled;
+  row.slips = link->slips;
+}
+
 /// Open for certain: nothing lies opposite, or more than the larger one of both cells away.
 bool is_far_from_contact(const ContactRow& row) { return !(row.gap < row.larger_cell); }
 
@@ -137,6 +153,7 @@ ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, c
   const ContactLink* link = nearest_link(model, cell, position, model.cut_cells.grid.rotation.transpose() * n, pair);
   row.active = link && link->active && !far;
   row.pressure_transmitted = !link ? std::numeric_limits<double>::quiet_NaN() : row.active ? link->pressure : 0.0;
+  if (pairs_rub(state, pair)) set_friction(model, link, n, row);
   const bool carries = model.spec->rigid() || carries_pressure(state, body, cell, pair, position, n);
   if (state.scene.recovery.spr_c && (far || !carries)) row.pressure_sprc = 0;
   if (const auto face = state.faces.at(pair, body, row.x, n)) row.pressure_sprc = face->pressure;

@@ -159,7 +159,7 @@ FacePressures solve_face_pressures(const ExecSpace& exec, const SolvedState& sta
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const ContactPair& pair = state.pairs[p];
     result.left_out.push_back(0);
-    if (!pair.bonded()) {
+    if (!pair.bonded() && pair.num_tangents == 0) {
       const PairGroups face(state, static_cast<int>(p), state.outer.group_force.data() + first_group);
       const std::vector<SymmetryPlane> planes = planes_of(state, pair);
       for (const std::vector<int>& closed : face.zones(options.reach)) {

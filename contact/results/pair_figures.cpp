@@ -58,25 +58,31 @@ double forces_of_scene(const SolvedState& state, const std::vector<double>& of_p
 }
 
 /// Force and moment on both bodies of a pair, and where the force acts, from the nodal forces of its groups: what
-/// really acts in the discrete equilibrium. `row`: number of its first group, `magnitude`: sum of its groups' forces.
-void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t row, double magnitude,
-                PairFigures& figures) {
+/// really acts in the discrete equilibrium. `row`: number of its first group, `tangent`: of its first row of friction
+/// among those; `magnitude`: sum of its groups' forces.
+void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t row, std::size_t tangent,
+                double magnitude, PairFigures& figures) {
   // A bonded pair may pull here and press there: the centre of its area.
   Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()}, moment[2] = {Vec3::Zero(), Vec3::Zero()}, centre = Vec3::Zero();
   double total = 0;
-  for (const ContactGroup& group : pair.groups) {
-    const double group_force = force_unit(state) * state.outer.group_force[row];
-    for (const auto& [dof, value] : state.system.group_rows[row].entries) {
+  const auto add_row = [&](std::size_t r, double of_row) {
+    for (const auto& [dof, value] : state.system.group_rows[r].entries) {
       const int node = node_of_dof(dof);
       const BodyMesh& primary = state.system.meshes[pair.primary];
       const bool is_primary = node >= primary.first_node && node < primary.first_node + primary.num_nodes;
       const int body = is_primary ? pair.primary : pair.secondary, side = is_primary ? 0 : 1;
       const Grid& grid = state.bodies[body].cut_cells.grid;
       const BodyMesh& mesh = state.system.meshes[body];
-      const Vec3 f = group_force * value * grid.rotation.col(component_of_dof(dof));
+      const Vec3 f = of_row * value * grid.rotation.col(component_of_dof(dof));
       force[side] += f;
       moment[side] += grid.to_global(mesh.node_position(node - mesh.first_node)).cross(f);
     }
+  };
+  for (const ContactGroup& group : pair.groups) {
+    const double group_force = force_unit(state) * state.outer.group_force[row];
+    add_row(row, group_force);
+    for (int i = 0; i < pair.num_tangents; ++i, ++tangent)
+      add_row(state.outer.group_force.size() + tangent, force_unit(state) * state.outer.friction_force[tangent]);
     for (int q = group.first_point; q < group.last_point; ++q)
       centre += (pair.bonded() ? group.area : group_force) * pair.points.weight(q) / group.area * pair.points.x(q);
     total += pair.bonded() ? group.area : group_force;
@@ -140,7 +146,7 @@ void mark_touching_rows(const SolvedState& state, const std::vector<int>& bounda
 void fill_pair_figures(const SolvedState& state, Results& results) {
   const std::vector<double> forces = forces_of_pairs(state);
   const double all_forces = forces_of_scene(state, forces);
-  std::size_t first_group = 0;
+  std::size_t first_group = 0, first_tangent = 0;
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
     const ContactPair& pair = state.pairs[k];
     PairFigures figures;
@@ -151,11 +157,12 @@ void fill_pair_figures(const SolvedState& state, Results& results) {
     figures.points = static_cast<int>(pair.num_places());
     for (int q = 0; q < figures.points; ++q) figures.active_points += pair.points.active(q);
     if (figures.active_points > 0 && forces[k] > no_force * all_forces) {
-      add_forces(state, pair, first_group, forces[k], figures);
+      add_forces(state, pair, first_group, first_tangent, forces[k], figures);
       add_zone(state, static_cast<int>(k), results, figures);
     }
     results.pairs.push_back(figures);
     first_group += pair.groups.size();
+    first_tangent += pair.num_tangents * pair.groups.size();
   }
 }
 

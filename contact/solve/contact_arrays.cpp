@@ -38,6 +38,7 @@ ContactGroupArrays<MemSpace> make_group_arrays(const OuterProblem& problem) {
     for (const ContactGroup& group : pair.groups) first.push_back(points_before + group.last_point);
     points_before += static_cast<int>(pair.points.size());
   }
+  first.resize(problem.system.group_rows.size() + 1, first.back());  // rows of friction have no points of their own
   ContactGroupArrays<MemSpace> groups(first.size() - 1, points.size());
   groups.first_point = copy_to_view<IntView>("cgcontact::contact::first_point", first);
   groups.weight = Kokkos::create_mirror_view_and_copy(MemSpace(), points.weight);

@@ -79,4 +79,18 @@ std::string describe_linear_solve(const Scene& scene, const LinearSolveResult& s
          describe_moduli(scene.bodies);
 }
 
+std::string describe_sliding(const OuterProblem& problem, const std::vector<double>& sliding) {
+  std::string text;
+  for (std::size_t k = 0; k < sliding.size(); ++k) {
+    if (sliding[k] == 0) continue;
+    const ContactPair& pair = problem.pairs[k];
+    text += fmt::format(
+        "{}contact \"{}\": \"{}\" slides on \"{}\" all over: the loads need {:.4g} times what friction can carry there "
+        "(friction = {:g})",
+        text.empty() ? "" : "; ", pair.spec->name, problem.scene.bodies[pair.spec->first.body].name,
+        problem.scene.bodies[pair.spec->second.body].name, 1 + sliding[k], pair.friction());
+  }
+  return text;
+}
+
 }  // namespace cgcontact

@@ -26,4 +26,8 @@ std::string describe_residual(const SolverOptions& solver, const std::vector<dou
 std::string describe_linear_solve(const Scene& scene, const LinearSolveResult& solve, const std::string& error,
                                   double force_norm);
 
+/// Pairs that slide all over, and how much more than friction can carry the loads need; "" if none does. sliding: of
+/// each pair, Friction::sliding().
+std::string describe_sliding(const OuterProblem& problem, const std::vector<double>& sliding);
+
 }  // namespace cgcontact

@@ -27,6 +27,7 @@ Iterate::Iterate(const OuterProblem& outer_problem)
       rigid_parts(problem.system.meshes, problem.scales),
       floating(problem.bodies, problem.supports, problem.pairs),
       small_zones(problem.bodies, problem.pairs, floating.led_pairs(), problem.scene.solver),
+      friction(problem),
       support_stress("cgcontact::iterate::support_stress", problem.supports.size()),
       rigid_gap_change("cgcontact::iterate::rigid_gap_change", problem.system.group_rows.size()),
       groups_(make_group_arrays(problem)),
@@ -44,6 +45,7 @@ void Iterate::forget() {
   rigid_parts.forget();
   Kokkos::deep_copy(rigid_gap_change, 0.0);
   small_zones.forget();
+  friction.forget();
   last_spring_steps_.clear();
   for (PointValues* values : {&support_stress, &contact_stress}) {
     Kokkos::deep_copy(values->h_view, 0.0);
@@ -86,6 +88,7 @@ void Iterate::set_rigid_parts_aside() {
 
 const ContactGroupArrays<MemSpace>& Iterate::groups() const {
   take_state(problem, small_zones, groups_);
+  friction.put_into(groups_);
   PointValues(contact_stress).sync_device();  // shares the memory
   return groups_;
 }

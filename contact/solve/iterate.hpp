@@ -5,6 +5,7 @@
 #include <Kokkos_DualView.hpp>
 
 #include "contact/solve/contact_arrays.hpp"
+#include "contact/solve/friction.hpp"
 #include "contact/solve/rigid_contact.hpp"
 #include "contact/solve/rigid_part.hpp"
 
@@ -39,7 +40,7 @@ struct Iterate {
   /// sigma* - kappa E/h (u . d - value) of every support point, Pa.
   std::vector<double> support_tractions() const;
 
-  /// Change of the mean gap of every group, m; without the rigid parts, of any displacements (Scales::length).
+  /// Of all contact groups, and after them of the rows of friction: change of the mean gap, or slip, m; without the rigid parts, of any displacements (Scales::length).
   RealView gap_change() const;
   RealView gap_change_of(const RealView& displacements) const;
   std::vector<double> group_gap_change() const { return to_host(gap_change()); }
@@ -52,7 +53,7 @@ struct Iterate {
   /// Closes the points of every pair that press, but where all of a pair is below `rounding` of its k: bonded pairs
   /// stay closed.
   void close_pressing_points(double rounding);
-  /// Of all contact groups, N.
+  /// Sum of the magnitudes of the forces of all contact groups, N.
   double total_force() const;
 
   /// Sum of the magnitudes of the forces in springs that follow a motion, N.
@@ -66,6 +67,7 @@ struct Iterate {
   RigidParts rigid_parts;
   FloatingBodies floating;
   SmallZones small_zones;
+  Friction friction;
   PointValues support_stress;  ///< of each support point, Scales::stress
   PointValues contact_stress;  ///< p* of the points of all pairs, one after the other, Scales::stress
   RealView rigid_gap_change;   ///< of each contact group, m

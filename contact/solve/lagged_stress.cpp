@@ -73,7 +73,7 @@ double LaggedStress::update(Iterate& iterate) {
       return held_by[s] / problem.scales.stress;
     return stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);
   });
-  std::size_t first_point = 0;
+  std::size_t first_point = 0, first_shear = 0;
   for (const ContactPair& pair : problem.pairs) {
     // The softer body's counts more, as in the stiffness: the other one's changes more with the gap, and what is lagged
     // would converge slowly.
@@ -81,12 +81,24 @@ double LaggedStress::update(Iterate& iterate) {
                  second = stabilising_modulus(problem.scene.bodies[pair.secondary].material);
     const double part = std::isinf(second) ? 1 : second / (first + second);  // of a rigid body nothing
     const auto weight = [&](std::size_t q) { return pair.points.weight(q); };
+    const auto mean_traction = [&](const ContactPoint& c, const Vec3& direction) {
+      return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, direction) -
+             (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, direction);
+    };
     change.replace(iterate.contact_stress, first_point, pair.points.size(), weight, [&](std::size_t q) {
       const ContactPoint c = pair.points[q];
-      return -part * stress_[pair.primary].traction(c.primary_cell, c.primary_xi, c.normal, c.direction) -
-             (1 - part) * stress_[pair.secondary].traction(c.secondary_cell, c.secondary_xi, c.normal, c.direction);
+      return mean_traction(c, c.direction);
     });
     first_point += pair.points.size();
+    for (int i = 0; i < pair.num_tangents; ++i) {
+      std::vector<double> shear(pair.points.size());
+      compute_together("cgcontact::lagged_stress::friction", grain_of_medium, shear, [&](std::size_t q) {
+        return mean_traction(pair.points[q], pair.tangents(q)[i]);
+      });
+      for (std::size_t q = 0; q < shear.size(); ++q) iterate.friction.stress.h_view(first_shear + q, i) = shear[q];
+    }
+    iterate.friction.stress.modify_host();
+    if (pair.num_tangents > 0) first_shear += pair.points.size();
   }
   const double norm = std::max(change.norm, square_of_rounding(iterate));
   return norm > 0 ? std::sqrt(change.difference / norm) : 0.0;

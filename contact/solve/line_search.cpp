@@ -6,6 +6,10 @@ namespace cgcontact {
 namespace {
 
 constexpr int most_interval_bisections = 30;
+/// With friction, whose rigid motions may go far beyond where a body is held again: until the length is known to a
+/// thousandth. Of the slope at the start of the step: what may be left of it at its end.
+constexpr int most_halvings_with_friction = 60;
+constexpr double length_error = 1e-3, slope_left = 1e-3;
 
 }  // namespace
 
@@ -20,6 +24,7 @@ double search_along_step(const LinearSolver& solver, const RealView& before, Ite
       KOKKOS_LAMBDA(const int i) { step(i) = u(i) - before(i); });
   exec.fence();
   const double curvature = solver.energy(step);
+  const Friction& friction = iterate.friction;
   const ContactGroupArrays<MemSpace>& groups = iterate.groups();
   const RealView along = iterate.gap_change_of(step), start = iterate.gap_change(),
                  excess("cgcontact::line_search::excess", along.size());
@@ -29,11 +34,13 @@ double search_along_step(const LinearSolver& solver, const RealView& before, Ite
   // Slope of the energy along the step, at its part t; system units. curvature: of the energy with the closed contact.
   const auto slope = [&](double t) {
     excess_forces(exec, groups, start, along, t, excess);
+    friction.add_excess(groups, start, along, t, excess);
     return -curvature * (1 - t) - dot(exec, excess, along) / (iterate.force_unit() * problem.scales.length);
   };
-  if (slope(1) <= 0) return 1;
+  if (slope(1) <= (friction.any() ? slope_left * curvature : 0)) return 1;
   double low = 0, high = 1;
-  for (int k = 0; k < most_interval_bisections; ++k) {
+  const int most = friction.any() ? most_halvings_with_friction : most_interval_bisections;
+  for (int k = 0; k < most && !(friction.any() && high - low < length_error * high); ++k) {
     const double middle = 0.5 * (low + high);
     (slope(middle) <= 0 ? low : high) = middle;
   }

@@ -36,6 +36,9 @@ constexpr double slow_fall = 0.5, tighter = 0.1;
 /// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
 constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
+/// Relative change of the recovered stress below which closed points may slip (docs/theory.md: 0.3 and 0.1 take equally
+/// many solves, 0.03 takes more).
+constexpr double sticks_until = 0.1;
 
 }  // namespace
 
@@ -46,6 +49,8 @@ struct ContactSolver::Impl {
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress, bool held);
   void take_loads();
   void assemble();
+  double renew_stress();
+  void renew_friction();
   void update_solver();
   LinearSolveResult solve_linear(double tolerance);
   void take_over(const Impl& other);
@@ -56,6 +61,7 @@ struct ContactSolver::Impl {
   void polish(OuterResult& result);
   OuterResult stop(int iteration, const std::string& why, OuterResult result) const;
   void set_forces(OuterResult& result) const;
+  void end_step();
 
   const SolverOptions& settings() const { return problem_.scene.solver; }
 
@@ -108,6 +114,8 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     if (!held) initialise_active_set(now_);
     earlier_ = nullptr;
   }
+  now_.friction.begin_step();
+  renew_friction();
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress, held);
 }
@@ -128,7 +136,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     step.iteration = iteration;
     assemble();
     if (right_hand_side_.underflows()) return stop(iteration, numbers_underflow, result);
-    const bool search = (now_.floating.any() && !held) || history.cycles();
+    const bool search = (now_.floating.any() && !held) || history.cycles() || now_.friction.any();
     if (search && before.size() == 0) before = RealView("cgcontact::outer_loop::before", now_.u.size());
     if (search) Kokkos::deep_copy(before, now_.u);
     const double inner =
@@ -156,7 +164,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     }
     update_active_set(now_, iteration <= settings().last_small_zone_decision);
     step.changed_points = history.record(problem_.pairs);
-    step.residual = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
+    step.residual = renew_stress();
     if (step.changed_points == 0 && step.residual > slow_fall * outer_residual) inner_part *= tighter;
     outer_residual = step.residual;
     step.active_points = count_active(problem_.pairs);
@@ -164,6 +172,8 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     result.active_points.push_back(step.active_points);
     result.iterations = iteration;
     progress(step);
+    if (const std::string sliding = describe_sliding(problem_, now_.friction.sliding()); !sliding.empty())
+      return stop(iteration, sliding, result);
     const bool was_soft = soft.is_soft();
     soft.follow(step);
     if (held && step.changed_points > 0 && !driven_motions(problem_).empty())
@@ -185,6 +195,22 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   result.diagnosis =
       history.cycles() ? history.describe(problem_.pairs) : describe_residual(settings(), result.residuals);
   return result;
+}
+
+/// Recovers the stress and, with friction, what it bounds; returns how far both are from what the last system had.
+double ContactSolver::Impl::renew_stress() {
+  Friction& friction = now_.friction;
+  if (friction.any()) friction.take_pressures(now_.groups(), now_.gap_change());
+  double change = std::max(lagged_stress_->update(now_), now_.small_zones.relative_change());
+  if (!friction.any()) return change;
+  const bool stuck = friction.is_stuck();
+  if (change < sticks_until) friction.release();
+  renew_friction();
+  return stuck ? 1 : std::max(change, friction.residual());
+}
+
+void ContactSolver::Impl::renew_friction() {
+  if (now_.friction.renew(now_.groups(), now_.gap_change())) right_hand_side_.take_rows(problem_);
 }
 
 bool ContactSolver::Impl::wanders_far() const {
@@ -221,6 +247,7 @@ void ContactSolver::Impl::update_solver() {
       add_supports(problem_.scene, problem_.bodies, problem_.supports, problem_.scales, problem_.system);
   }
   solver_.update();
+  problem_.system.changed_rows.clear();
   if (!lagged_stress_) lagged_stress_ = std::make_unique<LaggedStress>(problem_);
   has_support_terms_ = solver_.needs_supports();
   if (has_support_terms_) return;
@@ -267,6 +294,8 @@ bool ContactSolver::Impl::contact_holds_floating_bodies() {
   return driven_motions(problem_, hardly_any_stiffness).empty();
 }
 
+void ContactSolver::Impl::end_step() { now_.friction.end_step(now_.groups(), now_.gap_change()); }
+
 /// Moves the bodies that contact alone holds to where its forces balance the loads. False: nothing stops one.
 bool ContactSolver::Impl::balance_floating_bodies() {
   now_.set_rigid_parts_aside();
@@ -276,7 +305,7 @@ bool ContactSolver::Impl::balance_floating_bodies() {
   std::size_t group = 0;
   for (const ContactPair& pair : problem_.pairs)
     for (const ContactGroup& g : pair.groups) gap[group++] += g.initial_gap;
-  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones);
+  const FloatingBodies::Balance balance = now_.floating.balance(gap, stress, now_.small_zones, now_.friction.rows());
   unbalanced_ = balance.unbalanced;
   if (!balance.found) return false;
   for (std::size_t b = 0; b < balance.motions.size(); ++b) {
@@ -311,6 +340,10 @@ OuterResult ContactSolver::Impl::stop(int iteration, const std::string& why, Out
 void ContactSolver::Impl::set_forces(OuterResult& result) const {
   result.rigid_parts = now_.rigid_parts.of_bodies();
   result.group_force = now_.group_force(true);
+  const auto first_row = result.group_force.begin() + now_.friction.first_row();
+  result.friction_force.assign(first_row, result.group_force.end());
+  result.group_force.erase(first_row, result.group_force.end());
+  result.friction = now_.friction.state(now_.groups(), now_.gap_change());
   result.preconditioner = solver_.report();
   result.fallbacks = fallbacks_;
   result.why_fallback = why_fallback_;
@@ -327,6 +360,8 @@ void ContactSolver::Impl::set_forces(OuterResult& result) const {
 ContactSolver::ContactSolver(const OuterProblem& problem, const SolvedState* earlier)
     : impl_(std::make_unique<Impl>(problem, earlier)) {}
 ContactSolver::~ContactSolver() = default;
+
+void ContactSolver::end_step() { impl_->end_step(); }
 
 void ContactSolver::take_over(const ContactSolver& other) { impl_->take_over(*other.impl_); }
 

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "contact/solve/outer_problem.hpp"
+#include "contact/solve/friction.hpp"
 #include "contact/solve/rigid_part.hpp"
 #include "contact/solve/small_zones.hpp"
 #include "kernels/solver/linear_solver.hpp"
@@ -37,6 +37,8 @@ struct OuterResult {
   std::string why_fallback;                         ///< what it gave up with
   std::vector<double> support_stress;               ///< lambda of each support point, Pa
   std::vector<double> group_force;                  ///< force of each contact group, Scales::stress * Scales::length^2
+  std::vector<double> friction_force;               ///< of each row of friction, the same
+  std::vector<FrictionPoints> friction;             ///< of each pair
   std::vector<int> small_zone_groups;               ///< of each pair: that press by a zone smaller than the cells
   std::vector<SmallZones::Width> small_zone_width;  ///< of each pair: of such zones
   bool converged = false;
@@ -58,6 +60,8 @@ class ContactSolver {
   /// Starts from where a solver stopped that found a body to wander (`wanders`); from nothing, if it was far off.
   void take_over(const ContactSolver& other);
   OuterResult solve(const std::function<void(const OuterStep&)>& progress);
+  /// Ends a load step: from now on points stick where friction has let them slip to.
+  void end_step();
 
  private:
   struct Impl;

@@ -42,6 +42,8 @@ void RightHandSide::begin(const std::vector<double>& load, bool keep_scale) {
   Kokkos::deep_copy(touched_load_, at_touched);
 }
 
+void RightHandSide::take_rows(const OuterProblem& problem) { touched_ = make_touched_nodes(problem); }
+
 double RightHandSide::norm() const { return std::sqrt(square_elsewhere_ + dot(exec_, force_, force_)); }
 
 bool RightHandSide::underflows() const {

@@ -11,6 +11,8 @@ class RightHandSide {
 
   /// Nodal forces of the loads, system units; forgets what has been prescribed so far unless `keep_scale`.
   void begin(const std::vector<double>& load, bool keep_scale);
+  /// The rows of the system have been turned.
+  void take_rows(const OuterProblem& problem);
   /// What supports and contact add in the present state.
   void assemble(const Iterate& iterate);
 

@@ -12,6 +12,8 @@ namespace {
 
 /// Of the outer iteration's kappa E/h, at the start: with kappa = 10 the layer E/(10 h), ten cells thick.
 constexpr double softer = 0.01;
+/// Of that, along the faces: friction holds what nothing else does, and keeps nothing from where loads press it.
+constexpr double along_faces = 1e-3;
 /// Of the largest diagonal entry: motions that nothing resists stay where they are.
 constexpr double regularisation = 1e-9;
 /// Of their stiffness: open springs in the first steps, so that a body which nothing presses yet is not sent off to
@@ -156,20 +158,26 @@ bool RigidBodies::solve() {
   return unbalanced().norm() <= balanced * scale();
 }
 
-/// The spring of a contact group, without its points.
-Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces) {
+/// The spring of a contact group along directions at its points, without these.
+template <class DirectionAt>
+Spring spring_along(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces,
+                    const DirectionAt& direction_at) {
   Spring spring;
   spring.first = pair.primary;
   spring.second = pair.secondary;
   spring.law = pair.law(group);
   for (int q = group.first_point; q < group.last_point; ++q) {
-    const ContactPoint point = pair.points[q];
-    const double share = point.weight / group.area;
+    const Vec3 x = pair.points.x(q), direction = direction_at(q);
+    const double share = pair.points.weight(q) / group.area;
     // p acts on the primary body against its normal.
-    spring.row_first -= share * pieces[pair.primary].row(point.x, point.direction);
-    spring.row_second += share * pieces[pair.secondary].row(point.x, point.direction);
+    spring.row_first -= share * pieces[pair.primary].row(x, direction);
+    spring.row_second += share * pieces[pair.secondary].row(x, direction);
   }
   return spring;
+}
+
+Spring spring_of(const ContactPair& pair, const ContactGroup& group, const std::vector<RigidPiece>& pieces) {
+  return spring_along(pair, group, pieces, [&](int q) { return pair.points.direction(q); });
 }
 
 /// Columns that span what a support's resistance leaves free, as a projection.
@@ -202,6 +210,14 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
       add(spring, group.area);
     }
   }
+  const std::size_t num_normal = rigid.springs.size();
+  for (const ContactPair& pair : pairs)
+    for (const ContactGroup& group : pair.groups)
+      for (int i = 0; i < pair.num_tangents; ++i) {
+        Spring spring = spring_along(pair, group, pieces, [&](int q) { return pair.tangents(q)[i]; });
+        spring.law = {along_faces * softer * spring.law.k, true};
+        add(spring, group.area);
+      }
   for (const SupportPoint& p : supports) {
     if (p.follows) continue;
     Spring spring;
@@ -212,6 +228,7 @@ bool close_where_rigid_bodies_meet(const std::vector<BodyModel>& bodies, const s
     add(spring, p.weight);
   }
   if (!rigid.solve()) return false;
+  rigid.springs.resize(num_normal);
   auto spring = rigid.springs.begin();
   for (ContactPair& pair : pairs)
     for (const ContactGroup& group : pair.groups) {
@@ -282,7 +299,9 @@ std::vector<Led> FloatingBodies::led_pairs() const {
     const bool held = !floats(pair.primary) && !floats(pair.secondary);
     // Line contact has no approach of its own: its bodies give it.
     const bool line = bodies_[pair.primary].spec->quadtree;
-    led.push_back(line || pair.bonded()                            ? Led::no
+    // The law of small zones knows no friction.
+    const bool other_law = pair.bonded() || pair.num_tangents > 0;
+    led.push_back(line || other_law                                ? Led::no
                   : held                                           ? Led::held
                   : driven(pair.primary) || driven(pair.secondary) ? Led::no
                                                                    : Led::squeezed);
@@ -337,6 +356,16 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
         spring.row_first += share * free_[pair.primary] * pieces_[pair.primary].row(point.x, n);
         spring.row_second -= share * free_[pair.secondary] * pieces_[pair.secondary].row(point.x, n);
       }
+      for (int i = 0; i < pair.num_tangents; ++i) {
+        Spring along = spring_along(pair, group, pieces_, [&](int q) { return pair.tangents(q)[i]; });
+        along.law.bonded = true;
+        along.row_first = free_[pair.primary] * along.row_first.eval();
+        along.row_second = free_[pair.secondary] * along.row_second.eval();
+        along.first_point = static_cast<int>(rigid.points.size());
+        rigid.points.push_back({group.area, 0});
+        along.last_point = static_cast<int>(rigid.points.size());
+        rigid.springs.push_back(along);
+      }
       spring.distance = group.initial_gap;
       spring.first_point = static_cast<int>(rigid.points.size());
       rigid.points.push_back({group.area, 0});
@@ -351,7 +380,8 @@ FreeMotions FloatingBodies::not_stopped_by_the_other_side() const {
 }
 
 FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, const std::vector<double>& stress,
-                                                const SmallZones& small_zones) const {
+                                                const SmallZones& small_zones,
+                                                const std::vector<FrictionRow>& friction) const {
   RigidBodies rigid;
   rigid.load = load();
   rigid.motion = Eigen::VectorXd::Zero(rigid.load.size());
@@ -374,6 +404,21 @@ FloatingBodies::Balance FloatingBodies::balance(const std::vector<double>& gap, 
       }
       rigid.springs.push_back(spring);
     }
+  }
+  for (const FrictionRow& row : friction) {
+    const ContactPair& pair = pairs_[row.pair];
+    Spring spring = spring_along(pair, pair.groups[row.group], pieces_, [&](int q) {
+      const std::array<Vec3, 2> along = pair.tangents(q);
+      return Vec3(row.along[0] * along[0] + row.along[1] * along[1]);
+    });
+    spring.row_first = free_[pair.primary] * spring.row_first.eval();
+    spring.row_second = free_[pair.secondary] * spring.row_second.eval();
+    spring.law = {row.linear.stiffness, true};
+    spring.distance = gap[rigid.springs.size()];
+    spring.first_point = static_cast<int>(rigid.points.size());
+    rigid.points.push_back({1, row.linear.at(0)});
+    spring.last_point = static_cast<int>(rigid.points.size());
+    rigid.springs.push_back(spring);
   }
   Balance result;
   result.found = rigid.solve();

@@ -78,7 +78,10 @@ Scene read_changed_scene(const std::string& file, std::vector<std::string> overr
 std::vector<std::string> overrides_of(const CommandLine& line, const Variant& variant, const std::string& size,
                                       const Scene& as_it_is, bool own_reference) {
   std::vector<std::string> overrides{"output.vtk=false", "output.plots=false"};
-  if (!as_it_is.steps.empty()) overrides.emplace_back("steps={factors=[1]}");
+  const auto has_own_steps = [](const auto& of_part) { return !of_part.steps.empty(); };
+  const bool by_parts = std::any_of(as_it_is.loads.begin(), as_it_is.loads.end(), has_own_steps) ||
+                        std::any_of(as_it_is.supports.begin(), as_it_is.supports.end(), has_own_steps);
+  if (!as_it_is.steps.empty() && !by_parts) overrides.emplace_back("steps={factors=[1]}");
   overrides.insert(overrides.end(), line.overrides.begin(), line.overrides.end());
   if (own_reference) overrides.emplace_back("output.csv=true");
   if (!variant.preconditioner.empty()) overrides.push_back("solver.preconditioner=" + variant.preconditioner);

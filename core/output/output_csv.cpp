@@ -21,13 +21,22 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
   for (const BodyFields& body : results.bodies) names.push_back(csv_text(body.name));
   for (const PairFigures& pair : results.pairs) pairs.push_back(csv_text(pair.name));
   std::string text =
-      "body,pair,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active\n";
+      "body,pair,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active";
+  const bool friction = has_friction(results);
+  text += friction ? ",shear_raw_x,shear_raw_y,shear_raw_z,shear_x,shear_y,shear_z,slip_x,slip_y,slip_z,travelled,slips\n"
+                   : "\n";
   for (const ContactRow& row : results.contact_rows) {
     text += names.at(row.body) + "," + pairs.at(row.pair);
     for (const double value : {row.x[0], row.x[1], row.x[2], row.normal[0], row.normal[1], row.normal[2], row.weight,
                                row.gap, row.pressure_raw, row.pressure_spr, row.pressure_sprc, row.pressure_error})
       fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
-    text += row.active ? ",1\n" : ",0\n";
+    text += row.active ? ",1" : ",0";
+    if (friction) {
+      for (const Vec3& v : {row.shear_raw, row.shear_sprc, row.slip})
+        for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
+      fmt::format_to(std::back_inserter(text), ",{:.{}g},{}", row.travelled, digits, row.slips ? 1 : 0);
+    }
+    text += "\n";
   }
   write_text(file_name, text);
 }

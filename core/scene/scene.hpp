@@ -146,6 +146,7 @@ struct SupportSpec {
   /// Springs to the ground along x, y, z and the normal: Pa/m, or N/m of the whole face (`of_face`); 0: none.
   std::array<double, 4> springs{0, 0, 0, 0};
   bool of_face = false;
+  std::vector<double> steps;  ///< factors of what is prescribed, one for each step; empty: 1
 
   bool holds_normal() const { return symmetry || normal_displacement; }
   bool is_cylindrical() const { return cylindrical[0] || cylindrical[1] || cylindrical[2]; }
@@ -161,6 +162,7 @@ struct LoadSpec {
   Vec3 moment = Vec3::Zero();          ///< N m
   std::optional<Vec3> at;              ///< m, where the force acts; none: at the centroid of the face
   bool bearing = false;                ///< the force is that of a pressure on the half of a cylinder that faces it
+  std::vector<double> steps;           ///< factors of the load, one for each step; empty: 1
   SourcePlace place;
 
   bool has_resultants() const { return !force.isZero(0) || !moment.isZero(0); }
@@ -234,9 +236,16 @@ struct ReferenceSpec {
 
 /// What loads the bodies in one step, as parts of what the scene says.
 struct StepSpec {
+  std::size_t number = 0;
   double loads = 1;          ///< tractions, pressures, forces, body forces, temperatures
   double displacements = 1;  ///< prescribed at supports
   double interference = 1;   ///< of all contacts; overlap of the geometry is always there
+
+  /// What there is in this step of a load, and of what a support prescribes.
+  double of(const LoadSpec& load) const { return loads * (load.steps.empty() ? 1 : load.steps.at(number)); }
+  double of(const SupportSpec& support) const {
+    return displacements * (support.steps.empty() ? 1 : support.steps.at(number));
+  }
 };
 
 struct Scene {
@@ -248,6 +257,7 @@ struct Scene {
   std::vector<ProbeSpec> probes;
   std::vector<SectionSpec> sections;
   std::vector<StepSpec> steps;  ///< the last one is the scene itself; empty: that alone
+  StepSpec last_step() const { return steps.empty() ? StepSpec() : steps.back(); }
   GeometryOptions geometry;
   ContactOptions contact;
   SolverOptions solver;

@@ -540,11 +540,12 @@ void read_held(const TomlCursor& node, SupportSpec& support) {
 }  // namespace
 
 void SceneReader::read_support(const TomlCursor& node) {
-  node.expect_keys({"face", "symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring"});
+  node.expect_keys({"face", "symmetry", "displacement", "cylindrical", "rotation", "stiffness", "spring", "steps"});
   SupportSpec support;
   support.place = node.place();
   const bool has_face = attempt([&] { support.face = resolve_face(node.at("face", "\"body.face\"")); });
   read_held(node, support);
+  if (const auto steps = node.find("steps")) support.steps = read_own_steps(*steps, scene_.steps);
   if (!has_face) return;
   std::vector<const Expression*> given;
   if (support.normal_displacement) given.push_back(&*support.normal_displacement);
@@ -566,7 +567,7 @@ void SceneReader::read_supports(const TomlCursor& root) {
 }
 
 void SceneReader::read_load(const TomlCursor& node) {
-  node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing"});
+  node.expect_keys({"face", "pressure", "traction", "force", "moment", "at", "bearing", "steps"});
   LoadSpec load;
   load.place = node.place();
   const bool has_face = attempt([&] { load.face = resolve_face(node.at("face", "\"body.face\"")); });
@@ -585,6 +586,7 @@ void SceneReader::read_load(const TomlCursor& node) {
     node.at("bearing").fail(force ? "is the pressure of a force towards the axis: it has no moment and no other place"
                                   : "is the pressure of a force, and there is none",
                             "with force = [x, y, z], without moment and at");
+  if (const auto steps = node.find("steps")) load.steps = read_own_steps(*steps, scene_.steps);
   if (!has_face) return;
   probe_expressions(scene_.bodies[load.face.body], load.face.face,
                     {&load.pressure, &load.traction[0], &load.traction[1], &load.traction[2]});
@@ -867,6 +869,8 @@ Scene SceneReader::read(const TomlCursor& root) {
     attempt([&] { check_bodies_of_stress(*root.find("accuracy")->find("stress")); });
   if (has_bodies) attempt([&] { read_inertia(root); });
   attempt([&] { read_plane_strain(root); });
+  const auto steps = root.find("steps");
+  if (steps) attempt([&] { scene_.steps = read_steps(*steps); });
   attempt([&] { read_supports(root); });
   add_ends_in_plane_strain();
   attempt([&] { read_loads(root); });
@@ -876,11 +880,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   if (has_bodies) attempt([&] { read_probes(root); });
   if (has_bodies) attempt([&] { find_places_of_targets(root); });
   if (has_bodies) attempt([&] { read_sections(root); });
-  if (const auto node = root.find("steps"))
-    attempt([&] {
-      scene_.steps = read_steps(*node);
-      check_preload_of_steps(*node);
-    });
+  if (steps) attempt([&] { check_preload_of_steps(*steps); });
   read_settings(root);
   if (const auto node = root.find("reference"); node && has_contacts)
     attempt([&] {

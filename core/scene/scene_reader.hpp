@@ -94,6 +94,8 @@ std::vector<TomlCursor> optional_elements(const TomlCursor& root, const std::str
 
 // Sections without references to bodies' faces (scene_settings.cpp).
 std::vector<StepSpec> read_steps(const TomlCursor& node);
+/// Factors of one load or support; makes the steps of the scene if it has none yet.
+std::vector<double> read_own_steps(const TomlCursor& node, std::vector<StepSpec>& steps);
 SolverOptions read_solver(const TomlCursor& node);
 RecoveryOptions read_recovery(const TomlCursor& node);
 OutputOptions read_output(const TomlCursor& node);

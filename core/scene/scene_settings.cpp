@@ -59,9 +59,10 @@ void read_degree(const TomlCursor& node, RecoveryOptions& options) {
   options.degree.interior = options.degree.boundary = options.degree.contact = node.integer(1, 2);
 }
 
+constexpr std::size_t most_steps = 1000;
+
 /// Factors of one kind in all steps; the last one is 1.
 std::vector<double> read_factors(const TomlCursor& node) {
-  constexpr std::size_t most_steps = 1000;
   Range range = Range::not_negative();
   range.text = ">= 0, part of what the scene says";
   std::vector<double> factors;
@@ -135,6 +136,20 @@ AccuracyOptions read_accuracy(const TomlCursor& node) {
   return options;
 }
 
+std::vector<double> read_own_steps(const TomlCursor& node, std::vector<StepSpec>& steps) {
+  Range range;
+  range.text = "a part of what stands there, of any sign";
+  std::vector<double> factors;
+  for (const TomlCursor& element : node.elements("factors, one for each step")) factors.push_back(element.number(range));
+  if (factors.empty() || factors.size() > most_steps)
+    node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", most_steps));
+  if (!steps.empty() && steps.size() != factors.size())
+    node.fail(fmt::format("has {} factors, the scene {} steps", factors.size(), steps.size()),
+              "one factor for each step");
+  for (std::size_t k = steps.size(); k < factors.size(); ++k) steps.emplace_back().number = k;
+  return factors;
+}
+
 std::vector<StepSpec> read_steps(const TomlCursor& node) {
   node.expect_keys({"factors", "loads", "displacements", "interference"});
   const std::pair<const char*, double StepSpec::*> kinds[] = {{"loads", &StepSpec::loads},
@@ -152,7 +167,10 @@ std::vector<StepSpec> read_steps(const TomlCursor& node) {
       own->fail(fmt::format("has {} factors, the list before it {}", factors.size(), steps.size()),
                 "one factor for each step");
     steps.resize(factors.size());
-    for (std::size_t k = 0; k < steps.size(); ++k) steps[k].*member = factors[k];
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      steps[k].number = k;
+      steps[k].*member = factors[k];
+    }
   }
   if (steps.empty()) node.fail("says no factors", allowed);
   return steps;

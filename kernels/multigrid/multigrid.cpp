@@ -216,6 +216,7 @@ struct Multigrid::Impl {
     if (present.full_stiffness.empty()) present.full_stiffness.assign(present.stiffness.size(), 1.0);
     const bool first = coarsest.is_null();
     present.changed.assign(present.stiffness.size(), first);
+    if (!first && !fine.changed_rows.empty()) present.changed = fine.changed_rows;
     for (std::size_t l = 0; l + 1 < levels.size(); ++l) {
       Level& level = *levels[l];
       const bool same_rows = !first && !present.any_changed();

@@ -115,17 +115,25 @@ RigidCoarseSpace::Row RigidCoarseSpace::make_row(std::vector<std::pair<int, doub
 void RigidCoarseSpace::set_share(const RankShare& share) {
   share_ = &share;
   for (auto* rows : {&supports_, &groups_})
-    for (Row& row : *rows) {
-      std::vector<std::pair<int, double>> own;
-      for (const auto& [dof, value] : row.entries)
-        if (share.owns(node_of_dof(dof)))
-          own.emplace_back(dof_of(share.local(node_of_dof(dof)), component_of_dof(dof)), value);
-      row.entries = std::move(own);
-    }
+    for (Row& row : *rows) keep_own_entries(row);
+}
+
+void RigidCoarseSpace::keep_own_entries(Row& row) const {
+  if (!share_) return;
+  std::vector<std::pair<int, double>> own;
+  for (const auto& [dof, value] : row.entries)
+    if (share_->owns(node_of_dof(dof)))
+      own.emplace_back(dof_of(share_->local(node_of_dof(dof)), component_of_dof(dof)), value);
+  row.entries = std::move(own);
 }
 
 void RigidCoarseSpace::update() {
   const std::vector<double> stiffness = group_stiffness(system_);
+  for (std::size_t g = 0; g < system_.changed_rows.size(); ++g)
+    if (system_.changed_rows[g]) {
+      groups_[g] = make_row(system_.group_rows[g].entries, 0);
+      keep_own_entries(groups_[g]);
+    }
   for (std::size_t g = 0; g < groups_.size(); ++g) groups_[g].stiffness = stiffness[g];
   Eigen::MatrixXd energy = Eigen::MatrixXd::Zero(num_motions_, num_motions_);
   for (const auto* rows : {&supports_, &groups_})

@@ -45,7 +45,7 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
     piece.area += link.weight;
     piece.larger_cell = std::max(piece.larger_cell, link.larger_cell);
     std::optional<double> square;
-    if (known && !boundary.is_bonded(link.pair))
+    if (known && !boundary.is_bonded(link.pair) && boundary.friction_of(link.pair) == 0)
       square = known->square(link.pair, index, grid.to_global(link.position), rotation * link.normal);
     const bool pressed = square ? *square > 0 : link.active;
     if (pressed) piece.closed_area += link.weight;
@@ -55,7 +55,9 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
     piece.normal += link.weight * link.normal;
     piece.low = piece.low.cwiseMin(link.position);
     piece.high = piece.high.cwiseMax(link.position);
-    lists.points.push_back({link.position, link.normal, link.distance, pressed});
+    const bool slips = link.slips && !link.shear.isZero(0);
+    lists.points.push_back({link.position, link.normal, link.distance, pressed,
+                            slips ? Vec3(link.shear.normalized()) : Vec3::Zero()});
     const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
     const Vec3 inward =
         depth * other.size(link.other_cell) * (other.grid.rotation.transpose() * (rotation * link.normal));

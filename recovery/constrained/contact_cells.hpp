@@ -12,6 +12,7 @@ struct PatchContactPoint {
   Vec3 position, normal;  ///< grid coordinates and axes of the body
   double distance;        ///< m, to the other body
   bool pressed;           ///< the pressure on the face is more than zero there; where nothing knows it, it is closed
+  Vec3 shear;             ///< direction of friction's shear on the body, unit, where the point slips; else zero
 };
 
 /// The contact points of one pair in one cell.

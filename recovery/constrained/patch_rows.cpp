@@ -82,11 +82,12 @@ class RowWriter {
   void add_known_traction(const ConstraintGroup& group);
   void add_zero_shear(const ConstraintGroup& group);
   void add_contact(const ConstraintGroup& group, bool with_other, ContactMode mode);
+  void add_friction(const ConstraintGroup& group, bool with_other);
   void add_other_side(const Vec3& x, const Vec3& n, bool free);
   void add_known_pressure(const ConstraintGroup& group);
   void add_bond(const ConstraintGroup& group);
   bool has_closed_points(const ConstraintGroup& group) const;
-  const PatchContactPoint* nearest_point(const Vec3& x, const Vec3& n) const;
+  const PatchContactPoint* nearest_point(int pair, const Vec3& x, const Vec3& n) const;
   void subtract_term(std::size_t first);
 
   Vec3 place(const Vec3& x) const { return (x - lists_.centre[patch_]) / lists_.unit[patch_]; }
@@ -203,7 +204,7 @@ void RowWriter<bodies>::add_contact(const ConstraintGroup& group, bool with_othe
 template <int bodies>
 void RowWriter<bodies>::add_other_side(const Vec3& x, const Vec3& n, bool free) {
   if constexpr (bodies == 2) {
-    const PatchContactPoint* nearest = nearest_point(x, n);
+    const PatchContactPoint* nearest = nearest_point(coupled_->pair, x, n);
     if (!nearest) return;
     const auto [t1, t2] = tangents(n);
     const Vec3 e = other_place(x, n, nearest->distance), m = to_other_ * n;
@@ -216,14 +217,42 @@ void RowWriter<bodies>::add_other_side(const Vec3& x, const Vec3& n, bool free) 
   }
 }
 
-/// The contact point of the coupled pair that is nearest to a constraint point on the same side of the body; null:
-/// none.
+/// Closed contact with friction: the normal traction of both bodies is equal; where it sticks the shear is, too, and
+/// where it slips the shear of each body is mu times its own pressure, along what friction acts with. Without the other
+/// body nothing is known where it sticks.
 template <int bodies>
-const PatchContactPoint* RowWriter<bodies>::nearest_point(const Vec3& x, const Vec3& n) const {
+void RowWriter<bodies>::add_friction(const ConstraintGroup& group, bool with_other) {
+  const double mu = body_.boundary->friction_of(group.pair);
+  for (int p = 0; p < group.num_points; ++p) {
+    const Vec3 x = group.position[p], n = group.normal[p], d = place(x);
+    const PatchContactPoint* nearest = nearest_point(group.pair, x, n);
+    if (!nearest) continue;
+    const auto [t1, t2] = tangents(n);
+    const bool slips = !nearest->shear.isZero(0);
+    const auto slip_direction = [&, s = nearest->shear](const Vec3& t) { return Vec3(t + mu * t.dot(s) * n); };
+    if (slips)
+      for (const Vec3& t : {t1, t2}) add_row(0, d, n, slip_direction(t));
+    if constexpr (bodies == 2) {
+      if (!with_other) continue;
+      const Vec3 there = other_place(x, n, nearest->distance), m = to_other_ * n;
+      set_traction(add_row(0, d, n, n), 1, there, m, m, -1);
+      for (const Vec3& t : {t1, t2}) {
+        if (slips)
+          add_row(1, there, m, to_other_ * slip_direction(t));
+        else
+          set_traction(add_row(0, d, n, t), 1, there, m, to_other_ * t, -1);
+      }
+    }
+  }
+}
+
+/// The contact point of a pair that is nearest to a constraint point on the same side of the body; null: none.
+template <int bodies>
+const PatchContactPoint* RowWriter<bodies>::nearest_point(int pair, const Vec3& x, const Vec3& n) const {
   const double unit = lists_.unit[patch_], alike = same_distance * unit * unit;
   const PatchContactPoint* nearest = nullptr;
   double least = 0;
-  context_.contact.each(cells_, coupled_->pair, [&](const ContactPiece& piece) {
+  context_.contact.each(cells_, pair, [&](const ContactPiece& piece) {
     if (nearest && (x.cwiseMax(piece.low).cwiseMin(piece.high) - x).squaredNorm() > least + alike) return;
     for (const PatchContactPoint& point : context_.contact.points(piece)) {
       const double distance = (point.position - x).squaredNorm();
@@ -257,7 +286,7 @@ void RowWriter<bodies>::add_bond(const ConstraintGroup& group) {
   if constexpr (bodies == 2)
     for (int p = 0; p < group.num_points; ++p) {
       const Vec3 x = group.position[p], n = group.normal[p];
-      const PatchContactPoint* nearest = nearest_point(x, n);
+      const PatchContactPoint* nearest = nearest_point(coupled_->pair, x, n);
       if (!nearest) continue;
       const Vec3 there = other_place(x, n, nearest->distance);
       const auto [t1, t2] = tangents(n);
@@ -329,6 +358,9 @@ void RowWriter<bodies>::add_group(const ConstraintGroup& group, const std::vecto
   if (state && !elsewhere && mode == ContactMode::closed && !state->couples) {
     add_known_pressure(group);
     if (!on_term) subtract_term(first);
+  } else if (state && !elsewhere && mode == ContactMode::closed && body_.boundary->friction_of(group.pair) > 0) {
+    add_friction(group, with_other);
+    subtract_term(first);
   } else if (state && !elsewhere && !(is_open && is_loaded)) {
     add_contact(group, with_other, mode);
     // On the face of the edge the term has no shear and nothing outside of the zone.
@@ -339,7 +371,7 @@ void RowWriter<bodies>::add_group(const ConstraintGroup& group, const std::vecto
     add_contact(group, false, mode);
     subtract_term(first);
   } else if (!is_open && (group.pair >= 0 || is_most(closed, closed + group.area))) {
-    add_zero_shear(group);
+    if (body_.boundary->friction_of(group.pair) == 0) add_zero_shear(group);
     subtract_term(first);
   } else {
     add_known_traction(group);

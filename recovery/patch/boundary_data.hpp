@@ -49,6 +49,10 @@ struct ContactLink {
   double spread_pressure = 0;    ///< Pa, the same force over all points of the group: so it acts on the bodies
   bool primary = false;          ///< the points of the pair are made on this body
   Vec3 traction = Vec3::Zero();  ///< Pa, of bonded pairs: what acts on this body, grid axes; constant over a group
+  Vec3 shear = Vec3::Zero();     ///< Pa, what friction acts with on this body, grid axes
+  Vec3 slip = Vec3::Zero();      ///< m, of this body against the other one, grid axes
+  double travelled = 0;          ///< m, length of all slip
+  bool slips = false;            ///< friction carries no more here
 };
 
 /// Boundary of one body: its default quadrature points with what is known there.
@@ -57,12 +61,14 @@ struct BoundaryData {
   std::vector<int> condition_of_point;  ///< per point of CutCells::boundary
   std::vector<int> pair_of_point;       ///< contact pair that the point has an opposite surface in, or -1
   std::vector<char> bonded;             ///< of each contact pair; empty: none is
+  std::vector<double> friction;         ///< of each contact pair, the coefficient; empty: none has any
   std::vector<ContactLink> links;
   CellLists links_of_cell;                           ///< active cell -> contact links
   std::function<Vec3(const Vec3& x)> body_force_at;  ///< N/m^3, global axes; empty: zero. May be called by any thread.
 
   /// Does the pair carry tension and shear? -1: no pair.
   bool is_bonded(int pair) const { return pair >= 0 && !bonded.empty() && bonded[pair]; }
+  double friction_of(int pair) const { return pair >= 0 && !friction.empty() ? friction[pair] : 0; }
 };
 
 }  // namespace cgcontact

@@ -1,0 +1,221 @@
+/// Kernels of friction over contact groups. Each group of a pair with friction slides along two tangents, or along one
+/// in plane strain; the rows of the linear system that say how far are turned group by group, so that what resists is a
+/// stiffness for each row (principal axes of TangentialContact::stiffness). One thread per group, as in
+/// group_kernels.hpp.
+#pragma once
+
+#include "contact/kernels/friction_law.hpp"
+#include "contact/kernels/group_kernels.hpp"
+
+namespace cgcontact {
+
+/// A group's share of the rows of friction, by the axes that these have at present.
+struct TangentFrame {
+  double cosine = 1, sine = 0;  ///< of the angle from the first tangent to the first row
+};
+
+/// Groups of all pairs with friction and their points, as in ContactGroupArrays; vectors by the points' tangents.
+template <class Memory>
+struct FrictionArrays {
+  using Numbers = Kokkos::View<int*, Memory>;
+  using Values = Kokkos::View<double*, Memory>;
+  using Vectors = Kokkos::View<double* [2], Kokkos::LayoutRight, Memory>;
+  using Flags = Kokkos::View<char*, Memory>;
+
+  Numbers first_point;   ///< (groups + 1)
+  Numbers normal_group;  ///< of each group: among all groups
+  Numbers normal_point;  ///< of each group: the first of its points among all points
+  Numbers row;           ///< of each group: its first row among those of friction
+  Numbers num_rows;      ///< of each group: 1 or 2
+  Values coefficient;    ///< of each group
+  Kokkos::View<TangentFrame*, Memory> frame;
+  Kokkos::View<ZoneForce*, Memory> linear;  ///< of each row: its force and stiffness, linear about where they were made
+  Vectors mismatch;                         ///< of each group: N, the law's force less the linear one before
+  Flags turned;                             ///< of each group: whether `frame` has changed with `linear`
+  Values weight;                            ///< of each point, m^2
+  Values pressure;                          ///< of each point, Pa: that of the last solution
+  Values bound;                             ///< of each point, Pa
+  Vectors lagged;                           ///< of each point: t*, in units of lagged_unit
+  Vectors reference;                        ///< of each point: where it stuck last, m
+  double lagged_unit = 1;                   ///< Pa
+
+  FrictionArrays() = default;
+  FrictionArrays(std::size_t groups, std::size_t rows, std::size_t points)
+      : first_point("cgcontact::friction::first_point", groups + 1),
+        normal_group("cgcontact::friction::normal_group", groups),
+        normal_point("cgcontact::friction::normal_point", groups),
+        row("cgcontact::friction::row", groups),
+        num_rows("cgcontact::friction::num_rows", groups),
+        coefficient("cgcontact::friction::coefficient", groups),
+        frame("cgcontact::friction::frame", groups),
+        linear("cgcontact::friction::linear", rows),
+        mismatch("cgcontact::friction::mismatch", groups),
+        turned("cgcontact::friction::turned", groups),
+        weight("cgcontact::friction::weight", points),
+        pressure("cgcontact::friction::pressure", points),
+        bound("cgcontact::friction::bound", points),
+        lagged("cgcontact::friction::lagged", points),
+        reference("cgcontact::friction::reference", points) {}
+  int num_groups() const { return static_cast<int>(coefficient.extent(0)); }
+
+  /// From amounts by rows to those by tangents.
+  KOKKOS_INLINE_FUNCTION void by_tangents(int g, double first, double second, double out[2]) const {
+    const TangentFrame f = frame(g);
+    out[0] = f.cosine * first - f.sine * second;
+    out[1] = f.sine * first + f.cosine * second;
+  }
+  /// Slip of a group by tangents, m. change: of all rows of friction.
+  template <class Change>
+  KOKKOS_INLINE_FUNCTION void slip(int g, const Change& change, double out[2]) const {
+    by_tangents(g, change(row(g)), num_rows(g) > 1 ? change(row(g) + 1) : 0, out);
+  }
+  KOKKOS_INLINE_FUNCTION TangentialContact law(int q, double k, const double slip[2]) const {
+    const double l[2] = {lagged(q, 0) * lagged_unit, lagged(q, 1) * lagged_unit};
+    return {k, l, slip, &reference(q, 0)};
+  }
+};
+
+/// Pressure of each point, as the last solution has it. change: of the mean gap of all groups, m.
+template <class Exec, class Memory>
+void take_pressures(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
+                    const Kokkos::View<double*, Memory>& change) {
+  static_assert(reaches<Exec, Memory>);
+  Kokkos::parallel_for(
+      "cgcontact::friction::pressures", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        const int g = friction.normal_group(f);
+        const double gap = groups.initial_gap(g) + change(g);
+        for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
+          const int point = friction.normal_point(f) + q - friction.first_point(f);
+          const double p = groups.closed_pressure(g, point, gap);
+          friction.pressure(q) = groups.active(point) && p > 0 ? p : 0;
+        }
+      });
+}
+
+/// What the points carry at most: mu times their pressure, or anything (`stuck`) where they are closed.
+template <class Exec, class Memory>
+void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
+                bool stuck) {
+  static_assert(reaches<Exec, Memory>);
+  Kokkos::parallel_for(
+      "cgcontact::friction::bounds", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
+          const int point = friction.normal_point(f) + q - friction.first_point(f);
+          const double most = stuck ? 1e300 : friction.coefficient(f) * friction.pressure(q);
+          friction.bound(q) = groups.active(point) ? most : 0;
+        }
+      });
+}
+
+/// Of a group whose points follow the law: force, N, and -d force / d slip, N/m, by tangents.
+template <class Memory>
+KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction, int f, double k, const double slip[2],
+                                         double force[2], double stiffness[3]) {
+  constexpr double held = 1e-4;  // docs/theory.md: from 1e-9 to 1e-4 all the same, above it more iterations
+  for (int i = 0; i < 2; ++i) force[i] = 0;
+  for (int i = 0; i < 3; ++i) stiffness[i] = 0;
+  for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
+    const double bound = friction.bound(q), w = friction.weight(q);
+    if (bound == 0) continue;
+    const TangentialContact law = friction.law(q, k, slip);
+    const double part = law.part(bound);
+    for (int i = 0; i < 2; ++i) force[i] += w * part * law.z[i];
+    stiffness[0] += w * law.stiffness(bound, held, 0, 0);
+    stiffness[1] += w * law.stiffness(bound, held, 0, 1);
+    stiffness[2] += w * law.stiffness(bound, held, 1, 1);
+  }
+}
+
+/// Makes the force of every row linear about the present slip; turns the rows of groups whose stiffness has other
+/// principal axes by then. change: of the rows of friction, m. Sets `mismatch`, `linear`, `frame`, `turned`.
+template <class Exec, class Memory, class Change>
+void linearise_friction(const Exec& exec, const ContactGroupArrays<Memory>& groups,
+                        const FrictionArrays<Memory>& friction, const Change& change) {
+  static_assert(reaches<Exec, Memory>);
+  constexpr double same_axes = 0.02;  // of the trace: what is left off the diagonal resists slip by the square of it
+  Kokkos::parallel_for(
+      "cgcontact::friction::linearise", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        const int row = friction.row(f), rows = friction.num_rows(f);
+        double slip[2], force[2], s[3], before[2];
+        friction.slip(f, change, slip);
+        friction.by_tangents(f, friction.linear(row).at(change(row)),
+                             rows > 1 ? friction.linear(row + 1).at(change(row + 1)) : 0, before);
+        force_of_law(friction, f, groups.law(friction.normal_group(f)).k, slip, force, s);
+        for (int i = 0; i < 2; ++i) friction.mismatch(f, i) = rows > i ? force[i] - before[i] : 0;
+        TangentFrame frame = friction.frame(f);
+        const auto off_diagonal = [&] {
+          return frame.cosine * frame.sine * (s[2] - s[0]) +
+                 (frame.cosine * frame.cosine - frame.sine * frame.sine) * s[1];
+        };
+        const double off = off_diagonal();
+        friction.turned(f) = rows > 1 && (off < 0 ? -off : off) > same_axes * (s[0] + s[2]);
+        if (friction.turned(f)) {
+          const double angle = 0.5 * std::atan2(2 * s[1], s[0] - s[2]);
+          frame.cosine = std::cos(angle);
+          frame.sine = std::sin(angle);
+          friction.frame(f) = frame;
+        }
+        for (int i = 0; i < rows; ++i) {
+          const double c = i == 0 ? frame.cosine : -frame.sine, d = i == 0 ? frame.sine : frame.cosine;
+          ZoneForce& linear = friction.linear(row + i);
+          linear.force = c * force[0] + d * force[1];
+          linear.stiffness = c * c * s[0] + 2 * c * d * s[1] + d * d * s[2];
+          linear.gap = c * slip[0] + d * slip[1];
+        }
+      });
+}
+
+/// Force of every row, N, by the law at the slip start + t step less the linear one: excess_forces() of friction.
+/// start, step, excess: of the rows of friction.
+template <class Exec, class Memory, class Rows>
+void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
+                     const Rows& start, const Rows& step, double t, const Rows& excess) {
+  static_assert(reaches<Exec, Memory>);
+  Kokkos::parallel_for(
+      "cgcontact::friction::excess", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        const int row = friction.row(f), rows = friction.num_rows(f);
+        const double now[2] = {start(row) + t * step(row), rows > 1 ? start(row + 1) + t * step(row + 1) : 0};
+        double slip[2], force[2], stiffness[3];
+        friction.by_tangents(f, now[0], now[1], slip);
+        force_of_law(friction, f, groups.law(friction.normal_group(f)).k, slip, force, stiffness);
+        const TangentFrame frame = friction.frame(f);
+        for (int i = 0; i < rows; ++i) {
+          const double c = i == 0 ? frame.cosine : -frame.sine, d = i == 0 ? frame.sine : frame.cosine;
+          excess(row + i) = c * force[0] + d * force[1] - friction.linear(row + i).at(now[i]);
+        }
+      });
+}
+
+/// What the points do at the present slip: shear (Pa, on the second body) and, if that were the end of a load step,
+/// where they stick in the next one (m). An open point sticks where it is.
+template <class Exec, class Memory, class Change>
+void friction_state(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
+                    const Change& change, const typename FrictionArrays<Memory>::Vectors& shear,
+                    const typename FrictionArrays<Memory>::Vectors& reference,
+                    const typename FrictionArrays<Memory>::Flags& slips) {
+  static_assert(reaches<Exec, Memory>);
+  Kokkos::parallel_for(
+      "cgcontact::friction::state", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        const double k = groups.law(friction.normal_group(f)).k;
+        double slip[2];
+        friction.slip(f, change, slip);
+        for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
+          const double bound = friction.bound(q);
+          const TangentialContact law = friction.law(q, k, slip);
+          slips(q) = bound > 0 && !law.sticks(bound);
+          for (int i = 0; i < 2; ++i) {
+            shear(q, i) = bound > 0 ? law.part(bound) * law.z[i] : 0;
+            reference(q, i) = bound == 0 ? slip[i]
+                              : slips(q) ? slip[i] - (friction.lagged(q, i) * friction.lagged_unit - shear(q, i)) / k
+                                         : friction.reference(q, i);
+          }
+        }
+      });
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,264 @@
+#include "contact/solve/friction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "kernels/mesh/host_copy.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// What loads ask of friction beyond what it carries, of that: less is the error of the iteration. From one iteration
+/// to the next it stays the same, up to the second, only where a body slides.
+constexpr double little_beyond = 1e-4, steady = 0.02;
+
+template <class View>
+auto host_of(const View& view) {
+  return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view);
+}
+
+std::size_t count_points(const std::vector<ContactPair>& pairs) {
+  std::size_t count = 0;
+  for (const ContactPair& pair : pairs) count += pair.num_tangents > 0 ? pair.points.size() : 0;
+  return count;
+}
+
+FrictionArrays<MemSpace> make_arrays(const OuterProblem& problem) {
+  std::vector<int> first_point{0}, normal_group, normal_point, row, num_rows;
+  std::vector<double> coefficient, weight;
+  int rows = 0, group = 0;
+  for (const ContactPair& pair : problem.pairs) {
+    if (pair.num_tangents == 0) {
+      group += static_cast<int>(pair.groups.size());
+      continue;
+    }
+    for (const ContactGroup& g : pair.groups) {
+      normal_group.push_back(group++);
+      normal_point.push_back(static_cast<int>(pair.points.first_place()) + g.first_point);
+      row.push_back(rows);
+      num_rows.push_back(pair.num_tangents);
+      rows += pair.num_tangents;
+      coefficient.push_back(pair.friction());
+      for (int q = g.first_point; q < g.last_point; ++q) weight.push_back(pair.points.weight(q));
+      first_point.push_back(static_cast<int>(weight.size()));
+    }
+  }
+  FrictionArrays<MemSpace> arrays(row.size(), rows, weight.size());
+  arrays.first_point = copy_to_view<IntView>("cgcontact::friction::first_point", first_point);
+  arrays.normal_group = copy_to_view<IntView>("cgcontact::friction::normal_group", normal_group);
+  arrays.normal_point = copy_to_view<IntView>("cgcontact::friction::normal_point", normal_point);
+  arrays.row = copy_to_view<IntView>("cgcontact::friction::row", row);
+  arrays.num_rows = copy_to_view<IntView>("cgcontact::friction::num_rows", num_rows);
+  arrays.coefficient = copy_to_view<RealView>("cgcontact::friction::coefficient", coefficient);
+  arrays.weight = copy_to_view<RealView>("cgcontact::friction::weight", weight);
+  Kokkos::deep_copy(arrays.frame, TangentFrame());
+  Kokkos::deep_copy(arrays.linear, ZoneForce());
+  arrays.lagged_unit = problem.scales.stress;
+  return arrays;
+}
+
+}  // namespace
+
+/// friction_state() on the host.
+struct Friction::Now {
+  FrictionArrays<MemSpace>::Vectors::HostMirror shear, reference;
+  FrictionArrays<MemSpace>::Flags::HostMirror slips;
+  FrictionArrays<MemSpace>::Vectors new_reference;
+};
+
+Friction::Friction(const OuterProblem& problem)
+    : problem_(problem), arrays_(make_arrays(problem)), first_row_(static_cast<int>(problem.system.group_rows.size())) {
+  first_row_ -= num_rows();
+  const auto frame = host_of(arrays_.frame);
+  frames_.assign(frame.data(), frame.data() + frame.extent(0));
+  stress = Stress("cgcontact::friction::stress", count_points(problem.pairs));
+  arrays_.lagged = stress.d_view;
+  forget();
+}
+
+void Friction::forget() {
+  Kokkos::deep_copy(arrays_.reference, 0.0);
+  Kokkos::deep_copy(arrays_.bound, 0.0);
+  Kokkos::deep_copy(arrays_.pressure, 0.0);
+  Kokkos::deep_copy(arrays_.linear, ZoneForce());
+  Kokkos::deep_copy(stress.h_view, 0.0);
+  stress.modify_host();
+  stress.sync_device();
+  residual_ = 1;
+  stuck_ = true;
+  history_.clear();
+  for (const ContactPair& pair : problem_.pairs) {
+    const std::size_t count = pair.num_tangents > 0 ? pair.points.size() : 0;
+    FrictionPoints points;
+    points.slip.assign(count, Vec3::Zero());
+    points.travelled.assign(count, 0.0);
+    history_.push_back(points);
+  }
+}
+
+RealView Friction::of_friction(const RealView& all) const {
+  return Kokkos::subview(all, std::pair(first_row_, first_row_ + num_rows()));
+}
+
+void Friction::add_excess(const ContactGroupArrays<MemSpace>& groups, const RealView& start, const RealView& along,
+                          double t, const RealView& excess) const {
+  if (!any()) return;
+  friction_excess(problem_.exec, groups, arrays_, of_friction(start), of_friction(along), t, of_friction(excess));
+  problem_.exec.fence();
+}
+
+std::vector<FrictionRow> Friction::rows() const {
+  const auto linear = host_of(arrays_.linear);
+  std::vector<FrictionRow> all;
+  std::size_t f = 0;
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
+    const ContactPair& pair = problem_.pairs[k];
+    for (std::size_t g = 0; g < pair.groups.size() && pair.num_tangents > 0; ++g, ++f) {
+      const TangentFrame frame = frames_[f];
+      all.push_back({k, g, {frame.cosine, frame.sine}, linear(all.size())});
+      if (pair.num_tangents > 1) all.push_back({k, g, {-frame.sine, frame.cosine}, linear(all.size())});
+    }
+  }
+  return all;
+}
+
+void Friction::put_into(const ContactGroupArrays<MemSpace>& groups) const {
+  if (!any()) return;
+  const std::pair rows(first_row_, first_row_ + num_rows());
+  Kokkos::deep_copy(Kokkos::subview(groups.in_zone, rows), 1);
+  Kokkos::deep_copy(Kokkos::subview(groups.zone, rows), arrays_.linear);
+}
+
+void Friction::take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
+  cgcontact::take_pressures(problem_.exec, groups, arrays_, change);
+  problem_.exec.fence();
+}
+
+bool Friction::renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
+  if (!any()) return false;
+  stress.sync_device();
+  set_bounds(problem_.exec, groups, arrays_, stuck_);
+  linearise_friction(problem_.exec, groups, arrays_, of_friction(change));
+  problem_.exec.fence();
+  const auto mismatch = host_of(arrays_.mismatch);
+  const auto first_point = host_of(arrays_.first_point);
+  const auto weight = host_of(arrays_.weight), pressure = host_of(arrays_.pressure);
+  double square = 0, pressed = 0;
+  for (int f = 0; f < arrays_.num_groups(); ++f) {
+    double area = 0;
+    for (int q = first_point(f); q < first_point(f + 1); ++q) {
+      area += weight(q);
+      pressed += weight(q) * pressure(q) * pressure(q);
+    }
+    square += (mismatch(f, 0) * mismatch(f, 0) + mismatch(f, 1) * mismatch(f, 1)) / area;
+  }
+  residual_ = pressed > 0 ? std::sqrt(square / pressed) : square > 0 ? 1 : 0;
+  look_for_sliding(now(groups, change));
+  const auto turned = host_of(arrays_.turned);
+  const bool any_turned = std::any_of(turned.data(), turned.data() + turned.extent(0), [](char t) { return t != 0; });
+  if (any_turned) turn_rows();
+  return any_turned;
+}
+
+/// The rows of the system by the new axes: each group's are turned in their plane.
+void Friction::turn_rows() {
+  const auto turned = host_of(arrays_.turned);
+  const auto frame = host_of(arrays_.frame);
+  const auto row = host_of(arrays_.row);
+  ElasticSystem& system = problem_.system;
+  system.changed_rows.assign(system.group_rows.size(), 0);
+  for (int f = 0; f < arrays_.num_groups(); ++f) {
+    if (!turned(f)) continue;
+    const TangentFrame from = frames_[f], to = frame(f);
+    const double c = from.cosine * to.cosine + from.sine * to.sine, s = from.cosine * to.sine - from.sine * to.cosine;
+    const std::size_t first = first_row_ + row(f);
+    auto &one = system.group_rows[first].entries, &two = system.group_rows[first + 1].entries;
+    for (std::size_t e = 0; e < one.size(); ++e) {
+      const double a = one[e].second, b = two[e].second;
+      one[e].second = c * a + s * b;
+      two[e].second = c * b - s * a;
+    }
+    frames_[f] = to;
+    system.changed_rows[first] = system.changed_rows[first + 1] = 1;
+  }
+  compress_group_rows(system);
+}
+
+Friction::Now Friction::now(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
+  const std::size_t points = arrays_.weight.extent(0);
+  const FrictionArrays<MemSpace>::Vectors shear("cgcontact::friction::shear", points),
+      reference("cgcontact::friction::new_reference", points);
+  const FrictionArrays<MemSpace>::Flags slips("cgcontact::friction::slips", points);
+  friction_state(problem_.exec, groups, arrays_, of_friction(change), shear, reference, slips);
+  problem_.exec.fence();
+  return {host_of(shear), host_of(reference), host_of(slips), reference};
+}
+
+/// Of pairs that carry no more: what the loads ask along the shear beyond what is carried, relative to that.
+void Friction::look_for_sliding(const Now& state) {
+  const std::vector<double> before = asked_;
+  asked_.assign(problem_.pairs.size(), 0.0);
+  sliding_.assign(problem_.pairs.size(), 0.0);
+  if (stuck_) return;
+  const auto mismatch = host_of(arrays_.mismatch);
+  const auto bound = host_of(arrays_.bound);
+  std::size_t point = 0, f = 0;
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
+    const ContactPair& pair = problem_.pairs[k];
+    if (pair.num_tangents == 0) continue;
+    double carried = 0, beyond = 0;
+    bool sticks = false;
+    for (std::size_t g = 0; g < pair.groups.size(); ++g, ++f) {
+      double shear[2] = {0, 0};
+      for (int q = pair.groups[g].first_point; q < pair.groups[g].last_point; ++q, ++point) {
+        carried += pair.points.weight(q) * bound(point);
+        for (int i = 0; i < 2; ++i) shear[i] += state.shear(point, i);
+        sticks |= bound(point) > 0 && !state.slips(point);
+      }
+      if (const double size = std::hypot(shear[0], shear[1]); size > 0)
+        beyond -= (mismatch(f, 0) * shear[0] + mismatch(f, 1) * shear[1]) / size;
+    }
+    if (sticks || !(carried > 0)) continue;
+    asked_[k] = beyond / carried;
+    if (asked_[k] > little_beyond && std::abs(asked_[k] - before[k]) < steady * asked_[k]) sliding_[k] = asked_[k];
+  }
+}
+
+void Friction::end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
+  if (!any()) return;
+  history_ = state(groups, change);
+  Kokkos::deep_copy(arrays_.reference, now(groups, change).new_reference);
+}
+
+std::vector<FrictionPoints> Friction::state(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
+  std::vector<FrictionPoints> all = history_;
+  if (!any()) return all;
+  const Now state = now(groups, change);
+  const auto before = host_of(arrays_.reference);
+  const auto bound = host_of(arrays_.bound);
+  std::size_t point = 0;
+  for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
+    const ContactPair& pair = problem_.pairs[k];
+    FrictionPoints& points = all[k];
+    const std::size_t count = points.slip.size();
+    points.shear.assign(count, Vec3::Zero());
+    points.slips.assign(count, 0);
+    for (std::size_t q = 0; q < count; ++q, ++point) {
+      const std::array<Vec3, 2> along = pair.tangents(q);
+      const auto global = [&](double first, double second) { return Vec3(first * along[0] + second * along[1]); };
+      points.shear[q] = global(state.shear(point, 0), state.shear(point, 1));
+      points.slips[q] = state.slips(point);
+      const Vec3 step = global(state.reference(point, 0) - before(point, 0), state.reference(point, 1) - before(point, 1));
+      if (!(bound(point) > 0)) {  // apart: what it slips then is no way that it rubs
+        points.slip[q] = Vec3::Zero();
+        continue;
+      }
+      points.slip[q] += step;
+      points.travelled[q] += step.norm();
+      points.work -= pair.points.weight(q) * points.shear[q].dot(step);
+    }
+  }
+  return all;
+}
+
+}  // namespace cgcontact

@@ -1,0 +1,82 @@
+/// Friction in the outer iteration: Coulomb's law with the recovered shear and the bound mu p lagged, like the pressure.
+/// With both fixed the energy is convex; each iteration goes one Newton step with an exact line search and then renews
+/// them (docs/theory.md). Closed points stick at the start of every load step, whatever the load, until the recovered
+/// stress settles; where they stuck at the end of the last step is what a step remembers.
+#pragma once
+
+#include <Kokkos_DualView.hpp>
+
+#include "contact/kernels/friction_kernels.hpp"
+#include "contact/solve/outer_problem.hpp"
+
+namespace cgcontact {
+
+/// A row of friction on the host.
+struct FrictionRow {
+  std::size_t pair, group;  ///< group: of the pair
+  double along[2];          ///< its direction at a point, by the tangents there
+  ZoneForce linear;
+};
+
+class Friction {
+ public:
+  explicit Friction(const OuterProblem& problem);
+
+  bool any() const { return arrays_.num_groups() > 0; }
+  /// The rows of friction come after those of all contact groups.
+  int first_row() const { return first_row_; }
+  int num_rows() const { return static_cast<int>(arrays_.linear.extent(0)); }
+  const FrictionArrays<MemSpace>& arrays() const { return arrays_; }
+
+  /// Back to no slip and no shear.
+  void forget();
+  /// Closed points stick, until release().
+  void begin_step() { stuck_ = true; }
+  bool is_stuck() const { return stuck_; }
+  void release() { stuck_ = false; }
+
+  /// Pressures of the last solution. change: of the gaps of all rows, m.
+  void take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
+  /// New bounds, and forces that are linear about the present slip. True: rows of the system have turned.
+  bool renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  /// Of the last renewal: how far the forces were from those of the law, relative to the pressure; 1 while points are
+  /// held. RMS over the area.
+  double residual() const { return stuck_ ? 1 : residual_; }
+  /// Pairs all of whose closed points slip, while what the loads ask of friction beyond that stays the same from
+  /// iteration to iteration; relative to what it can carry. 0: the pair holds.
+  const std::vector<double>& sliding() const { return sliding_; }
+
+  /// Rows of friction of excess_forces(): by the law at start + t along, less the linear forces. All: of all rows, m, N.
+  void add_excess(const ContactGroupArrays<MemSpace>& groups, const RealView& start, const RealView& along, double t,
+                  const RealView& excess) const;
+  std::vector<FrictionRow> rows() const;
+  /// The linear forces as those of groups that have no points, behind all others.
+  void put_into(const ContactGroupArrays<MemSpace>& groups) const;
+
+  /// Ends the load step: points stick where they are now. change: as above.
+  void end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  /// Of every pair, as after the next end_step().
+  std::vector<FrictionPoints> state(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
+
+  /// t* of the points of all pairs with friction, one after the other, in Scales::stress: two components, by tangents.
+  using Stress = Kokkos::DualView<double* [2], Kokkos::LayoutRight, ExecSpace>;
+  Stress stress;
+
+ private:
+  struct Now;
+  Now now(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
+  void turn_rows();
+  void look_for_sliding(const Now& state);
+  RealView of_friction(const RealView& all) const;
+
+  OuterProblem problem_;
+  FrictionArrays<MemSpace> arrays_;
+  std::vector<TangentFrame> frames_;  ///< those that the rows of the system have
+  int first_row_ = 0;
+  bool stuck_ = true;
+  double residual_ = 1;
+  std::vector<double> sliding_, asked_;  ///< of each pair
+  std::vector<FrictionPoints> history_;  ///< of each pair, with the steps that have ended
+};
+
+}  // namespace cgcontact
