@@ -37,6 +37,8 @@ struct FrictionArrays {
   Values bound;                             ///< of each point, Pa
   Vectors lagged;                           ///< of each point: t*, in units of lagged_unit
   Vectors reference;                        ///< of each point: where it stuck last, m
+  Values approach;                          ///< of each group: its gap when the load step began, m; 0: it was closed
+  Vectors drift;                            ///< of each group: slip with which its gap closes, per gap
   double lagged_unit = 1;                   ///< Pa
 
   FrictionArrays() = default;
@@ -55,7 +57,9 @@ struct FrictionArrays {
         pressure("cgcontact::friction::pressure", points),
         bound("cgcontact::friction::bound", points),
         lagged("cgcontact::friction::lagged", points),
-        reference("cgcontact::friction::reference", points) {}
+        reference("cgcontact::friction::reference", points),
+        approach("cgcontact::friction::approach", groups),
+        drift("cgcontact::friction::drift", groups) {}
   int num_groups() const { return static_cast<int>(coefficient.extent(0)); }
 
   /// From amounts by rows to those by tangents.
@@ -69,9 +73,14 @@ struct FrictionArrays {
   KOKKOS_INLINE_FUNCTION void slip(int g, const Change& change, double out[2]) const {
     by_tangents(g, change(row(g)), num_rows(g) > 1 ? change(row(g) + 1) : 0, out);
   }
-  KOKKOS_INLINE_FUNCTION TangentialContact law(int q, double k, const double slip[2]) const {
+  /// Where a point of a group sticks, m: what is apart when a load step begins meets where the gap has closed.
+  KOKKOS_INLINE_FUNCTION double held_at(int g, int q, int i) const {
+    return reference(q, i) + approach(g) * drift(g, i);
+  }
+  KOKKOS_INLINE_FUNCTION TangentialContact law(int g, int q, double k, const double slip[2]) const {
     const double l[2] = {lagged(q, 0) * lagged_unit, lagged(q, 1) * lagged_unit};
-    return {k, l, slip, &reference(q, 0)};
+    const double held[2] = {held_at(g, q, 0), held_at(g, q, 1)};
+    return {k, l, slip, held};
   }
 };
 
@@ -90,6 +99,22 @@ void take_pressures(const Exec& exec, const ContactGroupArrays<Memory>& groups, 
           const double p = groups.closed_pressure(g, point, gap);
           friction.pressure(q) = groups.active(point) && p > 0 ? p : 0;
         }
+      });
+}
+
+/// Gaps of the groups when a load step begins. change: of all groups, m.
+template <class Exec, class Memory>
+void take_gaps(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
+               const Kokkos::View<double*, Memory>& change) {
+  static_assert(reaches<Exec, Memory>);
+  Kokkos::parallel_for(
+      "cgcontact::friction::gaps", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
+      KOKKOS_LAMBDA(const int f) {
+        const int g = friction.normal_group(f);
+        const double gap = groups.initial_gap(g) + change(g);
+        bool closed = false;
+        for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) closed |= friction.bound(q) > 0;
+        friction.approach(f) = gap > 0 && !closed ? gap : 0;
       });
 }
 
@@ -119,7 +144,7 @@ KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction,
   for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
     const double bound = friction.bound(q), w = friction.weight(q);
     if (bound == 0) continue;
-    const TangentialContact law = friction.law(q, k, slip);
+    const TangentialContact law = friction.law(f, q, k, slip);
     const double part = law.part(bound);
     for (int i = 0; i < 2; ++i) force[i] += w * part * law.z[i];
     stiffness[0] += w * law.stiffness(bound, held, 0, 0);
@@ -190,13 +215,19 @@ void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups,
       });
 }
 
-/// What the points do at the present slip: shear (Pa, on the second body) and, if that were the end of a load step,
-/// where they stick in the next one (m). An open point sticks where it is.
+/// What the points of friction do, each by tangents.
+template <class Memory>
+struct FrictionState {
+  typename FrictionArrays<Memory>::Vectors shear;      ///< Pa, on the second body
+  typename FrictionArrays<Memory>::Vectors slip;       ///< m, of this load step
+  typename FrictionArrays<Memory>::Vectors reference;  ///< m, where a point sticks if that is the end of the step
+  typename FrictionArrays<Memory>::Flags slips;
+};
+
+/// The state at the present slip of the groups. An open point sticks where it is.
 template <class Exec, class Memory, class Change>
 void friction_state(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
-                    const Change& change, const typename FrictionArrays<Memory>::Vectors& shear,
-                    const typename FrictionArrays<Memory>::Vectors& reference,
-                    const typename FrictionArrays<Memory>::Flags& slips) {
+                    const Change& change, const FrictionState<Memory>& state) {
   static_assert(reaches<Exec, Memory>);
   Kokkos::parallel_for(
       "cgcontact::friction::state", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
@@ -206,13 +237,14 @@ void friction_state(const Exec& exec, const ContactGroupArrays<Memory>& groups, 
         friction.slip(f, change, slip);
         for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
           const double bound = friction.bound(q);
-          const TangentialContact law = friction.law(q, k, slip);
-          slips(q) = bound > 0 && !law.sticks(bound);
+          const TangentialContact law = friction.law(f, q, k, slip);
+          const bool slips = bound > 0 && !law.sticks(bound);
+          state.slips(q) = slips;
           for (int i = 0; i < 2; ++i) {
-            shear(q, i) = bound > 0 ? law.part(bound) * law.z[i] : 0;
-            reference(q, i) = bound == 0 ? slip[i]
-                              : slips(q) ? slip[i] - (friction.lagged(q, i) * friction.lagged_unit - shear(q, i)) / k
-                                         : friction.reference(q, i);
+            const double shear = bound > 0 ? law.part(bound) * law.z[i] : 0, held = friction.held_at(f, q, i);
+            state.shear(q, i) = shear;
+            state.slip(q, i) = slips ? slip[i] - (friction.lagged(q, i) * friction.lagged_unit - shear) / k - held : 0;
+            state.reference(q, i) = bound > 0 ? held + state.slip(q, i) : slip[i];
           }
         }
       });

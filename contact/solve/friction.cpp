@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "kernels/mesh/host_copy.hpp"
+#include "recovery/face/symmetry_planes.hpp"
 
 namespace cgcontact {
 namespace {
@@ -11,6 +12,8 @@ namespace {
 /// What loads ask of friction beyond what it carries, of that: less is the error of the iteration. From one iteration
 /// to the next it stays the same, up to the second, only where a body slides.
 constexpr double little_beyond = 1e-4, steady = 0.02;
+/// Of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together nowhere.
+constexpr double least_common = 0.1;
 
 template <class View>
 auto host_of(const View& view) {
@@ -61,7 +64,7 @@ FrictionArrays<MemSpace> make_arrays(const OuterProblem& problem) {
 
 /// friction_state() on the host.
 struct Friction::Now {
-  FrictionArrays<MemSpace>::Vectors::HostMirror shear, reference;
+  FrictionArrays<MemSpace>::Vectors::HostMirror shear, slip;
   FrictionArrays<MemSpace>::Flags::HostMirror slips;
   FrictionArrays<MemSpace>::Vectors new_reference;
 };
@@ -69,6 +72,15 @@ struct Friction::Now {
 Friction::Friction(const OuterProblem& problem)
     : problem_(problem), arrays_(make_arrays(problem)), first_row_(static_cast<int>(problem.system.group_rows.size())) {
   first_row_ -= num_rows();
+  for (const ContactPair& pair : problem_.pairs) {
+    const BodyModel &a = problem_.bodies[pair.primary], &b = problem_.bodies[pair.secondary];
+    mirrors_.emplace_back();
+    if (pair.num_tangents == 0) continue;
+    for (const SymmetryPlane& plane :
+         common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
+                       a.cut_cells.grid.cell_size))
+      mirrors_.back().push_back(plane.normal);
+  }
   const auto frame = host_of(arrays_.frame);
   frames_.assign(frame.data(), frame.data() + frame.extent(0));
   stress = Stress("cgcontact::friction::stress", count_points(problem.pairs));
@@ -129,6 +141,54 @@ void Friction::put_into(const ContactGroupArrays<MemSpace>& groups) const {
   Kokkos::deep_copy(Kokkos::subview(groups.zone, rows), arrays_.linear);
 }
 
+void Friction::begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
+  stuck_ = true;
+  if (!any()) return;
+  take_gaps(problem_.exec, groups, arrays_, change);
+  problem_.exec.fence();
+}
+
+/// Bodies come together along the mean direction of what presses them: where a normal leans away from that a point has
+/// slipped along the face, by gap times tangent, when it closes. Without pressures yet: of what is closed.
+void Friction::take_drifts(const ContactGroupArrays<MemSpace>& groups) const {
+  const auto pressure = host_of(arrays_.pressure);
+  const auto active = host_of(groups.active);
+  const auto drift = Kokkos::create_mirror_view(arrays_.drift);
+  std::size_t point = 0, all = 0, f = 0;
+  for (const ContactPair& pair : problem_.pairs) {
+    if (pair.num_tangents == 0) {
+      all += pair.points.size();
+      continue;
+    }
+    Vec3 sum[2] = {Vec3::Zero(), Vec3::Zero()};
+    double size[2] = {0, 0};
+    for (std::size_t q = 0; q < pair.points.size(); ++q) {
+      const double w = pair.points.weight(q), of[2] = {w * pressure(point + q), active(all + q) ? w : 0};
+      for (int i = 0; i < 2; ++i) {
+        sum[i] += of[i] * pair.points.normal(q);
+        size[i] += of[i];
+      }
+    }
+    const int i = size[0] > 0 ? 0 : 1;
+    for (const Vec3& normal : mirrors_[&pair - problem_.pairs.data()]) sum[i] -= normal * normal.dot(sum[i]);
+    const bool one_way = sum[i].norm() > least_common * size[i];
+    const Vec3 way = one_way ? Vec3(sum[i].normalized()) : Vec3::Zero();
+    for (const ContactGroup& g : pair.groups) {
+      for (int t = 0; t < 2; ++t) drift(f, t) = 0;
+      for (int q = g.first_point; q < g.last_point; ++q) {
+        const double along = std::max(way.dot(pair.points.normal(q)), least_common);
+        const std::array<Vec3, 2> tangents = pair.tangents(q);
+        for (int t = 0; t < pair.num_tangents; ++t)
+          drift(f, t) -= pair.points.weight(q) / g.area * way.dot(tangents[t]) / along;
+      }
+      ++f;
+    }
+    point += pair.points.size();
+    all += pair.points.size();
+  }
+  Kokkos::deep_copy(arrays_.drift, drift);
+}
+
 void Friction::take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
   cgcontact::take_pressures(problem_.exec, groups, arrays_, change);
   problem_.exec.fence();
@@ -138,6 +198,7 @@ bool Friction::renew(const ContactGroupArrays<MemSpace>& groups, const RealView&
   if (!any()) return false;
   stress.sync_device();
   set_bounds(problem_.exec, groups, arrays_, stuck_);
+  take_drifts(groups);
   linearise_friction(problem_.exec, groups, arrays_, of_friction(change));
   problem_.exec.fence();
   const auto mismatch = host_of(arrays_.mismatch);
@@ -187,11 +248,11 @@ void Friction::turn_rows() {
 Friction::Now Friction::now(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
   const std::size_t points = arrays_.weight.extent(0);
   const FrictionArrays<MemSpace>::Vectors shear("cgcontact::friction::shear", points),
-      reference("cgcontact::friction::new_reference", points);
+      slip("cgcontact::friction::slip", points), reference("cgcontact::friction::new_reference", points);
   const FrictionArrays<MemSpace>::Flags slips("cgcontact::friction::slips", points);
-  friction_state(problem_.exec, groups, arrays_, of_friction(change), shear, reference, slips);
+  friction_state(problem_.exec, groups, arrays_, of_friction(change), {shear, slip, reference, slips});
   problem_.exec.fence();
-  return {host_of(shear), host_of(reference), host_of(slips), reference};
+  return {host_of(shear), host_of(slip), host_of(slips), reference};
 }
 
 /// Of pairs that carry no more: what the loads ask along the shear beyond what is carried, relative to that.
@@ -234,7 +295,6 @@ std::vector<FrictionPoints> Friction::state(const ContactGroupArrays<MemSpace>& 
   std::vector<FrictionPoints> all = history_;
   if (!any()) return all;
   const Now state = now(groups, change);
-  const auto before = host_of(arrays_.reference);
   const auto bound = host_of(arrays_.bound);
   std::size_t point = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
@@ -245,14 +305,14 @@ std::vector<FrictionPoints> Friction::state(const ContactGroupArrays<MemSpace>& 
     points.slips.assign(count, 0);
     for (std::size_t q = 0; q < count; ++q, ++point) {
       const std::array<Vec3, 2> along = pair.tangents(q);
-      const auto global = [&](double first, double second) { return Vec3(first * along[0] + second * along[1]); };
-      points.shear[q] = global(state.shear(point, 0), state.shear(point, 1));
+      const auto global = [&](const auto& view) { return Vec3(view(point, 0) * along[0] + view(point, 1) * along[1]); };
+      points.shear[q] = global(state.shear);
       points.slips[q] = state.slips(point);
-      const Vec3 step = global(state.reference(point, 0) - before(point, 0), state.reference(point, 1) - before(point, 1));
-      if (!(bound(point) > 0)) {  // apart: what it slips then is no way that it rubs
+      if (!(bound(point) > 0)) {  // apart: what moves then does not rub
         points.slip[q] = Vec3::Zero();
         continue;
       }
+      const Vec3 step = global(state.slip);
       points.slip[q] += step;
       points.travelled[q] += step.norm();
       points.work -= pair.points.weight(q) * points.shear[q].dot(step);

@@ -30,8 +30,8 @@ class Friction {
 
   /// Back to no slip and no shear.
   void forget();
-  /// Closed points stick, until release().
-  void begin_step() { stuck_ = true; }
+  /// Closed points stick, until release(). change: as below, from which gaps close.
+  void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
   bool is_stuck() const { return stuck_; }
   void release() { stuck_ = false; }
 
@@ -66,12 +66,14 @@ class Friction {
   struct Now;
   Now now(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
   void turn_rows();
+  void take_drifts(const ContactGroupArrays<MemSpace>& groups) const;
   void look_for_sliding(const Now& state);
   RealView of_friction(const RealView& all) const;
 
   OuterProblem problem_;
   FrictionArrays<MemSpace> arrays_;
   std::vector<TangentFrame> frames_;  ///< those that the rows of the system have
+  std::vector<std::vector<Vec3>> mirrors_;  ///< of each pair: normals of planes of symmetry
   int first_row_ = 0;
   bool stuck_ = true;
   double residual_ = 1;

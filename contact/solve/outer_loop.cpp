@@ -114,7 +114,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
     if (!held) initialise_active_set(now_);
     earlier_ = nullptr;
   }
-  now_.friction.begin_step();
+  now_.friction.begin_step(now_.groups(), now_.gap_change());
   renew_friction();
   unbalanced_ = now_.floating.any() ? now_.floating.not_stopped_by_the_other_side() : FreeMotions();
   return iterate(progress, held);
