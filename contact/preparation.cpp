@@ -12,7 +12,6 @@
 #include "contact/model/rigid_supports.hpp"
 #include "contact/motions/free_motion.hpp"
 #include "contact/motions/free_pieces.hpp"
-#include "contact/motions/friction_loads.hpp"
 #include "contact/plausibility.hpp"
 #include "contact/results/reference.hpp"
 
@@ -22,13 +21,8 @@ namespace {
 /// Part of all loads that may act along a surface on which a body slides: a face may end between quadrature points.
 constexpr double little_load = 1e-3;
 
-constexpr const char* not_for_friction =
-    " (friction is no part of the solve; what it would have to carry is found for sliding along flat faces, and along "
-    "or "
-    "about the axis of faces of revolution)";
-constexpr const char* in_place_of_friction =
-    ", and the loads drive it: friction alone would resist it, and the solve is frictionless; in its place a traction "
-    "spread over the faces carries the loads, so that the stress there is not that of friction";
+/// Part of all loads: what is less drives no motion. They are integrated to 1e-9.
+constexpr double no_load = 1e-7;
 
 /// For each body the least Young's modulus of those that contact pairs join to it, directly or over others, Pa.
 std::vector<double> softest_moduli(const Preparation& p) {
@@ -55,33 +49,22 @@ double smallest_contact_cell(const Preparation& p, int body, double otherwise) {
   return smallest < 1e300 ? smallest : otherwise;
 }
 
-bool has_friction(const Scene& scene) {
-  return std::any_of(scene.contacts.begin(), scene.contacts.end(),
-                     [](const ContactSpec& contact) { return contact.friction > 0; });
-}
-
 /// Motions that are free although all contact is closed: pieces that nothing holds, flat faces that slide on each
 /// other, and whatever the loads drive, are mistakes in the scene. A body that spins in its contact with nothing to
 /// drive it (ball, roller) is held: no force arises. So are motions along the surface of one side that the other side's
-/// points seem to resist, as the contact of curved surfaces does between cells. What friction would resist is no
-/// mistake: something else takes its place (contact/motions/friction_loads.hpp).
+/// points seem to resist, as the contact of curved surfaces does between cells. Friction resists what slides.
 void check_free_motions(const Scene& scene, Preparation& p) {
   const auto refuse_driven = [&](const FreeMotions& free, double allowed, const std::string& text) {
     const FreeMotions driven = driven_by_loads(free, p.bodies, allowed);
     if (!driven.empty())
-      throw InputError(fmt::format("{}: {}, and the loads drive it{}{}", scene.file, describe(driven, scene), text,
-                                   has_friction(scene) ? not_for_friction : ""));
+      throw InputError(fmt::format("{}: {}, and the loads drive it{}", scene.file, describe(driven, scene), text));
   };
   const std::string text = find_free_motion(scene, p.bodies, p.supports, p.pairs);
   const FreeMotions free = find_free_motions(p.bodies, p.supports, p.pairs);
   const FreeMotions on_both_sides = free_on_both_sides(free, p.bodies, p.pairs);
-  const MotionsAndFriction divided = divide_by_friction(on_both_sides, p.bodies, p.pairs);
-  p.resisted_by_friction = divided.resisted;
-  const FreeMotions for_friction = driven_by_loads(p.resisted_by_friction, p.bodies, no_load);
-  put_loads_in_place_of_friction(p.resisted_by_friction, p.pairs, p.bodies);
   if (!text.empty()) {
     refuse_driven(free, no_load, ": " + text);
-    if (free.empty() || divided.free.slides()) throw InputError(scene.file + ": " + text);
+    if (free.empty() || on_both_sides.slides()) throw InputError(scene.file + ": " + text);
   }
   std::vector<SupportPoint> held = hold(on_both_sides, p.bodies);
   // The exact pressure does no work on these. A rotation about the axis of another body's surface (a pin in a wider
@@ -94,9 +77,7 @@ void check_free_motions(const Scene& scene, Preparation& p) {
   along_surfaces.add(free);
   FreeMotions left = along_surfaces;
   left.leave_out(held, p.bodies);
-  if (!for_friction.empty())
-    p.warnings.push_back(describe(for_friction, scene) + in_place_of_friction);
-  else if (!left.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
+  if (!left.empty() && driven_by_loads(along_surfaces, p.bodies, no_load).empty())
     p.warnings.push_back(describe(along_surfaces, scene) +
                          ": no load drives this motion, soft springs that follow it hold it");
   else if (!on_both_sides.empty())

@@ -15,7 +15,6 @@ struct Preparation {
   std::vector<ContactPair> pairs;
   std::vector<SupportPoint> supports;
   std::vector<std::string> warnings;
-  FreeMotions resisted_by_friction;  ///< motions that friction alone resists
 };
 
 /// Throws InputError for a setting out of its range; the scene reader lets none pass, a program may set one.

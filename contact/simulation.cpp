@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "contact/model/contact_system.hpp"
-#include "contact/motions/friction_loads.hpp"
 #include "contact/preparation.hpp"
 #include "contact/results/coarse_facets.hpp"
 #include "contact/results/conditions.hpp"
@@ -237,7 +236,6 @@ std::size_t Simulation::first_step_of_new_solver(std::size_t step) {
 /// Loads, prescribed displacements and interferences of a step.
 void Simulation::set_step(const StepSpec& step) {
   for (BodyModel& body : state.bodies) set_loads(state.scene, step, body);
-  put_loads_in_place_of_friction(state.resisted_by_friction, state.pairs, state.bodies);
   for (SupportPoint& p : state.supports)
     if (!p.follows) p.value = p.support < 0 ? 0 : step.of(state.scene.supports[p.support]) * p.prescribed;
   for (ContactPair& pair : state.pairs)
@@ -308,7 +306,6 @@ void Simulation::place_on_grids() {
                       body.spec->name, thickness));
   state.supports = std::move(p.supports);
   state.pairs = std::move(p.pairs);
-  state.resisted_by_friction = std::move(p.resisted_by_friction);
   results.warnings.insert(results.warnings.end(), p.warnings.begin(), p.warnings.end());
 }
 
@@ -442,7 +439,6 @@ void Simulation::fill_results() {
   if (!results.steps.empty())
     for (std::size_t k = 0; k < results.pairs.size(); ++k)
       results.steps.back().pairs[k].friction = results.pairs[k].friction;
-  for (const std::string& warning : sliding_warnings(results)) add_warning(warning);
 }
 
 }  // namespace cgcontact

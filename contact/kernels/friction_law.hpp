@@ -2,9 +2,8 @@
 /// return.
 #pragma once
 
-#include <cmath>
-
 #include <Kokkos_Macros.hpp>
+#include <cmath>
 
 namespace cgcontact {
 

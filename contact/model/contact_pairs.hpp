@@ -12,13 +12,13 @@ namespace cgcontact {
 /// projected on one constant per group (docs/theory.md).
 struct ContactGroup {
   int first_point = 0, last_point = 0;
-  int surface = 0;         ///< of the primary body
-  int body = 0, cell = 0;  ///< the larger cell: the primary body's, or the secondary's where these are larger
-  double larger_cell = 0;  ///< m, its size
-  double area = 0;         ///< m^2
-  double h = 0;            ///< m, smallest of the cells of both bodies that its points lie in
-  double distance = 0;     ///< m, mean of its points
-  double initial_gap = 0;  ///< m, distance minus interference
+  int surface = 0;                   ///< of the primary body
+  int body = 0, cell = 0;            ///< the larger cell: the primary body's, or the secondary's where these are larger
+  double larger_cell = 0;            ///< m, its size
+  double area = 0;                   ///< m^2
+  double h = 0;                      ///< m, smallest of the cells of both bodies that its points lie in
+  double distance = 0;               ///< m, mean of its points
+  double initial_gap = 0;            ///< m, distance minus interference
   Vec3 tangent_axis = Vec3::Zero();  ///< friction: tangents of its points come from this and their normals
 };
 

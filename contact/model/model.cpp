@@ -487,8 +487,6 @@ void each_force(const BodyModel& body, const UseForce& use) {
     use(boundary.cell[p], cell_coordinates(body.cut_cells, boundary.cell[p], boundary.position[p]), x,
         body.area(p) * condition.traction(x, body.normal(p)));
   }
-  for (const PointForce& p : body.friction_loads)
-    use(p.cell, p.xi, global_position(body.cut_cells, p.cell, p.xi), p.force);
   if (body.boundary.body_force_at) each_body_force(body, body.boundary.body_force_at, use);
 }
 

@@ -26,13 +26,6 @@ struct PointConditions {
 /// Of a body, unit of the grid coordinates.
 double volume(const CutCells& cut_cells);
 
-/// A force on a point of a body, N, global axes.
-struct PointForce {
-  int cell = 0;  ///< active
-  Vec3 xi;       ///< cell coordinates
-  Vec3 force;
-};
-
 /// One body on its grid.
 struct BodyModel {
   const BodySpec* spec = nullptr;
@@ -46,7 +39,6 @@ struct BodyModel {
   double thickness = 0;           ///< twice the volume over the area, unit of the grid coordinates
   double free_thickness = 0;      ///< the same over the area that no support holds
   double slices = 1;              ///< Grid::slices
-  std::vector<PointForce> friction_loads;  ///< in the place of friction in the present step; on a quadtree of the slice
   Vec3 low = Vec3::Constant(1e300), high = Vec3::Constant(-1e300);  ///< box around the cells, m
   /// Less than two cells thick, of that cell's size.
   bool is_thin(int cell) const { return thickness < 2 * std::ldexp(1.0, -cut_cells.level(cell)); }
@@ -138,7 +130,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene);
 
 std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vector<BodyModel>& bodies);
 
-/// Calls use(cell, xi, x, force) for the points of all tractions (with BodyModel::friction_loads) and body forces of
+/// Calls use(cell, xi, x, force) for the points of all tractions and body forces of
 /// the present step; x in m, force in N, global axes.
 void each_force(const BodyModel& body,
                 const std::function<void(int cell, const Vec3& xi, const Vec3& x, const Vec3& force)>& use);

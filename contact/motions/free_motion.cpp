@@ -216,8 +216,7 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
             free.modes.middleRows<6>(6 * pair.primary).transpose() * free.bodies[pair.primary].row(y, n);
         gram += point.weight * row * row.transpose();
       };
-      add(pair.bonded() ? point.direction
-                        : normals[pair.secondary](point.secondary_cell, point.secondary_position));
+      add(pair.bonded() ? point.direction : normals[pair.secondary](point.secondary_cell, point.secondary_position));
       for (int i = 0; i < pair.num_tangents; ++i) add(pair.tangents(q)[i]);
       area += point.weight;
     }

@@ -162,8 +162,7 @@ double area_of(const SolvedState& state, const FaceRef& reference, bool is_end) 
 
 std::vector<LoadFigures> load_figures(const Scene& scene, const std::vector<BodyModel>& bodies) {
   std::vector<LoadFigures> all;
-  for (std::size_t l = 0; l < scene.loads.size(); ++l)
-    all.push_back(load_figures(scene, bodies, static_cast<int>(l)));
+  for (std::size_t l = 0; l < scene.loads.size(); ++l) all.push_back(load_figures(scene, bodies, static_cast<int>(l)));
   for (const BodyModel& body : bodies) add_volume_loads(body, scene.last_step().loads, all);
   return all;
 }

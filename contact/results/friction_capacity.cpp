@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "contact/motions/friction_loads.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/zone_figures.hpp"
 #include "core/base/decompositions.hpp"
@@ -24,8 +22,8 @@ constexpr double along_normal = 0.9;
 constexpr double far_axis = 0.01, far_axis_of_facets = 0.2;
 /// Part of a rotation that is none.
 constexpr double no_rotation = 0.2;
-/// Part of the fastest sliding that is none; sine of an angle that is none.
-constexpr double no_sliding = 1e-6;
+/// Sine of an angle that is none.
+constexpr double no_angle = 1e-6;
 
 double largest_component(const Vec3& v) {
   Eigen::Index k;
@@ -177,7 +175,7 @@ class FrictionZone {
       why = "the zone is neither flat nor of revolution: moment_about with an axis names one";
       return {};
     }
-    if (across && std::abs(across->dot(torque.axis.direction)) < 1 - no_sliding) {
+    if (across && std::abs(across->dot(torque.axis.direction)) < 1 - no_angle) {
       why = "in plane strain friction has a torque about the axis of plane strain alone";
       return {};
     }
@@ -208,40 +206,29 @@ std::optional<double> error_of_force(const SolvedState& state, const Results& re
   return std::max(*figures.force_error_estimate, edge * std::pow(results.estimated_error_relative, 2));
 }
 
-/// Averages the speed at which the faces of a pair slide in a motion.
-double sliding_of(const SolvedState& state, const ContactPair& pair, const Eigen::VectorXd& motion) {
-  double sum = 0, area = 0;
-  for (const ContactPoint& point : pair.points) {
-    sum += point.weight * (sliding_at(pair, point, state.resisted_by_friction, state.bodies) * motion).norm();
-    area += point.weight;
-  }
-  return sum / area;
-}
-
-/// Sets the use of all pairs that slide in the motion which the loads drive most.
-void fill_use(const SolvedState& state, Results& results) {
-  const FreeMotions& motions = state.resisted_by_friction;
-  const Eigen::VectorXd load = asked_of_friction(motions, state.bodies);
-  if (load.isZero(0)) return;
-  std::vector<Eigen::MatrixXd> rows;
-  std::size_t group = 0;
-  for (const ContactPair& pair : state.pairs)
-    for (const ContactGroup& g : pair.groups) {
-      const double force = force_unit(state) * state.outer.group_force[group++];
-      if (!(pair.spec->friction > 0) || !(force > 0)) continue;
-      for (int q = g.first_point; q < g.last_point; ++q) {
-        const ContactPoint point = pair.points[q];
-        rows.push_back(pair.spec->friction * force * point.weight / g.area *
-                       sliding_at(pair, point, motions, state.bodies));
-      }
+/// Sets what the points of a pair do, for the thickness of the bodies.
+void fill_state(const SolvedState& state, std::size_t k, FrictionFigures& friction) {
+  const ContactPair& pair = state.pairs[k];
+  const FrictionPoints& points = state.outer.friction[k];
+  const double thickness = state.bodies[pair.primary].slices;
+  const double sign = pair.spec->first.body == pair.secondary ? 1 : -1;  // the shear is that on the secondary body
+  for (std::size_t q = 0; q < points.shear.size(); ++q) {
+    if (!pair.points.active(q)) continue;
+    const double area = thickness * pair.points.weight(q);
+    const Vec3 force = sign * area * points.shear[q];
+    friction.force += force;
+    if (friction.torque) {
+      const Axis& axis = friction.torque->axis;
+      friction.torque->carried += axis.direction.dot((pair.points.x(q) - axis.point).cross(force));
     }
-  const auto [use, motion] = largest_ratio(load, rows);
-  std::vector<double> sliding(state.pairs.size(), 0.0);
-  for (std::size_t k = 0; k < sliding.size(); ++k)
-    if (results.pairs[k].friction) sliding[k] = sliding_of(state, state.pairs[k], motion);
-  const double fastest = *std::max_element(sliding.begin(), sliding.end());
-  for (std::size_t k = 0; k < sliding.size(); ++k)
-    if (sliding[k] > no_sliding * fastest) results.pairs[k].friction->use = use;
+    (points.slips[q] ? friction.slip_area : friction.stick_area) += area;
+    friction.max_slip = std::max(friction.max_slip, points.slip[q].norm());
+  }
+  friction.work = thickness * points.work;
+  if (!(friction.capacity > 0)) return;
+  friction.use = friction.force.norm() / friction.capacity;
+  if (const auto& torque = friction.torque; torque && torque->capacity > 0)
+    friction.use = std::max(*friction.use, std::abs(torque->carried) / torque->capacity);
 }
 
 }  // namespace
@@ -270,54 +257,13 @@ std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<Pressed
   return near;
 }
 
-/// Weighted least squares whose weights are the reciprocals of the speeds (Weiszfeld): the sum falls in every
-/// iteration.
-std::pair<double, Eigen::VectorXd> largest_ratio(const Eigen::VectorXd& load,
-                                                 const std::vector<Eigen::MatrixXd>& rows) {
-  constexpr int most_iterations = 300;
-  constexpr double settled = 1e-9, at_rest = 1e-9, singular = 1e-12;
-  const double infinite = std::numeric_limits<double>::infinity();
-  std::vector<double> speed(rows.size(), 1);
-  Eigen::VectorXd motion = load;
-  double ratio = 0;
-  for (int k = 0; k < most_iterations; ++k) {
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(load.size(), load.size());
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      if (speed[i] > 0) sum += rows[i].transpose() * rows[i] / speed[i];
-    const SymmetricEigen<Eigen::Dynamic> eigen(sum);
-    const double largest = eigen.eigenvalues()[load.size() - 1];
-    motion.setZero();
-    for (Eigen::Index j = 0; j < load.size(); ++j) {
-      const double part = eigen.eigenvectors().col(j).dot(load);
-      if (eigen.eigenvalues()[j] > singular * largest)
-        motion += part / eigen.eigenvalues()[j] * eigen.eigenvectors().col(j);
-      else if (std::abs(part) > at_rest * load.norm())
-        return {infinite, eigen.eigenvectors().col(j)};
-    }
-    double all = 0, fastest = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      speed[i] = (rows[i] * motion).norm();
-      all += speed[i];
-      fastest = std::max(fastest, speed[i]);
-    }
-    if (!(all > 0)) return {infinite, motion};
-    const double now = load.dot(motion) / all;
-    if (k > 0 && std::abs(now - ratio) <= settled * now) return {now, motion};
-    ratio = now;
-    for (double& s : speed) s = std::max(s, at_rest * fastest);
-  }
-  return {ratio, motion};
-}
-
 void fill_friction(const SolvedState& state, Results& results) {
   std::size_t group = 0;
-  bool any = false;
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
     const ContactPair& pair = state.pairs[k];
     const double* const group_force = state.outer.group_force.data() + group;
     group += pair.groups.size();
     if (!(pair.spec->friction > 0)) continue;
-    any = true;
     FrictionFigures friction;
     friction.coefficient = pair.spec->friction;
     if (results.pairs[k].area > 0) {
@@ -331,17 +277,9 @@ void fill_friction(const SolvedState& state, Results& results) {
     } else {
       friction.why_no_torque = "nothing presses the faces";
     }
+    fill_state(state, k, friction);
     results.pairs[k].friction = friction;
   }
-  if (any) fill_use(state, results);
-}
-
-std::vector<std::string> sliding_warnings(const Results& results) {
-  std::vector<std::string> warnings;
-  for (const PairFigures& pair : results.pairs)
-    if (pair.friction && pair.friction->use && *pair.friction->use > 1)
-      warnings.push_back(fmt::format("contact \"{}\": {}", pair.name, verdict_on(*pair.friction)));
-  return warnings;
 }
 
 }  // namespace cgcontact

@@ -1,6 +1,4 @@
-/// Capacity of friction of every pair with a coefficient (PairFigures::friction). The solve knows nothing
-/// of friction: the pressure is that of frictionless contact, and every figure here bounds what friction could do with
-/// that pressure before the faces slide all over.
+/// Friction of every pair with a coefficient (PairFigures::friction): what it carries, and its capacity.
 #pragma once
 
 #include <array>
@@ -19,13 +17,8 @@ namespace cgcontact {
 ///   (ContactRow::pressure_sprc), which ends where the zone does. Its error has besides what the transmitted pressure
 ///   gives otherwise. Axis: that of `moment_about`; else the one that all of the zone's faces turn about and stay what
 ///   they are, if they have one; else, where the zone is nearly flat, its mean normal through the centre of pressure.
-/// - The use is the most, over all motions that friction alone resists, of the work of the loads over the coefficient
-///   times the integral of pressure times sliding speed: above 1 no friction with that pressure holds the bodies (the
-///   theorems of limit analysis with a given bound).
+/// - Force, torque, use and areas are those of the closed points, with the shear that the solution transmits.
 void fill_friction(const SolvedState& state, Results& results);
-
-/// A sentence for every pair whose friction cannot carry what the loads ask of it.
-std::vector<std::string> sliding_warnings(const Results& results);
 
 /// A place that is pressed: m, outward unit normal, m^2 of area.
 struct PressedPlace {
@@ -37,9 +30,5 @@ struct PressedPlace {
 /// not determined (flat faces). None: there is none, or more than one (spheres). across: direction of plane strain.
 std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<PressedPlace>, 2>& sides, const Vec3& centre,
                                             const std::optional<Vec3>& across);
-
-/// The largest load . v over sum |weight_i rows_i v| over all v, and a v that has it; infinite where the sum can be
-/// zero. rows: (3, n) each.
-std::pair<double, Eigen::VectorXd> largest_ratio(const Eigen::VectorXd& load, const std::vector<Eigen::MatrixXd>& rows);
 
 }  // namespace cgcontact

@@ -87,9 +87,7 @@ std::string place_keeping_warning(const SolvedState& state) {
       state.bodies[most].spec->name);
 }
 
-double imbalance(const BodyBalance& balance) {
-  return (balance.loads + balance.friction + balance.supports + balance.contact).norm();
-}
+double imbalance(const BodyBalance& balance) { return (balance.loads + balance.supports + balance.contact).norm(); }
 
 bool contact_carries(const SolvedState& state) {
   Results figures;

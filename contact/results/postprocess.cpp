@@ -220,8 +220,7 @@ void fill_balance(const SolvedState& state, Results& results) {
   for (std::size_t b = 0; b < state.bodies.size(); ++b) {
     BodyBalance balance;
     balance.body = state.bodies[b].spec->name;
-    for (const PointForce& point : state.bodies[b].friction_loads) balance.friction += point.force;
-    balance.loads = state.outer.load_of_body[b] - balance.friction;
+    balance.loads = state.outer.load_of_body[b];
     for (std::size_t s = 0; s < results.supports.size(); ++s)
       if (state.scene.supports[s].face.body == static_cast<int>(b)) balance.supports += results.supports[s].force;
     balance.holds = holding_force(state, static_cast<int>(b));

@@ -27,8 +27,7 @@ void scale_to_thickness(const SolvedState& state, Results& results) {
     results.supports[s].area *= factor;
   }
   for (BodyBalance& balance : results.balance)
-    for (Vec3* v : {&balance.loads, &balance.friction, &balance.supports, &balance.contact, &balance.holds})
-      *v *= factor;
+    for (Vec3* v : {&balance.loads, &balance.supports, &balance.contact, &balance.holds}) *v *= factor;
   for (ContactRow& row : results.contact_rows) row.weight *= factor;
   const double of_norms = std::sqrt(factor);
   results.estimated_error *= of_norms;

@@ -1,7 +1,7 @@
-/// Friction in the outer iteration: Coulomb's law with the recovered shear and the bound mu p lagged, like the pressure.
-/// With both fixed the energy is convex; each iteration goes one Newton step with an exact line search and then renews
-/// them (docs/theory.md). Closed points stick at the start of every load step, whatever the load, until the recovered
-/// stress settles; where they stuck at the end of the last step is what a step remembers.
+/// Friction in the outer iteration: Coulomb's law with the recovered shear and the bound mu p lagged, like the
+/// pressure. With both fixed the energy is convex; each iteration goes one Newton step with an exact line search and
+/// then renews them (docs/theory.md). Closed points stick at the start of every load step, whatever the load, until the
+/// recovered stress settles; where they stuck at the end of the last step is what a step remembers.
 #pragma once
 
 #include <Kokkos_DualView.hpp>
@@ -46,7 +46,8 @@ class Friction {
   /// iteration to iteration; relative to what it can carry. 0: the pair holds.
   const std::vector<double>& sliding() const { return sliding_; }
 
-  /// Rows of friction of excess_forces(): by the law at start + t along, less the linear forces. All: of all rows, m, N.
+  /// Rows of friction of excess_forces(): by the law at start + t along, less the linear forces. All: of all rows, m,
+  /// N.
   void add_excess(const ContactGroupArrays<MemSpace>& groups, const RealView& start, const RealView& along, double t,
                   const RealView& excess) const;
   std::vector<FrictionRow> rows() const;
@@ -72,7 +73,7 @@ class Friction {
 
   OuterProblem problem_;
   FrictionArrays<MemSpace> arrays_;
-  std::vector<TangentFrame> frames_;  ///< those that the rows of the system have
+  std::vector<TangentFrame> frames_;        ///< those that the rows of the system have
   std::vector<std::vector<Vec3>> mirrors_;  ///< of each pair: normals of planes of symmetry
   int first_row_ = 0;
   bool stuck_ = true;

@@ -40,7 +40,8 @@ struct Iterate {
   /// sigma* - kappa E/h (u . d - value) of every support point, Pa.
   std::vector<double> support_tractions() const;
 
-  /// Of all contact groups, and after them of the rows of friction: change of the mean gap, or slip, m; without the rigid parts, of any displacements (Scales::length).
+  /// Of all contact groups, and after them of the rows of friction: change of the mean gap, or slip, m; without the
+  /// rigid parts, of any displacements (Scales::length).
   RealView gap_change() const;
   RealView gap_change_of(const RealView& displacements) const;
   std::vector<double> group_gap_change() const { return to_host(gap_change()); }

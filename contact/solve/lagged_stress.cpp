@@ -92,9 +92,8 @@ double LaggedStress::update(Iterate& iterate) {
     first_point += pair.points.size();
     for (int i = 0; i < pair.num_tangents; ++i) {
       std::vector<double> shear(pair.points.size());
-      compute_together("cgcontact::lagged_stress::friction", grain_of_medium, shear, [&](std::size_t q) {
-        return mean_traction(pair.points[q], pair.tangents(q)[i]);
-      });
+      compute_together("cgcontact::lagged_stress::friction", grain_of_medium, shear,
+                       [&](std::size_t q) { return mean_traction(pair.points[q], pair.tangents(q)[i]); });
       for (std::size_t q = 0; q < shear.size(); ++q) iterate.friction.stress.h_view(first_shear + q, i) = shear[q];
     }
     iterate.friction.stress.modify_host();

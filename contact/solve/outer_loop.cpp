@@ -39,6 +39,10 @@ constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
 /// Relative change of the recovered stress below which closed points may slip (docs/theory.md: 0.3 and 0.1 take equally
 /// many solves, 0.03 takes more).
 constexpr double sticks_until = 0.1;
+/// With friction the iteration may take so many times as long if the residual falls to this part in some iterations.
+constexpr int longest = 4;
+constexpr std::size_t falls_in = 5;
+constexpr double falls_to = 0.8;
 
 }  // namespace
 
@@ -49,6 +53,7 @@ struct ContactSolver::Impl {
   OuterResult iterate(const std::function<void(const OuterStep&)>& progress, bool held);
   void take_loads();
   void assemble();
+  bool may_go_on(int iteration, const std::vector<double>& residuals) const;
   double renew_stress();
   void renew_friction();
   void update_solver();
@@ -131,7 +136,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
   ActiveSetHistory history(problem_.pairs);
   SoftContact soft(problem_.pairs);
   RealView before;
-  for (int iteration = 1; iteration <= settings().max_outer_iterations; ++iteration) {
+  for (int iteration = 1; may_go_on(iteration, result.residuals); ++iteration) {
     OuterStep step;
     step.iteration = iteration;
     assemble();
@@ -211,6 +216,14 @@ double ContactSolver::Impl::renew_stress() {
 
 void ContactSolver::Impl::renew_friction() {
   if (now_.friction.renew(now_.groups(), now_.gap_change())) right_hand_side_.take_rows(problem_);
+}
+
+/// Close to sliding, friction converges slowly but surely.
+bool ContactSolver::Impl::may_go_on(int iteration, const std::vector<double>& residuals) const {
+  const int most = settings().max_outer_iterations;
+  if (iteration <= most || !now_.friction.any()) return iteration <= most;
+  const std::size_t n = residuals.size();
+  return n > falls_in && residuals[n - 1] < falls_to * residuals[n - 1 - falls_in] && iteration <= longest * most;
 }
 
 bool ContactSolver::Impl::wanders_far() const {

@@ -21,7 +21,6 @@ struct SolvedState {
   std::vector<BodyModel> bodies;
   std::vector<ContactPair> pairs;
   std::vector<SupportPoint> supports;
-  FreeMotions resisted_by_friction;  ///< motions that friction alone resists (contact/motions/friction_loads.hpp)
   ElasticSystem system;
   OuterResult outer;                 ///< displacements, forces, iterations
   std::vector<RecoveredField> spr;   ///< by body: near the contact faces, where it is shown

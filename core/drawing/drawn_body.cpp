@@ -58,6 +58,9 @@ void add_triangle(const Vec3& centroid, double spacing, const std::vector<const 
   surface.body.push_back(nearest_row->body);
   surface.pair.push_back(nearest_row->pair);
   surface.active.push_back(nearest_row->active);
+  surface.shear.push_back(nearest_row->shear_sprc);
+  surface.slip.push_back(nearest_row->slip);
+  surface.slips.push_back(nearest_row->slips);
 }
 
 /// Pieces that hold rows but no triangle: slivers too thin to draw, whose face appears on a neighbouring cell.

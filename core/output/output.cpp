@@ -242,7 +242,7 @@ void write_fields(const Results& results, const OutputOptions& output, const std
   write_vtk(results, drawn, (directory / "result.vtkhdf").string());
   finish("result");
   if (surface.size() == 0) return;
-  write_vtk_contact(surface, (directory / "contact.vtkhdf").string());
+  write_vtk_contact(surface, has_friction(results), (directory / "contact.vtkhdf").string());
   finish("contact");
 }
 

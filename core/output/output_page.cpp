@@ -401,16 +401,15 @@ std::string friction_of_pairs(const Results& results) {
              place(torque->axis.point) + "</td>";
     else
       row += cell("none") + cell("-") + cell("-") + "<td class=\"text\">" + html_text(friction.why_no_torque) + "</td>";
-    rows.push_back(row +
-                   cell(!friction.use                  ? "-"
-                        : std::isfinite(*friction.use) ? figure(*friction.use, use_text(*friction.use))
-                                                       : use_text(*friction.use)) +
-                   "<td class=\"text\">" + html_text(verdict_on(friction)) + "</td>");
+    rows.push_back(row + cell(friction.use ? figure(*friction.use, use_text(*friction.use)) : "-") +
+                   cell(force(friction.force.norm())) + cell(length(friction.max_slip)) +
+                   cell(figure(friction.work, scaled(friction.work, "J", 4))) + "<td class=\"text\">" +
+                   html_text(verdict_on(friction)) + "</td>");
   }
   return rows.empty() ? ""
                       : "<h3>Friction</h3>\n" + note(sentence(friction_note) + ".") +
                             table({"Pair", "mu", "Capacity", "est. error", "in all", "Torque capacity", "est. error",
-                                   "in all", "about", "Use", "Verdict"},
+                                   "in all", "about", "Use", "Force", "Largest slip", "Work", "Verdict"},
                                   rows);
 }
 

@@ -74,12 +74,18 @@ Json json_of(const FrictionFigures& friction) {
     json["torque"] = {{"capacity", torque->capacity},
                       {"capacity_error_estimate", json_of(torque->error)},
                       {"whole", torque->whole},
+                      {"carried", torque->carried},
                       {"point", json_of(torque->axis.point)},
                       {"axis", json_of(torque->axis.direction)},
                       {"axis_from", name_of(torque->from)}};
   else
     json["no_torque"] = friction.why_no_torque;
   json["use"] = json_of(friction.use);
+  json["force_on_first"] = json_of(friction.force);
+  json["stick_area"] = friction.stick_area;
+  json["slip_area"] = friction.slip_area;
+  json["max_slip"] = friction.max_slip;
+  json["work"] = friction.work;
   json["verdict"] = verdict_on(friction);
   return json;
 }
@@ -280,7 +286,6 @@ void add_solution(const Results& results, Json& json) {
                                {"supports", json_of(body.supports)},
                                {"contact", json_of(body.contact)},
                                {"holds", json_of(body.holds)}});
-    if (has_friction(results)) json["balance"].back()["in_place_of_friction"] = json_of(body.friction);
   }
 }
 

@@ -349,7 +349,7 @@ void write_vtk_boundary(const std::vector<DrawnBody>& bodies, const std::vector<
   file.save(file_name);
 }
 
-void write_vtk_contact(const ContactSurface& surface, const std::string& file_name) {
+void write_vtk_contact(const ContactSurface& surface, bool friction, const std::string& file_name) {
   static const char* const names[] = {"gap", "pressure_raw", "pressure_spr", "pressure_sprc", "pressure_error"};
   HdfFile file;
   write_header({surface.position.size(), surface.size(), 3 * surface.size()}, file);
@@ -371,6 +371,11 @@ void write_vtk_contact(const ContactSurface& surface, const std::string& file_na
   file.write("/VTKHDF/CellData/body", surface.body);
   file.write("/VTKHDF/CellData/pair", surface.pair);
   file.write("/VTKHDF/CellData/status", surface.active);
+  if (friction) {
+    file.write("/VTKHDF/CellData/shear", flat(surface.shear, 0.0f), 3);
+    file.write("/VTKHDF/CellData/slip", flat(surface.slip, 0.0f), 3);
+    file.write("/VTKHDF/CellData/slips", surface.slips);
+  }
   for (int k = 0; k < ContactSurface::num_values; ++k) {
     std::vector<float> of_triangles, of_points;
     for (const auto& values : surface.triangle_values) of_triangles.push_back(static_cast<float>(values[k]));

@@ -37,7 +37,7 @@ class VtkSteps {
 
 /// Triangles of the contact faces. Cell arrays: body, pair, status (1 closed, 0 open), gap, pressure_raw, pressure_spr,
 /// pressure_sprc, pressure_error; the last five as point arrays "..._smooth" too, and displacement.
-void write_vtk_contact(const ContactSurface& surface, const std::string& file_name);
+void write_vtk_contact(const ContactSurface& surface, bool friction, const std::string& file_name);
 
 /// The bodies of a scene without results. Cell arrays: body, cell, cut (1: a boundary passes), volume_fraction.
 void write_vtk_cells(const std::vector<DrawnBody>& bodies, const std::vector<const CutCells*>& cut_cells,

@@ -117,7 +117,7 @@ class Parser {
   void parse(int argc, const char* const* argv);
   std::string explain(const CLI::Error& error, int argc, const char* const* argv) const;
 
-  CLI::App app{"cgcontact: frictionless contact between elastic bodies on Cartesian grids", "cgcontact"};
+  CLI::App app{"cgcontact: contact between elastic bodies on Cartesian grids", "cgcontact"};
   CommandLine line;
 
  private:

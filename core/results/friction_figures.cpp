@@ -7,17 +7,17 @@
 namespace cgcontact {
 
 std::string verdict_on(const FrictionFigures& friction) {
+  constexpr double close_to_sliding = 0.95;
   if (!friction.use) return "";
-  if (!std::isfinite(*friction.use)) return "slides: nothing presses the faces";
-  if (*friction.use > 1)
-    return fmt::format("slides: friction cannot carry it, the loads need {:.3g} times what it can", *friction.use);
-  return fmt::format(
-      "friction could carry it, {:.3g} % of what it can; here a traction spread over the faces does, "
-      "which is not contact",
-      100 * *friction.use);
+  std::string text = "sticks everywhere";
+  if (friction.slip_area > 0)
+    text = friction.stick_area > 0 ? fmt::format("partial slip: {:.3g} % of the closed area slips",
+                                                 100 * friction.slip_area / (friction.slip_area + friction.stick_area))
+                                   : "slips everywhere";
+  return *friction.use > close_to_sliding ? text + ", close to sliding all over" : text;
 }
 
-std::string use_text(double use) { return std::isfinite(use) ? fmt::format("{:.3g} %", 100 * use) : "more than any"; }
+std::string use_text(double use) { return fmt::format("{:.3g} %", 100 * use); }
 
 std::string components_text(const Vec3& direction) {
   const Vec3 shown = (1000 * direction).array().round().matrix() / 1000 + Vec3::Zero();  // no -0

@@ -1,5 +1,5 @@
-/// Capacity of friction of a contact pair before it slides all over, with the pressure of the frictionless
-/// solution. SI units, global axes.
+/// Coulomb friction of a contact pair: what it carries, and what it can carry before the faces slide all over. SI
+/// units, global axes.
 #pragma once
 
 #include <optional>
@@ -11,8 +11,8 @@ namespace cgcontact {
 
 /// Sentence that stands once wherever these figures are shown.
 constexpr const char* friction_note =
-    "the solve is frictionless; capacity, mu times the integral of its pressure, bounds friction before all of a face "
-    "slips";
+    "capacity is mu times the integral of the pressure, use the part of it that friction carries, as a force or "
+    "a torque; what sticks and slips depends on the order of the loads ([steps])";
 
 /// Capacity about an axis.
 struct TorqueCapacity {
@@ -21,6 +21,7 @@ struct TorqueCapacity {
   From from = From::scene;      ///< where the axis comes from
   double capacity = 0;          ///< N m, the coefficient times the integral of pressure times distance from the axis
   double whole = 0;             ///< N m, of all equal parts of the zone (ZoneFigures::parts)
+  double carried = 0;           ///< N m, what friction acts with on the first body about the axis
   std::optional<double> error;  ///< estimated, relative; none: that of the force has none
 };
 
@@ -36,14 +37,18 @@ struct FrictionFigures {
   std::optional<double> error;           ///< estimated, relative; none: not resolved, or of a step before the last
   std::optional<TorqueCapacity> torque;  ///< none: no axis is known
   std::string why_no_torque;
-  /// Part that loads ask of friction along the motion that they drive and that friction alone resists, over the most
-  /// that it can carry there; infinite: nothing presses. None: no load drives such a motion of this pair.
+  /// What friction carries of what it can: force over capacity, or torque over that of the torque, whichever is more;
+  /// 1: the faces slide. None: nothing presses.
   std::optional<double> use;
+  Vec3 force = Vec3::Zero();             ///< N, what friction acts with on the first body
+  double stick_area = 0, slip_area = 0;  ///< m^2, of the closed points
+  double max_slip = 0;                   ///< m, since the points met
+  double work = 0;                       ///< J, dissipated in all steps
 };
 
-/// "slides: ..." or "friction could carry it: ..."; "" without a use.
+/// "sticks everywhere", "partial slip: ..." or "slips everywhere"; "" without contact.
 std::string verdict_on(const FrictionFigures& friction);
-/// "62 %", "more than any".
+/// "62 %".
 std::string use_text(double use);
 /// "0, 0, 1"
 std::string components_text(const Vec3& direction);

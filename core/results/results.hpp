@@ -96,8 +96,8 @@ struct ContactRow {
   double pressure_error = 0;        ///< Pa, estimated error of pressure_sprc
   Sym3 stress_raw = Sym3::Zero(), stress_spr = Sym3::Zero(), stress_sprc = Sym3::Zero();  ///< Pa
   bool active = false;
-  /// With friction: what the other body drags this one along with, Pa, of the stress (raw, SPR-C); how far this body has
-  /// slipped on the other one, m; the way that it has rubbed, m; whether it slips here.
+  /// With friction: what the other body drags this one along with, Pa, of the stress (raw, SPR-C); how far this body
+  /// has slipped on the other one, m; the way that it has rubbed, m; whether it slips here.
   Vec3 shear_raw = Vec3::Zero(), shear_sprc = Vec3::Zero(), slip = Vec3::Zero();
   double travelled = 0;
   bool slips = false;
@@ -218,8 +218,6 @@ struct LoadFigures {
 struct BodyBalance {
   std::string body;
   Vec3 loads = Vec3::Zero(), supports = Vec3::Zero(), contact = Vec3::Zero();  ///< N; loads with body forces
-  /// N, traction along the faces in the place of friction (contact/motions/friction_loads.hpp).
-  Vec3 friction = Vec3::Zero();
   /// N, that part of `supports` which is none of the scene's: it holds motions that the scene leaves free, exactly zero
   /// but for the cells.
   Vec3 holds = Vec3::Zero();

@@ -187,7 +187,7 @@ struct ContactSpec {
   FaceRef first, second;          ///< with automatic pairs: FaceSpec that selects all points
   bool automatic = false;         ///< made by automatic = true: no error if the two bodies are out of reach
   bool bonded = false;            ///< tied in all directions for good, tension and shear too
-  double friction = 0;            ///< Coulomb's coefficient, of which the solve knows nothing (FrictionFigures)
+  double friction = 0;            ///< Coulomb's coefficient; 0: none
   double interference = 0;        ///< m, overlap added to the geometric one (positive presses the bodies together)
   std::optional<double> preload;  ///< N, the normal force that the interference is chosen for
   /// m, points farther apart than this do not belong to the pair; 0: twice the larger cell

@@ -140,7 +140,8 @@ std::vector<double> read_own_steps(const TomlCursor& node, std::vector<StepSpec>
   Range range;
   range.text = "a part of what stands there, of any sign";
   std::vector<double> factors;
-  for (const TomlCursor& element : node.elements("factors, one for each step")) factors.push_back(element.number(range));
+  for (const TomlCursor& element : node.elements("factors, one for each step"))
+    factors.push_back(element.number(range));
   if (factors.empty() || factors.size() > most_steps)
     node.fail(fmt::format("has {} factors", factors.size()), fmt::format("1 to {}", most_steps));
   if (!steps.empty() && steps.size() != factors.size())

@@ -16,9 +16,7 @@ struct Entry {
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> all{
-      {"friction is one of a contact pair: friction of the [[contact]], a number from 0 to 2; the solve knows nothing "
-       "of "
-       "it, and the report says what it could carry",
+      {"friction is one of a contact pair: friction of the [[contact]], a number from 0 to 2",
        {"mu", "mus", "muk", "mud", "cof"},
        {"friction", "coulomb", "stickslip"}},
       {"there is no cohesion: contact carries pressure only and opens without resistance; bodies that hold together "

@@ -48,7 +48,7 @@ struct ElasticSystem {
   std::vector<double> full_group_stiffness;  ///< of each group when closed
   /// Of each group: whether its row has changed since the solver was last updated; empty: none has.
   std::vector<char> changed_rows;
-  int num_nodes = 0;                         ///< DofMap::num_nodes
+  int num_nodes = 0;  ///< DofMap::num_nodes
   DofMap dofs;
   /// Of all bodies, ascending in node; of each node the index of its constraint or -1 (empty: no node is constrained).
   std::vector<NodeConstraint> constraints;

@@ -1,4 +1,4 @@
-"""3D frictionless contact between elastic bodies, without meshing.
+"""3D contact between elastic bodies, without meshing.
 
     import cgcontact
     result = cgcontact.read("scenes/two_solids.toml", n=16).solve()

@@ -56,8 +56,8 @@ ContactCells::ContactCells(const std::vector<RecoveryBody>& bodies, const std::v
     piece.low = piece.low.cwiseMin(link.position);
     piece.high = piece.high.cwiseMax(link.position);
     const bool slips = link.slips && !link.shear.isZero(0);
-    lists.points.push_back({link.position, link.normal, link.distance, pressed,
-                            slips ? Vec3(link.shear.normalized()) : Vec3::Zero()});
+    lists.points.push_back(
+        {link.position, link.normal, link.distance, pressed, slips ? Vec3(link.shear.normalized()) : Vec3::Zero()});
     const CutCells& other = *bodies[link.other_body].mesh->cut_cells;
     const Vec3 inward =
         depth * other.size(link.other_cell) * (other.grid.rotation.transpose() * (rotation * link.normal));

@@ -121,6 +121,23 @@ bool touches_contact(const RecoveryBody& body, int n) {
   return false;
 }
 
+/// Pairs that slip somewhere, by number: between parts that stick, slip and are open the shear has corners that no
+/// quadratic follows (docs/recovery.md).
+std::vector<char> slipping_pairs(const BoundaryData& boundary) {
+  std::vector<char> slips(boundary.friction.size(), 0);
+  for (const ContactLink& link : boundary.links)
+    if (link.slips) slips[link.pair] = 1;
+  return slips;
+}
+
+bool touches_any(const RecoveryBody& body, int n, const std::vector<char>& pairs) {
+  const PatchSet& patches = *body.patches;
+  for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p)
+    for (const int l : body.boundary->links_of_cell[patches.cells[p]])
+      if (pairs[body.boundary->links[l].pair]) return true;
+  return false;
+}
+
 }  // namespace
 
 std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& bodies, std::size_t index,
@@ -134,6 +151,8 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
     parallel_for("cgcontact::patch_polynomials::cells_across", across.size(), grain_of_heavy, [&](std::size_t cell) {
       across[cell] = cells_across_contact(bodies, body, static_cast<int>(cell), middles[index], middles);
     });
+  const std::vector<char> slips = slipping_pairs(*body.boundary);
+  const bool any_slips = std::find(slips.begin(), slips.end(), 1) != slips.end();
   std::vector<PatchPolynomial> polynomials(body.mesh->num_nodes);
   parallel_for("cgcontact::patch_polynomials::polynomials", polynomials.size(), grain_of_heavy, [&](std::size_t n) {
     const int node = static_cast<int>(n);
@@ -141,7 +160,9 @@ std::vector<PatchPolynomial> patch_polynomials(const std::vector<RecoveryBody>& 
     for (int p = patches.begin[n]; p < patches.begin[n + 1]; ++p) least.take_thinner(across[patches.cells[p]]);
     const bool contact = touches_contact(body, node);
     int degree = options.degree.interior, rings = 1;
-    if (contact)
+    if (contact && options.degree.contact == 0 && any_slips && touches_any(body, node, slips))
+      degree = 1;
+    else if (contact)
       degree = options.degree.contact > 0 ? options.degree.contact : least.at_face >= options.thick ? 2 : 1;
     else if (!patches.full[n])
       degree = options.degree.boundary;
