@@ -104,7 +104,7 @@ void set_friction(const BodyModel& model, const ContactLink* link, const Vec3& n
     return Vec3(traction - n * n.dot(traction));
   };
   if (!row.active) return;
-  row.shear_raw = model.cut_cells.grid.rotation * link->shear;
+  row.shear_transmitted = model.cut_cells.grid.rotation * link->shear;
   row.shear_sprc = shear(row.stress_sprc);
   row.slip = model.cut_cells.grid.rotation * link->slip;
   row.travelled = link->travelled;

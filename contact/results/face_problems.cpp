@@ -150,6 +150,25 @@ std::optional<SolvedZone> solve_zone(const ExecSpace& exec, const SolvedState& s
   return solved;
 }
 
+/// Of the largest pressure: what shear may change it by where the problem on the face, which knows no shear, is solved.
+constexpr double no_change_by_shear = 0.005;
+
+/// A compliance 1/G times a factor; 0 of a rigid body.
+double shear_compliance(const Material& material) {
+  return std::isinf(material.youngs_modulus) ? 0 : 2 * (1 + material.poisson_ratio) / material.youngs_modulus;
+}
+
+/// Shear of mu p moves faces along their normals by Dundurs' second constant times what the pressure does (Johnson,
+/// Contact Mechanics, 2.2 and 5.4): not at all where the bodies are of one material.
+bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair) {
+  const Material &first = state.scene.bodies[pair.primary].material,
+                 &second = state.scene.bodies[pair.secondary].material;
+  const double a = shear_compliance(first), b = shear_compliance(second);
+  const double beta = (a * (1 - 2 * first.poisson_ratio) - b * (1 - 2 * second.poisson_ratio)) /
+                      (2 * (a * (1 - first.poisson_ratio) + b * (1 - second.poisson_ratio)));
+  return pair.friction() * std::abs(beta) > no_change_by_shear;
+}
+
 }  // namespace
 
 FacePressures solve_face_pressures(const ExecSpace& exec, const SolvedState& state) {
@@ -159,7 +178,7 @@ FacePressures solve_face_pressures(const ExecSpace& exec, const SolvedState& sta
   for (std::size_t p = 0; p < state.pairs.size(); ++p) {
     const ContactPair& pair = state.pairs[p];
     result.left_out.push_back(0);
-    if (!pair.bonded() && pair.num_tangents == 0) {
+    if (!pair.bonded() && !shear_changes_pressure(state, pair)) {
       const PairGroups face(state, static_cast<int>(p), state.outer.group_force.data() + first_group);
       const std::vector<SymmetryPlane> planes = planes_of(state, pair);
       for (const std::vector<int>& closed : face.zones(options.reach)) {

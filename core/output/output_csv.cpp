@@ -23,9 +23,9 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
   std::string text =
       "body,pair,x,y,z,nx,ny,nz,weight,gap,pressure_raw,pressure_spr,pressure_sprc,pressure_error,active";
   const bool friction = has_friction(results);
-  text += friction
-              ? ",shear_raw_x,shear_raw_y,shear_raw_z,shear_x,shear_y,shear_z,slip_x,slip_y,slip_z,travelled,slips\n"
-              : "\n";
+  text += friction ? ",shear_transmitted_x,shear_transmitted_y,shear_transmitted_z,shear_x,shear_y,shear_z,slip_x,slip_"
+                     "y,slip_z,travelled,slips\n"
+                   : "\n";
   for (const ContactRow& row : results.contact_rows) {
     text += names.at(row.body) + "," + pairs.at(row.pair);
     for (const double value : {row.x[0], row.x[1], row.x[2], row.normal[0], row.normal[1], row.normal[2], row.weight,
@@ -33,7 +33,7 @@ void write_contact_csv(const Results& results, const std::string& file_name) {
       fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
     text += row.active ? ",1" : ",0";
     if (friction) {
-      for (const Vec3& v : {row.shear_raw, row.shear_sprc, row.slip})
+      for (const Vec3& v : {row.shear_transmitted, row.shear_sprc, row.slip})
         for (const double value : v) fmt::format_to(std::back_inserter(text), ",{:.{}g}", value, digits);
       fmt::format_to(std::back_inserter(text), ",{:.{}g},{}", row.travelled, digits, row.slips ? 1 : 0);
     }

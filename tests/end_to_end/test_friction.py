@@ -1,12 +1,12 @@
 #!/usr/bin/python3
 # timeout: 200
-"""What friction could carry, as a user meets it: the shipped press fit on terminal, page, report and in Python; other
-faces, rigid partners, plane strain, steps, [accuracy] and ranks; and a solve that knows nothing of it, to the last
-bit."""
+"""Friction, as a user meets it: the shipped press fit on terminal, page, report and in Python; other faces, rigid
+partners, plane strain, steps, [accuracy] and ranks; and without it not a bit that changes."""
 import json
 import math
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -61,30 +61,36 @@ class Friction(unittest.TestCase):
         self.assertEqual(pair["torque"]["axis_from"], "axis of the faces")
         self.close(abs(pair["torque"]["axis"][2]), 1, 1e-9)
         self.assertLess(abs(pair["capacity"] / PULL_OUT - 1), 4 * pair["capacity_error_estimate"])
-        self.assertIn("friction could carry it", pair["verdict"])
-        self.assertIn("the solve is frictionless", written["friction"])
-        self.assertIn("friction alone would resist it", " ".join(written["warnings"]))
+        self.assertRegex(pair["verdict"], "^(partial slip: |slips everywhere)")
+        self.assertIn("capacity is mu times the integral", written["friction"])
+        self.close(abs(pair["torque"]["carried"]), 400, 1e-3)
+        self.assertGreater(pair["work"], 0)
+        self.close(pair["stick_area"] + pair["slip_area"], 2 * math.pi * 0.02 * 0.02, 1e-3)
         for body in written["balance"]:
             self.assertLess(math.hypot(*body["holds"]), 1e-6 * PULL_OUT)
         text = unwrapped(outcome.out)
-        self.assertEqual(text.count("the solve is frictionless; capacity, mu times"), 1)
-        self.assertIn("before all of a face slips", text)
+        self.assertEqual(text.count("capacity is mu times"), 1)
         self.assertIn("fit 0.15", text)
+        self.assertIn(pair["verdict"], text)
         self.assertIn("about (0, 0, ", text)
-        self.assertLessEqual(len(outcome.out.splitlines()), 24)
+        self.assertLessEqual(len(outcome.out.splitlines()), 26)
         page = pathlib.Path("fit/report.html").read_text()
-        self.assertEqual(page.count("The solve is frictionless; capacity, mu times"), 1)
+        self.assertEqual(page.count("Capacity is mu times"), 1)
         for value in (pair["capacity"], pair["torque"]["capacity"], pair["use"]):
             self.assertIn(f'<data value="{value}">', page)
-        self.assertIn("friction could carry it", page)
+        self.assertIn(pair["verdict"], page)
+        head = pathlib.Path("fit/contact.csv").read_text().splitlines()[0]
+        self.assertTrue(head.endswith("shear_x,shear_y,shear_z,slip_x,slip_y,slip_z,travelled,slips"), head)
 
     def test_too_much(self):
-        """600 N m slide: a warning, the first one, and the verdict of the pair."""
-        run("slides", scene("press_fit_torque"), T=600, **FAST)
-        pair = friction("slides")
-        self.close(pair["use"], 600 / pair["torque"]["capacity"], 2e-3)
-        self.assertIn("slides: friction cannot carry it", pair["verdict"])
-        self.assertIn('contact "fit": slides: friction cannot carry it', report("slides")["warnings"][0])
+        """600 N m slide: no result, and how much more the load needs."""
+        outcome = cgcontact("run", scene("press_fit_torque"), "--out", "slides", *settings(T=600, **FAST))
+        self.assertEqual(outcome.code, 2, outcome.err)
+        written = report("slides")
+        self.assertFalse(written["converged"])
+        needs = re.search(r'"shaft" slides on "hub" all over: the loads need ([\d.]+) times', written["diagnosis"])
+        self.assertIsNotNone(needs, written["diagnosis"])
+        self.close(float(needs[1]), 600 / TORQUE, 0.02)
 
     def test_without_friction_it_is_an_error(self):
         outcome = cgcontact("run", scene("press_fit_torque"), "--out", "none", *settings(mu=0, **FAST))
@@ -92,9 +98,9 @@ class Friction(unittest.TestCase):
         self.assertIn("and the loads drive it", outcome.err)
 
     def test_not_a_bit_changes(self):
-        """Files and figures of a scene that friction does not hold, with it and without."""
+        """Files and figures of a scene with a coefficient of zero, and without any."""
         run("plain", scene("rings"), n=8, **FAST)
-        run("rough", scene("rings"), n=8, contact__0__friction=0.2, **FAST)
+        run("rough", scene("rings"), n=8, contact__0__friction=0, **FAST)
         self.assertEqual(*(pathlib.Path(name, "contact.csv").read_bytes() for name in ("plain", "rough")))
         plain, rough = report("plain"), report("rough")
         for written in (plain, rough):
@@ -102,8 +108,6 @@ class Friction(unittest.TestCase):
                 written.pop(key, None)
             for pair in written["contact"]:
                 pair.pop("friction", None)
-            for body in written["balance"]:
-                body.pop("in_place_of_friction", None)
         self.assertEqual(json.dumps(plain), json.dumps(rough))
         self.assertNotIn("riction\"", pathlib.Path("plain/report.json").read_text())
 
@@ -116,7 +120,7 @@ class Friction(unittest.TestCase):
         self.assertEqual(figures["whole"]["parts"], 4)
         self.close(pair["torque"]["capacity"], 0.7 * pair["capacity"], 1e-3)
         self.close(pair["torque"]["whole"], 0.7 * pair["whole"], 1e-3)
-        self.assertIsNone(pair["use"])
+        self.assertLess(pair["use"], 0.05)  # nothing pushes: shear of the cells
         pressure, thickness = 200e9 / 0.91 * 1e-4 / 0.7 * (0.49 - 0.16) * 0.51 / (2 * 0.49 * 0.84), 1 / (1.3 * 8)
         self.close(pair["whole"], 0.2 * pressure * 2 * math.pi * 0.7 * thickness, OF_GRID)
 
@@ -147,7 +151,7 @@ class Friction(unittest.TestCase):
         run("steps", "steps.toml", **FAST)
         steps = [step["contact"][0]["friction"] for step in report("steps")["steps"]]
         self.close(steps[0]["capacity"], PULL_OUT / 2, OF_GRID)
-        self.assertIsNone(steps[0]["use"])
+        self.assertLess(steps[0]["use"], 0.02)
         self.close(steps[1]["use"] / steps[2]["use"], 0.5, 1e-3)
         self.assertIsNone(steps[1]["capacity_error_estimate"])
         self.assertEqual(steps[2], friction("steps"))

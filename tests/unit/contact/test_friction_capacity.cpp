@@ -1,4 +1,4 @@
-/// Capacity of friction: axes of faces, the limit over motions, and closed forms of whole scenes.
+/// Capacity of friction and what it carries: axes of faces, closed forms of whole scenes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -116,49 +116,6 @@ TEST(FrictionCapacity, AxisOfFacets) {
   EXPECT_LT(found->axis.point.head<2>().norm(), 1e-6);
 }
 
-/// Motions of a flat ring: two translations and a turn.
-std::vector<Eigen::MatrixXd> ring(double weight, double radius, int count) {
-  std::vector<Eigen::MatrixXd> rows;
-  for (int i = 0; i < count; ++i) {
-    const double angle = 2 * pi * (i + 0.5) / count;
-    Eigen::MatrixXd row(3, 3);
-    row << 1, 0, -radius * std::sin(angle), 0, 1, radius * std::cos(angle), 0, 0, 0;
-    rows.push_back(weight / count * row);
-  }
-  return rows;
-}
-
-/// A force alone slides the ring, a moment alone turns it about its centre. With both the most of the ratio is above
-/// each of them and below their sum; all motions give less.
-TEST(FrictionCapacity, LimitOfAFlatRing) {
-  const auto rows = ring(8, 0.5, 400);
-  EXPECT_NEAR(largest_ratio(Eigen::Vector3d(4, 0, 0), rows).first, 0.5, 1e-8);
-  EXPECT_NEAR(largest_ratio(Eigen::Vector3d(0, 0, 1), rows).first, 0.25, 1e-8);
-  const Eigen::Vector3d load(4, 0, 1);
-  const auto [most, motion] = largest_ratio(load, rows);
-  EXPECT_GT(most, 0.5);
-  EXPECT_LT(most, 0.75);
-  const auto ratio = [&](const Eigen::VectorXd& v) {
-    double sum = 0;
-    for (const Eigen::MatrixXd& row : rows) sum += (row * v).norm();
-    return load.dot(v) / sum;
-  };
-  EXPECT_NEAR(ratio(motion), most, 1e-9);
-  for (int i = 0; i < 500; ++i) {
-    const double a = 0.7 * i, b = 0.013 * i;
-    EXPECT_LT(ratio(Eigen::Vector3d(std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b))),
-              most * (1 + 1e-6));
-  }
-}
-
-TEST(FrictionCapacity, LimitWithoutResistance) {
-  EXPECT_TRUE(std::isinf(largest_ratio(Eigen::Vector3d(1, 0, 0), {}).first));
-  Eigen::MatrixXd row = Eigen::MatrixXd::Zero(3, 2);
-  row(0, 0) = 1;
-  EXPECT_TRUE(std::isinf(largest_ratio(Eigen::Vector2d(1, 1), {row}).first));
-  EXPECT_NEAR(largest_ratio(Eigen::Vector2d(3, 0), {row}).first, 3, 1e-12);
-}
-
 /// A block of 20 x 10 x 10 mm on another one, pressed by 200 N and pushed and turned at its top: mu = 0.25.
 std::string blocks(const std::string& load, const std::string& more = "") {
   return R"(
@@ -197,62 +154,62 @@ double mean_distance(double a, double b) {
   return sum / (n * n);
 }
 
-/// The capacity is mu N, and exact; the push asks for 30 of 50 N. The torque capacity is that of a pressure whose
-/// centre the push at the interface does not move. Both bodies are in balance with the traction in the place of
-/// friction.
+/// The capacity is mu N, and exact; the push at the interface asks for 30 of 50 N and is what friction carries. Both
+/// bodies are in balance with it, without anything else that holds.
 TEST(FrictionCapacity, BlockPushedAlongAPlate) {
   const auto solved = test::run_text(blocks("force = [18, 24, -200]\nat = [0.01, 0.005, 0.01]\n"));
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
   const FrictionFigures& f = friction(*solved);
-  EXPECT_NEAR(f.capacity, 50, 1e-8);
-  EXPECT_LT(*f.error, 1e-6);
+  EXPECT_NEAR(f.capacity, 50, 1e-5);  // linear tolerance
   EXPECT_DOUBLE_EQ(f.whole, f.capacity);
   ASSERT_TRUE(f.use);
   EXPECT_NEAR(*f.use, 0.6, 1e-6);
-  EXPECT_EQ(verdict_on(f).substr(0, 27), "friction could carry it, 60");
-  EXPECT_TRUE(sliding_warnings(r).empty());
+  EXPECT_LT((f.force - Vec3(18, 24, 0)).norm(), 1e-5);
+  EXPECT_NEAR(f.stick_area + f.slip_area, 2e-4, 1e-9);
   ASSERT_TRUE(f.torque);
   EXPECT_EQ(f.torque->from, From::flat_faces);
-  EXPECT_LT(f.torque->axis.direction.cross(Vec3(0, 0, 1)).norm(), 1e-9);
-  EXPECT_LT((f.torque->axis.point - Vec3(0.01, 0.005, 0.01)).norm(), 1e-6);
   for (const BodyBalance& b : r.balance) {
-    EXPECT_LT((b.loads + b.friction + b.supports + b.contact).norm(), 1e-6);
-    EXPECT_LT(b.holds.norm(), 1e-6);
+    EXPECT_LT((b.loads + b.supports + b.contact).norm(), 1e-5);
+    EXPECT_LT(b.holds.norm(), 1e-5);
   }
-  EXPECT_LT((r.balance[1].friction - Vec3(-18, -24, 0)).norm(), 1e-8);
-  EXPECT_LT((r.balance[0].friction + r.balance[1].friction).norm(), 1e-8);
+  EXPECT_LT((r.balance[1].contact - Vec3(-18, -24, 200)).norm(), 1e-5);
 }
 
-/// Uniform pressure: mu N times the mean distance from the centre. Above capacity the block slides, with a warning
-/// first.
+/// Uniform pressure: mu N times the mean distance from the centre. Below that the block holds, above it slides, with
+/// how much more the load needs.
 TEST(FrictionCapacity, BlockTurnedOnAPlate) {
   const double capacity = 50 * mean_distance(0.02, 0.01);
-  for (const double part : {0.9, 1.1}) {
-    const auto solved =
-        test::run_text(blocks("force = [0, 0, -200]\nmoment = [0, 0, " + std::to_string(part * capacity) + "]\n"));
-    const Results& r = solved->results();
-    ASSERT_TRUE(r.converged) << r.diagnosis;
-    const FrictionFigures& f = friction(*solved);
-    EXPECT_NEAR(f.torque->capacity / capacity, 1, 2e-3);
-    EXPECT_NEAR(*f.use / part, 1, 2e-3);
-    EXPECT_EQ(sliding_warnings(r).size(), part > 1 ? 1u : 0u);
-    EXPECT_EQ(std::any_of(r.warnings.begin(), r.warnings.end(),
-                          [](const std::string& w) { return w.find("slides: friction cannot carry it") < w.size(); }),
-              part > 1);
-  }
+  const auto turned = [&](double part) {
+    return test::run_text(blocks("force = [0, 0, -200]\nmoment = [0, 0, " + std::to_string(part * capacity) + "]\n"));
+  };
+  const auto holds = turned(0.9);
+  ASSERT_TRUE(holds->results().converged) << holds->results().diagnosis;
+  EXPECT_NEAR(friction(*holds).torque->capacity / capacity, 1, 2e-3);
+  EXPECT_NEAR(*friction(*holds).use / 0.9, 1, 2e-3);
+  EXPECT_NEAR(std::abs(friction(*holds).torque->carried) / (0.9 * capacity), 1, 1e-5);
+  const auto slides = turned(1.1);
+  EXPECT_FALSE(slides->results().converged);
+  expect_contains(slides->results().diagnosis, {"slides on", "all over", "the loads need 1.1"});
 }
 
-/// A weight on an incline: tan(angle) over mu, here 0.3 / 0.25.
+/// A weight on an incline holds up to tan(angle) = mu = 0.25.
 TEST(FrictionCapacity, BlockOnAnIncline) {
-  std::string text = blocks("pressure = 0\n");
-  text.replace(text.find("grid = "), 0, "body_force = [3e5, 0, -1e6]\n");
-  const auto solved = test::run_text(text);
-  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
-  EXPECT_NEAR(*friction(*solved).use, 1.2, 1e-6);
+  const auto at_slope = [](const char* along) {
+    std::string text = blocks("pressure = 0\n");
+    text.replace(text.find("grid = "), 0, "body_force = [" + std::string(along) + ", 0, -1e6]\n");
+    return test::run_text(text);
+  };
+  const auto holds = at_slope("2.3e5");
+  ASSERT_TRUE(holds->results().converged) << holds->results().diagnosis;
+  EXPECT_NEAR(*friction(*holds).use, 0.92, 1e-5);
+  EXPECT_EQ(holds->results().verdict.spring_share, 0);
+  const auto slides = at_slope("2.7e5");
+  EXPECT_FALSE(slides->results().converged);
+  expect_contains(slides->results().diagnosis, {"slides on", "the loads need 1.08"});
 }
 
-/// A block between two: both pairs carry the push together, with what each has.
+/// A block between two: both pairs carry the push together.
 TEST(FrictionCapacity, TwoPairsShare) {
   std::string text = blocks("pressure = 1e6\n", R"(
 [[body]]
@@ -274,44 +231,29 @@ force = [28, 0, 0]
   const auto solved = test::run_text(text);
   const Results& r = solved->results();
   ASSERT_TRUE(r.converged) << r.diagnosis;
-  EXPECT_NEAR(r.pairs[0].friction->capacity, 50, 1e-7);
-  EXPECT_NEAR(r.pairs[1].friction->capacity, 20, 1e-7);
-  for (const PairFigures& pair : r.pairs) EXPECT_NEAR(*pair.friction->use, 0.4, 1e-6);
+  EXPECT_NEAR(r.pairs[0].friction->capacity, 50, 1e-4);
+  EXPECT_NEAR(r.pairs[1].friction->capacity, 20, 1e-4);
+  Vec3 sum = Vec3::Zero();
+  for (const PairFigures& pair : r.pairs) {
+    EXPECT_LT(*pair.friction->use, 1);
+    sum += (pair.body_first == "upper" ? 1 : -1) * pair.friction->force;
+  }
+  EXPECT_LT((sum - Vec3(-28, 0, 0)).norm(), 1e-4);
 }
 
-/// Needs of a scene besides friction are asked for as before; two blocks that slide on each other and nothing drives
-/// them are held.
-TEST(FrictionCapacity, MistakesOfPushedBlocks) {
+/// Without friction the same blocks are a mistake, and a coefficient of zero is none: the same bits.
+TEST(FrictionCapacity, WithoutFrictionNothingChanges) {
   const auto refusal = [](const std::string& text) { return message_of([&] { test::run_text(text); }); };
-  const std::string pushed = blocks("force = [18, 24, -200]\n");
-  std::string without = pushed;
+  std::string without = blocks("force = [18, 24, -200]\n");
   without.replace(without.find("friction = 0.25"), 15, "friction = 0");
   EXPECT_NE(refusal(without).find("and the loads drive it"), std::string::npos) << refusal(without);
-  EXPECT_EQ(refusal(without).find("friction is no part"), std::string::npos);
-  const std::string spin = message_of([&] {
-    test::run_scene("tests/scenes/ball_in_groove.toml", {"spin=1e6", "contact.0.friction=0.2"});
-  });
-  expect_contains(spin, {"and the loads drive it", "friction is no part of the solve"});
-  const auto held = test::run_text(blocks("pressure = 1e6\n"));
-  ASSERT_TRUE(held->results().converged);
-  EXPECT_FALSE(friction(*held).use);
-  EXPECT_NEAR(friction(*held).capacity, 50, 1e-8);
-}
-
-/// The frictionless figures of a scene do not change by a bit.
-TEST(FrictionCapacity, SolveKnowsNothingOfFriction) {
-  const auto with = test::run_scene("scenes/hertz.toml", {"n=10", "contact.0.friction=0.3"});
-  const auto without = test::run_scene("scenes/hertz.toml", {"n=10"});
-  ASSERT_TRUE(with->results().pairs[0].friction);
-  ASSERT_FALSE(without->results().pairs[0].friction);
-  ASSERT_EQ(with->results().contact_rows.size(), without->results().contact_rows.size());
-  for (std::size_t i = 0; i < with->results().contact_rows.size(); ++i) {
-    EXPECT_EQ(with->results().contact_rows[i].pressure_sprc, without->results().contact_rows[i].pressure_sprc);
-    EXPECT_EQ(with->results().contact_rows[i].stress_raw, without->results().contact_rows[i].stress_raw);
-  }
-  EXPECT_EQ(with->results().pairs[0].force_on_first, without->results().pairs[0].force_on_first);
-  EXPECT_EQ(with->results().outer_residuals, without->results().outer_residuals);
-  EXPECT_EQ(with->results().warnings, without->results().warnings);
+  const auto zero = test::run_scene("scenes/hertz.toml", {"n=10", "contact.0.friction=0"});
+  const auto none = test::run_scene("scenes/hertz.toml", {"n=10"});
+  ASSERT_EQ(zero->results().contact_rows.size(), none->results().contact_rows.size());
+  for (std::size_t i = 0; i < zero->results().contact_rows.size(); ++i)
+    EXPECT_EQ(zero->results().contact_rows[i].pressure_sprc, none->results().contact_rows[i].pressure_sprc);
+  EXPECT_EQ(zero->results().outer_residuals, none->results().outer_residuals);
+  EXPECT_FALSE(zero->results().pairs[0].friction);
 }
 
 /// 3 pi/16 mu F a of the whole zone, a from Hertz at the force of the run; a quarter is modelled.
@@ -381,7 +323,8 @@ TEST(FrictionCapacity, WholeZoneAboutAnAxisAside) {
   EXPECT_NEAR(f.torque->capacity / f.capacity, 1 - 3 * a / 8 + a * a / 10, 1e-3);
 }
 
-/// Lame's pressure on all of the face: 2 pi r L mu p and 2 pi r^2 L mu p. A torque of 400 N m asks for 81 % of it.
+/// Lame's pressure on all of the face: 2 pi r L mu p and 2 pi r^2 L mu p. 81 % of the torque is carried and 1.02 of it
+/// slides, although the ends slip along the axis as the ring is pressed on.
 TEST(FrictionCapacity, PressFit) {
   double before = 0;
   for (const char* n : {"n=8", "n=16"}) {
@@ -393,25 +336,30 @@ TEST(FrictionCapacity, PressFit) {
     const double error = f.capacity / pull_out - 1;
     std::printf("%s: capacity %.3g off, estimated %.3g; torque %.3g off, estimated %.3g; use %.6g\n", n, error,
                 *f.error, f.torque->capacity / (0.02 * pull_out) - 1, *f.torque->error, *f.use);
-    EXPECT_LT(std::abs(error), 0.01);
+    EXPECT_LT(std::abs(error), 0.02);
     EXPECT_NEAR(f.torque->capacity / (0.02 * f.capacity), 1, 1e-3);
     EXPECT_EQ(f.torque->from, From::faces_of_revolution);
+    EXPECT_NEAR(std::abs(f.torque->carried) / 400, 1, 1e-3);
     EXPECT_NEAR(*f.use * f.torque->capacity / 400, 1, 2e-3);
     if (before > 0) {
       EXPECT_LT(std::abs(error), 0.6 * before);
     }
     before = std::abs(error);
   }
+  const auto slides = test::run_scene("scenes/press_fit_torque.toml", {"T=510"});
+  EXPECT_FALSE(slides->results().converged);
+  expect_contains(slides->results().diagnosis, {"\"shaft\" slides on \"hub\""});
 }
 
 /// Pull-out of the same fit: sliding along the axis.
 TEST(FrictionCapacity, PullOut) {
-  const auto solved =
-      test::run_scene("scenes/press_fit_torque.toml", {"load.0.moment=[0,0,0]", "load.0.force=[0, 0, 1e4]"});
-  ASSERT_TRUE(solved->results().converged) << solved->results().diagnosis;
-  const FrictionFigures& f = friction(*solved);
-  ASSERT_TRUE(f.use);
-  EXPECT_NEAR(*f.use * f.capacity / 1e4, 1, 1e-3);
+  const auto pulled = [](const char* force) {
+    return test::run_scene("scenes/press_fit_torque.toml", {"load.0.moment=[0,0,0]", force});
+  };
+  const auto holds = pulled("load.0.force=[0, 0, 2.3e4]");
+  ASSERT_TRUE(holds->results().converged) << holds->results().diagnosis;
+  EXPECT_NEAR(*friction(*holds).use * friction(*holds).capacity / 2.3e4, 1, 1e-3);
+  EXPECT_FALSE(pulled("load.0.force=[0, 0, 2.6e4]")->results().converged);
 }
 
 }  // namespace
