@@ -430,8 +430,9 @@ void Simulation::fill_results() {
   fill_conditions(state, results);
   fill_pressure_errors(state, results);
   if (state.outer.converged)
-    for (const auto& warnings : {small_strain_warnings(state, results), lost_force_warnings(state, results),
-                                 unclear_gap_warnings(state, results), coarse_facet_warnings(state)})
+    for (const auto& warnings :
+         {small_strain_warnings(state, results), lost_force_warnings(state, results),
+          unclear_gap_warnings(state, results), coarse_facet_warnings(state), friction_warnings(state)})
       for (const std::string& warning : warnings) add_warning(warning);
   scale_to_thickness(state, results);
   fill_zone_figures(state, results);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "contact/model/indentation.hpp"
+#include "contact/results/friction_capacity.hpp"
 #include "contact/results/zone_patches.hpp"
 #include "core/base/point_buckets.hpp"
 #include "recovery/face/far_field.hpp"
@@ -148,25 +149,6 @@ std::optional<SolvedZone> solve_zone(const ExecSpace& exec, const SolvedState& s
   solved.pressure = solve_face_zone(exec, zone, options);
   solved.edge = edge_of_zone(solved);
   return solved;
-}
-
-/// Of the largest pressure: what shear may change it by where the problem on the face, which knows no shear, is solved.
-constexpr double no_change_by_shear = 0.005;
-
-/// A compliance 1/G times a factor; 0 of a rigid body.
-double shear_compliance(const Material& material) {
-  return std::isinf(material.youngs_modulus) ? 0 : 2 * (1 + material.poisson_ratio) / material.youngs_modulus;
-}
-
-/// Shear of mu p moves faces along their normals by Dundurs' second constant times what the pressure does (Johnson,
-/// Contact Mechanics, 2.2 and 5.4): not at all where the bodies are of one material.
-bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair) {
-  const Material &first = state.scene.bodies[pair.primary].material,
-                 &second = state.scene.bodies[pair.secondary].material;
-  const double a = shear_compliance(first), b = shear_compliance(second);
-  const double beta = (a * (1 - 2 * first.poisson_ratio) - b * (1 - 2 * second.poisson_ratio)) /
-                      (2 * (a * (1 - first.poisson_ratio) + b * (1 - second.poisson_ratio)));
-  return pair.friction() * std::abs(beta) > no_change_by_shear;
 }
 
 }  // namespace

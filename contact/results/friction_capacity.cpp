@@ -257,6 +257,66 @@ std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<Pressed
   return near;
 }
 
+namespace {
+
+/// Of the largest pressure: what shear may change it by where that counts as nothing.
+constexpr double no_change_by_shear = 0.005;
+/// Steps in which bodies of different materials are pressed, at least; part of the closed area that was apart before
+/// the first one; part of a cell that slip may be (contact points see what lay opposite in the beginning).
+constexpr std::size_t fewest_steps = 10;
+constexpr double little_area = 0.1, small_slip = 1.0 / 3;
+
+/// A compliance 1/G; 0 of a rigid body.
+double shear_compliance(const Material& material) {
+  return std::isinf(material.youngs_modulus) ? 0 : 2 * (1 + material.poisson_ratio) / material.youngs_modulus;
+}
+
+/// Part of a pair's closed area that was apart in the beginning.
+double part_that_was_apart(const ContactPair& pair) {
+  double apart = 0, closed = 0;
+  for (std::size_t q = 0; q < pair.points.size(); ++q) {
+    if (!pair.points.active(q)) continue;
+    closed += pair.points.weight(q);
+    if (pair.points.distance(q) > pair.interference) apart += pair.points.weight(q);
+  }
+  return closed > 0 ? apart / closed : 0;
+}
+
+}  // namespace
+
+bool shear_changes_pressure(const SolvedState& state, const ContactPair& pair) {
+  const Material& first = state.scene.bodies[pair.primary].material;
+  const Material& second = state.scene.bodies[pair.secondary].material;
+  const double a = shear_compliance(first), b = shear_compliance(second);
+  const double beta = (a * (1 - 2 * first.poisson_ratio) - b * (1 - 2 * second.poisson_ratio)) /
+                      (2 * (a * (1 - first.poisson_ratio) + b * (1 - second.poisson_ratio)));
+  return pair.friction() * std::abs(beta) > no_change_by_shear;
+}
+
+std::vector<std::string> friction_warnings(const SolvedState& state) {
+  std::vector<std::string> warnings;
+  for (std::size_t k = 0; k < state.pairs.size(); ++k) {
+    const ContactPair& pair = state.pairs[k];
+    if (pair.num_tangents == 0) continue;
+    const std::size_t steps = std::max<std::size_t>(1, state.scene.steps.size());
+    if (steps < fewest_steps && shear_changes_pressure(state, pair) && part_that_was_apart(pair) > little_area)
+      warnings.push_back(fmt::format(
+          "contact \"{}\": bodies of different materials slip while they are pressed, here in {} step{}: what sticks "
+          "depends on the steps, {} or more say it better",
+          pair.spec->name, steps, steps == 1 ? "" : "s", fewest_steps));
+    double farthest = 0;
+    const std::vector<Vec3>& slip = state.outer.friction[k].slip;
+    for (std::size_t q = 0; q < slip.size(); ++q)
+      if (pair.points.active(q)) farthest = std::max(farthest, slip[q].norm() / pair.groups[pair.points.group(q)].h);
+    if (farthest > small_slip)
+      warnings.push_back(fmt::format(
+          "contact \"{}\": the faces slip by up to {:.2g} cells: gaps and opposite points are those before the "
+          "slip, which counts as small",
+          pair.spec->name, farthest));
+  }
+  return warnings;
+}
+
 void fill_friction(const SolvedState& state, Results& results) {
   std::size_t group = 0;
   for (std::size_t k = 0; k < state.pairs.size(); ++k) {
