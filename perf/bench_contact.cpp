@@ -24,8 +24,8 @@ struct Contact {
   RealView u, change, out;
   double num_points, num_groups, num_entries, num_dofs;
 
-  explicit Contact(int n)
-      : problem("scenes/two_solids_3d.toml", {"n=" + std::to_string(n)}),
+  explicit Contact(int n, const std::vector<std::string>& more = {})
+      : problem("scenes/two_solids_3d.toml", with_size(n, more)),
         iterate(outer_problem()),
         touched(make_touched_nodes(iterate.problem)),
         u(random_vector(problem.system.num_dofs(), 3)) {
@@ -44,6 +44,10 @@ struct Contact {
     num_dofs = static_cast<double>(problem.system.groups.dof_list.size());
   }
 
+  static std::vector<std::string> with_size(int n, std::vector<std::string> overrides) {
+    overrides.push_back("n=" + std::to_string(n));
+    return overrides;
+  }
   OuterProblem outer_problem() {
     SolvedState& s = problem.simulation.state;
     return {s.scene, s.bodies, s.pairs, s.supports, s.system, s.scales, ExecSpace()};
@@ -219,6 +223,57 @@ Kernel rows(int n) {
   return k;
 }
 
+/// Friction made linear about the present slip. Per point weight, bound, lagged shear and reference are read (48 bytes)
+/// and some 40 flop made; per group slip, law, frame and old forces are read, and the new ones written.
+Kernel friction(int n) {
+  auto c = std::make_shared<Contact>(n, std::vector<std::string>{"contact.0.friction=0.3"});
+  Friction& friction = c->iterate.friction;
+  const FrictionArrays<MemSpace>& arrays = friction.arrays();
+  const auto change = Kokkos::subview(c->change, std::pair(friction.first_row(), static_cast<int>(c->change.size())));
+  const auto shear = friction.stress.h_view;
+  for (std::size_t q = 0; q < shear.extent(0); ++q)
+    for (int i = 0; i < 2; ++i) shear(q, i) = 0.2 * std::sin(0.7 * static_cast<double>(q) + i);
+  friction.stress.modify_host();
+  friction.stress.sync_device();
+  take_pressures(ExecSpace(), c->groups, arrays, c->change);
+  set_bounds(ExecSpace(), c->groups, arrays, false);
+  const auto run = [c, arrays, change] {
+    linearise_friction(ExecSpace(), c->groups, arrays, change);
+    ExecSpace().fence();
+  };
+  run();
+  const auto host = [](const auto& view) { return Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), view); };
+  const auto linear = host(arrays.linear);
+  const auto frame = host(arrays.frame);
+  const auto bound = host(arrays.bound);
+  const auto slips = host(change);
+  const SolvedState& state = c->problem.simulation.state;
+  double error = 0, largest = 0;
+  std::size_t f = 0, q = 0;
+  for (const ContactPair& pair : state.pairs)
+    for (const ContactGroup& group : pair.groups) {
+      const double slip[2] = {slips(2 * f), slips(2 * f + 1)}, none[2] = {0, 0};
+      Eigen::Vector2d force(0, 0);
+      for (int p = group.first_point; p < group.last_point; ++p, ++q) {
+        const double lagged[2] = {shear(q, 0) * state.scales.stress, shear(q, 1) * state.scales.stress};
+        const TangentialContact law(pair.stiffness(group), lagged, slip, none);
+        if (bound(q) > 0) force += pair.points.weight(p) * law.part(bound(q)) * Eigen::Vector2d(law.z[0], law.z[1]);
+      }
+      const Eigen::Vector2d first(frame(f).cosine, frame(f).sine), second(-frame(f).sine, frame(f).cosine);
+      error = std::max({error, std::abs(linear(2 * f).force - first.dot(force)),
+                        std::abs(linear(2 * f + 1).force - second.dot(force))});
+      largest = std::max(largest, force.norm());
+      ++f;
+    }
+  Kernel k;
+  k.unit = "points", k.items = c->num_points;
+  k.cost = {40 * c->num_points, 48 * c->num_points + 180 * static_cast<double>(f)};
+  k.error = error / largest, k.tolerance = 1e-13, k.against = "a plain loop";
+  k.run = run;
+  c->add_figures(k);
+  return k;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -228,5 +283,6 @@ int main(int argc, char** argv) {
     add("contact/gaps", gaps, {{4}, {32}});
     add("contact/nodal_forces", nodal_forces, {{4}, {32}});
     add("contact/rows", rows, {{4}, {32}});
+    add("contact/friction", friction, {{4}, {32}});
   });
 }

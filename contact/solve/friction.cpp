@@ -12,6 +12,8 @@ namespace {
 /// What loads ask of friction beyond what it carries, of that: less is the error of the iteration. From one iteration
 /// to the next it stays the same, up to the second, only where a body slides.
 constexpr double little_beyond = 1e-4, steady = 0.02;
+/// What slides is out of balance by mu times that, relative to the pressure; so much more is a state still on its way.
+constexpr double most_else = 2;
 /// Of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together nowhere.
 constexpr double least_common = 0.1;
 
@@ -281,7 +283,9 @@ void Friction::look_for_sliding(const Now& state) {
     }
     if (sticks || !(carried > 0)) continue;
     asked_[k] = beyond / carried;
-    if (asked_[k] > little_beyond && std::abs(asked_[k] - before[k]) < steady * asked_[k]) sliding_[k] = asked_[k];
+    const bool is_all = residual_ < most_else * pair.friction() * asked_[k];  // of what is out of balance
+    if (is_all && asked_[k] > little_beyond && std::abs(asked_[k] - before[k]) < steady * asked_[k])
+      sliding_[k] = asked_[k];
   }
 }
 

@@ -56,6 +56,7 @@ struct ContactSolver::Impl {
   bool may_go_on(int iteration, const std::vector<double>& residuals) const;
   double renew_stress();
   void renew_friction();
+  void take_turned_rows();
   void update_solver();
   LinearSolveResult solve_linear(double tolerance);
   void take_over(const Impl& other);
@@ -180,7 +181,7 @@ OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterSte
     if (const std::string sliding = describe_sliding(problem_, now_.friction.sliding()); !sliding.empty())
       return stop(iteration, sliding, result);
     const bool was_soft = soft.is_soft();
-    soft.follow(step);
+    if (!now_.friction.any()) soft.follow(step);  // whose line search is there for other reasons
     if (held && step.changed_points > 0 && !driven_motions(problem_).empty())
       return stop(iteration, describe_loss_of_contact(problem_.pairs), result);
     if (!was_soft && step.changed_points == 0 && step.residual < settings().tolerance && step.length == 1 &&
@@ -215,7 +216,12 @@ double ContactSolver::Impl::renew_stress() {
 }
 
 void ContactSolver::Impl::renew_friction() {
-  if (now_.friction.renew(now_.groups(), now_.gap_change())) right_hand_side_.take_rows(problem_);
+  if (now_.friction.renew(now_.groups(), now_.gap_change())) take_turned_rows();
+}
+
+void ContactSolver::Impl::take_turned_rows() {
+  right_hand_side_.take_rows(problem_);
+  now_.set_rigid_parts_aside();  // what they do to the rows
 }
 
 /// Close to sliding, friction converges slowly but surely.

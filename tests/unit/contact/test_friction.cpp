@@ -89,15 +89,16 @@ TEST(FrictionPatch, Slips) {
     EXPECT_NEAR(friction(r).max_slip / slip, 1, 1e-9);
     EXPECT_NEAR(friction(r).work / (tau * slip * area), 1, 1e-9);
     EXPECT_NEAR(*friction(r).use, 1, 1e-10);
-    EXPECT_LE(r.steps[1].outer_iterations, 3);
+    EXPECT_LE(r.steps[1].outer_iterations, 4);  // held, released, and two that change nothing more
   }
 }
 
 /// mu so large that nothing slips: as if bonded, where nothing opens.
 TEST(FrictionPatch, MuchFrictionIsABond) {
-  const std::string text = sheared_blocks(0.1 * p, fmt::format("traction = [{}, 0, 0]\n", 0.25 * p), 7, 0.11);
-  std::string bonded = text;
-  bonded.replace(bonded.find("friction = "), std::string::npos, "bonded = true\n");
+  std::string text = sheared_blocks(0.1 * p, fmt::format("traction = [{}, 0, 0]\n", 0.25 * p), 7, 0.11);
+  text.resize(text.find("friction = "));
+  const std::string bonded = text + "bonded = true\n";
+  text += "friction = 2\n";
   const auto one = test::run_text(text, tight), two = test::run_text(bonded, tight);
   ASSERT_TRUE(one->results().converged);
   ASSERT_EQ(friction(one->results()).slip_area, 0) << "the case proves nothing";

@@ -186,11 +186,12 @@ TEST(FrictionCapacity, BlockTurnedOnAPlate) {
   const auto holds = turned(0.9);
   ASSERT_TRUE(holds->results().converged) << holds->results().diagnosis;
   EXPECT_NEAR(friction(*holds).torque->capacity / capacity, 1, 2e-3);
-  EXPECT_NEAR(*friction(*holds).use / 0.9, 1, 2e-3);
-  EXPECT_NEAR(std::abs(friction(*holds).torque->carried) / (0.9 * capacity), 1, 1e-5);
+  // The shear of points of one group differs, its slip does not: they add up to the torque but for a part of a cell.
+  EXPECT_NEAR(*friction(*holds).use / 0.9, 1, 5e-3);
+  EXPECT_NEAR(std::abs(friction(*holds).torque->carried) / (0.9 * capacity), 1, 5e-3);
   const auto slides = turned(1.1);
   EXPECT_FALSE(slides->results().converged);
-  expect_contains(slides->results().diagnosis, {"slides on", "all over", "the loads need 1.1"});
+  expect_contains(slides->results().diagnosis, {"slides on", "all over", "the loads need 1.09"});
 }
 
 /// A weight on an incline holds up to tan(angle) = mu = 0.25.
@@ -323,10 +324,27 @@ TEST(FrictionCapacity, WholeZoneAboutAnAxisAside) {
   EXPECT_NEAR(f.torque->capacity / f.capacity, 1 - 3 * a / 8 + a * a / 10, 1e-3);
 }
 
-/// Lame's pressure on all of the face: 2 pi r L mu p and 2 pi r^2 L mu p. 81 % of the torque is carried and 1.02 of it
-/// slides, although the ends slip along the axis as the ring is pressed on.
-TEST(FrictionCapacity, PressFit) {
+/// With hardly any friction the pressure is Lame's on all of the face, like the square of a cell: 2 pi r L mu p.
+TEST(FrictionCapacity, PressFitWithHardlyAnyFriction) {
   double before = 0;
+  for (const char* n : {"n=8", "n=16"}) {
+    const auto solved = test::run_scene("scenes/press_fit_torque.toml", {n, "mu=1e-5", "T=0.01"});
+    const Results& r = solved->results();
+    ASSERT_TRUE(r.converged) << r.diagnosis;
+    const double pressure = 210e9 * 16.66667e-6 / 0.04 * 0.75, pull_out = 2 * pi * 0.02 * 0.02 * 1e-5 * pressure;
+    const double error = friction(*solved).capacity / pull_out - 1;
+    std::printf("%s: capacity %.3g off, estimated %.3g\n", n, error, *friction(*solved).error);
+    EXPECT_LT(std::abs(error), 0.01);
+    if (before > 0) {
+      EXPECT_LT(std::abs(error), 0.6 * before);
+    }
+    before = std::abs(error);
+  }
+}
+
+/// 81 % of the torque is carried and 1.02 of it slides, although the ends slip along the axis as the shaft is pressed
+/// in. That friction makes the pressure 1 % larger than Lame's.
+TEST(FrictionCapacity, PressFit) {
   for (const char* n : {"n=8", "n=16"}) {
     const auto solved = test::run_scene("scenes/press_fit_torque.toml", {n});
     const Results& r = solved->results();
@@ -341,10 +359,6 @@ TEST(FrictionCapacity, PressFit) {
     EXPECT_EQ(f.torque->from, From::faces_of_revolution);
     EXPECT_NEAR(std::abs(f.torque->carried) / 400, 1, 1e-3);
     EXPECT_NEAR(*f.use * f.torque->capacity / 400, 1, 2e-3);
-    if (before > 0) {
-      EXPECT_LT(std::abs(error), 0.6 * before);
-    }
-    before = std::abs(error);
   }
   const auto slides = test::run_scene("scenes/press_fit_torque.toml", {"T=510"});
   EXPECT_FALSE(slides->results().converged);
