@@ -227,13 +227,15 @@ class DeckReader {
                                                    {"DSLOAD", &DeckReader::surface_loads},
                                                    {"CONTACT PAIR", &DeckReader::pair},
                                                    {"TIE", &DeckReader::tie},
+                                                   {"SURFACE INTERACTION", &DeckReader::interaction},
+                                                   {"FRICTION", &DeckReader::friction},
                                                    {"STEP", &DeckReader::step}};
     // Say how a deck is solved or written, not what is solved.
     static const std::set<std::string> without_meaning{
-        "END STEP",         "STATIC",      "NODE FILE",        "EL FILE",        "NODE PRINT",
-        "EL PRINT",         "NODE OUTPUT", "OUTPUT",           "ELEMENT OUTPUT", "CONTACT FILE",
-        "CONTACT OUTPUT",   "CONTROLS",    "RESTART",          "PREPRINT",       "SURFACE INTERACTION",
-        "SURFACE BEHAVIOR", "TIME POINTS", "CONTACT CONTROLS", "MONITOR",        "NO PRINT"};
+        "END STEP",       "STATIC",           "NODE FILE", "EL FILE",        "NODE PRINT",
+        "EL PRINT",       "NODE OUTPUT",      "OUTPUT",    "ELEMENT OUTPUT", "CONTACT FILE",
+        "CONTACT OUTPUT", "CONTROLS",         "RESTART",   "PREPRINT",       "SURFACE BEHAVIOR",
+        "TIME POINTS",    "CONTACT CONTROLS", "MONITOR",   "NO PRINT"};
     if (block.keyword == "PART" || block.keyword == "INSTANCE" || block.keyword == "ASSEMBLY")
       fail(block.head, fmt::format("*{}: the deck has parts and instances", block.keyword),
            "flat decks: \"do not use parts and assemblies in input files\"");
@@ -452,14 +454,20 @@ class DeckReader {
   }
 
   void pair(const Block& block) {
-    for (const Line& line : block.data) add_pair(line, false);
+    for (const Line& line : block.data) add_pair(line, false, block.at("INTERACTION"));
+  }
+  void interaction(const Block& block) { interaction_ = block.at("NAME"); }
+  void friction(const Block& block) {
+    if (interaction_.empty()) return leave_out("*FRICTION of no surface interaction", block.head);
+    if (block.data.empty()) return leave_out("*FRICTION without a coefficient", block.head);
+    deck_.friction[interaction_] = number_of(block.data[0], 0, "coefficient");
   }
   void tie(const Block& block) {
     for (const Line& line : block.data) add_pair(line, true);
   }
-  void add_pair(const Line& line, bool bonded) {
+  void add_pair(const Line& line, bool bonded, const std::string& of_interaction = "") {
     if (line.fields.size() < 2) fail(line, "names one surface", "slave surface, master surface");
-    deck_.pairs.push_back({line.fields[0], line.fields[1], bonded, line.number});
+    deck_.pairs.push_back({line.fields[0], line.fields[1], of_interaction, bonded, line.number});
   }
 
   void step(const Block& block) {
@@ -472,7 +480,7 @@ class DeckReader {
   };
 
   Deck deck_;
-  std::string material_;
+  std::string material_, interaction_;
   std::vector<Section> sections_;
   std::map<std::string, std::vector<int>> unknown_;  ///< the lines
   int num_steps_ = 0;

@@ -46,7 +46,7 @@ struct DeckCondition {
 
 /// *CONTACT PAIR or *TIE.
 struct DeckPair {
-  std::string slave, master;
+  std::string slave, master, interaction;
   bool bonded = false;
   int line = 0;
 };
@@ -58,6 +58,7 @@ struct Deck {
   std::map<int, DeckElement> elements;
   std::map<std::string, std::set<int>> node_sets, element_sets;
   std::map<std::string, std::set<ElementSide>> surfaces;
+  std::map<std::string, double> friction;  ///< coefficient of surface interactions
   std::map<std::string, std::set<int>> node_surfaces;
   std::map<std::string, DeckMaterial> materials;
   std::map<int, std::string> material_of_element, section_of_element;  ///< the section's set of elements

@@ -170,19 +170,22 @@ class SceneOfDeck {
       return leave_out(
           fmt::format("contact of {} and {}: the surfaces are not one face of one body each", pair.slave, pair.master),
           pair.line);
-    add_contact(slave[0], master[0], pair.bonded);
+    const auto friction = deck_.friction.find(pair.interaction);
+    add_contact(slave[0], master[0], pair.bonded, friction == deck_.friction.end() ? 0 : friction->second);
   }
 
   void take(const DeckBodies::Joint& joint) {
     DeckBody &first = found_.bodies[joint.first], &second = found_.bodies[joint.second];
     const std::string of_first = first.face(joint.of_first, "joint_" + second.name),
                       of_second = second.face(joint.of_second, "joint_" + first.name);
-    add_contact(first.name + "." + of_first, second.name + "." + of_second, true);
+    add_contact(first.name + "." + of_first, second.name + "." + of_second, true, 0);
   }
 
-  void add_contact(const std::string& slave, const std::string& master, bool bonded) {
-    contacts_ += fmt::format("[[contact]]\nfaces = [{}, {}]\n{}\n", toml_string(slave), toml_string(master),
-                             bonded ? "bonded = true\n" : "");
+  void add_contact(const std::string& slave, const std::string& master, bool bonded, double friction) {
+    const std::string more = bonded         ? "bonded = true\n"
+                             : friction > 0 ? fmt::format("friction = {:g}\n", friction)
+                                            : "";
+    contacts_ += fmt::format("[[contact]]\nfaces = [{}, {}]\n{}\n", toml_string(slave), toml_string(master), more);
     touches_ = touches_ || !bonded;
   }
 

@@ -173,6 +173,16 @@ class Decks(unittest.TestCase):
         weight = 9.81 * 1e-6 * (2000 + 1000)
         self.assertAlmostEqual(self.solve("joined")["supports"][0]["force"][2] / weight, 1, delta=1e-5)
 
+    def test_friction(self):
+        """The coefficient of the interaction that a pair names, wherever it stands."""
+        text = two_blocks("C3D8", gap=1e-7).text() + MATERIALS + SURFACES + CONDITIONS
+        text += "*SURFACE INTERACTION, NAME=OTHER\n*FRICTION\n0.4\n*SURFACE INTERACTION, NAME=HARDCONTACT\n*FRICTION\n0.15, 1E5\n"
+        outcome = self.init(text, "rubs")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertNotIn("FRICTION", outcome.out)
+        self.assertIn("friction = 0.15\n", pathlib.Path("rubs.toml").read_text())
+        self.assertEqual(self.solve("rubs")["contact"][0]["friction"]["coefficient"], 0.15)
+
     def test_what_is_left_out_is_told(self):
         """Keywords without a meaning here, loads on single nodes, surfaces of several bodies: with their lines, also in the scene."""
         mesh = two_blocks("C3D8", gap=1e-7)
@@ -184,7 +194,7 @@ class Decks(unittest.TestCase):
         outcome = self.init(text, "rest")
         self.assertEqual(outcome.code, 0, outcome.err)
         scene = pathlib.Path("rest.toml").read_text()
-        for told in (f"*FRICTION (line {line})", "*CLOAD on 1", "*DLOAD, CENTRIF", "*ELEMENT, TYPE=S4", "LOWTOP and NOWHERE", "*STEP beyond",
+        for told in (f"*FRICTION of no surface interaction (line {line})", "*CLOAD on 1", "*DLOAD, CENTRIF", "*ELEMENT, TYPE=S4", "LOWTOP and NOWHERE", "*STEP beyond",
                      "1 of the 7 nodes of MORE"):
             self.assertIn("not taken over: ", outcome.out)
             self.assertIn(told, outcome.out)

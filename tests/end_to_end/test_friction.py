@@ -21,6 +21,8 @@ P = 210e9 * 16.66667e-6 / 0.04 * 0.75
 PULL_OUT = 2 * math.pi * 0.02 * 0.02 * 0.15 * P
 TORQUE = 0.02 * PULL_OUT
 OF_GRID = 0.01  # of the pressure with eight cells over the radius, relative (measured 0.1 %)
+# The same with friction, which keeps the shaft from growing along the hub: 0.7 % more pressure with cells of 1/16.
+WITH_FRICTION = 0.02
 
 
 def run(name, file, **values):
@@ -53,8 +55,8 @@ class Friction(unittest.TestCase):
         """Lame's capacity, the share of the torque, the words; everything on the page and in the terminal."""
         outcome = run("fit", scene("press_fit_torque"))
         written, pair = report("fit"), friction("fit")
-        self.close(pair["capacity"], PULL_OUT, OF_GRID)
-        self.close(pair["torque"]["capacity"], TORQUE, OF_GRID)
+        self.close(pair["capacity"], PULL_OUT, WITH_FRICTION)
+        self.close(pair["torque"]["capacity"], TORQUE, WITH_FRICTION)
         self.close(pair["use"], 400 / pair["torque"]["capacity"], 2e-3)
         self.assertEqual(pair["coefficient"], 0.15)
         self.assertEqual(pair["whole"], pair["capacity"])
@@ -91,6 +93,43 @@ class Friction(unittest.TestCase):
         needs = re.search(r'"shaft" slides on "hub" all over: the loads need ([\d.]+) times', written["diagnosis"])
         self.assertIsNotNone(needs, written["diagnosis"])
         self.close(float(needs[1]), 600 / TORQUE, 0.02)
+
+    def test_incline(self):
+        """The block rests below tan(angle) = mu, whatever the cells, and slides above, with how much more it needs."""
+        for n in (6, 11):
+            run("rests", scene("block_on_incline"), n=n, **FAST)
+            self.close(friction("rests")["use"], math.tan(math.radians(15)) / 0.3, 1e-4)
+            self.assertEqual(report("rests")["warnings"], [])
+        outcome = cgcontact("run", scene("block_on_incline"), "--out", "slides", *settings(angle="17 deg", **FAST))
+        self.assertEqual(outcome.code, 2, outcome.err)
+        needs = re.search(r"the loads need ([\d.]+) times", report("slides")["diagnosis"])
+        self.close(float(needs[1]), math.tan(math.radians(17)) / 0.3, 2e-3)
+
+    def test_pushed_ball(self):
+        """Pressed, then pushed: the middle sticks, as much as Mindlin says for the forces of the run (1.5 cells of a/4);
+        steps have their own use and work, which grows."""
+        run("ball", scene("pushed_ball"), n=4, **FAST)
+        written = report("ball")
+        steps = [step["contact"][0]["friction"] for step in written["steps"]]
+        self.assertEqual(len(steps), 4)
+        self.assertLess(steps[0]["use"], 0.02)
+        self.assertEqual([step["work"] for step in steps], sorted(step["work"] for step in steps))
+        self.assertGreater(steps[3]["work"], 2 * steps[1]["work"])
+        for first, second, sign in ((1, 2, -1), (1, 3, 1)):  # to and fro
+            self.close(steps[second]["force_on_first"][0], sign * steps[first]["force_on_first"][0], 0.05)
+        last = friction("ball")
+        a = written["contact"][0]["hertz"]["a"]
+        stick = math.sqrt(2 * last["stick_area"] / math.pi)
+        self.close(stick, a * (1 - last["use"])**(1 / 3), 1.5 / 4)
+        self.assertLess(last["slip_area"], last["stick_area"])
+
+    def test_own_steps(self):
+        """A number of factors that is none of the scene's: the line, the key and what is allowed."""
+        file = edited("steps", "pushed_ball", ("steps = [0, 1, -1, 1]", "steps = [0, 1]\n\n[steps]\nfactors = [0.5, 0.7, 1]"))
+        outcome = cgcontact("run", file, "--out", "none")
+        self.assertEqual(outcome.code, 1)
+        self.assertIn("has 2 factors, the scene 3 steps", outcome.err)
+        self.assertRegex(outcome.err, r"steps.toml:\d+: support\[4\]")
 
     def test_without_friction_it_is_an_error(self):
         outcome = cgcontact("run", scene("press_fit_torque"), "--out", "none", *settings(mu=0, **FAST))
@@ -150,9 +189,9 @@ class Friction(unittest.TestCase):
         pathlib.Path("steps.toml").write_text(text)
         run("steps", "steps.toml", **FAST)
         steps = [step["contact"][0]["friction"] for step in report("steps")["steps"]]
-        self.close(steps[0]["capacity"], PULL_OUT / 2, OF_GRID)
+        self.close(steps[0]["capacity"], PULL_OUT / 2, WITH_FRICTION)
         self.assertLess(steps[0]["use"], 0.02)
-        self.close(steps[1]["use"] / steps[2]["use"], 0.5, 1e-3)
+        self.close(steps[1]["use"] / steps[2]["use"], 0.5, 0.01)  # the torque changes the capacity a little
         self.assertIsNone(steps[1]["capacity_error_estimate"])
         self.assertEqual(steps[2], friction("steps"))
         head, *rows = pathlib.Path("steps/steps.csv").read_text().splitlines()

@@ -328,10 +328,10 @@ TEST(FrictionCapacity, WholeZoneAboutAnAxisAside) {
 TEST(FrictionCapacity, PressFitWithHardlyAnyFriction) {
   double before = 0;
   for (const char* n : {"n=8", "n=16"}) {
-    const auto solved = test::run_scene("scenes/press_fit_torque.toml", {n, "mu=1e-5", "T=0.01"});
+    const auto solved = test::run_scene("scenes/press_fit_torque.toml", {n, "mu=1e-3", "T=1"});
     const Results& r = solved->results();
     ASSERT_TRUE(r.converged) << r.diagnosis;
-    const double pressure = 210e9 * 16.66667e-6 / 0.04 * 0.75, pull_out = 2 * pi * 0.02 * 0.02 * 1e-5 * pressure;
+    const double pressure = 210e9 * 16.66667e-6 / 0.04 * 0.75, pull_out = 2 * pi * 0.02 * 0.02 * 1e-3 * pressure;
     const double error = friction(*solved).capacity / pull_out - 1;
     std::printf("%s: capacity %.3g off, estimated %.3g\n", n, error, *friction(*solved).error);
     EXPECT_LT(std::abs(error), 0.01);
