@@ -162,7 +162,7 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
     if (state.outer.wanders) {
       hold_wanderers();
       auto held = make_solver();
-      held->take_over(*solver);
+      if (!rubs()) held->take_over(*solver);
       solver = std::move(held);
       k = first_step_of_new_solver(k);
       continue;
@@ -182,6 +182,10 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
       std::tie(state.outer, state.pairs) = *not_held;
       state.supports.resize(supports_not_held);
       make_system();
+    }
+    if (!first_failure.empty() && rubs() && state.outer.converged) {
+      state.outer.converged = false;
+      state.outer.diagnosis = "friction remembers the steps before, and one of them has no solution";
     }
     const std::string fault = state.outer.converged ? contact_fault(state) : "";
     if (!not_held && state.outer.converged && lost_by_wandering(fault)) {
@@ -224,11 +228,14 @@ void Simulation::solve_steps(const ProgressCallbacks& progress, const SolvedStat
   state.outer.diagnosis = first_failure;
 }
 
+bool Simulation::rubs() const {
+  return std::any_of(state.pairs.begin(), state.pairs.end(),
+                     [](const ContactPair& pair) { return pair.num_tangents > 0; });
+}
+
 /// A new solver does not know what friction has done in the steps before: with friction all of them come again.
 std::size_t Simulation::first_step_of_new_solver(std::size_t step) {
-  const bool rubs = std::any_of(state.pairs.begin(), state.pairs.end(),
-                                [](const ContactPair& pair) { return pair.num_tangents > 0; });
-  if (!rubs) return step;
+  if (!rubs()) return step;
   results.steps.clear();
   return 0;
 }

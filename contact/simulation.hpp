@@ -53,6 +53,7 @@ class Simulation {
   void solve_faces();
   void solve_steps(const ProgressCallbacks& progress, const SolvedState* earlier);
   void set_step(const StepSpec& step);
+  bool rubs() const;
   std::size_t first_step_of_new_solver(std::size_t step);
   bool see_farther();
   void hold_wanderers();

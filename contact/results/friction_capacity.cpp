@@ -206,6 +206,18 @@ std::optional<double> error_of_force(const SolvedState& state, const Results& re
   return std::max(*figures.force_error_estimate, edge * std::pow(results.estimated_error_relative, 2));
 }
 
+/// Distance of the recovered shear from the transmitted one, relative; `pushed_ball`: 1.05 to 1.3 times the error
+/// (docs/accuracy.md).
+std::optional<double> error_of_shear(const Results& results, std::size_t k) {
+  double difference = 0, size = 0;
+  for (const ContactRow& row : results.contact_rows) {
+    if (row.pair != static_cast<int>(k) || !row.active) continue;
+    difference += row.weight * (row.shear_sprc - row.shear_transmitted).squaredNorm();
+    size += row.weight * row.shear_sprc.squaredNorm();
+  }
+  return size > 0 ? std::optional<double>(std::sqrt(difference / size)) : std::nullopt;
+}
+
 /// Sets what the points of a pair do, for the thickness of the bodies.
 void fill_state(const SolvedState& state, std::size_t k, FrictionFigures& friction) {
   const ContactPair& pair = state.pairs[k];
@@ -338,6 +350,7 @@ void fill_friction(const SolvedState& state, Results& results) {
       friction.why_no_torque = "nothing presses the faces";
     }
     fill_state(state, k, friction);
+    friction.shear_error = error_of_shear(results, k);
     results.pairs[k].friction = friction;
   }
 }

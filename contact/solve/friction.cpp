@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernels/mesh/host_copy.hpp"
 #include "recovery/face/symmetry_planes.hpp"
@@ -99,7 +100,7 @@ void Friction::forget() {
   stress.modify_host();
   stress.sync_device();
   residual_ = 1;
-  stuck_ = true;
+  stuck_ = new_step_ = true;
   history_.clear();
   for (const ContactPair& pair : problem_.pairs) {
     const std::size_t count = pair.num_tangents > 0 ? pair.points.size() : 0;
@@ -145,7 +146,7 @@ void Friction::put_into(const ContactGroupArrays<MemSpace>& groups) const {
 
 void Friction::begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   stuck_ = true;
-  if (!any()) return;
+  if (!any() || !std::exchange(new_step_, false)) return;
   take_gaps(problem_.exec, groups, arrays_, change);
   problem_.exec.fence();
 }
@@ -291,6 +292,7 @@ void Friction::look_for_sliding(const Now& state) {
 
 void Friction::end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   if (!any()) return;
+  new_step_ = true;
   history_ = state(groups, change);
   Kokkos::deep_copy(arrays_.reference, now(groups, change).new_reference);
 }

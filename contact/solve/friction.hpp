@@ -30,7 +30,7 @@ class Friction {
 
   /// Back to no slip and no shear.
   void forget();
-  /// Closed points stick, until release(). change: as below, from which gaps close.
+  /// Closed points stick, until release(). change: as below, from which gaps close in this step.
   void begin_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
   bool is_stuck() const { return stuck_; }
   void release() { stuck_ = false; }
@@ -77,6 +77,7 @@ class Friction {
   std::vector<std::vector<Vec3>> mirrors_;  ///< of each pair: normals of planes of symmetry
   int first_row_ = 0;
   bool stuck_ = true;
+  bool new_step_ = true;  ///< a step may be solved several times, under several preloads
   double residual_ = 1;
   std::vector<double> sliding_, asked_;  ///< of each pair
   std::vector<FrictionPoints> history_;  ///< of each pair, with the steps that have ended

@@ -402,15 +402,16 @@ std::string friction_of_pairs(const Results& results) {
     else
       row += cell("none") + cell("-") + cell("-") + "<td class=\"text\">" + html_text(friction.why_no_torque) + "</td>";
     rows.push_back(row + cell(friction.use ? figure(*friction.use, use_text(*friction.use)) : "-") +
-                   cell(force(friction.force.norm())) + cell(length(friction.max_slip)) +
+                   cell(force(friction.force.norm())) + error(friction.shear_error) + cell(length(friction.max_slip)) +
                    cell(figure(friction.work, scaled(friction.work, "J", 4))) + "<td class=\"text\">" +
                    html_text(verdict_on(friction)) + "</td>");
   }
-  return rows.empty() ? ""
-                      : "<h3>Friction</h3>\n" + note(sentence(friction_note) + ".") +
-                            table({"Pair", "mu", "Capacity", "est. error", "in all", "Torque capacity", "est. error",
-                                   "in all", "about", "Use", "Force", "Largest slip", "Work", "Verdict"},
-                                  rows);
+  return rows.empty()
+             ? ""
+             : "<h3>Friction</h3>\n" + note(sentence(friction_note) + ".") +
+                   table({"Pair", "mu", "Capacity", "est. error", "in all", "Torque capacity", "est. error", "in all",
+                          "about", "Use", "Force", "Shear, est. error", "Largest slip", "Work", "Verdict"},
+                         rows);
 }
 
 /// Zones with Hertz's answer beside them, and moments about the points of the scene.

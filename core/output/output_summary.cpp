@@ -184,7 +184,10 @@ Lines friction_table(const Results& results, std::size_t rows, bool with_axes) {
     };
     add(shortened_name(pair.name, 15), friction.capacity, torque ? torque->capacity : 0);
     if (pair.zone.parts > 1) add("  in all", friction.whole, torque ? torque->whole : 0);
-    if (const std::string verdict = verdict_on(friction); !verdict.empty()) append(lines, paragraph("    ", verdict));
+    if (const std::string verdict = verdict_on(friction); !verdict.empty())
+      append(lines, paragraph("    ", friction.shear_error
+                                          ? fmt::format("{}; shear within {}", verdict, percent(*friction.shear_error))
+                                          : verdict));
     if (with_axes)
       append(lines, paragraph("    torque: ",
                               torque ? fmt::format("about ({}) through {}, {}", components_text(torque->axis.direction),

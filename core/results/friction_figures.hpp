@@ -43,7 +43,10 @@ struct FrictionFigures {
   Vec3 force = Vec3::Zero();             ///< N, what friction acts with on the first body
   double stick_area = 0, slip_area = 0;  ///< m^2, of the closed points
   double max_slip = 0;                   ///< m, since the points met
-  double work = 0;                       ///< J, dissipated in all steps
+  /// Estimated error of the recovered shear, relative L2 over both faces: its distance from the transmitted one. None:
+  /// no shear.
+  std::optional<double> shear_error;
+  double work = 0;  ///< J, dissipated in all steps
 };
 
 /// "sticks everywhere", "partial slip: ..." or "slips everywhere"; "" without contact.

@@ -73,7 +73,7 @@ class Friction(unittest.TestCase):
         text = unwrapped(outcome.out)
         self.assertEqual(text.count("capacity is mu times"), 1)
         self.assertIn("fit 0.15", text)
-        self.assertIn(pair["verdict"], text)
+        self.assertIn(pair["verdict"] + "; shear within", text)
         self.assertIn("about (0, 0, ", text)
         self.assertLessEqual(len(outcome.out.splitlines()), 26)
         page = pathlib.Path("fit/report.html").read_text()

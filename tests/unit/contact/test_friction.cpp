@@ -213,6 +213,20 @@ TEST(FrictionOfBall, CyclesDissipate) {
   EXPECT_NEAR(2 * (work[2] - work[1]) / cycle, 1, 0.1);
 }
 
+/// What friction has done in a step without a solution is not known: no later step has one.
+TEST(StepsOfFriction, EndWithAStepWithoutASolution) {
+  const std::string top =
+      fmt::format("[[load]]\nface = \"upper.b.z+\"\ntraction = [{}, 0, 0]\nsteps = [0.5, 1.5, 0.5]\n", mu * p);
+  const auto solved = test::run_text(sheared_blocks(0, top, 0, 0));
+  const Results& r = solved->results();
+  EXPECT_FALSE(r.converged);
+  expect_contains(r.diagnosis, {"step 2 of 3", "slides on"});
+  ASSERT_EQ(r.steps.size(), 3u);
+  EXPECT_TRUE(r.steps[0].converged);
+  EXPECT_FALSE(r.steps[1].converged);
+  EXPECT_FALSE(r.steps[2].converged);
+}
+
 /// Factors of single loads and supports: their own steps, as many as the scene has.
 TEST(StepsOfFriction, MistakesAreTold) {
   const auto message = [](const std::string& steps, const std::vector<std::string>& more = {}) {
