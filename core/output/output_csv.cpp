@@ -58,7 +58,7 @@ void write_steps_csv(const Results& results, const std::string& file_name) {
       "step,loads,displacements,interference,contact,force,force_x,force_y,force_z,area,max_pressure,active_points,"
       "converged,max_displacement";
   const bool friction = has_friction(results);
-  text += friction ? ",friction_capacity,torque_capacity\n" : "\n";
+  text += friction ? ",friction_capacity,torque_capacity,friction_use,friction_work\n" : "\n";
   for (std::size_t k = 0; k < results.steps.size(); ++k) {
     const StepFigures& s = results.steps[k];
     for (const PairFigures& pair : s.pairs) {
@@ -67,10 +67,13 @@ void write_steps_csv(const Results& results, const std::string& file_name) {
                      s.step.displacements, s.step.interference, csv_text(pair.name), f.norm(), f[0], f[1], f[2],
                      pair.area, pair.max_pressure, pair.active_points, s.converged ? 1 : 0,
                      s.displacement ? fmt::format("{}", *s.displacement) : "");
-      if (friction)
-        text += fmt::format(
-            ",{},{}", pair.friction ? fmt::format("{}", pair.friction->capacity) : "",
-            pair.friction && pair.friction->torque ? fmt::format("{}", pair.friction->torque->capacity) : "");
+      if (friction && !pair.friction) text += ",,,,";
+      if (friction && pair.friction) {
+        const auto number = [](const auto& value) { return value ? fmt::format("{}", *value) : ""; };
+        const auto& torque = pair.friction->torque;
+        text += fmt::format(",{},{},{},{}", pair.friction->capacity, torque ? fmt::format("{}", torque->capacity) : "",
+                            number(pair.friction->use), pair.friction->work);
+      }
       text += "\n";
     }
   }

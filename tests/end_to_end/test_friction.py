@@ -195,8 +195,9 @@ class Friction(unittest.TestCase):
         self.assertIsNone(steps[1]["capacity_error_estimate"])
         self.assertEqual(steps[2], friction("steps"))
         head, *rows = pathlib.Path("steps/steps.csv").read_text().splitlines()
-        self.assertTrue(head.endswith(",friction_capacity,torque_capacity"))
-        self.assertEqual([float(row.split(",")[-2]) for row in rows], [step["capacity"] for step in steps])
+        self.assertTrue(head.endswith(",friction_capacity,torque_capacity,friction_use,friction_work"))
+        for column, key in ((-4, "capacity"), (-2, "use"), (-1, "work")):
+            self.assertEqual([float(row.split(",")[column]) for row in rows], [step[key] for step in steps])
 
     def test_triangles(self):
         """The shaft as facets of 3.75 degrees with the mean radius of the cylinder: the axis is found, the capacity is
