@@ -230,7 +230,7 @@ void Friction::turn_rows() {
   const auto frame = host_of(arrays_.frame);
   const auto row = host_of(arrays_.row);
   ElasticSystem& system = problem_.system;
-  system.changed_rows.assign(system.group_rows.size(), 0);
+  system.changed_rows.resize(system.group_rows.size(), 0);  // the solver may not have seen the last ones yet
   for (int f = 0; f < arrays_.num_groups(); ++f) {
     if (!turned(f)) continue;
     const TangentFrame from = frames_[f], to = frame(f);
