@@ -206,6 +206,31 @@ TEST(FrictionOfBall, CyclesDissipate) {
   EXPECT_NEAR(2 * (work(5) - work(3)) / cycle, 1, 0.05);
 }
 
+/// The whole ball pressed, then twisted by a moment: slip has another direction at every point. Lubkin (1951): the
+/// stick radius is 0.7 a for M = 0.40974 mu P a; within 1.5 cells (measured 0.17).
+TEST(FrictionOfBall, TwistedBallSticksInTheMiddle) {
+  constexpr int n = 8;
+  constexpr double a_over_R = 1.0 / 60, P = 653.5, a = 5.032e-4;  // of the press alone
+  std::string text = pushed_ball(n, a_over_R, "[0, 0]", 0);
+  const auto cut = [&](const std::string& from, const std::string& to) {
+    const std::size_t first = text.find(from);
+    text.erase(first, text.find(to, first) - first);
+  };
+  cut("[[support]]\nface = \"plate.p.y-\"", "[[support]]\nface = \"plate.p.z-\"");  // both planes of symmetry
+  cut("[[support]]\nface = \"ball.cut.z+\"\ndisplacement = {x", "[[contact]]");
+  const double R = 5e-4 / a_over_R;
+  for (const std::string& half : {fmt::format("min = [{}, 0, {}]", -R, -R), fmt::format("min = [{}, 0, {}]", -R, -R)})
+    text.replace(text.find(half), half.size(), fmt::format("min = [{}, {}, {}]", -R, -R, -R));
+  text += fmt::format("[[load]]\nface = \"ball.cut.z+\"\nmoment = [0, 0, {}]\nsteps = [0, 1]\n", 0.40974 * 0.3 * P * a);
+  const auto solved = test::run_text(text);
+  const Results& r = solved->results();
+  ASSERT_TRUE(r.converged) << r.diagnosis;
+  const FrictionFigures& f = friction(r);
+  EXPECT_NEAR(std::abs(f.torque->carried) / (0.40974 * 0.3 * P * a), 1, 0.01);
+  EXPECT_NEAR(std::sqrt(f.stick_area / pi), 0.7 * a, 1.5 * 5e-4 / n);
+  EXPECT_LT(f.force.norm(), 0.01 * 0.3 * P);
+}
+
 /// What friction has done in a step without a solution is not known: no later step has one.
 TEST(StepsOfFriction, EndWithAStepWithoutASolution) {
   const std::string top =
