@@ -12,6 +12,15 @@ namespace cgcontact {
 /// A group's share of the rows of friction, by the axes that these have at present.
 struct TangentFrame {
   double cosine = 1, sine = 0;  ///< of the angle from the first tangent to the first row
+
+  /// Direction of the first or the second row, by the tangents.
+  KOKKOS_INLINE_FUNCTION double along(int row, int tangent) const {
+    return row == tangent ? cosine : row == 0 ? sine : -sine;
+  }
+  /// From a vector by the tangents to its amount along a row.
+  KOKKOS_INLINE_FUNCTION double by_row(int row, const double v[2]) const {
+    return along(row, 0) * v[0] + along(row, 1) * v[1];
+  }
 };
 
 /// Groups of all pairs with friction and their points, as in ContactGroupArrays; vectors by the points' tangents.
@@ -24,7 +33,6 @@ struct FrictionArrays {
 
   Numbers first_point;   ///< (groups + 1)
   Numbers normal_group;  ///< of each group: among all groups
-  Numbers normal_point;  ///< of each group: the first of its points among all points
   Numbers row;           ///< of each group: its first row among those of friction
   Numbers num_rows;      ///< of each group: 1 or 2
   Values coefficient;    ///< of each group
@@ -45,7 +53,6 @@ struct FrictionArrays {
   FrictionArrays(std::size_t groups, std::size_t rows, std::size_t points)
       : first_point("cgcontact::friction::first_point", groups + 1),
         normal_group("cgcontact::friction::normal_group", groups),
-        normal_point("cgcontact::friction::normal_point", groups),
         row("cgcontact::friction::row", groups),
         num_rows("cgcontact::friction::num_rows", groups),
         coefficient("cgcontact::friction::coefficient", groups),
@@ -65,8 +72,7 @@ struct FrictionArrays {
   /// From amounts by rows to those by tangents.
   KOKKOS_INLINE_FUNCTION void by_tangents(int g, double first, double second, double out[2]) const {
     const TangentFrame f = frame(g);
-    out[0] = f.cosine * first - f.sine * second;
-    out[1] = f.sine * first + f.cosine * second;
+    for (int i = 0; i < 2; ++i) out[i] = f.along(0, i) * first + f.along(1, i) * second;
   }
   /// Slip of a group by tangents, m. change: of all rows of friction.
   template <class Change>
@@ -95,7 +101,7 @@ void take_pressures(const Exec& exec, const ContactGroupArrays<Memory>& groups, 
         const int g = friction.normal_group(f);
         const double gap = groups.initial_gap(g) + change(g);
         for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
-          const int point = friction.normal_point(f) + q - friction.first_point(f);
+          const int point = groups.first_point(g) + q - friction.first_point(f);
           const double p = groups.closed_pressure(g, point, gap);
           friction.pressure(q) = groups.active(point) && p > 0 ? p : 0;
         }
@@ -126,19 +132,20 @@ void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, cons
   Kokkos::parallel_for(
       "cgcontact::friction::bounds", Kokkos::RangePolicy<Exec>(exec, 0, friction.num_groups()),
       KOKKOS_LAMBDA(const int f) {
+        const int first = groups.first_point(friction.normal_group(f));
         for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
-          const int point = friction.normal_point(f) + q - friction.first_point(f);
+          const int point = first + q - friction.first_point(f);
           const double most = stuck ? 1e300 : friction.coefficient(f) * friction.pressure(q);
           friction.bound(q) = groups.active(point) ? most : 0;
         }
       });
 }
 
-/// Of a group whose points follow the law: force, N, and -d force / d slip, N/m, by tangents.
+/// Force of a group whose points follow the law, N, and -d force / d slip, N/m, by tangents.
 template <class Memory>
 KOKKOS_INLINE_FUNCTION void force_of_law(const FrictionArrays<Memory>& friction, int f, double k, const double slip[2],
                                          double force[2], double stiffness[3]) {
-  constexpr double held = 1e-4;  // docs/theory.md: from 1e-9 to 1e-4 all the same, above it more iterations
+  constexpr double held = 1e-4;  // docs/decisions.md: less converges sooner close to sliding, and tells it less well
   for (int i = 0; i < 2; ++i) force[i] = 0;
   for (int i = 0; i < 3; ++i) stiffness[i] = 0;
   for (int q = friction.first_point(f); q < friction.first_point(f + 1); ++q) {
@@ -171,11 +178,8 @@ void linearise_friction(const Exec& exec, const ContactGroupArrays<Memory>& grou
         force_of_law(friction, f, groups.law(friction.normal_group(f)).k, slip, force, s);
         for (int i = 0; i < 2; ++i) friction.mismatch(f, i) = rows > i ? force[i] - before[i] : 0;
         TangentFrame frame = friction.frame(f);
-        const auto off_diagonal = [&] {
-          return frame.cosine * frame.sine * (s[2] - s[0]) +
-                 (frame.cosine * frame.cosine - frame.sine * frame.sine) * s[1];
-        };
-        const double off = off_diagonal();
+        const double off =
+            frame.cosine * frame.sine * (s[2] - s[0]) + (frame.cosine * frame.cosine - frame.sine * frame.sine) * s[1];
         friction.turned(f) = rows > 1 && (off < 0 ? -off : off) > same_axes * (s[0] + s[2]);
         if (friction.turned(f)) {
           const double angle = 0.5 * std::atan2(2 * s[1], s[0] - s[2]);
@@ -184,11 +188,9 @@ void linearise_friction(const Exec& exec, const ContactGroupArrays<Memory>& grou
           friction.frame(f) = frame;
         }
         for (int i = 0; i < rows; ++i) {
-          const double c = i == 0 ? frame.cosine : -frame.sine, d = i == 0 ? frame.sine : frame.cosine;
-          ZoneForce& linear = friction.linear(row + i);
-          linear.force = c * force[0] + d * force[1];
-          linear.stiffness = c * c * s[0] + 2 * c * d * s[1] + d * d * s[2];
-          linear.gap = c * slip[0] + d * slip[1];
+          const double c = frame.along(i, 0), d = frame.along(i, 1);
+          friction.linear(row + i) = {frame.by_row(i, force), c * c * s[0] + 2 * c * d * s[1] + d * d * s[2],
+                                      frame.by_row(i, slip)};
         }
       });
 }
@@ -207,11 +209,8 @@ void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups,
         double slip[2], force[2], stiffness[3];
         friction.by_tangents(f, now[0], now[1], slip);
         force_of_law(friction, f, groups.law(friction.normal_group(f)).k, slip, force, stiffness);
-        const TangentFrame frame = friction.frame(f);
-        for (int i = 0; i < rows; ++i) {
-          const double c = i == 0 ? frame.cosine : -frame.sine, d = i == 0 ? frame.sine : frame.cosine;
-          excess(row + i) = c * force[0] + d * force[1] - friction.linear(row + i).at(now[i]);
-        }
+        for (int i = 0; i < rows; ++i)
+          excess(row + i) = friction.frame(f).by_row(i, force) - friction.linear(row + i).at(now[i]);
       });
 }
 

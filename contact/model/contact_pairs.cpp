@@ -234,10 +234,15 @@ void add_groups(const std::vector<BodyModel>& bodies, const std::vector<SurfaceP
   pair.points = ContactPoints(points_of_pair);
 }
 
+/// Axis of plane strain that both bodies of a pair have, or -1: nothing moves along it.
+int common_plane_strain(const std::vector<BodyModel>& bodies, const ContactPair& pair) {
+  const auto &first = bodies[pair.primary].spec->plane_strain, &second = bodies[pair.secondary].spec->plane_strain;
+  return first && second && *first == *second ? static_cast<int>(*first) : -1;
+}
+
 /// Bonded faces: the points and groups once for every axis along which one of the bodies moves.
 void copy_for_all_axes(const std::vector<BodyModel>& bodies, ContactPair& pair) {
-  const auto &first = bodies[pair.primary].spec->plane_strain, &second = bodies[pair.secondary].spec->plane_strain;
-  const int fixed = first && second && *first == *second ? static_cast<int>(*first) : -1;
+  const int fixed = common_plane_strain(bodies, pair);
   const std::vector<ContactGroup> groups = std::move(pair.groups);
   const std::size_t num_points = pair.points.size();
   std::vector<ContactPoint> points;
@@ -266,16 +271,15 @@ void copy_for_all_axes(const std::vector<BodyModel>& bodies, ContactPair& pair) 
 /// one that is least along the normals.
 void set_tangents(const std::vector<BodyModel>& bodies, ContactPair& pair) {
   if (!(pair.friction() > 0)) return;
-  const auto &first = bodies[pair.primary].spec->plane_strain, &second = bodies[pair.secondary].spec->plane_strain;
-  const bool plane = first && second && *first == *second;
-  pair.num_tangents = plane ? 1 : 2;
+  const int across = common_plane_strain(bodies, pair);
+  pair.num_tangents = across >= 0 ? 1 : 2;
   for (ContactGroup& group : pair.groups) {
     Vec3 along = Vec3::Zero();
     for (int q = group.first_point; q < group.last_point; ++q)
       along += pair.points.weight(q) * pair.points.normal(q).cwiseAbs2();
     Eigen::Index least;
     along.minCoeff(&least);
-    group.tangent_axis = Vec3::Unit(plane ? static_cast<int>(*first) : static_cast<int>(least));
+    group.tangent_axis = Vec3::Unit(across >= 0 ? across : static_cast<int>(least));
   }
 }
 

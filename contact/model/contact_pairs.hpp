@@ -43,13 +43,18 @@ struct ContactPair {
   int num_tangents = 0;
   /// Those at a point, unit, orthogonal to its normal and to each other, global axes; the first `num_tangents` count.
   std::array<Vec3, 2> tangents(std::size_t point) const;
+  /// Calls use(tangent) for those that count at a point: none without friction.
+  template <class Use>
+  void each_tangent(std::size_t point, const Use& use) const {
+    if (num_tangents == 0) return;
+    const std::array<Vec3, 2> along = tangents(point);
+    for (int i = 0; i < num_tangents; ++i) use(along[i]);
+  }
   /// Calls use(direction) for the directions in which a closed point holds: its own, and with friction the tangents.
   template <class Use>
   void each_direction(std::size_t point, const Use& use) const {
     use(points.direction(point));
-    if (num_tangents == 0) return;
-    const std::array<Vec3, 2> along = tangents(point);
-    for (int i = 0; i < num_tangents; ++i) use(along[i]);
+    each_tangent(point, use);
   }
   double stiffness(const ContactGroup& group) const { return modulus / group.h; }  ///< kappa E/h, Pa/m
   NormalContact law(const ContactGroup& group) const { return {stiffness(group), bonded()}; }

@@ -62,12 +62,11 @@ std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& pi
     if (is_primary == (assembly[pair.secondary] == assembly[b])) continue;
     for (std::size_t q = 0; q < pair.points.size(); ++q) {
       const ContactPoint point = pair.points[q];
-      if (pair.num_tangents > 0)  // friction resists along both surfaces
-        for (const Vec3& t : pair.tangents(q)) {
-          const RigidMotion along = piece.row(point.x, t);
-          own += point.weight * along * along.transpose();
-          others += point.weight * along * along.transpose();
-        }
+      pair.each_tangent(q, [&](const Vec3& t) {  // friction resists along both surfaces
+        const RigidMotion along = piece.row(point.x, t);
+        own += point.weight * along * along.transpose();
+        others += point.weight * along * along.transpose();
+      });
       const RigidMotion primary = piece.row(point.x, normals[pair.primary](point.primary_cell, point.primary_position));
       const Vec3 opposite = global_position(bodies[pair.secondary].cut_cells, point.secondary_cell, point.secondary_xi);
       const RigidMotion secondary =
@@ -217,7 +216,7 @@ FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyMo
         gram += point.weight * row * row.transpose();
       };
       add(pair.bonded() ? point.direction : normals[pair.secondary](point.secondary_cell, point.secondary_position));
-      for (int i = 0; i < pair.num_tangents; ++i) add(pair.tangents(q)[i]);
+      pair.each_tangent(q, add);
       area += point.weight;
     }
   constexpr double no_stiffness = 1e-9;

@@ -271,7 +271,7 @@ std::optional<TorqueCapacity> axis_of_faces(const std::array<std::vector<Pressed
 
 namespace {
 
-/// Of the largest pressure: what shear may change it by where that counts as nothing.
+/// Part of the largest pressure that shear may change it by where that counts as nothing.
 constexpr double no_change_by_shear = 0.005;
 /// Steps in which bodies of different materials are pressed, at least; part of the closed area that was apart before
 /// the first one; part of a cell that slip may be (contact points see what lay opposite in the beginning).

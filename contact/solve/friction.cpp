@@ -15,7 +15,7 @@ namespace {
 constexpr double little_beyond = 1e-4, steady = 0.02;
 /// What slides is out of balance by mu times that, relative to the pressure; so much more is a state still on its way.
 constexpr double most_else = 2;
-/// Of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together nowhere.
+/// Part of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together nowhere.
 constexpr double least_common = 0.1;
 
 template <class View>
@@ -30,7 +30,7 @@ std::size_t count_points(const std::vector<ContactPair>& pairs) {
 }
 
 FrictionArrays<MemSpace> make_arrays(const OuterProblem& problem) {
-  std::vector<int> first_point{0}, normal_group, normal_point, row, num_rows;
+  std::vector<int> first_point{0}, normal_group, row, num_rows;
   std::vector<double> coefficient, weight;
   int rows = 0, group = 0;
   for (const ContactPair& pair : problem.pairs) {
@@ -40,7 +40,6 @@ FrictionArrays<MemSpace> make_arrays(const OuterProblem& problem) {
     }
     for (const ContactGroup& g : pair.groups) {
       normal_group.push_back(group++);
-      normal_point.push_back(static_cast<int>(pair.points.first_place()) + g.first_point);
       row.push_back(rows);
       num_rows.push_back(pair.num_tangents);
       rows += pair.num_tangents;
@@ -52,7 +51,6 @@ FrictionArrays<MemSpace> make_arrays(const OuterProblem& problem) {
   FrictionArrays<MemSpace> arrays(row.size(), rows, weight.size());
   arrays.first_point = copy_to_view<IntView>("cgcontact::friction::first_point", first_point);
   arrays.normal_group = copy_to_view<IntView>("cgcontact::friction::normal_group", normal_group);
-  arrays.normal_point = copy_to_view<IntView>("cgcontact::friction::normal_point", normal_point);
   arrays.row = copy_to_view<IntView>("cgcontact::friction::row", row);
   arrays.num_rows = copy_to_view<IntView>("cgcontact::friction::num_rows", num_rows);
   arrays.coefficient = copy_to_view<RealView>("cgcontact::friction::coefficient", coefficient);
@@ -129,9 +127,8 @@ std::vector<FrictionRow> Friction::rows() const {
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {
     const ContactPair& pair = problem_.pairs[k];
     for (std::size_t g = 0; g < pair.groups.size() && pair.num_tangents > 0; ++g, ++f) {
-      const TangentFrame frame = frames_[f];
-      all.push_back({k, g, {frame.cosine, frame.sine}, linear(all.size())});
-      if (pair.num_tangents > 1) all.push_back({k, g, {-frame.sine, frame.cosine}, linear(all.size())});
+      for (int i = 0; i < pair.num_tangents; ++i)
+        all.push_back({k, g, {frames_[f].along(i, 0), frames_[f].along(i, 1)}, linear(all.size())});
     }
   }
   return all;
@@ -217,7 +214,7 @@ bool Friction::renew(const ContactGroupArrays<MemSpace>& groups, const RealView&
     square += (mismatch(f, 0) * mismatch(f, 0) + mismatch(f, 1) * mismatch(f, 1)) / area;
   }
   residual_ = pressed > 0 ? std::sqrt(square / pressed) : square > 0 ? 1 : 0;
-  look_for_sliding(now(groups, change));
+  look_for_sliding(groups, change);
   const auto turned = host_of(arrays_.turned);
   const bool any_turned = std::any_of(turned.data(), turned.data() + turned.extent(0), [](char t) { return t != 0; });
   if (any_turned) turn_rows();
@@ -258,12 +255,13 @@ Friction::Now Friction::now(const ContactGroupArrays<MemSpace>& groups, const Re
   return {host_of(shear), host_of(slip), host_of(slips), reference};
 }
 
-/// Of pairs that carry no more: what the loads ask along the shear beyond what is carried, relative to that.
-void Friction::look_for_sliding(const Now& state) {
+/// Measures what the loads ask along the shear of pairs that carry no more, beyond what is carried, relative to that.
+void Friction::look_for_sliding(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   const std::vector<double> before = asked_;
   asked_.assign(problem_.pairs.size(), 0.0);
   sliding_.assign(problem_.pairs.size(), 0.0);
   if (stuck_) return;
+  const Now state = now(groups, change);
   const auto mismatch = host_of(arrays_.mismatch);
   const auto bound = host_of(arrays_.bound);
   std::size_t point = 0, f = 0;
@@ -293,14 +291,18 @@ void Friction::look_for_sliding(const Now& state) {
 void Friction::end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change) {
   if (!any()) return;
   new_step_ = true;
-  history_ = state(groups, change);
-  Kokkos::deep_copy(arrays_.reference, now(groups, change).new_reference);
+  const Now last = now(groups, change);
+  history_ = with_step(last);
+  Kokkos::deep_copy(arrays_.reference, last.new_reference);
 }
 
 std::vector<FrictionPoints> Friction::state(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const {
+  return any() ? with_step(now(groups, change)) : history_;
+}
+
+/// Adds what a step has done to the steps before.
+std::vector<FrictionPoints> Friction::with_step(const Now& state) const {
   std::vector<FrictionPoints> all = history_;
-  if (!any()) return all;
-  const Now state = now(groups, change);
   const auto bound = host_of(arrays_.bound);
   std::size_t point = 0;
   for (std::size_t k = 0; k < problem_.pairs.size(); ++k) {

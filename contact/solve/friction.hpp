@@ -39,7 +39,7 @@ class Friction {
   void take_pressures(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
   /// New bounds, and forces that are linear about the present slip. True: rows of the system have turned.
   bool renew(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
-  /// Of the last renewal: how far the forces were from those of the law, relative to the pressure; 1 while points are
+  /// Distance of the forces at the last renewal from those of the law, relative to the pressure; 1 while points are
   /// held. RMS over the area.
   double residual() const { return stuck_ ? 1 : residual_; }
   /// Pairs all of whose closed points slip, while what the loads ask of friction beyond that stays the same from
@@ -56,7 +56,7 @@ class Friction {
 
   /// Ends the load step: points stick where they are now. change: as above.
   void end_step(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
-  /// Of every pair, as after the next end_step().
+  /// State of every pair, as after the next end_step().
   std::vector<FrictionPoints> state(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
 
   /// t* of the points of all pairs with friction, one after the other, in Scales::stress: two components, by tangents.
@@ -68,7 +68,8 @@ class Friction {
   Now now(const ContactGroupArrays<MemSpace>& groups, const RealView& change) const;
   void turn_rows();
   void take_drifts(const ContactGroupArrays<MemSpace>& groups) const;
-  void look_for_sliding(const Now& state);
+  void look_for_sliding(const ContactGroupArrays<MemSpace>& groups, const RealView& change);
+  std::vector<FrictionPoints> with_step(const Now& state) const;
   RealView of_friction(const RealView& all) const;
 
   OuterProblem problem_;

@@ -40,7 +40,7 @@ struct Iterate {
   /// sigma* - kappa E/h (u . d - value) of every support point, Pa.
   std::vector<double> support_tractions() const;
 
-  /// Of all contact groups, and after them of the rows of friction: change of the mean gap, or slip, m; without the
+  /// Change of the mean gap of all contact groups, and after them slip of the rows of friction, m; without the
   /// rigid parts, of any displacements (Scales::length).
   RealView gap_change() const;
   RealView gap_change_of(const RealView& displacements) const;

@@ -36,8 +36,8 @@ constexpr double slow_fall = 0.5, tighter = 0.1;
 /// residual does not fall by half in two iterations.
 constexpr std::size_t patience = 7;
 constexpr double nearly_converged = 1e-3, no_wandering = 0.05;
-/// Relative change of the recovered stress below which closed points may slip (docs/theory.md: 0.3 and 0.1 take equally
-/// many solves, 0.03 takes more).
+/// Relative change of the recovered stress below which closed points may slip (0.3 and 0.03 take as many iterations,
+/// docs/decisions.md).
 constexpr double sticks_until = 0.1;
 /// With friction the iteration may take so many times as long if the residual falls to this part in some iterations.
 constexpr int longest = 4;

@@ -12,7 +12,7 @@ namespace {
 
 /// Of the outer iteration's kappa E/h, at the start: with kappa = 10 the layer E/(10 h), ten cells thick.
 constexpr double softer = 0.01;
-/// Of that, along the faces: friction holds what nothing else does, and keeps nothing from where loads press it.
+/// Part of that along the faces: friction holds what nothing else does, and keeps nothing from where loads press it.
 constexpr double along_faces = 1e-3;
 /// Of the largest diagonal entry: motions that nothing resists stay where they are.
 constexpr double regularisation = 1e-9;

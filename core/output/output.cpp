@@ -349,6 +349,7 @@ ResultWriter::~ResultWriter() = default;
 
 void ResultWriter::add_step(std::size_t number, const Results& step) {
   on_first_rank([&] {
+    if (number == 0) parts_->steps.reset();  // all may come again: with friction, where a pair has to see farther
     if (!parts_->steps) {
       std::optional<std::string> file;
       if (parts_->with_fields) file = parts_->temporary.emplace(parts_->target).file(steps_file);

@@ -46,7 +46,7 @@ struct ElasticSystem {
   GroupRows groups;
   std::vector<GroupRow> group_rows;          ///< host copy of the rows of `groups`
   std::vector<double> full_group_stiffness;  ///< of each group when closed
-  /// Of each group: whether its row has changed since the solver was last updated; empty: none has.
+  /// Whether the row of each group has changed since the solver was last updated; empty: none has.
   std::vector<char> changed_rows;
   int num_nodes = 0;  ///< DofMap::num_nodes
   DofMap dofs;

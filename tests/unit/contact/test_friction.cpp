@@ -140,7 +140,7 @@ std::string pushed_ball(int n, double a_over_R, const std::string& steps_of_push
                     -1.0 * a * a / R, push, steps_of_push);
 }
 
-/// Of the whole ball, from the forces of the half.
+/// Mindlin's figures of the whole ball, from the forces of the half.
 struct Mindlin {
   double P, Q, a, c;
 

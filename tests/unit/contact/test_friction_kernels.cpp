@@ -151,12 +151,9 @@ class FrictionKernels : public testing::Test {
 
   static FrictionArrays<Memory> friction(const PlainFriction& plain) {
     FrictionArrays<Memory> f(plain.k.size(), plain.rows, plain.weight.size());
-    std::vector<int> group, point;
-    for (std::size_t g = 0; g < plain.k.size(); ++g) {
-      group.push_back(static_cast<int>(g));
-      point.push_back(plain.first[g]);
-    }
-    fill(f.first_point, plain.first), fill(f.normal_group, group), fill(f.normal_point, point), fill(f.row, plain.row);
+    std::vector<int> group;
+    for (std::size_t g = 0; g < plain.k.size(); ++g) group.push_back(static_cast<int>(g));
+    fill(f.first_point, plain.first), fill(f.normal_group, group), fill(f.row, plain.row);
     fill(f.num_rows, plain.num_rows), fill(f.coefficient, plain.coefficient), fill(f.frame, plain.frame);
     fill(f.linear, plain.linear), fill(f.weight, plain.weight), fill(f.bound, plain.bound);
     fill(f.lagged, plain.lagged), fill(f.reference, plain.reference), fill(f.approach, plain.approach);
@@ -168,7 +165,8 @@ class FrictionKernels : public testing::Test {
     ContactGroupArrays<Memory> n(plain.k.size(), plain.weight.size());
     std::vector<NormalContact> law;
     for (const double k : plain.k) law.push_back({k, false});
-    fill(n.law, law), fill(n.initial_gap, plain.gap), fill(n.active, plain.active), fill(n.lagged, plain.pressed);
+    fill(n.first_point, plain.first), fill(n.law, law), fill(n.initial_gap, plain.gap), fill(n.active, plain.active),
+        fill(n.lagged, plain.pressed);
     return n;
   }
 
