@@ -71,7 +71,7 @@ class Sampler {
       along_s_ = Vec3::Unit(grid.plane_strain);
       along_t_ = normal_.cross(along_s_);
       widest_ = 0.5 * group.larger_cell;
-      area_factor_ = grid.slice / group.larger_cell;
+      area_factor_ = grid.slice / group.larger_cell * grid.ring(grid.to_grid(mean));
     }
   }
 

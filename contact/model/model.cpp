@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 
+#include "contact/model/around_axis.hpp"
 #include "contact/model/plane_strain.hpp"
 #include "contact/model/refined_grid.hpp"
 #include "core/cells/cells_around.hpp"
@@ -131,7 +132,10 @@ void find_resultants(const Scene& scene, int body, BodyModel& model) {
     const FaceMoments moments = moments_of(load.face.face, model);
     if (!(moments.area() > 0)) continue;  // told as a face without points
     try {
-      model.resultants[l] = load.resulting_traction(moments);
+      // A force along an axis of revolution has no moment about any place.
+      model.resultants[l] = model.spec->axisymmetric()
+                                ? moments.with_resultants(load.force, Vec3::Zero(), moments.centroid())
+                                : load.resulting_traction(moments);
     } catch (const InputError& error) {
       throw InputError(load.place, in_quotes(model.spec->name + "." + load.face.face.name), error.what(),
                        load.bearing ? "bearing = true for a cylinder, with a force across its axis"
@@ -170,7 +174,8 @@ void each_body_force(const BodyModel& body, const ForceAt& force_at, const UseFo
     for (int q = 0; q < 125; ++q) {
       const Vec3 xi(Gauss5::point[q / 25], Gauss5::point[q / 5 % 5], Gauss5::point[q % 5]);
       const Vec3 x = global_position(cc, static_cast<int>(e), xi);
-      use(static_cast<int>(e), xi, x, factor * weights[q] * force_at(x));
+      const double ring = cc.grid.ring(grid_position(cc, static_cast<int>(e), xi));
+      use(static_cast<int>(e), xi, x, ring * factor * weights[q] * force_at(x));
     }
   }
 }
@@ -183,7 +188,7 @@ void set_temperature(double factor, BodyModel& model) {
   if (body.temperature == 0) return;
   const double strain = factor * body.temperature * body.material.expansion.value_or(0);
   model.expansion = strain * Mat3::Identity();
-  if (!body.plane_strain) return;
+  if (!body.plane_strain || body.axisymmetric()) return;
   const int axis = static_cast<int>(*body.plane_strain);
   model.expansion *= 1 + body.material.poisson_ratio;
   model.expansion(axis, axis) = 0;
@@ -299,6 +304,7 @@ Grid make_grid(const BodySpec& body) {
     if (body.quadtree && d == grid.plane_strain) continue;
     // A face that lies on a grid plane up to rounding may stick out of its cell: a layer of (mostly empty) cells more.
     if (body.grid_offset[d] < grid_margin) start[d] -= body.cell_size;
+    if (body.axisymmetric() && d == grid.radial_axis()) start[d] = 0;
     const double cells = (max[d] - start[d]) / body.cell_size + grid_margin;
     if (!(cells < 20000))
       throw InputError(body.place, std::to_string(body.cell_size), "more than 20000 cells along one axis",
@@ -311,7 +317,8 @@ Grid make_grid(const BodySpec& body) {
     grid.num_cells[axis] = 1;
     grid.slice = grid.cell_size;
     grid.middle = 0.5 * (min[axis] + max[axis]);
-    grid.thickness = max[axis] - min[axis];
+    grid.thickness = body.axisymmetric() ? 2 * pi * body.unit_radius : max[axis] - min[axis];
+    grid.unit_radius = body.unit_radius;
   }
   grid.origin = body.grid_rotation * start;
   return grid;
@@ -388,6 +395,7 @@ double support_modulus(const Scene& scene, const BodySpec& body) {
 }
 
 double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point) {
+  if (point.by_plane_strain) return 0;  // no term of the linear system
   if (point.spring > 0) return point.spring;
   const double kappa = (body.is_thin(point.cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
   const double firm = body.spec->rigid() && !point.follows ? firm_on_rigid : 1;
@@ -397,7 +405,8 @@ double support_stiffness(const Scene& scene, const BodyModel& body, const Suppor
 namespace {
 
 /// Three points for each connected piece of the body, with the area of its end, its centre and its second moments: what
-/// they hold of it as a rigid body is what plane strain holds. They need not lie in it. One end will do.
+/// they hold of it as a rigid body is what plane strain holds. They need not lie in it. One end will do. Bodies of
+/// revolution are held away from their axis as well.
 void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyFace& face,
                           std::vector<SupportPoint>& points) {
   const CutCells& cells = body.cut_cells;
@@ -407,7 +416,8 @@ void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyF
   if (body.spec->quadtree)  // it has no ends
     for (int cell = 0; cell < static_cast<int>(area.size()); ++cell)
       area[cell] = cells.volume_fraction(cell) * std::pow(cells.h(cell), 2);
-  for (const int p : face.points()) area[cells.boundary.cell[p]] += body.area(p);
+  for (const int p : face.points())
+    if (!body.spec->quadtree) area[cells.boundary.cell[p]] += body.area(p);
   int count = 0;
   const std::vector<int> piece_of_cell = find_connected_pieces(cells, count);
   struct Piece {
@@ -441,6 +451,9 @@ void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyF
           direction, direction, piece.area / 3};
       point.by_plane_strain = true;
       points.push_back(point);
+      if (!body.spec->axisymmetric()) continue;
+      point.direction = point.normal = Vec3::Unit(cells.grid.radial_axis());
+      points.push_back(point);
     }
   }
 }
@@ -456,7 +469,8 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     const BodyFace face(support.face.face, body);
     if (support.by_plane_strain) {
-      if ((*support.face.face.normal_cone).first.sum() > 0) hold_in_plane_strain(s, b, body, face, points);
+      if (!support.face.face.normal_cone || (*support.face.face.normal_cone).first.sum() > 0)
+        hold_in_plane_strain(s, b, body, face, points);
       continue;
     }
     points.reserve(points.size() + face.points().size());
@@ -496,6 +510,7 @@ std::pair<Vec3, Vec3> resultants_of_volume(const BodyModel& body, const ForceAt&
     sum += f;
     moment += (x - about).cross(f);
   });
+  sum_around_axis(*body.spec, sum, &moment);
   return {body.slices * sum, body.slices * moment};
 }
 

@@ -56,6 +56,10 @@ void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
                                    "themselves",
                                    axis, at(x)),
                        "supports on the sides only");
+    if (p.value != 0 && body.axisymmetric() && std::abs(p.direction[axis_of(body)]) > flat)
+      throw InputError(support.place, name_of_face(scene, support.face),
+                       fmt::format("turns a body of revolution about its axis, {}", at(x)),
+                       "no displacement along " + axis + ", or 0");
     if (p.value != 0 && std::abs(p.direction[axis_of(body)]) > flat)
       throw InputError(support.place, name_of_face(scene, support.face),
                        fmt::format("moves a body in plane strain along {0}, {1}", axis, at(x)),
@@ -63,8 +67,21 @@ void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
   }
 }
 
+/// A force on a face of a body of revolution acts along the axis: others have no resultant, or vary around it.
+void check_resultants(const Scene& scene, const LoadSpec& load, const BodySpec& body) {
+  if (!load.has_resultants()) return;
+  const int along = body.axis_of_revolution();
+  const Vec3 other = load.force - load.force[along] * Vec3::Unit(along);
+  if (other.norm() <= along_axis * load.force.norm() && load.moment.isZero(0) && !load.bearing) return;
+  throw InputError(load.place, name_of_face(scene, load.face),
+                   "a force or moment that varies around the axis of revolution",
+                   fmt::format("a force along {}, pressures and tractions in the half-plane",
+                               coordinate_names()[along]));
+}
+
 void check_load(const Scene& scene, int number, const BodyModel& body) {
   const LoadSpec& load = scene.loads[number];
+  if (body.spec->axisymmetric()) check_resultants(scene, load, *body.spec);
   const FaceTraction resultant = resultant_of(body, number);
   const int axis = axis_of(*body.spec);
   for (const int p : BodyFace(load.face.face, body).points()) {
@@ -75,6 +92,10 @@ void check_load(const Scene& scene, int number, const BodyModel& body) {
                        fmt::format("lies on an end of a body in plane strain across {}, {}", name, at(x)),
                        "loads on the sides only");
     const Vec3 traction = load.traction_at(x, body.normal(p), resultant);
+    if (std::abs(traction[axis]) > along_axis * traction.norm() && body.spec->axisymmetric())
+      throw InputError(load.place, name_of_face(scene, load.face),
+                       fmt::format("acts along {}, around the axis of revolution, {}", name, at(x)),
+                       "no traction along " + name);
     if (std::abs(traction[axis]) > along_axis * traction.norm())
       throw InputError(load.place, name_of_face(scene, load.face),
                        fmt::format("acts along {}, across which the body is in plane strain, {}", name, at(x)),
@@ -82,15 +103,31 @@ void check_load(const Scene& scene, int number, const BodyModel& body) {
   }
 }
 
+/// Weight acts along the axis of revolution, and the body rotates about it.
+void check_inertia_of_revolution(const BodySpec& body) {
+  const int along = body.axis_of_revolution();
+  const Vec3 axis = Vec3::Unit(along);
+  const Inertia& inertia = body.inertia;
+  const std::string& name = coordinate_names()[along];
+  if ((inertia.weight - inertia.weight.dot(axis) * axis).norm() > along_axis * inertia.weight.norm())
+    refuse(body, "gravity acts across its axis of revolution", "gravity along " + name);
+  if (inertia.spin != 0 && (inertia.axis.cross(axis).norm() > flat ||
+                            inertia.centre.cross(axis).norm() > rounding * body.unit_radius))
+    refuse(body, "it rotates about another axis than that of revolution", "rotation about " + name);
+}
+
 void check_body_force(const BodyModel& body) {
   if (!body.boundary.body_force_at) return;
+  if (body.spec->axisymmetric()) check_inertia_of_revolution(*body.spec);
   const int axis = axis_of(*body.spec);
   // Quadtrees have the plane in the middle only, where such a rotation has no force along the axis.
-  if (const Inertia& inertia = body.spec->inertia; inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
+  if (const Inertia& inertia = body.spec->inertia; !body.spec->axisymmetric() && inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
     refuse(*body.spec, "it rotates about another axis than that of plane strain",
            "rotation about an axis along " + name_of(*body.spec->plane_strain));
   for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {
     const Vec3 x = global_position(body.cut_cells, cell, Vec3::Zero()), force = body.boundary.body_force_at(x);
+    if (std::abs(force[axis]) > along_axis * force.norm() && body.spec->axisymmetric())
+      refuse(*body.spec, "the force on its volume acts around its axis of revolution, " + at(x), "none around it");
     if (std::abs(force[axis]) > along_axis * force.norm())
       refuse(*body.spec, "the force on its volume acts along the axis of plane strain, " + at(x),
              "no body force along it");

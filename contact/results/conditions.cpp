@@ -1,3 +1,4 @@
+#include "contact/model/around_axis.hpp"
 #include "contact/results/conditions.hpp"
 
 #include <fmt/format.h>
@@ -75,8 +76,11 @@ LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodie
     figures.force += force;
     moment += x.cross(force);
   }
+  sum_around_axis(*body.spec, first);
+  sum_around_axis(*body.spec, figures.force, &moment);
   figures.about = load.at.value_or(first / figures.area);
   figures.moment = moment - figures.about.cross(figures.force);
+  sum_around_axis(*body.spec, figures.force, &figures.moment);
   figures.condition = resultants_text(load, factor);
   const auto add = [&](const std::string& name, const Values& values) {
     if (!values.any() || largest(values) == 0) return;
@@ -126,7 +130,7 @@ void add_volume_loads(const BodyModel& body, double factor, std::vector<LoadFigu
 /// "z = 0", "springs 1e+09 Pa/m".
 std::string condition_of(const SolvedState& state, int support) {
   const SupportSpec& spec = state.scene.supports[support];
-  if (spec.by_plane_strain) return "plane strain";
+  if (spec.by_plane_strain) return spec.face.face.normal_cone ? "plane strain" : "axis of revolution";
   if (spec.symmetry) return "symmetry";
   Values prescribed[num_held], springs[num_held];
   for (const SupportPoint& point : state.supports) {
@@ -150,6 +154,7 @@ std::string condition_of(const SolvedState& state, int support) {
 
 double area_of(const SolvedState& state, const FaceRef& reference, bool is_end) {
   const BodyModel& body = state.bodies[reference.body];
+  if (is_end && body.spec->axisymmetric()) return 0;  // its axis
   double area = 0;
   if (body.spec->quadtree && is_end)
     for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell)

@@ -164,6 +164,10 @@ class FrictionZone {
     const auto& strain = state_.bodies[pair_.primary].spec->plane_strain;
     const std::optional<Vec3> across =
         strain ? std::optional<Vec3>(Vec3::Unit(static_cast<int>(*strain))) : std::nullopt;
+    if (const BodySpec& body = *state_.bodies[pair_.primary].spec; body.axisymmetric()) {
+      torque.axis = {Vec3::Zero(), Vec3::Unit(body.axis_of_revolution())};
+      return torque;
+    }
     if (const auto& given = pair_.spec->moment_about; given && given->axis) {
       torque.axis = {given->point, *given->axis};
     } else if (const auto found = axis_of_faces(sides_, centre, across)) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "contact/model/around_axis.hpp"
 #include "contact/model/condition_checks.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/postprocess.hpp"
@@ -25,6 +26,7 @@ std::pair<Vec3, Vec3> holding_resultants(const SolvedState& state, int body) {
     force += f;
     moment += (global_position(model.cut_cells, p.cell, p.xi) - middle).cross(f);
   }
+  sum_around_axis(*model.spec, force, &moment);
   return {force, moment};
 }
 

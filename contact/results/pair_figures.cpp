@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 
+#include "contact/model/around_axis.hpp"
 #include "contact/model/condition_checks.hpp"
 #include "core/cells/cells_around.hpp"
 
@@ -88,6 +89,9 @@ void add_forces(const SolvedState& state, const ContactPair& pair, std::size_t r
     total += pair.bonded() ? group.area : group_force;
     ++row;
   }
+  const BodySpec& spec = *state.bodies[pair.primary].spec;
+  for (int side = 0; side < 2; ++side) sum_around_axis(spec, force[side], &moment[side]);
+  sum_around_axis(spec, centre);
   for (Vec3& f : force)
     for (double& component : f)
       if (std::abs(component) <= no_force * magnitude) component = 0;

@@ -10,6 +10,7 @@
 #include "contact/results/pressure_error.hpp"
 #include "contact/results/reference.hpp"
 #include "contact/solve/active_set.hpp"
+#include "contact/model/around_axis.hpp"
 #include "core/base/ranks.hpp"
 #include "recovery/error/error_estimate.hpp"
 
@@ -157,6 +158,7 @@ namespace {
 /// Of an end of a body in plane strain: that of the finite elements' stress, which is what holds the displacements.
 Vec3 force_on_end(const SolvedState& state, const FaceRef& reference) {
   const BodyModel& body = state.bodies[reference.body];
+  if (body.spec->axisymmetric()) return Vec3::Zero();  // it has no area
   const BoundaryPoints& boundary = body.cut_cells.boundary;
   const BodyFace face(reference.face, body);
   Vec3 force = Vec3::Zero();
@@ -210,6 +212,8 @@ void fill_support_figures(const SolvedState& state, Results& results) {
   }
   for (std::size_t s = 0; s < state.scene.supports.size(); ++s) {
     const BodySpec& body = state.scene.bodies[state.scene.supports[s].face.body];
+    sum_around_axis(body, results.supports[s].force, &results.supports[s].moment);
+    sum_around_axis(body, results.supports[s].about);
     if (!body.plane_strain) continue;  // there the ends hold the body against moments about other axes
     const Vec3 axis = Vec3::Unit(static_cast<int>(*body.plane_strain));
     results.supports[s].moment = results.supports[s].moment.dot(axis) * axis;
@@ -221,6 +225,7 @@ void fill_balance(const SolvedState& state, Results& results) {
     BodyBalance balance;
     balance.body = state.bodies[b].spec->name;
     balance.loads = state.outer.load_of_body[b];
+    sum_around_axis(*state.bodies[b].spec, balance.loads);
     for (std::size_t s = 0; s < results.supports.size(); ++s)
       if (state.scene.supports[s].face.body == static_cast<int>(b)) balance.supports += results.supports[s].force;
     balance.holds = holding_force(state, static_cast<int>(b));

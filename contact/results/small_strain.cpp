@@ -47,6 +47,7 @@ StrainExtremes find_extremes(const CutCells& cc, const BodyMesh& mesh, const Rea
             for (double& component : v) component *= length_scale;
           const Vec3 displacement = interpolate(corner, xi, cc.grid.rotation.transpose() * rigid_part.at(x));
           interpolate_gradient(corner, xi.data(), g);
+          add_ring_strain(mesh.ring_of(static_cast<int>(e)), corner, xi.data(), g);
           const Mat3 gradient =  // m per m, grid axes
               Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(&g[0][0]) / cc.h(static_cast<int>(e)) +
               cc.grid.rotation.transpose() * rigid_part.expansion * cc.grid.rotation;

@@ -6,6 +6,7 @@
 #include <limits>
 #include <set>
 
+#include "contact/model/around_axis.hpp"
 #include "contact/model/indentation.hpp"
 #include "contact/results/hertz.hpp"
 #include "contact/results/pair_figures.hpp"
@@ -65,6 +66,7 @@ class Zone {
 
   std::optional<HertzFigures> hertz(double force) const {
     if (!flat_) return std::nullopt;
+    if (body_of_revolution() && extent()->shape != ZoneExtent::Shape::round) return std::nullopt;  // a ring
     Mat3 curvature = Mat3::Zero();
     double least_radius = std::numeric_limits<double>::infinity();
     for (const int body : {pair_.primary, pair_.secondary}) {
@@ -125,6 +127,7 @@ class Zone {
 
   /// Those that the zone reaches, across each other; the two sides of a slice are none.
   void find_planes() {
+    if (body_of_revolution()) return;
     std::vector<SymmetryPlane> reached;
     for (const SymmetryPlane& plane : planes_of_pair())
       if (std::any_of(rows_.begin(), rows_.end(),
@@ -153,6 +156,10 @@ class Zone {
     if (!(area > 0) || askew_) return;
     normal /= area;
     centre_ /= area;
+    if (const BodySpec* body = body_of_revolution()) {
+      sum_around_axis(*body, normal);
+      sum_around_axis(*body, centre_);
+    }
     for (const SymmetryPlane& plane : planes_) {
       normal -= plane.normal.dot(normal) * plane.normal;
       centre_ -= plane.distance(centre_) * plane.normal;
@@ -165,7 +172,11 @@ class Zone {
       const Mat3 mirror = Mat3::Identity() - 2 * plane.normal * plane.normal.transpose();
       moments_ = (moments_ + mirror * moments_ * mirror).eval() / 2;
     }
-    if (const Grid& grid = state_.bodies[pair_.primary].cut_cells.grid; grid.is_quadtree()) {
+    if (const BodySpec* body = body_of_revolution()) {  // as much along all directions across the axis
+      const Vec3 e = Vec3::Unit(body->axis_of_revolution());
+      const double along = e.dot(moments_ * e), other = (moments_.trace() - along) / 2;
+      moments_ = other * Mat3::Identity() + (along - other) * e * e.transpose();
+    } else if (const Grid& grid = state_.bodies[pair_.primary].cut_cells.grid; grid.is_quadtree()) {
       const Vec3 e = Vec3::Unit(grid.plane_strain);  // its rows lie in the plane in the middle
       moments_ += grid.thickness * grid.thickness / 12 * e * e.transpose();
     }
@@ -205,11 +216,17 @@ class Zone {
     const Vec3 outward = (body == pair_.primary ? 1 : -1) * normal_;
     const Vec3 gradient = grid.rotation * surface.gradient(grid.to_grid(centre_));
     Mat3 bent = Mat3::Identity() - normal_ * normal_.transpose();
-    if (surface.kind == Surface::Kind::cylinder) {
+    if (surface.kind == Surface::Kind::cylinder && !body_of_revolution()) {  // the section of a ball
       const Vec3 axis = grid.rotation * surface.direction;
       bent -= axis * axis.transpose();
     }
     return (gradient.dot(outward) > 0 ? 1 : -1) / (surface.radius * grid.cell_size) * bent;
+  }
+
+  /// nullptr: it is none.
+  const BodySpec* body_of_revolution() const {
+    const BodySpec& body = *state_.bodies[pair_.primary].spec;
+    return body.axisymmetric() ? &body : nullptr;
   }
 
   const SolvedState& state_;

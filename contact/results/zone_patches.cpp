@@ -68,6 +68,7 @@ std::optional<ZonePatches> ZonePatches::make(const SolvedState& state, const Pai
   patches.chart_ = FaceChart::make(points, patches.planes_, patches.across_,
                                    state.bodies[patches.pair_.primary].cut_cells.grid.rotation);
   if (!patches.chart_ || !patches.lay_grid()) return std::nullopt;
+  patches.lay_meridian();
   patches.assign_points();
   patches.place_patches();
   return patches;
@@ -136,6 +137,21 @@ bool ZonePatches::lay_grid() {
     for (const FaceEnd end : grid_.end) patches *= end == FaceEnd::mirror ? 2 : 1;
     if (patches <= most_patches || per_cell < 2 * min_per_cell) return patches <= too_many_patches;
   }
+}
+
+/// Of bodies of revolution.
+void ZonePatches::lay_meridian() {
+  const Grid& grid = state_.bodies[pair_.primary].cut_cells.grid;
+  if (!grid.is_axisymmetric()) return;
+  auto meridian = std::make_shared<Meridian>();
+  meridian->first = grid_.centre(0)[1];
+  meridian->spacing = grid_.spacing[1];
+  meridian->unit_radius = grid.unit_radius;
+  for (int n = 0; n < grid_.num_patches(); ++n) {
+    const Vec3 x = chart_->point(grid_.centre(n));
+    meridian->points.emplace_back(x[grid.radial_axis()], x[grid.axis_of_revolution()]);
+  }
+  grid_.meridian = std::move(meridian);
 }
 
 /// Finds the contact point nearest to each patch.

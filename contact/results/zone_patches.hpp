@@ -40,6 +40,7 @@ class ZonePatches {
   bool gather_points();
   double zone_area() const;
   bool lay_grid();
+  void lay_meridian();
   void assign_points();
   std::vector<int> groups_near(int patch) const;
   std::vector<std::pair<int, double>> shares_of(int patch, const FacePlace& place, const Vec3& x,

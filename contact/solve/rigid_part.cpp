@@ -47,9 +47,9 @@ void RigidParts::set_aside(const ExecSpace& exec, const RealView& u) {
     const NodeSums found = sums_of_nodes(exec, mesh, centre_[b], u);
     Vec3 translation = found.sum / static_cast<double>(mesh.nodes.size());
     Vec3 rotation = inertia_[b].llt().solve(found.moment);
-    if (mesh.in_plane_strain()) {  // the others are zero, but for rounding
-      translation[grid.plane_strain] = 0;
-      for (int i = 0; i < 3; ++i) rotation[i] = i == grid.plane_strain ? rotation[i] : 0;
+    for (int i = 0; i < 3; ++i) {  // those of plane strain are zero but for rounding
+      if (!mesh.moves(i)) translation[i] = 0;
+      if (!mesh.moves(3 + i)) rotation[i] = 0;
     }
     if (mesh.rigid)  // nothing is left
       Kokkos::deep_copy(

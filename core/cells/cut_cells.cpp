@@ -29,6 +29,10 @@ struct PieceMean {
   Vec3 position = Vec3::Zero(), normal = Vec3::Zero();
 };
 
+/// Cells: the least distance from an axis of revolution that points count with. Those on the axis keep an area that is
+/// not zero, of no weight among others.
+constexpr double nearest_to_axis = 1e-9;
+
 /// Points from a given one on: from the grid coordinates of a level to those of the body, their areas to those for
 /// which its cells count.
 void scale_points(const Grid& grid, BoundaryPoints& points, std::size_t first, int level) {
@@ -37,6 +41,8 @@ void scale_points(const Grid& grid, BoundaryPoints& points, std::size_t first, i
   for (std::size_t i = first; i < points.size(); ++i) {
     points.position[i] *= length;
     points.weight[i] *= thickness * length * length;
+    if (grid.is_axisymmetric())
+      points.weight[i] *= std::max(grid.ring(points.position[i]), nearest_to_axis * grid.cell_size / grid.unit_radius);
     if (!points.piece_position.empty()) points.piece_position[i] *= length;
   }
 }
@@ -425,6 +431,7 @@ class CutCellBuilder {
     std::vector<char> is_cut(num_active, 0);
     for (int a = 0; a < num_active; ++a) is_cut[a] = candidate_of_active_[a] >= 0;
     for (const Adoption& adoption : result_.adoptions) is_cut[adoption.active] = 1;
+    if (result_.grid.is_axisymmetric()) std::fill(is_cut.begin(), is_cut.end(), char{1});
     result_.cut_of_active.assign(num_active, -1);
     const std::size_t num_cut = std::count(is_cut.begin(), is_cut.end(), char{1});
     result_.active_of_cut.reserve(num_cut);
@@ -494,9 +501,16 @@ class CutCellBuilder {
 
 }  // namespace
 
+double CutCells::radius(int active) const {
+  const int cut = cut_of_active[active];
+  return radii.empty() ? grid.radius(grid_position(*this, active, centroid(*this, active))) : radii[cut];
+}
+
 void CutCells::drop_moments() {
   if (fractions.empty())
     for (const Moments& m : moments) fractions.push_back(m[0] / 8);
+  if (grid.is_axisymmetric() && radii.empty())
+    for (const int active : active_of_cut) radii.push_back(radius(active));
   moments = {};
   for (CutCells& part : parts) part.drop_moments();
 }
@@ -520,9 +534,10 @@ void CutCells::gather_moments() {
   put_together(all);
   moments = MomentList(std::move(all));
   fractions = {};
+  radii = {};
   std::size_t first = 0;
   for (CutCells& part : parts) {
-    part.fractions = {};
+    part.fractions = part.radii = {};
     part.moments = moments.slice(first, part.active_of_cut.size());
     first += part.active_of_cut.size();
   }

@@ -31,10 +31,12 @@ struct CutCells {
   std::vector<Index3> cells;         ///< active cells (positive volume): place in their level; by level, k, j, i
   GridNumbers numbers;               ///< of the active cells of a grid of one level: indices into cells
   std::vector<signed char> levels;   ///< level of each active cell; empty: 0
-  std::vector<int> cut_of_active;    ///< index into moments, or -1 for an interior (full) cell
+  /// Index into moments, or -1 for an interior (full) cell; all cells of a body of revolution have moments.
+  std::vector<int> cut_of_active;
   std::vector<int> active_of_cut;    ///< cut cell -> active cell
   MomentList moments;                ///< one per cut cell, until they are dropped
   std::vector<double> fractions;     ///< volume fraction of each cut cell; empty as long as it has all moments
+  std::vector<double> radii;         ///< of a body of revolution, beside the fractions: radius(), m
   BoundaryPoints boundary;           ///< default rule, all surfaces
   std::vector<Adoption> adoptions;   ///< ascending in active
   std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/scene/face_dividers.hpp)
@@ -68,10 +70,13 @@ struct CutCells {
   void keep_own_moments();
   void gather_moments();
 
+  /// Mean distance of the material in a cell from the axis of revolution, m.
+  double radius(int active) const;
   /// Of the material for which an active cell counts, units of the grid coordinates.
   double volume(int active) const {
     const int l = level(active);
-    return volume_fraction(active) * std::ldexp(grid.thickness_of_cell(l), -3 * l);
+    const double ring = grid.is_axisymmetric() ? radius(active) / grid.unit_radius : 1;
+    return ring * volume_fraction(active) * std::ldexp(grid.thickness_of_cell(l), -3 * l);
   }
   /// Active cell at the given cell index triple of a level, or -1.
   int find(const Index3& c) const { return find(0, c); }

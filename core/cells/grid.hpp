@@ -24,8 +24,20 @@ struct Grid {
   double slice = 0;
   /// On a quadtree: where all points are along plane_strain, in global axes too (it is turned about that axis only), m.
   double middle = 0;
-  double thickness = 0;  ///< on a quadtree: of the body across, m
+  double thickness = 0;  ///< on a quadtree: of the body across, m; of a body of revolution 2 pi unit_radius
+  /// Of a body of revolution, whose cells (a quadtree) are those of a half-plane through its axis: the radius at which
+  /// they count for the thickness of the slice, elsewhere in proportion to the radius, m. The axis lies at 0 of
+  /// radial_axis(), in global axes as well (the grid is not turned). 0: no body of revolution.
+  double unit_radius = 0;
 
+  bool is_axisymmetric() const { return unit_radius > 0; }
+  /// Axes of the grid away from the axis of revolution, and along it: both follow the one across.
+  int radial_axis() const { return (plane_strain + 2) % 3; }
+  int axis_of_revolution() const { return (plane_strain + 1) % 3; }
+  /// Distance of a place from the axis of revolution, m.
+  double radius(const Vec3& g) const { return origin[radial_axis()] + cell_size * g[radial_axis()]; }
+  /// Times the slice: the thickness for which a place counts. 1: no body of revolution.
+  double ring(const Vec3& g) const { return is_axisymmetric() ? radius(g) / unit_radius : 1; }
   bool is_quadtree() const { return slice > 0; }
   double cell_size_of(int level) const { return std::ldexp(cell_size, -level); }
   /// Thickness for which a cell of a level counts, in cells of that level.

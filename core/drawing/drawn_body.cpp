@@ -169,7 +169,9 @@ void average_to_points(ContactSurface& surface) {
 double volume_of_cell(const CutCells& cut_cells, int cell) {
   const Grid& grid = cut_cells.grid;
   const double h = cut_cells.h(cell);
-  return cut_cells.volume_fraction(cell) * (grid.is_quadtree() ? h * h * grid.thickness : std::pow(h, 3));
+  const double thickness =
+      grid.is_axisymmetric() ? 2 * pi * cut_cells.radius(cell) : grid.is_quadtree() ? grid.thickness : h;
+  return cut_cells.volume_fraction(cell) * h * h * thickness;
 }
 
 double stress_error(const BodyFields& body, int cell) {
@@ -178,6 +180,9 @@ double stress_error(const BodyFields& body, int cell) {
 }
 
 namespace {
+
+/// Radii: the thickness of the sections of bodies of revolution as they are drawn.
+constexpr double drawn_thickness = 0.02;
 
 /// Interior points whose values are in memory at a time: 5 MB.
 constexpr std::size_t points_per_block = 1 << 16;
@@ -229,7 +234,9 @@ void redraw(const BodyFields& fields, DrawnBody& drawn) {
   parallel_for("cgcontact::drawn_body::positions", n, grain_of_medium, [&](std::size_t p) {
     drawn.position[p] = cut_cells.grid.to_global(drawn.mesh.points[p]);
     if (const Grid& grid = cut_cells.grid; grid.is_quadtree())  // not the slice, but the body
-      drawn.position[p][grid.plane_strain] += 0.5 * grid.thickness * place_of(p).second[grid.plane_strain];
+      drawn.position[p][grid.plane_strain] +=
+          0.5 * (grid.is_axisymmetric() ? drawn_thickness * grid.unit_radius : grid.thickness) *
+          place_of(p).second[grid.plane_strain];
   });
   static_cast<PointValues&>(drawn) = values_at(fields.displacement, fields.stress_recovered, n, place_of);
   drawn.interior = [displacement = fields.displacement, stress = fields.stress_recovered,

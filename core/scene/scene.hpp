@@ -101,6 +101,8 @@ struct BodySpec {
   double most_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
   std::optional<Coordinate> plane_strain;                       ///< nothing varies and nothing moves along this axis
   SourcePlace plane_strain_place;
+  /// Of bodies of revolution (plane_strain is the axis across their half-plane), the largest radius in the scene, m; or 0
+  double unit_radius = 0;
   bool quadtree = false;  ///< in plane strain with cells of several sizes: one layer of them on every level
   Vec3 grid_offset =
       Vec3::Zero();  ///< fraction of a cell by which the grid starts before the body's bounding box, [0,1)
@@ -117,6 +119,9 @@ struct BodySpec {
 
   /// Six unknowns instead of elasticity.
   bool rigid() const { return material.is_rigid(); }
+  bool axisymmetric() const { return unit_radius > 0; }
+  /// Coordinate along the axis of revolution.
+  int axis_of_revolution() const { return (static_cast<int>(*plane_strain) + 1) % 3; }
   /// Is x (m) inside or on the boundary, within rounding?
   bool holds(const Vec3& x) const;
 };
@@ -138,7 +143,7 @@ const char* name_of(Held component);
 struct SupportSpec {
   FaceRef face;
   bool symmetry = false;                                  ///< direction is the normal of the face, value 0
-  bool by_plane_strain = false;                           ///< an end of a body in plane strain: holds of itself
+  bool by_plane_strain = false;  ///< an end of a body in plane strain, or an axis of revolution: holds of itself
   std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
   std::optional<Expression> normal_displacement;          ///< m, along the outward normal
   std::array<std::optional<Expression>, 3> cylindrical;   ///< m, radial, tangential, axial

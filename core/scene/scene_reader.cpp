@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/base/suggest.hpp"
+#include "core/bodies/meridian.hpp"
 #include "core/geometry/solid_middle.hpp"
 #include "core/scene/scene_probe.hpp"
 
@@ -388,11 +389,51 @@ void SceneReader::read_plane_strain(const TomlCursor& root) {
   for (BodySpec& body : scene_.bodies) body.quadtree = refined && body.plane_strain;
 }
 
-/// Both ends of a body in plane strain are symmetry planes, for everything but the linear system.
+/// Bodies become prisms of the section by a half-plane through the axis, in cells that are rings.
+void SceneReader::read_axisymmetric(const TomlCursor& root) {
+  const auto node = root.find("axisymmetric");
+  if (!node) return;
+  const int axis = node->one_of(coordinate_names());
+  const auto allowed = [&](const std::string& what) { return what + " about " + coordinate_names()[axis]; };
+  const std::vector<TomlCursor> nodes = root.at("body").elements("[[body]] sections");
+  double largest = 0;
+  for (std::size_t b = 0; b < nodes.size(); ++b) {
+    BodySpec& body = scene_.bodies[b];
+    if (body.plane_strain)
+      node->fail("stands beside plane_strain of body \"" + body.name + '"', "one of the two for all bodies");
+    if ((body.grid_rotation - Mat3::Identity()).norm() > same_axis)
+      node->fail("the grid of body \"" + body.name + "\" is turned", "no grid.rotation: the axis is a line of the grid");
+    body.plane_strain = static_cast<Coordinate>((axis + 2) % 3);
+    body.plane_strain_place = node->place();
+    body.quadtree = true;
+    try {
+      body.solid = meridian_of(body.solid, axis);
+    } catch (const InputError& error) {
+      node->fail("body \"" + body.name + "\": " + error.what(), allowed("bodies of revolution"));
+    }
+    Vec3 min, max;
+    body.solid.bounding_box(min, max);
+    largest = std::max(largest, max[(axis + 1) % 3]);
+  }
+  for (BodySpec& body : scene_.bodies) body.unit_radius = largest;
+}
+
+/// Both ends of a body in plane strain are symmetry planes, for everything but the linear system; an axis of revolution
+/// is one as well.
 void SceneReader::add_ends_in_plane_strain() {
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
     const BodySpec& body = scene_.bodies[b];
     if (!body.plane_strain) continue;
+    if (body.axisymmetric()) {
+      SupportSpec axis;
+      axis.symmetry = axis.by_plane_strain = true;
+      axis.place = axis.face.place = axis.face.face.place = body.plane_strain_place;
+      axis.face.body = static_cast<int>(b);
+      axis.face.face.name = "axis";
+      axis.face.face.surfaces = {"axis.plane"};
+      scene_.supports.push_back(axis);
+      continue;
+    }
     for (const int side : {-1, 1}) {
       SupportSpec end;
       end.symmetry = end.by_plane_strain = true;
@@ -841,8 +882,8 @@ void SceneReader::check_preload_of_steps(const TomlCursor& node) const {
 
 const std::vector<std::string>& scene_keys() {
   static const std::vector<std::string> keys{
-      "title", "parameters", "plane_strain", "accuracy", "material",  "body",    "support",  "load",  "contact",
-      "steps", "solver",     "recovery",     "output",   "reference", "gravity", "rotation", "probe", "section"};
+      "title", "parameters", "plane_strain", "axisymmetric", "accuracy", "material", "body",  "support", "load", "contact",
+      "steps", "solver",     "recovery",     "output",       "reference", "gravity", "rotation", "probe", "section"};
   return keys;
 }
 
@@ -869,6 +910,7 @@ Scene SceneReader::read(const TomlCursor& root) {
     attempt([&] { check_bodies_of_stress(*root.find("accuracy")->find("stress")); });
   if (has_bodies) attempt([&] { read_inertia(root); });
   attempt([&] { read_plane_strain(root); });
+  if (has_bodies) attempt([&] { read_axisymmetric(root); });
   const auto steps = root.find("steps");
   if (steps) attempt([&] { scene_.steps = read_steps(*steps); });
   attempt([&] { read_supports(root); });

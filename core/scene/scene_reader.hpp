@@ -47,6 +47,7 @@ class SceneReader {
 
   void read_bodies(const TomlCursor& root);
   void read_plane_strain(const TomlCursor& root);
+  void read_axisymmetric(const TomlCursor& root);
   void add_ends_in_plane_strain();
   void read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials);
   void read_faces_of_body(const TomlCursor& node, BodySpec& body, const Shape& shape);

@@ -74,6 +74,7 @@ struct BodyParts {
   CellNodesView nodes_of_cell;  ///< in the order of the cells
   IntView matrix_of_cell;
   FaceNodesView nodes_of_face;
+  RealView ring_of_face;
   ItemsOfNodes cells, faces;
 };
 
@@ -85,6 +86,7 @@ BodyParts parts_of_body(const ExecSpace& exec, const BodyMesh& mesh) {
   parts.matrix_of_cell = copy_to_view<IntView>("cgcontact::assembly::matrix_of_cell", mesh.cut_cells->cut_of_active);
   const ColouredMesh coloured = colour_mesh(mesh);
   parts.nodes_of_face = coloured.nodes_of_face;
+  parts.ring_of_face = coloured.ring_of_face;
   parts.cells = items_of_nodes(exec, parts.nodes_of_cell, mesh.first_node, mesh.num_nodes);
   parts.faces = items_of_nodes(exec, parts.nodes_of_face, mesh.first_node, mesh.num_nodes);
   return parts;
@@ -203,6 +205,7 @@ void add_body(const ExecSpace& exec, const BodyParts& body, const CellMatrixView
   const ItemsOfNodes cells = body.cells, faces = body.faces;
   const CellNodesView nodes_of_cell = body.nodes_of_cell;
   const FaceNodesView nodes_of_face = body.nodes_of_face;
+  const RealView ring_of_face = body.ring_of_face;
   const IntView matrix_of_cell = body.matrix_of_cell;
   const int first = body.first_node;
   Kokkos::parallel_for(
@@ -224,7 +227,7 @@ void add_body(const ExecSpace& exec, const BodyParts& body, const CellMatrixView
           while (nodes_of_face(face, r) != node) ++r;
           for (int c = 0; c < 12; ++c) {
             const std::size_t place = rows.graph.find(node, nodes_of_face(face, c));
-            for (int i = 0; i < 3; ++i) rows.at(node, place, i, i) += ghost(r, c);
+            for (int i = 0; i < 3; ++i) rows.at(node, place, i, i) += ring_of_face(face) * ghost(r, c);
           }
         }
       });
@@ -272,6 +275,7 @@ Teuchos::RCP<TpetraMatrix> constrained(const ElasticSystem& system, const Tpetra
     if (zero) continue;
     if (c >= 0)
       for (const auto& [master, weight] : system.constraints[c].masters) {
+        if (system.is_zero(dof_of(master, component_of_dof(dof)))) continue;
         columns.push_back(dof_of(master, component_of_dof(dof)));
         weights.push_back(weight);
       }

@@ -35,11 +35,31 @@ KOKKOS_INLINE_FUNCTION void interpolate_gradient(const double u[8][3], const dou
       for (int j = 0; j < 3; ++j) g[i][j] += u[a][i] * dN[a][j];
 }
 
+/// A cell of a body of revolution; none elsewhere.
+struct Ring {
+  int across = -1, radial = -1;  ///< axes of the grid
+  double diameter = 0;           ///< BodyMesh::diameter_of
+};
+
+/// Adds the strain u_r / r around the axis of revolution, per cell unit, to the gradient: nothing else varies across.
+/// On the axis it is the slope of u_r.
+KOKKOS_INLINE_FUNCTION void add_ring_strain(const Ring& ring, const double u[8][3], const double xi[3],
+                                            double g[3][3]) {
+  if (ring.across < 0) return;
+  constexpr double on_axis = 1e-6;
+  double N[8], u_r = 0;
+  hex_shape(xi, N);
+  for (int a = 0; a < 8; ++a) u_r += N[a] * u[a][ring.radial];
+  const double diameter = ring.diameter + xi[ring.radial];
+  g[ring.across][ring.across] = diameter > on_axis ? 2 * u_r / diameter : g[ring.radial][ring.radial];
+}
+
 /// Stress from the corner displacements (per cell unit, unit Young's modulus): xx, yy, zz, xy, yz, zx.
 KOKKOS_INLINE_FUNCTION void hex_stress(const UnitElasticity& law, const double u[8][3], const double xi[3],
-                                       double s[6]) {
+                                       double s[6], const Ring& ring = {}) {
   double g[3][3];
   interpolate_gradient(u, xi, g);
+  add_ring_strain(ring, u, xi, g);
   law.stress(g, s);
 }
 

@@ -60,6 +60,17 @@ void join_parts(BodyMesh& mesh) {
 
 }  // namespace
 
+int BodyMesh::num_free_dofs() const {
+  int count = 0;
+  if (rigid) {
+    for (int motion = 0; motion < 6; ++motion) count += moves(motion);
+    return count;
+  }
+  count = (in_plane_strain() ? dofs_per_node - 1 : dofs_per_node) * (num_nodes - static_cast<int>(constraints.size()));
+  for (int n = 0; is_axisymmetric() && n < static_cast<int>(nodes.size()); ++n) count -= is_free(n) && is_on_axis(n);
+  return count;
+}
+
 bool is_ghost_face(const BodyMesh& mesh, int e, int f) {
   return badly_filled(*mesh.cut_cells, e) || badly_filled(*mesh.cut_cells, f);
 }

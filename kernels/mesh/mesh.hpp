@@ -64,12 +64,48 @@ struct BodyMesh {
     const Vec3 place(nodes[node][0], nodes[node][1], nodes[node][2]);
     return node_levels.empty() ? place : Vec3(std::ldexp(1.0, -node_levels[node]) * place);
   }
+  /// Whether the body is one layer of cells thick: in plane strain, or of revolution.
   bool in_plane_strain() const { return cut_cells->grid.plane_strain >= 0; }
-  /// Degrees of freedom that neither constraints nor plane strain give; the motions of a rigid body.
-  int num_free_dofs() const {
-    if (rigid) return in_plane_strain() ? 3 : 6;
-    return (in_plane_strain() ? dofs_per_node - 1 : dofs_per_node) * (num_nodes - static_cast<int>(constraints.size()));
+  bool is_axisymmetric() const { return cut_cells->grid.is_axisymmetric(); }
+  /// Of a body of revolution: twice the distance of a cell's middle from the axis, in cells.
+  double diameter_of(int cell) const {
+    return 2 * cut_cells->grid.radius(grid_position(*cut_cells, cell, Vec3::Zero())) / cut_cells->h(cell);
   }
+  Ring ring_of(int cell) const {
+    const Grid& grid = cut_cells->grid;
+    return is_axisymmetric() ? Ring{grid.plane_strain, grid.radial_axis(), diameter_of(cell)} : Ring{};
+  }
+  /// Grid::ring in the middle of the face between a cell of one level (active or not) and the next one along a
+  /// direction.
+  double ring_of_face(const Index3& lower, int direction) const {
+    Vec3 place = Vec3(lower[0], lower[1], lower[2]) + Vec3::Constant(0.5);
+    place[direction] += 0.5;
+    return cut_cells->grid.ring(place);
+  }
+  /// Whether a node (index into nodes) lies on the axis of revolution.
+  bool is_on_axis(int node) const {
+    const Grid& grid = cut_cells->grid;
+    return grid.is_axisymmetric() && std::abs(grid.radius(node_position(node))) < 0.25 * grid.cell_size_of(
+                                                                                           grid.num_levels - 1);
+  }
+  /// Whether a degree of freedom of a node (index into nodes) is zero: across plane strain, and on an axis of revolution
+  /// away from it.
+  bool is_zero(int node, int component) const {
+    if (!in_plane_strain()) return false;
+    const Grid& grid = cut_cells->grid;
+    return component == grid.plane_strain || (component == grid.radial_axis() && is_on_axis(node));
+  }
+  /// Whether a motion of the body as a whole (along the axes of the grid, then about them) is possible: in plane strain
+  /// not along the axis nor about another one, of a body of revolution along its axis alone.
+  bool moves(int motion) const {
+    const Grid& grid = cut_cells->grid;
+    if (!in_plane_strain()) return true;
+    if (is_axisymmetric()) return motion == grid.axis_of_revolution();
+    return motion < 3 ? motion != grid.plane_strain : motion - 3 == grid.plane_strain;
+  }
+  /// Degrees of freedom that neither constraints nor plane strain nor an axis of revolution give; the motions of a rigid
+  /// body.
+  int num_free_dofs() const;
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }
   /// Number among the nodes of all bodies of the one at a place of the grid, or -1. A body of one level.
   int find_node(const Index3& place) const {

@@ -95,7 +95,7 @@ void fill_cells(const CutCells& fine, const CutCells* same, CutCells& coarse) {
       for (const int child : children_of(fine, coarse.cells[e]))
         full = full && child >= 0 && fine.cut_of_active[child] < 0;
     }
-    if (full) continue;
+    if (full && !coarse.grid.is_axisymmetric()) continue;
     coarse.cut_of_active[e] = static_cast<int>(coarse.active_of_cut.size());
     coarse.active_of_cut.push_back(static_cast<int>(e));
   }

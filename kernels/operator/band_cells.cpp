@@ -32,6 +32,33 @@ void monomial_moments(const Moments& legendre, double out[27]) {
 /// times those of the modes, on both sides.
 double moment_scale(const BodyMesh& mesh, double h) { return mesh.modulus * h * mesh.law.mu * 4 / (8 * 64); }
 
+/// Those of a cell of a body of revolution (band::ring_moment), 27 as of other cells, with the factor of the slice at
+/// the radius.
+void ring_moments(const BodyMesh& mesh, int cell, double out[27]) {
+  constexpr int n = Gauss5::count;
+  const CutCells& cc = *mesh.cut_cells;
+  const Ring ring = mesh.ring_of(cell);
+  const int along = cc.grid.axis_of_revolution();
+  const double factor = 0.5 * cc.h(cell) / cc.grid.unit_radius;
+  double weights[n * n * n];
+  fitted_weights(cc.moments[cc.cut_of_active[cell]], n, weights);
+  std::fill(out, out + 27, 0.0);
+  for (int q = 0; q < n * n * n; ++q) {
+    const double xi[3] = {Gauss5::point[q / (n * n)], Gauss5::point[q / n % n], Gauss5::point[q % n]};
+    const double E = xi[along], G = xi[ring.radial], diameter = ring.diameter + G, w = factor * weights[q];
+    const double plain[5] = {w, w * E, w * G, w * E * G, w * E * E};
+    for (int k = 0; k < 5; ++k) {
+      out[band::ring_moment::ring + k] += diameter * plain[k];
+      out[band::ring_moment::plain + k] += plain[k];
+    }
+    out[band::ring_moment::ring + 5] += diameter * w * G * G;
+    out[band::ring_moment::inverse] += w / diameter;
+    out[band::ring_moment::inverse + 1] += w * E / diameter;
+    out[band::ring_moment::inverse + 2] += w * E * E / diameter;
+  }
+  out[band::ring_moment::diameter] = ring.diameter;
+}
+
 /// Boundary moments of the support terms of one cell, per pair of components (xx, yy, zz, xy, yz, zx).
 struct SupportMoments {
   double value[6][27] = {};
@@ -181,6 +208,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     for (int p = 0; p < 3; ++p)
       law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.thickness_of_level(0)) * 8 / std::pow(3, p));
     law.fold = mesh.in_plane_strain() ? 1 << cc.grid.plane_strain : 0;
+    law.ring = mesh.is_axisymmetric();
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };
     std::vector<Kind> kind(cc.cells.size());
@@ -189,7 +217,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
       const auto& n = mesh.cell_nodes[e];
       const bool inside =
           std::all_of(n.begin(), n.end(), [&](const int node) { return by_stencil[node] || !system.needs(node); });
-      kind[e] = supported.find(e) || !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
+      kind[e] = law.ring || supported.find(e) || !counts_as_full(cc, e) ? cut : inside ? by_stencil_alone : full;
     });
     for (std::size_t e = 0; e < cc.cells.size(); ++e) {
       if (kind[e] == by_stencil_alone || !system.needs_cell(mesh, static_cast<int>(e))) continue;
@@ -258,9 +286,13 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
         }
       if (batch.moments < 0) continue;
       double m[27];
-      monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
       const double scale = moment_scale(mesh, mesh.thickness_of_level(mesh.cut_cells->level(cell.cell)));
+      if (mesh.is_axisymmetric())
+        ring_moments(mesh, cell.cell, m);
+      else
+        monomial_moments(mesh.cut_cells->moments[mesh.cut_cells->cut_of_active[cell.cell]], m);
       for (int e = 0; e < 27; ++e) moments(batch.moments, e, l) = static_cast<Real>(scale * m[e]);
+      if (mesh.is_axisymmetric()) moments(batch.moments, band::ring_moment::diameter, l) = static_cast<Real>(m[14]);
       int slot = batch.pairs;
       for (int bit = 0; bit < 6; ++bit) {
         if (!(batch.pair_mask >> bit & 1)) continue;

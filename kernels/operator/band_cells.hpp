@@ -44,6 +44,7 @@ struct BandCells {
     Real across, lambda;  ///< (lambda + 2 mu) / mu, lambda / mu
     Real full[3];         ///< mu times the full cell's moments 1, x x, x x y y
     int fold;             ///< plane strain: bit of the corners on the upper side, which are the lower ones; or 0
+    bool ring;            ///< body of revolution: moments as RingMoments
   };
   struct Batch {
     int body, count;       ///< cells in use: the first lanes
@@ -279,6 +280,90 @@ KOKKOS_FORCEINLINE_FUNCTION void plane_forces(const typename BandCells<Real>::La
   for (int a = 0; a < 8; ++a) u[d][a] = none;
 }
 
+/// What is known of a cell of a body of revolution, in the place of its moments: integrals of powers of its coordinates
+/// E along the axis and G away from it, times the diameter 2 r (in cells: diameter of the middle + G), plain, and over
+/// the diameter.
+namespace ring_moment {
+constexpr int ring = 0;     ///< 1, E, G, E G, E^2, G^2
+constexpr int plain = 6;    ///< 1, E, G, E G, E^2
+constexpr int inverse = 11;  ///< 1, E, E^2
+constexpr int diameter = 14;
+}  // namespace ring_moment
+
+/// Corner forces of a cell of a body of revolution, in place, as plane_forces: strain u_r / r around the axis, volume in
+/// proportion to r. With u_r = r slope + b, where slope is the strain along r and b does not depend on r, all that is
+/// no polynomial is b^2 / r (docs/theory.md, "Bodies of revolution").
+template <int d, class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law& law, const Real* moments,
+                                             V u[3][8]) {
+  constexpr int e = (d + 1) % 3, g = (d + 2) % 3, D = 1 << d, E = 1 << e, G = 1 << g;
+  const V* m = reinterpret_cast<const V*>(moments);
+  const V *r = m + ring_moment::ring, *n = m + ring_moment::plain, *w = m + ring_moment::inverse;
+  const V& diameter = m[ring_moment::diameter];
+  V c[2][3], mean;  // modes E, G, EG of u_e and u_g: twice those of one layer; 1 of u_g
+  for (int k = 0; k < 2; ++k) {
+    const V* v = u[k == 0 ? e : g];
+    const V low = v[E] - v[0], high = v[E | G] - v[G];
+    c[k][0] = Real(2) * (high + low);
+    c[k][1] = Real(2) * ((v[E | G] + v[G]) - (v[E] + v[0]));
+    c[k][2] = Real(2) * (high - low);
+    mean = Real(2) * ((v[E | G] + v[G]) + (v[E] + v[0]));
+  }
+  // Strains: ee = c00 + c02 G, gg = c11 + c12 E, around = gg + (b0 + b1 E) / diameter, shear = c01 + c10 + c02 E + c12 G.
+  const V &p = c[0][2], &q = c[1][2], &ee = c[0][0], &gg = c[1][1];
+  const V b0 = mean - diameter * gg, b1 = c[1][0] - diameter * q;
+  const V shear = c[0][1] + c[1][0];
+  const Real A = law.across, L = law.lambda, both = Real(2) * (A + L), twice = Real(2) * L;
+  // Stresses times the diameter, tested with ee (1, G), gg (1, E), shear (1, E, G) and b (1, E).
+  const V f_ee = r[0] * (A * ee + twice * gg) + A * r[2] * p + twice * r[1] * q + L * (n[0] * b0 + n[1] * b1);
+  const V f_p = r[2] * (A * ee + twice * gg) + A * r[5] * p + twice * r[3] * q + L * (n[2] * b0 + n[3] * b1) +
+                r[1] * shear + r[4] * p + r[3] * q;
+  const V f_gg = r[0] * (both * gg + twice * ee) + both * r[1] * q + twice * r[2] * p +
+                 (A + L) * (n[0] * b0 + n[1] * b1);
+  const V f_q = r[1] * (both * gg + twice * ee) + both * r[4] * q + twice * r[3] * p +
+                (A + L) * (n[1] * b0 + n[4] * b1) + r[2] * shear + r[3] * p + r[5] * q;
+  const V f_shear = r[0] * shear + r[1] * p + r[2] * q;
+  const V sum = A * gg + L * (ee + gg), sum_E = (A + L) * q;  // around without b: sum + sum_E E + L p G
+  const V f_b0 = n[0] * sum + n[1] * sum_E + L * n[2] * p + A * (w[0] * b0 + w[1] * b1);
+  const V f_b1 = n[1] * sum + n[4] * sum_E + L * n[3] * p + A * (w[1] * b0 + w[2] * b1);
+  const V f[2][3] = {{f_ee, f_shear, f_p}, {f_shear + f_b1, f_gg - diameter * f_b0, f_q - diameter * f_b1}};
+  for (int k = 0; k < 2; ++k) {
+    V* v = u[k == 0 ? e : g];
+    const V f_mean = k == 0 ? V{} : f_b0;
+    v[0] = v[D] = f_mean + f[k][2] - f[k][0] - f[k][1];
+    v[E] = v[D | E] = f_mean + f[k][0] - f[k][1] - f[k][2];
+    v[G] = v[D | G] = f_mean + f[k][1] - f[k][0] - f[k][2];
+    v[E | G] = v[7] = f_mean + f[k][0] + f[k][1] + f[k][2];
+  }
+  for (int a = 0; a < 8; ++a) u[d][a] = V{};
+}
+
+/// The same of a batch, with supports.
+template <class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void ring_batch_forces(const BandCells<Real>& cells, int b, V u[3][8]) {
+  const auto& batch = cells.batches(b);
+  const auto& law = cells.laws(batch.body);
+  const Real* moments = &cells.moments(batch.moments, 0, 0);
+  V held[3][8] = {};
+  if (batch.pair_mask) {
+    V modes[3][8];
+    for (int i = 0; i < 3; ++i) {
+      for (int a = 0; a < 8; ++a) modes[i][a] = u[i][a];
+      to_modes(modes[i]);
+    }
+    add_support_forces(cells, batch, modes, held);
+    for (int i = 0; i < 3; ++i) to_corners(held[i]);
+  }
+  if (law.fold == 1)
+    ring_forces<0>(law, moments, u);
+  else if (law.fold == 2)
+    ring_forces<1>(law, moments, u);
+  else
+    ring_forces<2>(law, moments, u);
+  for (int i = 0; i < 3 && batch.pair_mask; ++i)
+    for (int a = 0; a < 8; ++a) u[i][a] += held[i][a];
+}
+
 /// The same of a batch without supports. No node of a single layer is the stencil's.
 template <class Real, class V>
 KOKKOS_FORCEINLINE_FUNCTION void plane_batch_forces(const BandCells<Real>& cells, int b, V u[3][8]) {
@@ -344,7 +429,9 @@ inline void apply_chunk(const BandCells<Real>& cells, int chunk, const Real* x, 
     }
     Vector<Real> u[3][8];
     gather(cells, b, x, u);
-    if (cells.laws(cells.batches(b).body).fold && !cells.batches(b).pair_mask)
+    if (cells.laws(cells.batches(b).body).ring)
+      ring_batch_forces(cells, b, u);
+    else if (cells.laws(cells.batches(b).body).fold && !cells.batches(b).pair_mask)
       plane_batch_forces(cells, b, u);
     else
       batch_forces(cells, b, u);
@@ -365,7 +452,13 @@ inline void add_diagonal_blocks(const BandCells<Real>& cells, int chunk, const B
         Vector<Real> u[3][8] = {};
         u[j][a] += Real(1);
         if (fold) u[j][a | fold] += Real(1);
-        batch_forces(cells, b, u);
+        if (cells.laws(cells.batches(b).body).ring) {
+          ring_batch_forces(cells, b, u);
+          if (fold == 1 << j)  // zero across: anything positive
+            u[j][a] += *reinterpret_cast<const Vector<Real>*>(&cells.moments(cells.batches(b).moments, 0, 0));
+        } else {
+          batch_forces(cells, b, u);
+        }
         for (int i = 0; i < 3 && fold; ++i)
           for (int c = 0; c < 8; ++c)
             if (!(c & fold)) u[i][c] += u[i][c | fold];

@@ -32,6 +32,42 @@ void integrate_stiffness(const UnitElasticity& law, const double* weights, doubl
     for (int c = 0; c < Element::num_dofs; ++c) matrix(r, c) = factor * 0.5 * (K[r][c] + K[c][r]);
 }
 
+/// The same for a cell of a body of revolution: strain u_r / r across, volume in proportion to the radius. The five
+/// points integrate all of it exactly but for the product of two displacements extrapolated to the axis over r
+/// (docs/theory.md, "Bodies of revolution").
+template <int degree, class Matrix>
+void integrate_ring(const BodyMesh& mesh, int cell, const double* weights, double factor, const Matrix& matrix) {
+  using Element = HexElement<degree>;
+  constexpr int nodes = Element::num_nodes, n = Gauss5::count;
+  const Grid& grid = mesh.cut_cells->grid;
+  const Ring ring = mesh.ring_of(cell);
+  double K[Element::num_dofs][Element::num_dofs] = {};
+  for (int q = 0; q < n * n * n; ++q) {
+    const double xi[3] = {Gauss5::point[q / (n * n)], Gauss5::point[q / n % n], Gauss5::point[q % n]};
+    double N[nodes], dN[nodes][3];
+    Element::shape(xi, N);
+    Element::gradient(xi, dN);
+    const double diameter = ring.diameter + xi[ring.radial];
+    const double w = weights[q] / 8 * diameter * 0.5 * mesh.cut_cells->h(cell) / grid.unit_radius;
+    double gradient[Element::num_dofs][3][3] = {}, stress[Element::num_dofs][6];
+    for (int a = 0; a < nodes; ++a)
+      for (int i = 0; i < 3; ++i) {
+        double(&g)[3][3] = gradient[dof_of(a, i)];
+        for (int j = 0; j < 3; ++j) g[i][j] = dN[a][j];
+        if (i == ring.radial) g[ring.across][ring.across] = 2 * N[a] / diameter;
+        mesh.law.stress(g, stress[dof_of(a, i)]);
+      }
+    for (int r = 0; r < Element::num_dofs; ++r)
+      for (int c = 0; c < Element::num_dofs; ++c)
+        for (int i = 0; i < 3; ++i) {
+          const int j = (i + 1) % 3;
+          K[r][c] += w * (gradient[r][i][i] * stress[c][i] + (gradient[r][i][j] + gradient[r][j][i]) * stress[c][3 + i]);
+        }
+  }
+  for (int r = 0; r < Element::num_dofs; ++r)
+    for (int c = 0; c < Element::num_dofs; ++c) matrix(r, c) = factor * 0.5 * (K[r][c] + K[c][r]);
+}
+
 }  // namespace
 
 template <int degree>
@@ -43,7 +79,14 @@ CellMatrixViewOf<degree> make_cell_matrices(const BodyMesh& mesh, const std::vec
   CellMatrixViewOf<degree> matrices("cgcontact::element_matrices::cells", 1 + num_cut);
   auto host = Kokkos::create_mirror_view(matrices);
   parallel_for("cgcontact::element_matrices::cells", 1 + num_cut, grain_of_heavy, [&](std::size_t m) {
-    double weights[n * n * n];
+    double weights[Gauss5::count * Gauss5::count * Gauss5::count];
+    if (mesh.is_axisymmetric()) {
+      if (m == 0) return;  // each cell has a matrix of its own
+      const int cell = cc.active_of_cut[m - 1];
+      fitted_weights(cc.moments[m - 1], Gauss5::count, weights);
+      return integrate_ring<degree>(mesh, cell, weights, mesh.modulus * mesh.thickness_of_level(cc.level(cell)),
+                                    Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));
+    }
     fitted_weights(m == 0 ? full_cell_moments() : cc.moments[m - 1], n, weights);
     const double factor = mesh.modulus * mesh.thickness_of_level(m == 0 ? 0 : cc.level(cc.active_of_cut[m - 1]));
     integrate_stiffness<degree>(mesh.law, weights, factor, Kokkos::subview(host, m, Kokkos::ALL, Kokkos::ALL));

@@ -42,6 +42,7 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
     factor.push_back(system.ghost_penalty * (2 * mesh.law.mu + mesh.law.lambda) * mesh.modulus *
                      mesh.thickness_of_level(0) / 36);
     if (system.ghost_penalty == 0) continue;
+    const int alone = mesh.is_axisymmetric() ? cc.grid.radial_axis() : -1;  ///< faces that differ along a chain
     /// The cell across the upper face in direction d if that is a ghost face with forces that are needed, or -1.
     auto across = [&](int e, int d) {
       const int f = cc.find(next_in(cc.cells[e], d));
@@ -56,10 +57,11 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
         Index3 lower = c;
         --lower[d];
         const int before = cc.find(lower);
-        if (before >= 0 && across(before, d) >= 0 && slabs.slab_of(body, lower) == slab) continue;
+        const bool follows = before >= 0 && across(before, d) >= 0 && slabs.slab_of(body, lower) == slab;
+        if (follows && d != alone) continue;
         // Chains side by side along x share nodes: even ones first, odd ones later.
         Start start{slab, body, d, c, 1, d == 0 ? c[2] : 2 * c[2] + (c[0] & 1)};
-        while (slabs.slab_of(body, cc.cells[f]) == slab && (f = across(f, d)) >= 0) ++start.faces;
+        while (d != alone && slabs.slab_of(body, cc.cells[f]) == slab && (f = across(f, d)) >= 0) ++start.faces;
         result.num_faces += start.faces;
         starts.push_back(start);
       }
@@ -78,7 +80,8 @@ GhostChains<Real> make_ghost_chains(const ElasticSystem& system, const SlabParti
   std::vector<int> row, chunk_begin(slabs.colour_of_slab.size() + 1, 0);
   for (const Start& s : starts) {
     const BodyMesh& mesh = *parts[s.body];
-    chains.push_back({s.direction, s.faces, static_cast<int>(row.size()), static_cast<Real>(factor[s.body]),
+    chains.push_back({s.direction, s.faces, static_cast<int>(row.size()),
+                      static_cast<Real>(factor[s.body] * mesh.ring_of_face(s.lower, s.direction)),
                       fold_of_face(mesh, s.direction)});
     ++chunk_begin[s.slab + 1];
     if (s.direction == 0) {

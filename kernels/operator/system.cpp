@@ -42,6 +42,20 @@ bool ElasticSystem::needs_cell(const BodyMesh& part, int cell) const {
                               [&](const int node) { return halo->needs(node); });
 }
 
+namespace {
+
+/// Those of a body; the lists of a coarse body of several levels are those of its parts.
+void add_zero_dofs(const BodyMesh& mesh, std::vector<int>& zero_dofs) {
+  if (!mesh.in_plane_strain()) return;
+  if (mesh.nodes.empty())
+    for (const BodyMesh& part : mesh.parts) add_zero_dofs(part, zero_dofs);
+  for (int n = 0; n < static_cast<int>(mesh.nodes.size()); ++n)
+    for (int i = 0; i < dofs_per_node; ++i)
+      if (mesh.is_zero(n, i)) zero_dofs.push_back(dof_of(mesh.first_node + n, i));
+}
+
+}  // namespace
+
 ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, const std::vector<Material>& materials,
                                   const Scales& scales, double ghost_penalty) {
   ElasticSystem system;
@@ -58,9 +72,7 @@ ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, co
     system.constraints.insert(system.constraints.end(), own.begin(), own.end());
   }
   for (const BodyMesh& mesh : system.meshes)
-    if (mesh.in_plane_strain())
-      for (int n = mesh.first_node; n < mesh.first_node + mesh.num_nodes; ++n)
-        system.zero_dofs.push_back(dof_of(n, mesh.cut_cells->grid.plane_strain));
+    add_zero_dofs(mesh, system.zero_dofs);
   system.dofs = DofMap(num_nodes, system.constraints, system.zero_dofs);
   if (!system.constraints.empty()) system.constraint_of_node.assign(system.num_nodes, -1);
   for (std::size_t c = 0; c < system.constraints.size(); ++c)

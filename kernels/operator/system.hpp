@@ -53,7 +53,7 @@ struct ElasticSystem {
   /// Of all bodies, ascending in node; of each node the index of its constraint or -1 (empty: no node is constrained).
   std::vector<NodeConstraint> constraints;
   std::vector<int> constraint_of_node;
-  std::vector<int> zero_dofs;  ///< ascending: across bodies in plane strain
+  std::vector<int> zero_dofs;  ///< ascending: across bodies in plane strain, away from axes of revolution on them
 
   /// What the kernels run on, one after the other: bodies of one level, and the parts of the others.
   std::vector<const BodyMesh*> parts() const;

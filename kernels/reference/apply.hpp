@@ -42,6 +42,7 @@ void apply_ghost_faces(const Exec& exec, const ColouredMeshOf<degree>& mesh, con
                        const X& x, const Y& y) {
   constexpr int num_nodes = GhostFace<degree>::num_nodes;
   const auto nodes = mesh.nodes_of_face;
+  const auto ring = mesh.ring_of_face;
   for (std::size_t colour = 0; colour + 1 < mesh.face_colour_begin.size(); ++colour) {
     Kokkos::parallel_for(
         "cgcontact::apply::ghost_faces",
@@ -50,7 +51,7 @@ void apply_ghost_faces(const Exec& exec, const ColouredMeshOf<degree>& mesh, con
           double v[num_nodes][3] = {};
           for (int b = 0; b < num_nodes; ++b)
             for (int i = 0; i < 3; ++i) {
-              const double u = x(dof_of(nodes(face, b), i));
+              const double u = ring(face) * x(dof_of(nodes(face, b), i));
               for (int a = 0; a < num_nodes; ++a) v[a][i] += ghost[a][b] * u;
             }
           for (int a = 0; a < num_nodes; ++a)

@@ -39,6 +39,7 @@ template <int degree>
 struct ColouredFace {
   int colour;
   std::array<int, GhostFace<degree>::num_nodes> nodes;
+  double ring = 1;
 };
 
 template <int degree>
@@ -54,6 +55,7 @@ std::vector<ColouredFace<degree>> ghost_faces(const BodyMesh& mesh, const CellNo
       if (f < 0 || !is_ghost_face(mesh, e, f)) continue;
       const int t1 = (d + 1) % 3, t2 = (d + 2) % 3;
       ColouredFace<degree> face;
+      face.ring = mesh.ring_of_face(cc.cells[e], d);
       face.colour = ((d * 3 + c[d] % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);
       for (int layer = 0; layer < GhostFace<degree>::num_layers; ++layer)
         for (int t = 0; t < Element::nodes_per_face; ++t) {
@@ -72,6 +74,7 @@ std::vector<ColouredFace<degree>> ghost_faces(const BodyMesh& mesh, const CellNo
       const int d = level_face.direction, t1 = (d + 1) % 3, t2 = (d + 2) % 3;
       const Index3& c = level_face.lower;
       ColouredFace<degree> face;
+      face.ring = mesh.ring_of_face(c, d);
       face.colour = ((d * 3 + (c[d] + 1) % 3) * 2 + (c[t1] & 1)) * 2 + (c[t2] & 1);
       for (int n = 0; n < GhostFace<degree>::num_nodes; ++n) {
         Index3 place = c;
@@ -91,13 +94,17 @@ void colour_faces(const BodyMesh& mesh, const CellNodes<degree>& cell_nodes, Col
   std::stable_sort(faces.begin(), faces.end(), [](const auto& a, const auto& b) { return a.colour < b.colour; });
   coloured.nodes_of_face = FaceNodesViewOf<degree>("cgcontact::coloured_mesh::nodes_of_face", faces.size());
   auto host = Kokkos::create_mirror_view(coloured.nodes_of_face);
+  coloured.ring_of_face = RealView("cgcontact::coloured_mesh::ring_of_face", faces.size());
+  auto ring = Kokkos::create_mirror_view(coloured.ring_of_face);
   coloured.face_colour_begin.clear();
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (f == 0 || faces[f].colour != faces[f - 1].colour) coloured.face_colour_begin.push_back(static_cast<int>(f));
     for (int a = 0; a < GhostFace<degree>::num_nodes; ++a) host(f, a) = faces[f].nodes[a];
+    ring(f) = faces[f].ring;
   }
   coloured.face_colour_begin.push_back(static_cast<int>(faces.size()));
   Kokkos::deep_copy(coloured.nodes_of_face, host);
+  Kokkos::deep_copy(coloured.ring_of_face, ring);
 }
 
 }  // namespace

@@ -16,6 +16,7 @@ struct ColouredMeshOf {
   std::vector<int> colour_begin;          ///< first cell of each colour, and the end (9 entries)
 
   FaceNodesViewOf<degree> nodes_of_face;  ///< ghost faces by colour: nodes of GhostFace
+  RealView ring_of_face;                  ///< BodyMesh::ring_of_face, a factor of the penalty
   std::vector<int> face_colour_begin;
 };
 using ColouredMesh = ColouredMeshOf<1>;

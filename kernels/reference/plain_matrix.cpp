@@ -16,15 +16,18 @@ std::vector<int> nodes_of_group(const GroupRow& row) {
   return nodes;
 }
 
-using HostFaces = decltype(Kokkos::create_mirror_view(FaceNodesView()));
+/// Ghost faces of a body, with their factor of the penalty.
+struct HostFaces {
+  decltype(Kokkos::create_mirror_view(FaceNodesView())) nodes;
+  decltype(Kokkos::create_mirror_view(RealView())) ring;
+};
 
-/// Ghost faces of every body.
 std::vector<HostFaces> ghost_faces(const ElasticSystem& system) {
   std::vector<HostFaces> faces;
   for (const BodyMesh* part : system.parts()) {
-    const FaceNodesView nodes = colour_mesh(*part).nodes_of_face;
-    faces.push_back(Kokkos::create_mirror_view(nodes));
-    Kokkos::deep_copy(faces.back(), nodes);
+    const ColouredMesh mesh = colour_mesh(*part);
+    faces.push_back({Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.nodes_of_face),
+                     Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), mesh.ring_of_face)});
   }
   return faces;
 }
@@ -44,7 +47,7 @@ void make_graph(const ElasticSystem& system, const std::vector<HostFaces>& ghost
   for (std::size_t b = 0; b < parts.size(); ++b) {
     const BodyMesh& mesh = *parts[b];
     for (const auto& nodes : mesh.cell_nodes) connect(nodes, 8);
-    const auto& faces = ghost_faces[b];
+    const auto& faces = ghost_faces[b].nodes;
     for (std::size_t f = 0; f < faces.extent(0); ++f) connect(&faces(f, 0), 12);
     for (int n = 0; n < mesh.num_nodes; ++n) compress(neighbours[mesh.first_node + n]);
   }
@@ -78,12 +81,12 @@ void add_cells(const ElasticSystem& system, const std::vector<HostFaces>& ghost_
             for (int j = 0; j < 3; ++j) block[3 * i + j] += K(m, dof_of(r, i), dof_of(c, j));
         }
     }
-    const auto& faces = ghost_faces[b];
+    const auto& [faces, ring] = ghost_faces[b];
     for (std::size_t f = 0; f < faces.extent(0); ++f)
       for (int r = 0; r < 12; ++r)
         for (int c = 0; c < 12; ++c) {
           double* block = A.block(faces(f, r), faces(f, c));
-          for (int i = 0; i < 3; ++i) block[4 * i] += ghost[r][c];
+          for (int i = 0; i < 3; ++i) block[4 * i] += ring(f) * ghost[r][c];
         }
   }
 }

@@ -37,9 +37,9 @@ RigidBodies::RigidBodies(const ExecSpace& exec, const ElasticSystem& system) : e
     if (!mesh.rigid) continue;
     Body body{&mesh, centre_of_nodes(mesh), Eigen::Matrix<double, 6, 6>::Zero(), free_nodes(mesh)};
     const int axis = mesh.cut_cells->grid.plane_strain;
-    std::vector<int> moves;  // in plane strain nothing moves along the axis or turns about another one
+    std::vector<int> moves;
     for (int k = 0; k < 6; ++k)
-      if (axis < 0 || (k < 3 ? k != axis : k - 3 == axis)) moves.push_back(k);
+      if (mesh.moves(k)) moves.push_back(k);
     const auto count = static_cast<Eigen::Index>(moves.size());
     Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);  // of the motions, over the free nodes
     for (int n = 0; n < mesh.num_nodes; ++n) {

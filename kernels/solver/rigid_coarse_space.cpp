@@ -68,14 +68,9 @@ RigidCoarseSpace::Body RigidCoarseSpace::free_motions(int m) const {
     }
   }
   const double size = body.size * mesh.cut_cells->grid.cell_size / mesh.length;
-  // In plane strain nothing moves along the axis, and what would turn about another one does not either.
-  const auto moves = [&](int k) {
-    const int axis = mesh.cut_cells->grid.plane_strain;
-    return axis < 0 || (k < 3 ? k != axis : k - 3 == axis);
-  };
   std::vector<int> kept;
   for (int k = 0; k < 6; ++k)
-    if (moves(k)) kept.push_back(k);
+    if (mesh.moves(k)) kept.push_back(k);
   const auto count = static_cast<Eigen::Index>(kept.size());
   Eigen::MatrixXd resistance(count, count);
   for (Eigen::Index i = 0; i < count; ++i)

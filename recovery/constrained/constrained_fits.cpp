@@ -249,6 +249,17 @@ void PatchClass<degree, bodies>::constrain(const PatchRows& rows) {
   hold_firm_rows();
 }
 
+/// Leaves of a polynomial what it is in the half-plane of a body of revolution: nothing across, where cells have a size.
+template <int degree>
+void keep_half_plane(int across, double a[6][Polynomial<degree>::num_terms]) {
+  constexpr int terms[3][4] = {{1, 4, 7, 9}, {2, 5, 7, 8}, {3, 6, 8, 9}};  // of Polynomial<2> with x, y, z
+  constexpr int shears[3][2] = {{3, 5}, {3, 4}, {4, 5}};
+  for (int c = 0; c < 6; ++c)
+    for (const int t : terms[across])
+      if (t < Polynomial<degree>::num_terms) a[c][t] = 0;
+  for (const int c : shears[across]) std::fill_n(a[c], Polynomial<degree>::num_terms, 0.0);
+}
+
 /// Coefficients, the terms of edges and quadratic ones beside them; of singular patches the mean stress stays.
 template <int degree, int bodies>
 void PatchClass<degree, bodies>::store(PatchResults& results) const {
@@ -264,7 +275,8 @@ void PatchClass<degree, bodies>::store(PatchResults& results) const {
     const int i = patches_[k], n = lists_.node[i], to = field.nodes.row(n);
     lists_.fitted[i] = 1;
     if (lists_.status[i] == PatchStatus::singular) return;
-    const auto& a = inputs_(k).a[0];
+    auto& a = inputs_(k).a[0];
+    if (const Grid& grid = context_.grid; grid.is_axisymmetric()) keep_half_plane<degree>(grid.plane_strain, a);
     for (int c = 0; c < 6; ++c)
       for (int t = 0; t < num_terms; ++t) field.values(to, c, t) = a[c][t];
     if constexpr (degree == 2) {

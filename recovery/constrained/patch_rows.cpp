@@ -10,6 +10,9 @@ namespace {
 /// Contact points lie on the same side of the body as a constraint point if the cosine between the normals is more.
 constexpr double same_side = 0.5;
 
+/// Cells: centres of patches nearer to an axis of revolution lie on it.
+constexpr double on_axis = 1e-6;
+
 /// Contact points are equally far from a place if they are so up to this (squared, cells of the patch): of those the
 /// one with the smallest gap counts, whatever the rounding and their order.
 constexpr double same_distance = 1e-9;
@@ -72,13 +75,20 @@ class RowWriter {
   }
 
   void add(const std::vector<ConstraintGroup>& groups) {
-    if (grid_.is_quadtree()) add_plane_strain();
+    if (grid_.is_axisymmetric()) {
+      add_revolution(0, grid_, lists_.centre[patch_], lists_.unit[patch_]);
+      if constexpr (bodies == 2)
+        add_revolution(1, *other_grid_, lists_.auxiliary_centre[patch_], lists_.auxiliary_unit[patch_]);
+    } else if (grid_.is_quadtree()) {
+      add_plane_strain();
+    }
     for (const ConstraintGroup& group : groups) add_group(group, groups);
   }
 
  private:
   void add_group(const ConstraintGroup& group, const std::vector<ConstraintGroup>& groups);
   void add_plane_strain();
+  void add_revolution(int body, const Grid& grid, const Vec3& centre, double unit);
   void add_known_traction(const ConstraintGroup& group);
   void add_zero_shear(const ConstraintGroup& group);
   void add_contact(const ConstraintGroup& group, bool with_other, ContactMode mode);
@@ -90,10 +100,15 @@ class RowWriter {
   const PatchContactPoint* nearest_point(int pair, const Vec3& x, const Vec3& n) const;
   void subtract_term(std::size_t first);
 
-  Vec3 place(const Vec3& x) const { return (x - lists_.centre[patch_]) / lists_.unit[patch_]; }
+  Vec3 place(const Vec3& x) const { return in_half_plane(grid_, (x - lists_.centre[patch_]) / lists_.unit[patch_]); }
   Vec3 other_place(const Vec3& x, const Vec3& n, double distance) const {
     const Vec3 y = other_grid_->to_grid(grid_.to_global(x) + distance * (grid_.rotation * n));
-    return (y - lists_.auxiliary_centre[patch_]) / lists_.auxiliary_unit[patch_];
+    return in_half_plane(*other_grid_, (y - lists_.auxiliary_centre[patch_]) / lists_.auxiliary_unit[patch_]);
+  }
+  /// Of a body of revolution all cells and points lie at 0 across.
+  static Vec3 in_half_plane(const Grid& grid, Vec3 place) {
+    if (grid.is_axisymmetric()) place[grid.plane_strain] = 0;
+    return place;
   }
   FitRow<bodies>& add_row(int body, const Vec3& at, const Vec3& n, const Vec3& e, double value = 0) {
     FitRow<bodies>& row = to_.rows.emplace_back();
@@ -171,6 +186,39 @@ void RowWriter<bodies>::add_plane_strain() {
       at[y] = 0.5 * (corner[i][1] + corner[j][1]);
       at[z] = 0.5 * (corner[i][2] + corner[j][2]);
       for (const int e : {y, z}) add_row(0, at, Vec3::Unit(x), Vec3::Unit(e));
+    }
+}
+
+/// Around an axis of revolution the stress turns with the angle: on the planes through the axis a little to both sides
+/// of the half-plane there is no shear either. This says how the components that are zero in the half-plane grow beside
+/// it, d s_xy / dy = (s_rr - s_around) / r and d s_yz / dy = s_rz / r, with which the equations of equilibrium in space
+/// are those of the body of revolution; also on the axis, where nothing is divided by r.
+template <int bodies>
+void RowWriter<bodies>::add_revolution(int body, const Grid& grid, const Vec3& centre, double unit) {
+  constexpr double corner[3][2] = {{0, 0.5}, {0.5, -0.5}, {-0.5, -0.5}};  // away from the axis, along it
+  constexpr double beside = 0.125;
+  const bool quadratic = lists_.polynomial[patch_].degree == 2;
+  const int away = grid.radial_axis(), along = grid.axis_of_revolution(), across = grid.plane_strain;
+  const double middle = grid.radius(centre) / (unit * grid.cell_size);
+  for (int i = 0; i < (quadratic ? 3 : 1); ++i)
+    for (const int side : {-1, 1}) {
+      Vec3 at = Vec3::Zero();
+      at[across] = side * beside;
+      if (quadratic) {
+        at[away] = corner[i][0];
+        at[along] = corner[i][1];
+      }
+      const double x = middle + at[away], r = std::hypot(x, beside);
+      Vec3 out = Vec3::Zero(), around = Vec3::Zero();
+      out[away] = around[across] = x / r;
+      out[across] = at[across] / r;
+      around[away] = -at[across] / r;
+      for (const Vec3& e : {out, Vec3(Vec3::Unit(along))}) {
+        FitRow<bodies>& row = to_.rows.emplace_back();
+        set_traction(row, body, at, around, e, 1 / beside);
+        row.value = 0;
+        to_.firm.push_back(0);
+      }
     }
 }
 
@@ -414,6 +462,11 @@ void PatchRows::interior_values(int of_body, const Vec3& centre, double unit, do
     const Vec3 change =
         context_.divergence(of_body, centre - half, unit) - context_.divergence(of_body, centre + half, unit);
     for (int i = 0; i < 3; ++i) df[i][k] = change[i];
+  }
+  if (const Grid& grid = body.mesh->cut_cells->grid; degree == 2 && grid.is_axisymmetric()) {  // it turns with the angle
+    const int across = grid.plane_strain, away = grid.radial_axis();
+    const double r = grid.radius(centre) / (unit * grid.cell_size);
+    df[across][across] = r > on_axis ? f[away] / r : df[away][away];
   }
   Polynomial<degree>::interior_values(f, df, body.mesh->poisson_ratio(), values);
 }

@@ -64,6 +64,12 @@ struct CellStresses {
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
           for (int q = 0; q < Tables::num_points; ++q) g[i][j][q] += u[a][i] * tables.gradient[a][j][q];
+    if (const Ring ring = mesh.ring_of(cell); ring.across >= 0)
+      for (int q = 0; q < Tables::num_points; ++q) {
+        double gradient[3][3] = {};
+        add_ring_strain(ring, u, tables.xi[q].data(), gradient);
+        g[ring.across][ring.across][q] = gradient[ring.across][ring.across];
+      }
     const double factor = mesh.stress_factor(cell);
     const double lambda = factor * mesh.law.lambda, mu = factor * mesh.law.mu;
     for (int q = 0; q < Tables::num_points; ++q) {
@@ -160,7 +166,8 @@ class Estimator {
     const int cut = cc.cut_of_active[cell];
     double weights[n * n * n], u[8][3];
     fitted_weights(cut < 0 ? full_cell_moments() : cc.moments[cut], n, weights);
-    for (double& w : weights) w *= volume_factor;
+    for (int q = 0; q < n * n * n; ++q)
+      weights[q] *= volume_factor * cc.grid.ring(grid_position(cc, cell, Vec3(tables.xi[q].data())));
     corner_values(mesh_.cell_nodes[cell], u_, u);
     const CellStresses<n> stress(tables, mesh_, cell, u, recovered_, block);
     const double error = complementary_energy(stress.recovered, stress.raw, weights, nu);

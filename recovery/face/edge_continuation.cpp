@@ -44,7 +44,7 @@ class EdgeContinuation {
     }
     double total = 0;
     for (int n = 0; n < grid_.num_patches(); ++n)
-      if (counts[n]) total += mean_root(result[n], half_change(result, n));
+      if (counts[n]) total += grid_.ring(n) * mean_root(result[n], half_change(result, n));
     const double factor = total > 0 ? force_ / (total * grid_.area()) : 1;
     for (double& q : result) q *= factor * factor;
     return result;

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "core/base/types.hpp"
@@ -20,12 +22,27 @@ enum class FaceEnd {
   period   ///< symmetry planes at 0 and at the grid's other end
 };
 
+/// The line that a face around an axis of revolution is made of: distance from the axis and place along it, m, at
+/// places along axis 1 of the face, equally far from each other.
+struct Meridian {
+  double first = 0, spacing = 1;
+  std::vector<Eigen::Vector2d> points;
+  double unit_radius = 1;  ///< m: patches there count for their breadth (Grid::unit_radius)
+
+  Eigen::Vector2d at(double place) const {
+    const double t = (place - first) / spacing;
+    const int last = static_cast<int>(points.size()) - 2, k = std::clamp(static_cast<int>(std::floor(t)), 0, last);
+    return points[k] + (t - k) * (points[k + 1] - points[k]);
+  }
+};
+
 struct FaceGrid {
   std::array<int, 2> size{1, 1};        ///< patches along each axis; (rows, columns)
   std::array<double, 2> spacing{1, 1};  ///< m
   FacePlace low = FacePlace::Zero();    ///< corner of the first patch, m
   std::array<FaceEnd, 2> end{FaceEnd::free, FaceEnd::free};
   bool plane_strain = false;
+  std::shared_ptr<const Meridian> meridian;  ///< of bodies of revolution, as if in plane strain; else none
 
   int num_patches() const { return size[0] * size[1]; }
   FacePlace centre(int patch) const {
@@ -33,6 +50,10 @@ struct FaceGrid {
   }
   /// Area of a patch, m^2; in plane strain m, per thickness.
   double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
+  /// What a patch counts for its area: in proportion to the radius around an axis of revolution, else 1.
+  double ring(int patch) const {
+    return meridian ? std::abs(meridian->at(centre(patch)[1])[0]) / meridian->unit_radius : 1;
+  }
   /// Number of the patch `steps` beyond another one along an axis, in its image behind a symmetry plane too; -1: beyond
   /// a free end.
   int beyond(int patch, std::array<int, 2> steps) const {

@@ -10,7 +10,7 @@ namespace {
 using Patches = HalfSpace::Patches;
 using Marks = HalfSpace::Marks;
 
-/// Two sums over all patches, row by row and the rows in order: the same on any number of threads.
+/// Two sums over all patches, each with what it counts (FaceGrid::ring), row by row and the rows in order: the same on any number of threads.
 struct Sums {
   double first = 0, second = 0;
 };
@@ -25,12 +25,17 @@ class FaceSolver {
         half_space_(half_space),
         gap_(gap),
         seen_(seen),
+        ring_(array("cgcontact::face_problem::ring")),
         u_(array("cgcontact::face_problem::displacement")),
         g_(array("cgcontact::face_problem::gap")),
         t_(array("cgcontact::face_problem::direction")),
         r_(array("cgcontact::face_problem::response")),
         before_(array("cgcontact::face_problem::before")),
-        sums_("cgcontact::face_problem::sums", grid.size[0], 2) {}
+        sums_("cgcontact::face_problem::sums", grid.size[0], 2) {
+    const auto host = Kokkos::create_mirror_view(ring_);
+    for (int n = 0; n < grid.num_patches(); ++n) host(n / columns_, n % columns_) = grid.ring(n);
+    Kokkos::deep_copy(ring_, host);
+  }
 
   /// The response u = S p follows the steps; it is summed anew after those in which patches have opened or closed.
   FaceSolution solve(double total, double tolerance, int max_iterations, const Patches& p) {
@@ -55,6 +60,12 @@ class FaceSolver {
       if (!(step.second > 0)) break;
       const double length = step.first / step.second;
       const Sums changed = take_step(p, length);
+      if (!(sum_pressure(p) > 0)) {  // all of one or two patches along a direction that was one for more
+        Kokkos::deep_copy(exec_, p, before_);
+        conjugate = follows = false;
+        ++solution.iterations;
+        continue;
+      }
       conjugate = changed.first == 0;
       follows = changed.first + changed.second == 0;
       double factor = 1;
@@ -110,24 +121,24 @@ class FaceSolver {
   }
 
   Sums sum_gap(const Patches& p) const {
-    const auto u = u_, g = g_, gap = gap_;
+    const auto u = u_, g = g_, gap = gap_, ring = ring_;
     const auto seen = seen_;
     return sum(
         "cgcontact::face_problem::mean_gap", KOKKOS_LAMBDA(int i, int j, double& first, double& second) {
           g(i, j) = seen(i, j) ? u(i, j) + gap(i, j) : 0;
           if (!(p(i, j) > 0)) return;
-          first += g(i, j);
-          second += 1;
+          first += ring(i, j) * g(i, j);
+          second += ring(i, j);
         });
   }
 
   double shift_gap(const Patches& p, double mean) const {
-    const auto g = g_;
+    const auto g = g_, ring = ring_;
     return sum(
                "cgcontact::face_problem::shift_gap",
                KOKKOS_LAMBDA(int i, int j, double& first, double&) {
                  g(i, j) -= mean;
-                 if (p(i, j) > 0) first += g(i, j) * g(i, j);
+                 if (p(i, j) > 0) first += ring(i, j) * g(i, j) * g(i, j);
                })
         .first;
   }
@@ -140,20 +151,20 @@ class FaceSolver {
   }
 
   Sums sum_response(const Patches& p) const {
-    const auto r = r_;
+    const auto r = r_, ring = ring_;
     return sum(
         "cgcontact::face_problem::mean_response", KOKKOS_LAMBDA(int i, int j, double& first, double&) {
-          if (p(i, j) > 0) first += r(i, j);
+          if (p(i, j) > 0) first += ring(i, j) * r(i, j);
         });
   }
 
   Sums sum_step(const Patches& p, double mean) const {
-    const auto r = r_, t = t_, g = g_;
+    const auto r = r_, t = t_, g = g_, ring = ring_;
     return sum(
         "cgcontact::face_problem::step", KOKKOS_LAMBDA(int i, int j, double& first, double& second) {
           if (!(p(i, j) > 0)) return;
-          first += g(i, j) * t(i, j);
-          second += (r(i, j) - mean) * t(i, j);
+          first += ring(i, j) * g(i, j) * t(i, j);
+          second += ring(i, j) * (r(i, j) - mean) * t(i, j);
         });
   }
 
@@ -175,17 +186,24 @@ class FaceSolver {
         });
   }
 
+  double sum_pressure(const Patches& p) const {
+    const auto ring = ring_;
+    return sum(
+               "cgcontact::face_problem::total",
+               KOKKOS_LAMBDA(int i, int j, double& first, double&) { first += ring(i, j) * p(i, j); })
+        .first;
+  }
+
   /// To the given sum, times `factor`; returns how much changed since `before_`.
   double scale(const Patches& p, double total, double& factor) const {
-    const Sums now = sum(
-        "cgcontact::face_problem::total", KOKKOS_LAMBDA(int i, int j, double& first, double&) { first += p(i, j); });
-    factor = now.first > 0 ? total / now.first : 0;
-    const auto before = before_;
+    const double now = sum_pressure(p);
+    factor = now > 0 ? total / now : 0;
+    const auto before = before_, ring = ring_;
     const double by = factor;
     const Sums change = sum(
         "cgcontact::face_problem::scale", KOKKOS_LAMBDA(int i, int j, double& first, double&) {
           p(i, j) *= by;
-          first += p(i, j) > before(i, j) ? p(i, j) - before(i, j) : before(i, j) - p(i, j);
+          first += ring(i, j) * (p(i, j) > before(i, j) ? p(i, j) - before(i, j) : before(i, j) - p(i, j));
         });
     return total > 0 ? change.first / total : 0;
   }
@@ -204,7 +222,7 @@ class FaceSolver {
   const HalfSpace& half_space_;
   Patches gap_;
   Marks seen_;
-  Patches u_, g_, t_, r_, before_;
+  Patches ring_, u_, g_, t_, r_, before_;
   Patches sums_;
 };
 

@@ -26,6 +26,12 @@ double curvature(const FaceGrid& grid, const std::vector<double>& values, double
     if (before < 0 || after < 0) continue;
     const double part = h / (step * grid.spacing[a]);
     sum += part * part * (values[before] - 2 * values[patch] + values[after]);
+    if (!grid.meridian) continue;  // around the axis: (dr / ds) / r du / ds
+    const double radius = grid.ring(patch), widens = (grid.ring(after) - grid.ring(before)) / 2;
+    const bool on_axis = before == patch || radius < std::abs(widens);  // its image behind the axis
+    sum += part * part *
+           (on_axis ? values[before] - 2 * values[patch] + values[after]
+                    : 0.5 * widens / radius * (values[after] - values[before]));
   }
   return sum;
 }
@@ -38,10 +44,10 @@ constexpr double other_details = 1.15;
 /// within a cell is trusted (docs/recovery.md, "Error figures").
 constexpr double trusted_change = 0.125;
 
-/// Sums of what patches share of each group, patches.
+/// Sums of what patches share of each group, patches, each with what it counts.
 std::vector<double> sizes_of_groups(const FaceZone& zone) {
   std::vector<double> sizes(zone.groups.size(), 0.0);
-  for (const FaceShare& share : zone.shares) sizes[share.group] += share.part;
+  for (const FaceShare& share : zone.shares) sizes[share.group] += share.part * zone.grid.ring(share.patch);
   return sizes;
 }
 
@@ -84,7 +90,7 @@ std::vector<FarMean> far_means(const FaceZone& zone, const std::vector<double>& 
   std::vector<FarMean> means(zone.groups.size());
   std::vector<double> bent(zone.groups.size(), 0.0);
   for (const FaceShare& share : zone.shares) {
-    const double part = share.part / sizes[share.group];
+    const double part = share.part * grid.ring(share.patch) / sizes[share.group];
     means[share.group].patches.emplace_back(share.patch, part);
     means[share.group].value -= part * response[share.patch];
     bent[share.group] += part * curvature(grid, response, zone.h, share.patch);

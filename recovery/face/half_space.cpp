@@ -91,6 +91,28 @@ struct CosineAxis {
   }
 };
 
+/// Integral over a patch of the displacement by rings of unit pressure, times pi E*, m: K(k) grows as the logarithm of
+/// the distance, which is integrated by itself.
+double ring_influence(const FaceGrid& grid, int at, int from) {
+  constexpr double point[4] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623};
+  constexpr double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626};
+  const Meridian& meridian = *grid.meridian;
+  const double half = 0.5 * grid.spacing[1], middle = grid.centre(from)[1], place = grid.centre(at)[1];
+  const Eigen::Vector2d x = meridian.at(place);
+  double sum = strip(place - middle, half);
+  for (int q = 0; q < 4; ++q)
+    for (const int side : {-1, 1}) {
+      const double other = middle + side * half * point[q];
+      const Eigen::Vector2d y = meridian.at(other);
+      const double radius = std::abs(y[0]), height = x[1] - y[1];
+      const double farthest = std::hypot(std::abs(x[0]) + radius, height);
+      const double k = std::min(2 * std::sqrt(std::abs(x[0]) * radius) / farthest, 1 - 1e-16);
+      const double ring = 4 * radius / farthest * std::comp_ellint_1(k);
+      sum += weight[q] * half * (ring + 2 * std::log(std::max(std::abs(place - other), 1e-12 * half)));
+    }
+  return sum;
+}
+
 HalfSpace::Patches array(const char* label, int rows, int columns) {
   return HalfSpace::Patches(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), rows, columns);
 }
@@ -98,6 +120,21 @@ HalfSpace::Patches array(const char* label, int rows, int columns) {
 }  // namespace
 
 HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus) {
+  if (grid.meridian) {
+    rings_ = array("cgcontact::half_space::rings", grid.size[1], grid.size[1]);
+    const auto host = Kokkos::create_mirror_view(rings_);
+    // The work of one ring's pressure on the other's is that of the other's on the one's; at centres of patches it is so
+    // up to their size only, which conjugate gradients do not bear where a zone is one or two patches wide.
+    for (int i = 0; i < grid.size[1]; ++i)
+      for (int j = 0; j <= i; ++j) {
+        const double work =
+            (grid.ring(i) * ring_influence(grid, i, j) + grid.ring(j) * ring_influence(grid, j, i)) / (2 * pi * modulus);
+        host(i, j) = work / grid.ring(i);
+        host(j, i) = work / grid.ring(j);
+      }
+    Kokkos::deep_copy(rings_, host);
+    return;
+  }
   const CosineAxis axis[2] = {CosineAxis(grid, 0), CosineAxis(grid, 1)};
   for (int a = 0; a < 2; ++a) cosines_[a] = CosineTransform(axis[a].size, axis[a].first, axis[a].cosines);
   const Lattice lattice(grid);
@@ -134,6 +171,17 @@ double HalfSpace::influence(const FaceGrid& grid, double modulus, int rows, int 
 template <class Exec>
 void HalfSpace::apply(const Exec& exec, const Patches& p, const Patches& u) const {
   static_assert(Kokkos::SpaceAccessibility<Exec, Memory>::accessible);
+  if (rings_.extent(0) > 0) {
+    const auto rings = rings_;
+    const int size = static_cast<int>(rings.extent(0));
+    Kokkos::parallel_for(
+        "cgcontact::half_space::rings", Kokkos::RangePolicy<Exec>(exec, 0, size), KOKKOS_LAMBDA(const int i) {
+          double sum = 0;
+          for (int j = 0; j < size; ++j) sum += rings(i, j) * p(0, j);
+          u(0, i) = sum;
+        });
+    return;
+  }
   cosines_[0].forward(exec, p, Patches(), along_);
   cosines_[1].forward(exec, along_, spectrum_, both_);
   cosines_[1].backward(exec, both_, along_);

@@ -1,5 +1,6 @@
 /// Compliance of two half-spaces pressed together on a grid of patches: how far the faces give way where the patches
-/// press (Love 1929 for rectangles; in plane strain Johnson, Contact Mechanics, 1985, equation 2.24).
+/// press (Love 1929 for rectangles; in plane strain Johnson, Contact Mechanics, 1985, equation 2.24; around an axis of
+/// revolution its section 3.8: rings, by elliptic integrals).
 #pragma once
 
 #include "kernels/mesh/views.hpp"
@@ -12,7 +13,10 @@ namespace cgcontact {
 /// symmetry planes. Displacements of plane strain, and of periodic zones, have no absolute value: they are known up to
 /// a constant, which the force of the zone fixes.
 ///
-/// S depends on the distance of the patches alone. Pressures that are mirrored at both ends of each axis make it
+/// Rings have a dense S: the displacement by a ring of pressure, 4 r' / D K(k) / (pi E*) along its line, D the longest
+/// distance to it, as if the half-space lay around the axis.
+///
+/// Elsewhere S depends on the distance of the patches alone. Pressures that are mirrored at both ends of each axis make it
 /// diagonal in cosines; a free end becomes one of those by room for as many patches again, beyond which nothing acts.
 class HalfSpace {
  public:
@@ -34,6 +38,7 @@ class HalfSpace {
   static double influence(const FaceGrid& grid, double modulus, int rows, int columns);
 
  private:
+  Patches rings_;                           ///< S of rings; empty: none
   std::array<CosineTransform, 2> cosines_;  ///< along each axis
   Patches spectrum_;                        ///< (cosines of axis 0, of axis 1)
   Patches along_, both_;                    ///< work: (patches of axis 1, cosines of axis 0); (cosines, cosines)

@@ -128,6 +128,9 @@ void add_cell(const CutCells& cc, int cell, const Vec3& centre, double per_unit,
   for (int q = 0; q < points.size; ++q) {
     double d[3], p[T];
     for (int k = 0; k < 3; ++k) d[k] = per_unit * (points.position[k][q] - centre[k]);
+    if (const Grid& grid = cc.grid; grid.is_axisymmetric())
+      d[grid.plane_strain] =
+          per_unit * (points.position[grid.plane_strain][q] - middle_of_cell(cc, cell)[grid.plane_strain]);
     Polynomial<degree>::terms(d, p);
     for (int k = 0; k < 6; ++k) {
       const double value = points.weight[q] * term[k][q];

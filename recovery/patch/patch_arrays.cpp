@@ -23,7 +23,10 @@ PatchArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const PatchSet&
           view_of<decltype(Arrays::levels)>(cc.levels),
           view_of<decltype(Arrays::node_levels)>(mesh.node_levels),
           mesh.law,
-          mesh.modulus / mesh.h_of_level(0)};
+          mesh.modulus / mesh.h_of_level(0),
+          mesh.is_axisymmetric() ? cc.grid.plane_strain : -1,
+          mesh.is_axisymmetric() ? cc.grid.radial_axis() : -1,
+          cc.grid.radius(Vec3::Zero()) / cc.grid.cell_size};
 }
 
 }  // namespace cgcontact

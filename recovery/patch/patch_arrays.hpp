@@ -34,6 +34,8 @@ struct PatchArrays {
   Array<const signed char*> node_levels;  ///< of the nodes; empty: 0
   UnitElasticity law;
   double coarse_stress_factor = 1;  ///< on level 0
+  int flat = -1, radial = -1;       ///< of bodies of revolution the axes across, where all lies at 0, and away from it
+  double axis_offset = 0;           ///< distance of the grid's origin from the axis of revolution, cells of level 0
 
   bool KOKKOS_FORCEINLINE_FUNCTION has_levels() const { return levels.extent(0) != 0; }
   /// Level whose cells are the unit of a node's polynomial.
@@ -43,6 +45,17 @@ struct PatchArrays {
     if (!has_levels()) return 1;
     const int finer = levels(cell) - level;
     return finer >= 0 ? 1.0 / (1 << finer) : 1 << -finer;
+  }
+
+  /// From a place (of a node's patch) to the centre of a cell, in cells of the size `size`.
+  KOKKOS_FORCEINLINE_FUNCTION double offset(int axis, int cell, double size, const double centre[3]) const {
+    return axis == flat ? 0 : size * (cells(cell, axis) + 0.5) - centre[axis];
+  }
+  /// BodyMesh::ring_of.
+  KOKKOS_FORCEINLINE_FUNCTION Ring ring_of(int cell) const {
+    if (flat < 0) return {};
+    const double finer = has_levels() ? 1 << levels(cell) : 1;
+    return {flat, radial, 2 * (cells(cell, radial) + 0.5 + finer * axis_offset)};
   }
 
   /// BodyMesh::stress_factor.
@@ -72,7 +85,8 @@ PatchArrays<Memory> arrays_in(const PatchArrays<Kokkos::HostSpace>& host) {
   return {
       copy(host.cell_nodes), copy(host.cells),       copy(host.nodes), copy(host.cut_of_cell),     copy(host.moments),
       copy(host.begin),      copy(host.patch_cells), copy(host.full),  copy(host.factor_of_patch), copy(host.factors),
-      copy(host.levels),     copy(host.node_levels), host.law,         host.coarse_stress_factor};
+      copy(host.levels),     copy(host.node_levels), host.law,         host.coarse_stress_factor,  host.flat,
+      host.radial,           host.axis_offset};
 }
 template <class Memory>
 SubsetArrays<Memory> arrays_in(const SubsetArrays<Kokkos::HostSpace>& host) {
@@ -95,7 +109,7 @@ KOKKOS_INLINE_FUNCTION void gather_mass(const PatchArrays<Memory>& body, const i
       mass = scaled;
     }
     double d[3];  // centre of the cell relative to the patch's
-    for (int i = 0; i < 3; ++i) d[i] = size * (body.cells(cells[c], i) + 0.5) - centre[i];
+    for (int i = 0; i < 3; ++i) d[i] = body.offset(i, cells[c], size, centre);
     const double v = mass[0], first[3] = {mass[1], mass[2], mass[3]};
     const double second[3][3] = {{mass[4], mass[7], mass[9]}, {mass[7], mass[5], mass[8]}, {mass[9], mass[8], mass[6]}};
     m[0][0] += v;

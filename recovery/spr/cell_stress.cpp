@@ -15,6 +15,12 @@ CellStress stress_of_displacements(const BodyMesh& mesh, const HostVector& u) {
     for (int j = 0; j < 3; ++j)
       for (int t = 0; t < 4; ++t)
         for (int i = 0; i < 3; ++i) g[term[j][t]][i][j] = corner_scale(t) * h[corner_difference(j, t)][i];
+    if (const Ring ring = mesh.ring_of(cell); ring.across >= 0) {
+      double c[4];
+      ring_differences(ring, h, c);
+      for (auto& gradient : g) gradient[ring.across][ring.across] = gradient[ring.radial][ring.radial];
+      for (int t = 0; t < 4; ++t) g[term[ring.across][t]][ring.across][ring.across] += c[t];
+    }
     CellPolynomial polynomial = CellPolynomial::Zero();
     const double factor = mesh.stress_factor(cell);
     for (int t : {0, 1, 2, 3, 7, 8, 9}) {
@@ -64,7 +70,8 @@ IntegralArrays<Kokkos::HostSpace> host_arrays(const BodyMesh& mesh, const Stress
           rows_of<decltype(Arrays::moments)>(integrals.moments),
           view_of<decltype(Arrays::moments_of_row)>(integrals.moments_of_row),
           rows_of<decltype(Arrays::cells)>(cc.cells),
-          view_of<decltype(Arrays::levels)>(cc.levels)};
+          view_of<decltype(Arrays::levels)>(cc.levels),
+          cc.grid.is_axisymmetric() ? cc.grid.plane_strain : -1};
 }
 
 CellSums sum_cells(const BodyMesh& mesh, const StressIntegrals& integrals, const int* cells, int num_cells,

@@ -3,7 +3,7 @@
 /// 1, the other two coordinates, and their product.
 #pragma once
 
-#include <Kokkos_Macros.hpp>
+#include "kernels/mesh/interpolate.hpp"
 
 namespace cgcontact {
 
@@ -27,6 +27,21 @@ KOKKOS_INLINE_FUNCTION void corner_differences(double h[8][3]) {
           h[a][i] = high + low;
           h[a | bit][i] = high - low;
         }
+}
+
+/// The strain u_r / r around the axis of a body of revolution (per cell unit) is the slope of u_r along r and
+/// c[0] + c[1] and c[2] times the two coordinates beside the one across + c[3] times their product. What is over r is
+/// taken as linear between the two Gauss points; it is u_r extrapolated to the axis, and zero in cells beside it.
+KOKKOS_INLINE_FUNCTION void ring_differences(const Ring& ring, const double h[8][3], double c[4]) {
+  const int along = 3 - ring.across - ring.radial, G = 1 << ring.radial, E = 1 << along;
+  const double q = ring.diameter, mean = h[0][ring.radial] - q * h[G][ring.radial],
+               slope = h[E][ring.radial] - q * h[G | E][ring.radial];
+  const double scale = 1 / (q * q - 1. / 3), inverse[2] = {q * scale, -scale};
+  const bool radial_first = ring.radial < along;
+  c[0] = 0.25 * mean * inverse[0];
+  c[radial_first ? 1 : 2] = 0.5 * mean * inverse[1];
+  c[radial_first ? 2 : 1] = 0.5 * slope * inverse[0];
+  c[3] = slope * inverse[1];
 }
 
 }  // namespace cgcontact

@@ -9,7 +9,8 @@ namespace cgcontact {
 /// Integrals of {1, x, y, z} sigma_h over one cell from its corner displacements (grid axes, u[corner][axis]; become
 /// sums and differences) and its moments. `factor`: BodyMesh::stress_factor().
 KOKKOS_INLINE_FUNCTION void cell_stress_integrals(const UnitElasticity& law, double factor, double u[8][3],
-                                                  const double moments[17], double out[6][num_terms]) {
+                                                  const double moments[17], double out[6][num_terms],
+                                                  const Ring& ring = {}) {
   corner_differences(u);
   // Moments of the four terms of each derivative times {1, x, y, z}.
   constexpr int place[3][num_terms][4] = {{{0, 2, 3, 8}, {1, 7, 9, 10}, {2, 5, 8, 14}, {3, 8, 6, 16}},
@@ -23,6 +24,13 @@ KOKKOS_INLINE_FUNCTION void cell_stress_integrals(const UnitElasticity& law, dou
         for (int term = 0; term < 4; ++term)
           g[i][j] += corner_scale(term) * moments[place[j][t][term]] * u[corner_difference(j, term)][i];
       }
+    if (ring.across >= 0) {
+      const int a = ring.across;
+      double c[4];
+      ring_differences(ring, u, c);
+      g[a][a] = g[ring.radial][ring.radial];
+      for (int term = 0; term < 4; ++term) g[a][a] += c[term] * moments[place[a][t][term]];
+    }
     law.stress(g, s);
     for (int k = 0; k < 6; ++k) out[k][t] = factor * s[k];
   }
@@ -61,7 +69,8 @@ void integrate_cells(const Exec& exec, const PatchArrays<Memory>& body, const Su
         if (cut < 0)
           full_cell_stress_integrals(body.law, body.stress_factor(cell), corner, integrals);
         else
-          cell_stress_integrals(body.law, body.stress_factor(cell), corner, &body.moments(1 + cut, 0), integrals);
+          cell_stress_integrals(body.law, body.stress_factor(cell), corner, &body.moments(1 + cut, 0), integrals,
+                                body.ring_of(cell));
         for (int k = 0; k < 6; ++k)
           for (int t = 0; t < num_terms; ++t) out(row, k, t) = integrals[k][t];
       });
@@ -83,7 +92,7 @@ KOKKOS_INLINE_FUNCTION void gather_stress(const PatchArrays<Memory>& body, const
       for (int k = 0; k < 6 * num_terms; ++k) scaled[k] = s[k] * (k % num_terms == 0 ? 1 : size);
       s = scaled;
     }
-    for (int i = 0; i < 3; ++i) shift[1 + i] = size * (body.cells(cells[c], i) + 0.5) - centre[i];
+    for (int i = 0; i < 3; ++i) shift[1 + i] = body.offset(i, cells[c], size, centre);
     for (int k = 0; k < 6; ++k)
       for (int t = 0; t < num_terms; ++t) H[k][t] += s[num_terms * k + t] + shift[t] * s[num_terms * k];
   }

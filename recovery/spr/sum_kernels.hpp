@@ -18,11 +18,16 @@ struct IntegralArrays {
   Array<const int*> moments_of_row;
   Array<const int* [3]> cells;       ///< of the body: places in the grid
   Array<const signed char*> levels;  ///< of the cells; empty: 0
+  int flat = -1;                     ///< of bodies of revolution the axis across: all cells and centres lie at 0
 
   KOKKOS_FORCEINLINE_FUNCTION bool hold(int cell) const { return subset.row(cell) >= 0; }
   KOKKOS_FORCEINLINE_FUNCTION int level(int cell) const { return levels.extent(0) == 0 ? 0 : levels(cell); }
   /// The body's part of a cell that they hold.
   KOKKOS_FORCEINLINE_FUNCTION double volume(int cell) const { return moments(moments_of_row(subset.row(cell)), 0); }
+
+  KOKKOS_FORCEINLINE_FUNCTION double offset(int axis, int place, const double centre[3]) const {
+    return axis == flat ? 0 : place + 0.5 - centre[axis];
+  }
 
   /// Over cells of one level, which ascend; the level is the unit of the centre and the sums.
   KOKKOS_INLINE_FUNCTION CellSums sum_of_level(const int* list, int num, const double centre[3]) const {
@@ -36,11 +41,11 @@ struct IntegralArrays {
         for (; i < num && cells(list[i], 1) == y && cells(list[i], 2) == z; ++i) {
           const int row = subset.row(list[i]);
           line.add<0>(&stress(row, 0), &moments(moments_of_row(row), 0), square(row),
-                      cells(list[i], 0) + 0.5 - centre[0]);
+                      offset(0, cells(list[i], 0), centre));
         }
-        layer.add<1>(line, y + 0.5 - centre[1]);
+        layer.add<1>(line, offset(1, y, centre));
       }
-      total.add<2>(layer, z + 0.5 - centre[2]);
+      total.add<2>(layer, offset(2, z, centre));
     }
     return total;
   }

@@ -1,0 +1,152 @@
+#include "core/bodies/meridian.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+
+#include "core/base/errors.hpp"
+#include "core/bodies/csg_body.hpp"
+
+namespace cgcontact {
+namespace {
+
+/// Sines of angles, and distances relative to the body, up to which surfaces are about the axis.
+constexpr double same_axis = 1e-9;
+
+/// Directions of the half-plane: along the axis, away from it, across.
+struct HalfPlane {
+  explicit HalfPlane(int axis)
+      : along(Vec3::Unit(axis)), away(Vec3::Unit((axis + 1) % 3)), across(Vec3::Unit((axis + 2) % 3)) {}
+  Vec3 along, away, across;
+
+  bool is_on_axis(const Vec3& x, double size) const { return (x - x.dot(along) * along).norm() <= same_axis * size; }
+  bool is_along(const Vec3& direction) const { return direction.cross(along).norm() <= same_axis; }
+};
+
+/// Is a plane along the axis so far away that it bounds nothing of a body up to a radius?
+bool is_beyond(const Surface& surface, const HalfPlane& plane, double radius) {
+  return std::abs(surface.direction.dot(plane.along)) <= same_axis &&
+         surface.direction.dot(surface.point) >= (1 - same_axis) * radius;
+}
+
+/// Does a surface not vary around the axis?
+bool is_of_revolution(const Surface& surface, const HalfPlane& plane, double size, double radius) {
+  switch (surface.kind) {
+    case Surface::Kind::plane:
+      return plane.is_along(surface.direction) || is_beyond(surface, plane, radius);
+    case Surface::Kind::sphere:
+      return plane.is_on_axis(surface.point, size);
+    case Surface::Kind::cylinder:
+    case Surface::Kind::cone:
+      return plane.is_along(surface.direction) && plane.is_on_axis(surface.point, size);
+    case Surface::Kind::patch:
+      return false;
+  }
+  return false;
+}
+
+/// Is a surface one of a prism across the half-plane?
+bool is_of_prism(const Surface& surface, const HalfPlane& plane) {
+  const double across = std::abs(surface.direction.dot(plane.across));
+  if (surface.kind == Surface::Kind::plane) return across <= same_axis || across >= 1 - same_axis;
+  return surface.kind == Surface::Kind::cylinder && across >= 1 - same_axis;
+}
+
+/// What a surface of revolution is in the half-plane: circles and lines, as cylinders and planes across it.
+Surface section_of(Surface surface, const HalfPlane& plane) {
+  switch (surface.kind) {
+    case Surface::Kind::plane:
+      if (plane.is_along(surface.direction)) break;
+      surface.point = 2 * surface.direction.dot(surface.point) * plane.away;  // beyond the body
+      surface.direction = plane.away;
+      surface.names.clear();
+      break;
+    case Surface::Kind::sphere:
+      surface.kind = Surface::Kind::cylinder;
+      surface.direction = plane.across;
+      surface.point = surface.point.dot(plane.along) * plane.along;
+      break;
+    case Surface::Kind::cylinder:
+      surface.kind = Surface::Kind::plane;
+      surface.direction = plane.away;
+      surface.point = surface.radius * plane.away;
+      surface.radius = 0;
+      break;
+    case Surface::Kind::cone: {  // the half that is in use
+      const double up = surface.direction.dot(plane.along) > 0 ? 1 : -1;
+      surface.kind = Surface::Kind::plane;
+      surface.direction = (surface.cosine * plane.away - up * surface.sine * plane.along).normalized();
+      surface.point = surface.point.dot(plane.along) * plane.along;
+      surface.radius = 0;
+      surface.cosine = 1;
+      surface.sine = 0;
+      break;
+    }
+    default:
+      break;
+  }
+  return surface;
+}
+
+std::string name_of(const Surface& surface) {
+  return surface.names.empty() ? "a surface without a name" : "face \"" + surface.names.front() + '"';
+}
+
+/// Convex hull of a box.
+CsgBody::Hull hull_of(const Vec3& min, const Vec3& max) {
+  CsgBody::Hull hull;
+  for (int c = 0; c < 8; ++c)
+    hull.points.push_back(Vec3(c & 1 ? max[0] : min[0], c & 2 ? max[1] : min[1], c & 4 ? max[2] : min[2]));
+  return hull;
+}
+
+}  // namespace
+
+Solid meridian_of(const Solid& solid, int axis) {
+  const HalfPlane plane(axis);
+  const CsgBody* body = as_csg(solid);
+  if (!body)
+    throw InputError(std::string("the body is not made of primitive shapes or profiles, whose section is known exactly"));
+  Vec3 min, max;
+  if (!solid.bounding_box(min, max)) throw InputError(std::string("the body is not bounded"));
+  const int away = (axis + 1) % 3, across = (axis + 2) % 3;
+  const double size = (max - min).maxCoeff(),
+               radius = std::min(std::max(max[away], -min[away]), std::max(max[across], -min[across]));
+  std::vector<Surface> surfaces = body->surfaces();
+  const Surface *turned = nullptr, *straight = nullptr;  // what is not of revolution, not of a prism
+  for (const Surface& surface : body->surfaces()) {
+    if (!is_of_revolution(surface, plane, size, radius)) turned = &surface;
+    if (!is_of_prism(surface, plane)) straight = &surface;
+  }
+  if (turned && straight) throw InputError(name_of(*turned) + " is not of revolution about the axis");
+  if (turned && min[away] < -same_axis * size)
+    throw InputError(fmt::format("{} is not of revolution about the axis, and a section given as a prism must lie on "
+                                 "one side of it (it reaches to {:.6g} m)",
+                                 name_of(*turned), min[away]));
+  if (!turned)
+    for (Surface& surface : surfaces) surface = section_of(surface, plane);
+  min[away] = 0;
+  min[across] = -half_thickness_of_meridian;
+  max[across] = half_thickness_of_meridian;
+  std::vector<BooleanOp> expression = body->expression();
+  if (turned)  // its ends become those of the prism below
+    for (Surface& surface : surfaces)
+      if (surface.kind == Surface::Kind::plane && std::abs(surface.direction[across]) > 0.5)
+        surface.point[across] = std::copysign(half_thickness_of_meridian, surface.direction[across]);
+  const auto cut_by = [&](const Vec3& point, const Vec3& normal, std::vector<std::string> names) {
+    Surface surface;
+    surface.point = point;
+    surface.direction = normal;
+    surface.names = std::move(names);
+    expression.push_back({BooleanOp::Kind::surface, static_cast<int>(surfaces.size())});
+    expression.push_back({BooleanOp::Kind::intersect, -1});
+    surfaces.push_back(surface);
+  };
+  cut_by(Vec3::Zero(), -plane.away, {"axis.plane"});
+  if (!turned)
+    for (const int side : {-1, 1}) cut_by(side * half_thickness_of_meridian * plane.across, side * plane.across, {});
+  return Solid(std::make_shared<CsgBody>(std::move(surfaces), std::move(expression), hull_of(min, max)));
+}
+
+}  // namespace cgcontact
