@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "core/base/errors.hpp"
+#include "core/bodies/cad_body.hpp"
 #include "core/bodies/csg_body.hpp"
+#include "core/bodies/profile_body.hpp"
 
 namespace cgcontact {
 namespace {
@@ -101,13 +105,58 @@ CsgBody::Hull hull_of(const Vec3& min, const Vec3& max) {
   return hull;
 }
 
+double area_of(const std::vector<CadModel::SectionEdge>& line) {
+  double twice = 0;
+  for (const auto& edge : line) {
+    const Vec2 middle = edge.is_arc ? edge.through : Vec2((edge.from + edge.to) / 2);
+    twice += edge.from[0] * middle[1] - edge.from[1] * middle[0] + middle[0] * edge.to[1] - middle[1] * edge.to[0];
+  }
+  return std::abs(twice) / 2;
+}
+
+/// The section of a CAD solid as a profile: lines of less area lie in the larger ones, as holes or parts in holes.
+Solid section_of(const CadBody& body, const HalfPlane& plane) {
+  const Similarity& place = body.placement();
+  const auto into_model = [&](const Vec3& x) {
+    return Vec3(place.rotation.transpose() * (x - place.translation) / place.scale);
+  };
+  const auto direction = [&](const Vec3& d) { return Vec3(place.rotation.transpose() * d); };
+  const ProfileFrame in_model{into_model(Vec3::Zero()), direction(plane.away), direction(plane.along)};
+  auto lines = body.model().section(in_model);
+  if (lines.empty()) throw InputError(std::string("the half-plane does not meet the body"));
+  std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return area_of(a) > area_of(b); });
+  const ProfileFrame frame{half_thickness_of_meridian * plane.across, plane.away, plane.along};
+  std::optional<Solid> result;
+  for (const auto& line : lines) {
+    std::vector<ProfileEdge> profile;
+    for (const auto& edge : line) {
+      const std::vector<std::string> none;
+      const auto& names = edge.face < 0 ? none : body.model().faces()[edge.face].names;
+      profile.push_back({place.scale * edge.from, place.scale * edge.to,
+                         edge.face < 0 ? "axis.plane" : names.empty() ? "" : names.front(), edge.is_arc != 0,
+                         place.scale * edge.through});
+    }
+    const Solid part = extruded(profile, frame, 2 * half_thickness_of_meridian, "", "");
+    const Vec2 middle = profile.front().is_arc ? profile.front().through
+                                               : Vec2((profile.front().from + profile.front().to) / 2);
+    if (!result)
+      result = part;
+    else if (result->contains(middle[0] * plane.away + middle[1] * plane.along))
+      result = Solid::subtract(*result, part);
+    else
+      result = Solid::unite(*result, part);
+  }
+  return *result;
+}
+
 }  // namespace
 
 Solid meridian_of(const Solid& solid, int axis) {
   const HalfPlane plane(axis);
+  if (const CadBody* cad = as_cad(solid)) return section_of(*cad, plane);
   const CsgBody* body = as_csg(solid);
   if (!body)
-    throw InputError(std::string("the body is not made of primitive shapes or profiles, whose section is known exactly"));
+    throw InputError(std::string("it is bounded by triangles, which are of revolution only nearly"));
   Vec3 min, max;
   if (!solid.bounding_box(min, max)) throw InputError(std::string("the body is not bounded"));
   const int away = (axis + 1) % 3, across = (axis + 2) % 3;

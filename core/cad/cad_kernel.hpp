@@ -21,6 +21,8 @@ struct CadKernel {
                       const Similarity& place_b);
   CadModel (*inner_side)(const Surface& surface, const Vec3& centre, double radius);
   CadModel (*revolved)(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
+  /// The lines in no order.
+  std::vector<CadModel::SectionEdge> (*section)(const CadModel& model, const ProfileFrame& frame);
   std::vector<CadSolid> (*read)(const std::string& file, const CadReading& reading);
   void (*pack_solids)(const std::vector<CadSolid>& solids, Packing& packing);
   std::vector<CadSolid> (*unpack_solids)(const std::vector<char>& bytes);

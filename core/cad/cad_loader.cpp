@@ -87,6 +87,44 @@ auto measured(const Measure& measure, const CadModel& model) {
   return result;
 }
 
+/// mm: ends of edges that are nearer to each other are one; to the axis: on it.
+constexpr double same_end = 1e-5;
+
+/// Adds the parts of the axis inside of the body: between its first and second end there, its third and fourth one, ...
+void add_axis(std::vector<CadModel::SectionEdge>& edges) {
+  std::vector<double> ends;
+  for (const CadModel::SectionEdge& edge : edges)
+    for (const Vec2& x : {edge.from, edge.to})
+      if (std::abs(x[0]) < same_end) ends.push_back(x[1]);
+  std::sort(ends.begin(), ends.end());
+  for (std::size_t k = 0; k + 1 < ends.size(); k += 2)
+    edges.push_back({Vec2(0, ends[k]), Vec2(0, ends[k + 1]), Vec2::Zero(), 0, -1});
+}
+
+/// Edges one after the other, in lines that end where they begin.
+std::vector<std::vector<CadModel::SectionEdge>> closed_lines(std::vector<CadModel::SectionEdge> edges) {
+  add_axis(edges);
+  std::vector<std::vector<CadModel::SectionEdge>> lines;
+  while (!edges.empty()) {
+    std::vector<CadModel::SectionEdge> line{edges.back()};
+    edges.pop_back();
+    while ((line.back().to - line.front().from).norm() > same_end) {
+      const Vec2 end = line.back().to;
+      const auto next = std::find_if(edges.begin(), edges.end(), [&](const CadModel::SectionEdge& edge) {
+        return std::min((edge.from - end).norm(), (edge.to - end).norm()) <= same_end;
+      });
+      if (next == edges.end()) throw InputError(std::string("OpenCASCADE's section of the solid is not closed"));
+      if ((next->from - end).norm() > same_end) std::swap(next->from, next->to);
+      next->from = end;
+      line.push_back(*next);
+      edges.erase(next);
+    }
+    line.back().to = line.front().from;
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
 }  // namespace
 
 bool cad_is_loaded() { return is_loaded; }
@@ -128,6 +166,29 @@ CadModel CadModel::inner_side(const Surface& surface, const Vec3& centre, double
 }
 CadModel CadModel::revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame) {
   return kernel().revolved(profile, frame);
+}
+std::vector<std::vector<CadModel::SectionEdge>> CadModel::section(const ProfileFrame& frame) const {
+  const std::vector<char> bytes =
+      guarded("OpenCASCADE cannot cut the solid", limits_of(faces_.size()), [&](Packing& packing) {
+        const std::vector<SectionEdge> edges = kernel().section(*this, frame);
+        packing.put(edges.size());
+        for (const auto& [from, to, through, is_arc, face] : edges) {
+          packing.put(std::array<double, 6>{from[0], from[1], to[0], to[1], through[0], through[1]});
+          packing.put(std::array<int, 2>{is_arc, face});
+        }
+      });
+  Unpacking all(bytes);
+  std::size_t size = 0;
+  all.take(size);
+  std::vector<SectionEdge> edges(size);
+  for (SectionEdge& edge : edges) {
+    std::array<double, 6> x{};
+    std::array<int, 2> marks{};
+    all.take(x);
+    all.take(marks);
+    edge = {Vec2(x[0], x[1]), Vec2(x[2], x[3]), Vec2(x[4], x[5]), marks[0], marks[1]};
+  }
+  return closed_lines(std::move(edges));
 }
 std::vector<CadSolid> read_cad(const std::string& file, const CadReading& reading) {
   if (cad_format(file) == CadFormat::unknown)

@@ -62,6 +62,14 @@ class CadModel {
   /// A profile (mm) turned about the second axis of its frame (mm), arcs anywhere; an arc that ends where it begins is
   /// a circle, `through` lies opposite. Faces have the names of their edges. Throws InputError.
   static CadModel revolved(const std::vector<ProfileEdge>& profile, const ProfileFrame& frame);
+  /// Of a solid of revolution: its section by the half-plane from the second axis of a frame (mm) to the side of the
+  /// first, closed lines of lines and arcs (mm, in the frame), each with the number of its face or -1 for what lies on
+  /// the axis. Throws InputError that names the face that is not of revolution, or whose section is another curve.
+  struct SectionEdge {
+    Vec2 from, to, through;
+    int is_arc, face;
+  };
+  std::vector<std::vector<SectionEdge>> section(const ProfileFrame& frame) const;
 
  private:
   std::shared_ptr<const Shape> shape_;

@@ -19,6 +19,7 @@ extern "C" const cgcontact::CadKernel* cgcontact_cad_kernel() {
       [](const std::vector<ProfileEdge>& profile, const ProfileFrame& frame) {
         return CadModel::revolved(profile, frame);
       },
+      section_edges,
       [](const std::string& file, const CadReading& reading) { return read_cad(file, reading); },
       pack_solids,
       unpack_solids};

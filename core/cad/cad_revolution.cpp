@@ -1,6 +1,10 @@
-/// Profiles of lines and arcs turned about an axis, by OpenCASCADE: those that are tori.
+/// Profiles of lines and arcs turned about an axis, by OpenCASCADE: those that are tori; and back, the sections of solids
+/// of revolution.
 #include <fmt/format.h>
 
+#include <BRepAdaptor_Curve.hxx>
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepAlgoAPI_Section.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
@@ -12,7 +16,14 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Face.hxx>
 #include <gp_Circ.hxx>
+#include <gp_Cone.hxx>
+#include <gp_Cylinder.hxx>
+#include <gp_Lin.hxx>
+#include <gp_Pln.hxx>
+#include <gp_Sphere.hxx>
+#include <gp_Torus.hxx>
 
 #include "core/base/errors.hpp"
 #include "core/cad/cad_shape.hpp"
@@ -62,6 +73,79 @@ CadModel CadModel::revolved(const std::vector<ProfileEdge>& profile, const Profi
     return model;
   } catch (const Standard_Failure& failure) {
     throw InputError(fmt::format("OpenCASCADE cannot turn the profile: {}", failure.GetMessageString()));
+  }
+}
+
+namespace {
+
+/// Is a surface one around an axis? mm, radians.
+bool is_around(const BRepAdaptor_Surface& surface, const gp_Ax1& axis) {
+  constexpr double same_line = 1e-4, same_direction = 1e-6;
+  const gp_Lin line(axis);
+  const auto is_on = [&](const gp_Ax1& own) {
+    return line.Distance(own.Location()) < same_line && own.Direction().IsParallel(axis.Direction(), same_direction);
+  };
+  switch (surface.GetType()) {
+    case GeomAbs_Plane:
+      return surface.Plane().Axis().Direction().IsParallel(axis.Direction(), same_direction);
+    case GeomAbs_Cylinder:
+      return is_on(surface.Cylinder().Axis());
+    case GeomAbs_Cone:
+      return is_on(surface.Cone().Axis());
+    case GeomAbs_Sphere:
+      return line.Distance(surface.Sphere().Location()) < same_line;
+    case GeomAbs_Torus:
+      return is_on(surface.Torus().Axis());
+    case GeomAbs_SurfaceOfRevolution:
+      return is_on(surface.AxeOfRevolution());
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const ProfileFrame& frame) {
+  try {
+    const gp_Ax1 axis(point(frame.origin), direction(frame.second));
+    const TopTools_IndexedMapOfShape& faces = model.shape().faces;
+    double reach = 0;  // a half-plane is a face that is large enough
+    for (const Vec3& corner : {model.box().first, model.box().second})
+      reach = std::max(reach, 2 * ((corner - frame.origin).norm() + 1));
+    for (int f = 1; f <= faces.Extent(); ++f)
+      if (!is_around(BRepAdaptor_Surface(TopoDS::Face(faces(f))), axis))
+        throw InputError(cad_face_text(model.faces()[f - 1], f) + " is not of revolution about the axis");
+    const gp_Ax3 axes(point(frame.origin), direction(frame.first.cross(frame.second)), direction(frame.first));
+    const TopoDS_Face half = BRepBuilderAPI_MakeFace(gp_Pln(axes), 0, reach, -reach, reach);
+    BRepAlgoAPI_Section section(model.shape().solid, half, false);
+    section.ComputePCurveOn1(false);
+    section.Build();
+    if (!section.IsDone()) throw InputError(std::string("OpenCASCADE cannot cut the solid"));
+    std::vector<CadModel::SectionEdge> edges;
+    const auto at = [&](const gp_Pnt& x) {
+      const Vec3 d = Vec3(x.X(), x.Y(), x.Z()) - frame.origin;
+      return Vec2(std::max(d.dot(frame.first), 0.0), d.dot(frame.second));
+    };
+    for (TopExp_Explorer i(section.Shape(), TopAbs_EDGE); i.More(); i.Next()) {
+      const TopoDS_Edge& edge = TopoDS::Edge(i.Current());
+      const BRepAdaptor_Curve curve(edge);
+      TopoDS_Shape face;
+      const int number = section.HasAncestorFaceOn1(edge, face) ? faces.FindIndex(face) : 0;
+      const bool is_line = curve.GetType() == GeomAbs_Line, is_arc = curve.GetType() == GeomAbs_Circle;
+      if (!is_line && !is_arc)
+        throw InputError(fmt::format("{} has a section that is neither a line nor an arc",
+                                     number > 0 ? cad_face_text(model.faces()[number - 1], number) : "a face"));
+      const double first = curve.FirstParameter(), last = curve.LastParameter();
+      const int pieces = is_arc ? 2 : 1;  // a circle has two halves
+      for (int k = 0; k < pieces; ++k) {
+        const double begin = first + k * (last - first) / pieces, end = first + (k + 1) * (last - first) / pieces;
+        edges.push_back({at(curve.Value(begin)), at(curve.Value(end)), at(curve.Value(0.5 * (begin + end))), is_arc,
+                         number - 1});
+      }
+    }
+    return edges;
+  } catch (const Standard_Failure& failure) {
+    throw InputError(fmt::format("OpenCASCADE cannot cut the solid: {}", failure.GetMessageString()));
   }
 }
 

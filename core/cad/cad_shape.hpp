@@ -25,6 +25,9 @@ std::vector<CadSolid> unpack_solids(const std::vector<char>& bytes);
 void pack_triangles(const CadModel& model, double deflection, Packing& packing);
 CurvedTriangles unpack_triangles(const CadModel& model, const std::vector<char>& bytes);
 
+/// What CadModel::section puts in order.
+std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const ProfileFrame& frame);
+
 /// "face 7 (cylinder of radius 5 mm) at (x, y, z) mm".
 std::string cad_face_text(const CadFace& face, int number);
 
