@@ -47,11 +47,15 @@ std::string describe_body(const BodyModel& body) {
           fmt::format("{} {} cells of {:g} m", l == 0 ? "" : ",", cc.parts[l].cells.size(), cc.grid.cell_size_of(l));
     text += "\n";
   }
-  if (body.spec->plane_strain)
+  if (body.spec->axisymmetric())
+    text += fmt::format("  of revolution about {}: cells are rings, forces and areas those of the whole body\n",
+                        coordinate_names()[body.spec->axis_of_revolution()]);
+  else if (body.spec->plane_strain)
     text += fmt::format(
         "  plane strain across {0}: the nodes on both sides share their unknowns, nothing moves along {0}\n",
         name_of(*body.spec->plane_strain));
   for (const std::string& note : body.spec->notes) text += "  " + note + "\n";
+  if (body.spec->axisymmetric()) area.erase("axis.plane");
   for (const auto& [name, a] : area) text += fmt::format("  face {}: {:.10g} m2\n", name, a);
   for (const FaceSpec& spec : body.spec->faces) {
     double declared = 0;

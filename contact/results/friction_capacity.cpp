@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/model/around_axis.hpp"
 #include "contact/results/pair_figures.hpp"
 #include "contact/results/zone_figures.hpp"
 #include "core/base/decompositions.hpp"
@@ -166,6 +167,7 @@ class FrictionZone {
         strain ? std::optional<Vec3>(Vec3::Unit(static_cast<int>(*strain))) : std::nullopt;
     if (const BodySpec& body = *state_.bodies[pair_.primary].spec; body.axisymmetric()) {
       torque.axis = {Vec3::Zero(), Vec3::Unit(body.axis_of_revolution())};
+      torque.from = TorqueCapacity::From::faces_of_revolution;
       return torque;
     }
     if (const auto& given = pair_.spec->moment_about; given && given->axis) {
@@ -242,6 +244,7 @@ void fill_state(const SolvedState& state, std::size_t k, FrictionFigures& fricti
   }
   friction.work = thickness * points.work;
   if (!(friction.capacity > 0)) return;
+  sum_around_axis(*state.bodies[pair.primary].spec, friction.force);
   friction.use = friction.force.norm() / friction.capacity;
   if (const auto& torque = friction.torque; torque && torque->capacity > 0)
     friction.use = std::max(*friction.use, std::abs(torque->carried) / torque->capacity);

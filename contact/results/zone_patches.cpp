@@ -22,10 +22,10 @@ constexpr int patches_along = 2;
 /// (docs/accuracy.md). At fewer than min_per_cell the borders of the groups are lost among them.
 constexpr double most_patches = 8192;
 constexpr int min_per_cell = 5;
-/// The same of rings, whose compliance is a dense matrix.
-constexpr double most_rings = 768;
 /// Zones that have more even so, some 90 cells across, keep the pressure of the stress, which is accurate there.
 constexpr double too_many_patches = 262144;
+/// The same of rings, whose compliance is a dense matrix.
+constexpr double most_rings = 1024, too_many_rings = 2048;
 
 /// Rounds up to what solve_face_zone can halve.
 int even(double count) {
@@ -138,8 +138,9 @@ bool ZonePatches::lay_grid() {
     double patches = zone_area() / grid_.area();
     for (const FaceEnd end : grid_.end) patches *= end == FaceEnd::mirror ? 2 : 1;
     const bool rings = state_.bodies[pair_.primary].cut_cells.grid.is_axisymmetric();
-    if (rings ? grid_.size[1] <= most_rings : patches <= most_patches) return true;
-    if (per_cell < 2 * min_per_cell) return !rings && patches <= too_many_patches;
+    if (rings) patches = grid_.size[1];
+    if (patches <= (rings ? most_rings : most_patches) || per_cell < 2 * min_per_cell)
+      return patches <= (rings ? too_many_rings : too_many_patches);
   }
 }
 

@@ -103,6 +103,39 @@ bool is_around(const BRepAdaptor_Surface& surface, const gp_Ax1& axis) {
   }
 }
 
+/// OpenCASCADE's sections of surfaces that are none of its simple ones are splines, a part of their length away from
+/// what they stand for.
+constexpr double same_curve = 1e-6;
+constexpr int places_along = 8;
+
+/// Is a curve a line? place: of a part of its parameter, 0 to 1.
+template <class Place>
+bool is_straight(const Place& place) {
+  const Vec2 from = place(0), along = Vec2(place(1)) - from;
+  const double length = along.norm();
+  for (int k = 1; k < places_along; ++k) {
+    const Vec2 x = Vec2(place(double(k) / places_along)) - from;
+    if (!(std::abs(along[0] * x[1] - along[1] * x[0]) <= same_curve * length * length)) return false;
+  }
+  return length > 0;
+}
+
+/// Is it an arc of the circle through three of its points?
+template <class Place>
+bool is_round(const Place& place) {
+  const Vec2 from = place(0), u = Vec2(place(0.25)) - from, v = Vec2(place(0.625)) - from;
+  const double twice_area = u[0] * v[1] - u[1] * v[0];
+  if (twice_area == 0) return false;
+  const double u2 = u.squaredNorm(), v2 = v.squaredNorm();
+  const Vec2 centre = from + Vec2(v[1] * u2 - u[1] * v2, u[0] * v2 - v[0] * u2) / (2 * twice_area);
+  const double radius = (from - centre).norm();
+  for (int k = 0; k <= places_along; ++k)
+    if (!(std::abs((Vec2(place(double(k) / places_along)) - centre).norm() - radius) <=
+          same_curve * std::sqrt(std::max(u2, v2))))
+      return false;
+  return true;
+}
+
 }  // namespace
 
 std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const ProfileFrame& frame) {
@@ -131,17 +164,17 @@ std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const Pr
       const BRepAdaptor_Curve curve(edge);
       TopoDS_Shape face;
       const int number = section.HasAncestorFaceOn1(edge, face) ? faces.FindIndex(face) : 0;
-      const bool is_line = curve.GetType() == GeomAbs_Line, is_arc = curve.GetType() == GeomAbs_Circle;
+      const double first = curve.FirstParameter(), last = curve.LastParameter();
+      const auto place = [&](double part) { return at(curve.Value(first + part * (last - first))); };
+      const bool is_line = curve.GetType() == GeomAbs_Line || is_straight(place);
+      const bool is_arc = !is_line && (curve.GetType() == GeomAbs_Circle || is_round(place));
       if (!is_line && !is_arc)
         throw InputError(fmt::format("{} has a section that is neither a line nor an arc",
                                      number > 0 ? cad_face_text(model.faces()[number - 1], number) : "a face"));
-      const double first = curve.FirstParameter(), last = curve.LastParameter();
       const int pieces = is_arc ? 2 : 1;  // a circle has two halves
-      for (int k = 0; k < pieces; ++k) {
-        const double begin = first + k * (last - first) / pieces, end = first + (k + 1) * (last - first) / pieces;
-        edges.push_back({at(curve.Value(begin)), at(curve.Value(end)), at(curve.Value(0.5 * (begin + end))), is_arc,
+      for (int k = 0; k < pieces; ++k)
+        edges.push_back({place(double(k) / pieces), place((k + 1.0) / pieces), place((k + 0.5) / pieces), is_arc,
                          number - 1});
-      }
     }
     return edges;
   } catch (const Standard_Failure& failure) {

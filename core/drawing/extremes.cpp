@@ -91,7 +91,7 @@ class BodySearch {
   Extremes whole() const {
     Collector most;
     add_points(
-        drawn_, [&](std::size_t p) { return drawn_.position[p]; }, drawn_.position.size(), most);
+        drawn_, [&](std::size_t p) { return place_of(p); }, drawn_.position.size(), most);
     each_interior_block(drawn_, [&](int first, const PointValues& values) {
       const std::size_t size = std::max(values.displacement.size(), values.stress.size());
       add_points(
@@ -107,7 +107,7 @@ class BodySearch {
     for (const Surface& surface : cells_.solid.surfaces()) selected.push_back(face.selects(surface.names));
     Collector most;
     const std::set<int> points = drawn_points(face, selected);
-    for (const int p : points) add_point(drawn_, p, drawn_.position[p], most);
+    for (const int p : points) add_point(drawn_, p, place_of(p), most);
     if (points.empty()) add_boundary(face, selected, most);
     for (const ContactRow& row : results_.contact_rows) {
       if (row.body != body_) continue;
@@ -125,6 +125,11 @@ class BodySearch {
     if (!values.stress.empty()) most.stress(x, values.stress[p]);
   }
 
+  /// Of a body of revolution in its half-plane, which is drawn with a thickness.
+  Vec3 place_of(std::size_t point) const {
+    const Vec3& x = drawn_.position[point];
+    return cells_.grid.is_axisymmetric() ? cells_.grid.in_layer(x) : x;
+  }
   /// position(i) of the i-th of n points with values.
   template <class Position>
   static void add_points(const PointValues& values, const Position& position, std::size_t n, Collector& most) {
