@@ -28,7 +28,7 @@ struct HalfPlane {
   bool is_along(const Vec3& direction) const { return direction.cross(along).norm() <= same_axis; }
 };
 
-/// Is a plane along the axis so far away that it bounds nothing of a body up to a radius?
+/// Is a plane along the axis so far away that it bounds nothing of a body up to a radius (that of its bounding box)?
 bool is_beyond(const Surface& surface, const HalfPlane& plane, double radius) {
   return std::abs(surface.direction.dot(plane.along)) <= same_axis &&
          surface.direction.dot(surface.point) >= (1 - same_axis) * radius;
@@ -161,7 +161,7 @@ Solid meridian_of(const Solid& solid, int axis) {
   if (!solid.bounding_box(min, max)) throw InputError(std::string("the body is not bounded"));
   const int away = (axis + 1) % 3, across = (axis + 2) % 3;
   const double size = (max - min).maxCoeff(),
-               radius = std::min(std::max(max[away], -min[away]), std::max(max[across], -min[across]));
+               radius = std::hypot(std::max(max[away], -min[away]), std::max(max[across], -min[across]));
   std::vector<Surface> surfaces = body->surfaces();
   const Surface *turned = nullptr, *straight = nullptr;  // what is not of revolution, not of a prism
   for (const Surface& surface : body->surfaces()) {
