@@ -73,10 +73,9 @@ void check_resultants(const Scene& scene, const LoadSpec& load, const BodySpec& 
   const int along = body.axis_of_revolution();
   const Vec3 other = load.force - load.force[along] * Vec3::Unit(along);
   if (other.norm() <= along_axis * load.force.norm() && load.moment.isZero(0) && !load.bearing) return;
-  throw InputError(load.place, name_of_face(scene, load.face),
-                   "a force or moment that varies around the axis of revolution",
-                   fmt::format("a force along {}, pressures and tractions in the half-plane",
-                               coordinate_names()[along]));
+  throw InputError(
+      load.place, name_of_face(scene, load.face), "a force or moment that varies around the axis of revolution",
+      fmt::format("a force along {}, pressures and tractions in the half-plane", coordinate_names()[along]));
 }
 
 void check_load(const Scene& scene, int number, const BodyModel& body) {
@@ -111,8 +110,8 @@ void check_inertia_of_revolution(const BodySpec& body) {
   const std::string& name = coordinate_names()[along];
   if ((inertia.weight - inertia.weight.dot(axis) * axis).norm() > along_axis * inertia.weight.norm())
     refuse(body, "gravity acts across its axis of revolution", "gravity along " + name);
-  if (inertia.spin != 0 && (inertia.axis.cross(axis).norm() > flat ||
-                            inertia.centre.cross(axis).norm() > rounding * body.unit_radius))
+  if (inertia.spin != 0 &&
+      (inertia.axis.cross(axis).norm() > flat || inertia.centre.cross(axis).norm() > rounding * body.unit_radius))
     refuse(body, "it rotates about another axis than that of revolution", "rotation about " + name);
 }
 
@@ -121,7 +120,8 @@ void check_body_force(const BodyModel& body) {
   if (body.spec->axisymmetric()) check_inertia_of_revolution(*body.spec);
   const int axis = axis_of(*body.spec);
   // Quadtrees have the plane in the middle only, where such a rotation has no force along the axis.
-  if (const Inertia& inertia = body.spec->inertia; !body.spec->axisymmetric() && inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
+  if (const Inertia& inertia = body.spec->inertia;
+      !body.spec->axisymmetric() && inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
     refuse(*body.spec, "it rotates about another axis than that of plane strain",
            "rotation about an axis along " + name_of(*body.spec->plane_strain));
   for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {

@@ -1,4 +1,3 @@
-#include "contact/model/around_axis.hpp"
 #include "contact/results/conditions.hpp"
 
 #include <fmt/format.h>
@@ -7,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "contact/model/around_axis.hpp"
 #include "core/base/text.hpp"
 
 namespace cgcontact {

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "contact/model/around_axis.hpp"
 #include "contact/results/displacement_estimate.hpp"
 #include "contact/results/holding.hpp"
 #include "contact/results/pressure_error.hpp"
 #include "contact/results/reference.hpp"
 #include "contact/solve/active_set.hpp"
-#include "contact/model/around_axis.hpp"
 #include "core/base/ranks.hpp"
 #include "recovery/error/error_estimate.hpp"
 

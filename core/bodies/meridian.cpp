@@ -114,6 +114,27 @@ double area_of(const std::vector<CadModel::SectionEdge>& line) {
   return std::abs(twice) / 2;
 }
 
+/// The same with the names of a body's faces in the place of their numbers; -1: the axis, "": the ends of the prism.
+Solid with_names_of(const BodyGeometry& body, const Solid& section) {
+  const CsgBody& of_numbers = *as_csg(section);
+  std::vector<Surface> surfaces = of_numbers.surfaces();
+  for (Surface& surface : surfaces) {
+    std::vector<std::string> names;
+    for (const std::string& number : surface.names) {
+      if (number.empty()) continue;
+      const int face = std::stoi(number);
+      const std::vector<std::string> of_face =
+          face < 0 ? std::vector<std::string>{"axis.plane"} : body.surfaces()[face].names;
+      for (const std::string& name : of_face)
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+    surface.names = std::move(names);
+  }
+  Vec3 min, max;
+  section.bounding_box(min, max);
+  return Solid(std::make_shared<CsgBody>(std::move(surfaces), of_numbers.expression(), hull_of(min, max)));
+}
+
 /// The section of a CAD solid as a profile: lines of less area lie in the larger ones, as holes or parts in holes.
 Solid section_of(const CadBody& body, const HalfPlane& plane) {
   const Similarity& place = body.placement();
@@ -129,16 +150,12 @@ Solid section_of(const CadBody& body, const HalfPlane& plane) {
   std::optional<Solid> result;
   for (const auto& line : lines) {
     std::vector<ProfileEdge> profile;
-    for (const auto& edge : line) {
-      const std::vector<std::string> none;
-      const auto& names = edge.face < 0 ? none : body.model().faces()[edge.face].names;
-      profile.push_back({place.scale * edge.from, place.scale * edge.to,
-                         edge.face < 0 ? "axis.plane" : names.empty() ? "" : names.front(), edge.is_arc != 0,
+    for (const auto& edge : line)
+      profile.push_back({place.scale * edge.from, place.scale * edge.to, std::to_string(edge.face), edge.is_arc != 0,
                          place.scale * edge.through});
-    }
     const Solid part = extruded(profile, frame, 2 * half_thickness_of_meridian, "", "");
-    const Vec2 middle = profile.front().is_arc ? profile.front().through
-                                               : Vec2((profile.front().from + profile.front().to) / 2);
+    const Vec2 middle =
+        profile.front().is_arc ? profile.front().through : Vec2((profile.front().from + profile.front().to) / 2);
     if (!result)
       result = part;
     else if (result->contains(middle[0] * plane.away + middle[1] * plane.along))
@@ -146,7 +163,7 @@ Solid section_of(const CadBody& body, const HalfPlane& plane) {
     else
       result = Solid::unite(*result, part);
   }
-  return *result;
+  return with_names_of(body, *result);
 }
 
 }  // namespace
@@ -155,8 +172,7 @@ Solid meridian_of(const Solid& solid, int axis) {
   const HalfPlane plane(axis);
   if (const CadBody* cad = as_cad(solid)) return section_of(*cad, plane);
   const CsgBody* body = as_csg(solid);
-  if (!body)
-    throw InputError(std::string("it is bounded by triangles, which are of revolution only nearly"));
+  if (!body) throw InputError(std::string("it is bounded by triangles, which are of revolution only nearly"));
   Vec3 min, max;
   if (!solid.bounding_box(min, max)) throw InputError(std::string("the body is not bounded"));
   const int away = (axis + 1) % 3, across = (axis + 2) % 3;
@@ -170,9 +186,10 @@ Solid meridian_of(const Solid& solid, int axis) {
   }
   if (turned && straight) throw InputError(name_of(*turned) + " is not of revolution about the axis");
   if (turned && min[away] < -same_axis * size)
-    throw InputError(fmt::format("{} is not of revolution about the axis, and a section given as a prism must lie on "
-                                 "one side of it (it reaches to {:.6g} m)",
-                                 name_of(*turned), min[away]));
+    throw InputError(
+        fmt::format("{} is not of revolution about the axis, and a section given as a prism must lie on "
+                    "one side of it (it reaches to {:.6g} m)",
+                    name_of(*turned), min[away]));
   if (!turned)
     for (Surface& surface : surfaces) surface = section_of(surface, plane);
   min[away] = 0;

@@ -1,5 +1,5 @@
-/// Profiles of lines and arcs turned about an axis, by OpenCASCADE: those that are tori; and back, the sections of solids
-/// of revolution.
+/// Profiles of lines and arcs turned about an axis, by OpenCASCADE: those that are tori; and back, the sections of
+/// solids of revolution.
 #include <fmt/format.h>
 
 #include <BRepAdaptor_Curve.hxx>
@@ -17,6 +17,8 @@
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
+#include <algorithm>
+#include <cmath>
 #include <gp_Circ.hxx>
 #include <gp_Cone.hxx>
 #include <gp_Cylinder.hxx>
@@ -24,6 +26,7 @@
 #include <gp_Pln.hxx>
 #include <gp_Sphere.hxx>
 #include <gp_Torus.hxx>
+#include <numeric>
 
 #include "core/base/errors.hpp"
 #include "core/cad/cad_shape.hpp"
@@ -163,7 +166,7 @@ std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const Pr
       const TopoDS_Edge& edge = TopoDS::Edge(i.Current());
       const BRepAdaptor_Curve curve(edge);
       TopoDS_Shape face;
-      const int number = section.HasAncestorFaceOn1(edge, face) ? faces.FindIndex(face) : 0;
+      int number = section.HasAncestorFaceOn1(edge, face) ? faces.FindIndex(face) : 0;
       const double first = curve.FirstParameter(), last = curve.LastParameter();
       const auto place = [&](double part) { return at(curve.Value(first + part * (last - first))); };
       const bool is_line = curve.GetType() == GeomAbs_Line || is_straight(place);
@@ -171,10 +174,17 @@ std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const Pr
       if (!is_line && !is_arc)
         throw InputError(fmt::format("{} has a section that is neither a line nor an arc",
                                      number > 0 ? cad_face_text(model.faces()[number - 1], number) : "a face"));
+      if (number == 0) {  // where the seam of a face lies in the half-plane
+        const gp_Pnt x = curve.Value(0.5 * (first + last));
+        std::vector<int> all(faces.Extent());
+        std::iota(all.begin(), all.end(), 0);
+        const std::vector<double> distances = model.distances(all, Vec3(x.X(), x.Y(), x.Z()));
+        number = 1 + static_cast<int>(std::min_element(distances.begin(), distances.end()) - distances.begin());
+      }
       const int pieces = is_arc ? 2 : 1;  // a circle has two halves
       for (int k = 0; k < pieces; ++k)
-        edges.push_back({place(double(k) / pieces), place((k + 1.0) / pieces), place((k + 0.5) / pieces), is_arc,
-                         number - 1});
+        edges.push_back(
+            {place(double(k) / pieces), place((k + 1.0) / pieces), place((k + 0.5) / pieces), is_arc, number - 1});
     }
     return edges;
   } catch (const Standard_Failure& failure) {

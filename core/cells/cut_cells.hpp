@@ -28,9 +28,9 @@ struct Adoption {
 struct CutCells {
   Solid solid;  ///< in grid coordinates
   Grid grid;
-  std::vector<Index3> cells;         ///< active cells (positive volume): place in their level; by level, k, j, i
-  GridNumbers numbers;               ///< of the active cells of a grid of one level: indices into cells
-  std::vector<signed char> levels;   ///< level of each active cell; empty: 0
+  std::vector<Index3> cells;        ///< active cells (positive volume): place in their level; by level, k, j, i
+  GridNumbers numbers;              ///< of the active cells of a grid of one level: indices into cells
+  std::vector<signed char> levels;  ///< level of each active cell; empty: 0
   /// Index into moments, or -1 for an interior (full) cell; all cells of a body of revolution have moments.
   std::vector<int> cut_of_active;
   std::vector<int> active_of_cut;    ///< cut cell -> active cell

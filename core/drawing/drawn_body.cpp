@@ -169,8 +169,9 @@ void average_to_points(ContactSurface& surface) {
 double volume_of_cell(const CutCells& cut_cells, int cell) {
   const Grid& grid = cut_cells.grid;
   const double h = cut_cells.h(cell);
-  const double thickness =
-      grid.is_axisymmetric() ? 2 * pi * cut_cells.radius(cell) : grid.is_quadtree() ? grid.thickness : h;
+  const double thickness = grid.is_axisymmetric() ? 2 * pi * cut_cells.radius(cell)
+                           : grid.is_quadtree()   ? grid.thickness
+                                                  : h;
   return cut_cells.volume_fraction(cell) * h * h * thickness;
 }
 

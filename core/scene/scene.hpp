@@ -101,7 +101,8 @@ struct BodySpec {
   double most_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
   std::optional<Coordinate> plane_strain;                       ///< nothing varies and nothing moves along this axis
   SourcePlace plane_strain_place;
-  /// Of bodies of revolution (plane_strain is the axis across their half-plane), the largest radius in the scene, m; or 0
+  /// Of bodies of revolution (plane_strain is the axis across their half-plane), the largest radius in the scene, m; or
+  /// 0
   double unit_radius = 0;
   bool quadtree = false;  ///< in plane strain with cells of several sizes: one layer of them on every level
   Vec3 grid_offset =
@@ -142,7 +143,7 @@ const char* name_of(Held component);
 /// Frictionless support: u . direction = value on the face, one entry per constrained direction; or springs along them.
 struct SupportSpec {
   FaceRef face;
-  bool symmetry = false;                                  ///< direction is the normal of the face, value 0
+  bool symmetry = false;         ///< direction is the normal of the face, value 0
   bool by_plane_strain = false;  ///< an end of a body in plane strain, or an axis of revolution: holds of itself
   std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
   std::optional<Expression> normal_displacement;          ///< m, along the outward normal

@@ -402,7 +402,8 @@ void SceneReader::read_axisymmetric(const TomlCursor& root) {
     if (body.plane_strain)
       node->fail("stands beside plane_strain of body \"" + body.name + '"', "one of the two for all bodies");
     if ((body.grid_rotation - Mat3::Identity()).norm() > same_axis)
-      node->fail("the grid of body \"" + body.name + "\" is turned", "no grid.rotation: the axis is a line of the grid");
+      node->fail("the grid of body \"" + body.name + "\" is turned",
+                 "no grid.rotation: the axis is a line of the grid");
     body.plane_strain = static_cast<Coordinate>((axis + 2) % 3);
     body.plane_strain_place = node->place();
     body.quadtree = true;
@@ -881,9 +882,10 @@ void SceneReader::check_preload_of_steps(const TomlCursor& node) const {
 }
 
 const std::vector<std::string>& scene_keys() {
-  static const std::vector<std::string> keys{
-      "title", "parameters", "plane_strain", "axisymmetric", "accuracy", "material", "body",  "support", "load", "contact",
-      "steps", "solver",     "recovery",     "output",       "reference", "gravity", "rotation", "probe", "section"};
+  static const std::vector<std::string> keys{"title",    "parameters", "plane_strain", "axisymmetric", "accuracy",
+                                             "material", "body",       "support",      "load",         "contact",
+                                             "steps",    "solver",     "recovery",     "output",       "reference",
+                                             "gravity",  "rotation",   "probe",        "section"};
   return keys;
 }
 

@@ -55,8 +55,8 @@ KOKKOS_INLINE_FUNCTION void add_ring_strain(const Ring& ring, const double u[8][
 }
 
 /// Stress from the corner displacements (per cell unit, unit Young's modulus): xx, yy, zz, xy, yz, zx.
-KOKKOS_INLINE_FUNCTION void hex_stress(const UnitElasticity& law, const double u[8][3], const double xi[3],
-                                       double s[6], const Ring& ring = {}) {
+KOKKOS_INLINE_FUNCTION void hex_stress(const UnitElasticity& law, const double u[8][3], const double xi[3], double s[6],
+                                       const Ring& ring = {}) {
   double g[3][3];
   interpolate_gradient(u, xi, g);
   add_ring_strain(ring, u, xi, g);

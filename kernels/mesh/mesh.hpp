@@ -85,11 +85,11 @@ struct BodyMesh {
   /// Whether a node (index into nodes) lies on the axis of revolution.
   bool is_on_axis(int node) const {
     const Grid& grid = cut_cells->grid;
-    return grid.is_axisymmetric() && std::abs(grid.radius(node_position(node))) < 0.25 * grid.cell_size_of(
-                                                                                           grid.num_levels - 1);
+    return grid.is_axisymmetric() &&
+           std::abs(grid.radius(node_position(node))) < 0.25 * grid.cell_size_of(grid.num_levels - 1);
   }
-  /// Whether a degree of freedom of a node (index into nodes) is zero: across plane strain, and on an axis of revolution
-  /// away from it.
+  /// Whether a degree of freedom of a node (index into nodes) is zero: across plane strain, and on an axis of
+  /// revolution away from it.
   bool is_zero(int node, int component) const {
     if (!in_plane_strain()) return false;
     const Grid& grid = cut_cells->grid;
@@ -103,8 +103,8 @@ struct BodyMesh {
     if (is_axisymmetric()) return motion == grid.axis_of_revolution();
     return motion < 3 ? motion != grid.plane_strain : motion - 3 == grid.plane_strain;
   }
-  /// Degrees of freedom that neither constraints nor plane strain nor an axis of revolution give; the motions of a rigid
-  /// body.
+  /// Degrees of freedom that neither constraints nor plane strain nor an axis of revolution give; the motions of a
+  /// rigid body.
   int num_free_dofs() const;
   bool is_free(int node) const { return constraint_of_node.empty() || constraint_of_node[node] < 0; }
   /// Number among the nodes of all bodies of the one at a place of the grid, or -1. A body of one level.

@@ -284,18 +284,17 @@ KOKKOS_FORCEINLINE_FUNCTION void plane_forces(const typename BandCells<Real>::La
 /// E along the axis and G away from it, times the diameter 2 r (in cells: diameter of the middle + G), plain, and over
 /// the diameter.
 namespace ring_moment {
-constexpr int ring = 0;     ///< 1, E, G, E G, E^2, G^2
-constexpr int plain = 6;    ///< 1, E, G, E G, E^2
+constexpr int ring = 0;      ///< 1, E, G, E G, E^2, G^2
+constexpr int plain = 6;     ///< 1, E, G, E G, E^2
 constexpr int inverse = 11;  ///< 1, E, E^2
 constexpr int diameter = 14;
 }  // namespace ring_moment
 
-/// Corner forces of a cell of a body of revolution, in place, as plane_forces: strain u_r / r around the axis, volume in
-/// proportion to r. With u_r = r slope + b, where slope is the strain along r and b does not depend on r, all that is
-/// no polynomial is b^2 / r (docs/theory.md, "Bodies of revolution").
+/// Corner forces of a cell of a body of revolution, in place, as plane_forces: strain u_r / r around the axis, volume
+/// in proportion to r. With u_r = r slope + b, where slope is the strain along r and b does not depend on r, all that
+/// is no polynomial is b^2 / r (docs/theory.md, "Bodies of revolution").
 template <int d, class Real, class V>
-KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law& law, const Real* moments,
-                                             V u[3][8]) {
+KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law& law, const Real* moments, V u[3][8]) {
   constexpr int e = (d + 1) % 3, g = (d + 2) % 3, D = 1 << d, E = 1 << e, G = 1 << g;
   const V* m = reinterpret_cast<const V*>(moments);
   const V *r = m + ring_moment::ring, *n = m + ring_moment::plain, *w = m + ring_moment::inverse;
@@ -309,7 +308,8 @@ KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law
     c[k][2] = Real(2) * (high - low);
     mean = Real(2) * ((v[E | G] + v[G]) + (v[E] + v[0]));
   }
-  // Strains: ee = c00 + c02 G, gg = c11 + c12 E, around = gg + (b0 + b1 E) / diameter, shear = c01 + c10 + c02 E + c12 G.
+  // Strains: ee = c00 + c02 G, gg = c11 + c12 E, around = gg + (b0 + b1 E) / diameter, shear = c01 + c10 + c02 E + c12
+  // G.
   const V &p = c[0][2], &q = c[1][2], &ee = c[0][0], &gg = c[1][1];
   const V b0 = mean - diameter * gg, b1 = c[1][0] - diameter * q;
   const V shear = c[0][1] + c[1][0];
@@ -318,8 +318,8 @@ KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law
   const V f_ee = r[0] * (A * ee + twice * gg) + A * r[2] * p + twice * r[1] * q + L * (n[0] * b0 + n[1] * b1);
   const V f_p = r[2] * (A * ee + twice * gg) + A * r[5] * p + twice * r[3] * q + L * (n[2] * b0 + n[3] * b1) +
                 r[1] * shear + r[4] * p + r[3] * q;
-  const V f_gg = r[0] * (both * gg + twice * ee) + both * r[1] * q + twice * r[2] * p +
-                 (A + L) * (n[0] * b0 + n[1] * b1);
+  const V f_gg =
+      r[0] * (both * gg + twice * ee) + both * r[1] * q + twice * r[2] * p + (A + L) * (n[0] * b0 + n[1] * b1);
   const V f_q = r[1] * (both * gg + twice * ee) + both * r[4] * q + twice * r[3] * p +
                 (A + L) * (n[1] * b0 + n[4] * b1) + r[2] * shear + r[3] * p + r[5] * q;
   const V f_shear = r[0] * shear + r[1] * p + r[2] * q;

@@ -61,7 +61,8 @@ void integrate_ring(const BodyMesh& mesh, int cell, const double* weights, doubl
       for (int c = 0; c < Element::num_dofs; ++c)
         for (int i = 0; i < 3; ++i) {
           const int j = (i + 1) % 3;
-          K[r][c] += w * (gradient[r][i][i] * stress[c][i] + (gradient[r][i][j] + gradient[r][j][i]) * stress[c][3 + i]);
+          K[r][c] +=
+              w * (gradient[r][i][i] * stress[c][i] + (gradient[r][i][j] + gradient[r][j][i]) * stress[c][3 + i]);
         }
   }
   for (int r = 0; r < Element::num_dofs; ++r)

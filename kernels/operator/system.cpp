@@ -71,8 +71,7 @@ ElasticSystem make_elastic_system(const std::vector<const CutCells*>& bodies, co
     const std::vector<NodeConstraint>& own = system.meshes.back().constraints;
     system.constraints.insert(system.constraints.end(), own.begin(), own.end());
   }
-  for (const BodyMesh& mesh : system.meshes)
-    add_zero_dofs(mesh, system.zero_dofs);
+  for (const BodyMesh& mesh : system.meshes) add_zero_dofs(mesh, system.zero_dofs);
   system.dofs = DofMap(num_nodes, system.constraints, system.zero_dofs);
   if (!system.constraints.empty()) system.constraint_of_node.assign(system.num_nodes, -1);
   for (std::size_t c = 0; c < system.constraints.size(); ++c)

@@ -249,7 +249,8 @@ void PatchClass<degree, bodies>::constrain(const PatchRows& rows) {
   hold_firm_rows();
 }
 
-/// Leaves of a polynomial what it is in the half-plane of a body of revolution: nothing across, where cells have a size.
+/// Leaves of a polynomial what it is in the half-plane of a body of revolution: nothing across, where cells have a
+/// size.
 template <int degree>
 void keep_half_plane(int across, double a[6][Polynomial<degree>::num_terms]) {
   constexpr int terms[3][4] = {{1, 4, 7, 9}, {2, 5, 7, 8}, {3, 6, 8, 9}};  // of Polynomial<2> with x, y, z

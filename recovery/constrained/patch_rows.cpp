@@ -463,7 +463,8 @@ void PatchRows::interior_values(int of_body, const Vec3& centre, double unit, do
         context_.divergence(of_body, centre - half, unit) - context_.divergence(of_body, centre + half, unit);
     for (int i = 0; i < 3; ++i) df[i][k] = change[i];
   }
-  if (const Grid& grid = body.mesh->cut_cells->grid; degree == 2 && grid.is_axisymmetric()) {  // it turns with the angle
+  if (const Grid& grid = body.mesh->cut_cells->grid;
+      degree == 2 && grid.is_axisymmetric()) {  // it turns with the angle
     const int across = grid.plane_strain, away = grid.radial_axis();
     const double r = grid.radius(centre) / (unit * grid.cell_size);
     df[across][across] = r > on_axis ? f[away] / r : df[away][away];

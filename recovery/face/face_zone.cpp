@@ -181,8 +181,9 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
   return error;
 }
 
-/// Around an axis of revolution the far field is known by two or three means over cells where a zone is that narrow, and
-/// no variant of it tells that they are means: within a cell a profile as wide as the zone is off by (h / half width)^2 /
+/// Around an axis of revolution the far field is known by two or three means over cells where a zone is that narrow,
+/// and no variant of it tells that they are means: within a cell a profile as wide as the zone is off by (h / half
+/// width)^2 /
 /// 24. A part of the pressure.
 double part_within_means(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;

@@ -143,12 +143,12 @@ HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus
   if (grid.meridian) {
     rings_ = array("cgcontact::half_space::rings", grid.size[1], grid.size[1]);
     const auto host = Kokkos::create_mirror_view(rings_);
-    // The work of one ring's pressure on the other's is that of the other's on the one's; at centres of patches it is so
-    // up to their size only, which conjugate gradients do not bear where a zone is one or two patches wide.
+    // The work of one ring's pressure on the other's is that of the other's on the one's; at centres of patches it is
+    // so up to their size only, which conjugate gradients do not bear where a zone is one or two patches wide.
     for (int i = 0; i < grid.size[1]; ++i)
       for (int j = 0; j <= i; ++j) {
-        const double work =
-            (grid.ring(i) * ring_influence(grid, i, j) + grid.ring(j) * ring_influence(grid, j, i)) / (2 * pi * modulus);
+        const double work = (grid.ring(i) * ring_influence(grid, i, j) + grid.ring(j) * ring_influence(grid, j, i)) /
+                            (2 * pi * modulus);
         host(i, j) = work / grid.ring(i);
         host(j, i) = work / grid.ring(j);
       }

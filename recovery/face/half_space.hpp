@@ -16,8 +16,9 @@ namespace cgcontact {
 /// Rings have a dense S: the displacement by a ring of pressure, 4 r' / D K(k) / (pi E*) along its line, D the longest
 /// distance to it, as if the half-space lay around the axis.
 ///
-/// Elsewhere S depends on the distance of the patches alone. Pressures that are mirrored at both ends of each axis make it
-/// diagonal in cosines; a free end becomes one of those by room for as many patches again, beyond which nothing acts.
+/// Elsewhere S depends on the distance of the patches alone. Pressures that are mirrored at both ends of each axis make
+/// it diagonal in cosines; a free end becomes one of those by room for as many patches again, beyond which nothing
+/// acts.
 class HalfSpace {
  public:
   using Memory = MemSpace;

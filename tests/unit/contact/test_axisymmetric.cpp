@@ -95,8 +95,7 @@ face = "tube.rod.top"
 displacement = {z = 0}
 )";
   const auto solved = test::run_text(
-      more.empty() ? text + "[[load]]\nface = \"tube.bore.side\"\npressure = 1e8\n" : text,
-      {"solver.tolerance=1e-8"});
+      more.empty() ? text + "[[load]]\nface = \"tube.bore.side\"\npressure = 1e8\n" : text, {"solver.tolerance=1e-8"});
   EXPECT_TRUE(solved->results().converged) << solved->results().diagnosis;
   const BodyFields& body = solved->results().bodies[0];
   double sum = 0, norm = 0;
@@ -153,8 +152,9 @@ std::string ball(double force, double n, double offset) {
   double size = a / n;
   while (size < 0.0015) size *= 2;
   const std::string cells = "cell_size = " + std::to_string(size * 1e6) + "e-6\ngrid = {offset = [0, 0, " +
-                            std::to_string(offset) + "]}\nrefine = [{sphere = {center = [0, 0, 0], radius = " +
-                            std::to_string(1.6e6 * a) + "e-6}, size = " + std::to_string(1.0001e6 * a / n) + "e-6}]\n";
+                            std::to_string(offset) +
+                            "]}\nrefine = [{sphere = {center = [0, 0, 0], radius = " + std::to_string(1.6e6 * a) +
+                            "e-6}, size = " + std::to_string(1.0001e6 * a / n) + "e-6}]\n";
   return R"(
 axisymmetric = "z"
 [[body]]
@@ -169,19 +169,22 @@ shape = {intersection = [
   {name = "ball", sphere = {center = [0, 0, 0.01], radius = 0.01}},
   {name = "cut", half_space = {point = [0, 0, 0.01], normal = [0, 0, 1]}}]}
 material = {E = 210e9, nu = 0.3}
-)" + cells + R"(
+)" + cells +
+         R"(
 [[support]]
 face = "plate.plate.bottom"
 displacement = {z = 0}
 [[load]]
 face = "ball.cut.plane"
-force = [0, 0, )" + std::to_string(-force) + R"toml(]
+force = [0, 0, )" +
+         std::to_string(-force) + R"toml(]
 [[contact]]
 faces = ["plate.plate.top", "ball.ball.surface"]
 [reference]
 pressure = "p0*sqrt(max(0, 1-x^2/a^2))"
 [reference.parameters]
-a = )toml" + std::to_string(a * 1e6) + "e-6\np0 = " + std::to_string(3 * force / (2 * pi * a * a)) + "\n";
+a = )toml" +
+         std::to_string(a * 1e6) + "e-6\np0 = " + std::to_string(3 * force / (2 * pi * a * a)) + "\n";
 }
 
 /// Hertz, a/R = 1/100, 4 to 16 cells over a: measured 0.09 to 0.33 %, estimates 0.16 to 0.33 %; force and zone.
@@ -205,7 +208,8 @@ TEST(Axisymmetric, BallOnPlateMeetsHertz) {
     }
 }
 
-/// Weight and friction of a rod that stands on a plate: forces of the whole, torque 2/3 mu W R up to the pressure's edge.
+/// Weight and friction of a rod that stands on a plate: forces of the whole, torque 2/3 mu W R up to the pressure's
+/// edge.
 TEST(Axisymmetric, FiguresAreThoseOfTheWholeBody) {
   const auto solved = test::run_text(R"(
 axisymmetric = "z"

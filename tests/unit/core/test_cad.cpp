@@ -2,10 +2,14 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <random>
 #include <thread>
 
+#include "core/base/decompositions.hpp"
 #include "core/base/errors.hpp"
 #include "core/bodies/cad_body.hpp"
+#include "core/bodies/meridian.hpp"
+#include "core/geometry/profile.hpp"
 #include "core/scene/read_scene.hpp"
 #include "tests/support/cad_parts.hpp"
 #include "tests/support/input_errors.hpp"
@@ -473,6 +477,44 @@ TEST_F(Cad, FacesOfAScene) {
   refused(plate + ", faces = [{name = \"a\"}]", {"selects nothing", "nearest"});
   refused(plate + ", faces = [{name = \"face2\", number = 1}]", {"is a name that the file gives a face"});
   refused(plate + ", faces = [{name = \"a\", number = 9}]", {"1 to 6"});
+}
+
+/// Sections of rings with grooves and of a torus, turned or not, hold the same points; a ball on one side of a groove
+/// has a seam in the half-plane. Faces keep their names.
+TEST_F(Cad, SectionsOfBodiesOfRevolution) {
+  const ProfileFrame frame{Vec3(0, 0, 3), Vec3::UnitX(), Vec3::UnitZ()};
+  const CadModel torus = CadModel::revolved({{Vec2(12, 0), Vec2(12, 0), "ring.surface", true, Vec2(8, 0)}}, frame);
+  const std::vector<CadSolid> rings = read_cad(std::string(CGCONTACT_SOURCE_DIR) + "/scenes/data/bearing.step", {});
+  std::vector<CadModel> models{torus};
+  for (const CadSolid& solid : rings)
+    if (solid.name == "inner" || solid.name == "outer") models.push_back(solid.model);
+  ASSERT_EQ(models.size(), 3u);
+  std::mt19937 random(7);
+  for (const CadModel& each : models)
+    for (const int axis : {2, 0}) {
+      const auto [low, high] = each.box();
+      const double size = mm * (high - low).maxCoeff();
+      Solid whole(std::make_shared<CadBody>(each, mm, size / 40));
+      if (axis == 0) whole = whole.transformed(rotation_between(Vec3::UnitZ(), Vec3::UnitX()), Vec3::Zero());
+      const Solid section = meridian_of(whole, axis);
+      std::uniform_real_distribution<double> away(0, 0.55 * size), along(-0.4 * size, 0.4 * size);
+      int inside = 0;
+      for (int i = 0; i < 3000; ++i) {
+        Vec3 x = Vec3::Zero();
+        x[axis] = along(random);
+        x[(axis + 1) % 3] = away(random);
+        if (whole.distance_to_surfaces(x) < 1e-3 * size) continue;  // triangles stand for the body there
+        EXPECT_EQ(section.contains(x), whole.contains(x)) << x.transpose();
+        inside += section.contains(x);
+      }
+      EXPECT_GT(inside, 50);
+      for (const Surface& face : whole.surfaces())
+        EXPECT_TRUE(std::any_of(section.surfaces().begin(), section.surfaces().end(), [&](const Surface& surface) {
+          return surface.names == face.names;
+        })) << face.names.front();
+    }
+  const CadModel box = model("box");
+  EXPECT_THROW(meridian_of(Solid(std::make_shared<CadBody>(box, mm, 1e-3)), 2), InputError);
 }
 
 }  // namespace

@@ -67,9 +67,9 @@ TEST(Meridian, OtherBodiesAreRefused) {
   refused(Solid::sphere(Vec3(0.1, 0, 0), 1, "ball"), "\"ball.surface\" is not of revolution");
   refused(Solid::cylinder(Vec3(0, 0, 0), Vec3(1, 0, 0), 1, "rod"), "is not of revolution");
   refused(Solid::box(Vec3(-1, -1, 0), Vec3(1, 1, 1), "box"), "must lie on one side");
-  refused(Solid::intersect(Solid::sphere(Vec3(0, 0, 0), 1, "ball"),
-                           Solid::box(Vec3(-0.9, -2, -2), Vec3(2, 2, 2), "box")),
-          "\"box.x-\" is not of revolution");
+  refused(
+      Solid::intersect(Solid::sphere(Vec3(0, 0, 0), 1, "ball"), Solid::box(Vec3(-0.9, -2, -2), Vec3(2, 2, 2), "box")),
+      "\"box.x-\" is not of revolution");
   refused(Solid::intersect(turned(2), Solid::half_space(Vec3(0.1, 0, 0), Vec3(1, 0, 0), "cut")),
           "\"cut.plane\" is not of revolution");
 }

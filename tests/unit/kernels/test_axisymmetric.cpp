@@ -39,9 +39,8 @@ CutCells quadtree(int across, double rim, double bore, int n = 6, int parts = 8)
   low[across] = base[across] = -3 * h;  // beyond the layer
   high[across] = top[across] = 3 * h;
   low[radial] = base[radial] = top[radial] = bore;
-  const Solid solid =
-      Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, rim - bore, "rim"))
-          .transformed(Mat3::Identity(), -grid.origin / h, 1 / h);
+  const Solid solid = Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, rim - bore, "rim"))
+                          .transformed(Mat3::Identity(), -grid.origin / h, 1 / h);
   Vec3 place = -grid.origin / h;
   place[along] += (rim - bore) * n;
   place[radial] += bore * n;
