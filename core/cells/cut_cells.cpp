@@ -509,8 +509,11 @@ double CutCells::radius(int active) const {
 void CutCells::drop_moments() {
   if (fractions.empty())
     for (const Moments& m : moments) fractions.push_back(m[0] / 8);
-  if (grid.is_axisymmetric() && radii.empty())
-    for (const int active : active_of_cut) radii.push_back(radius(active));
+  if (grid.is_axisymmetric() && radii.empty()) {
+    std::vector<double> all;  // as long as there are none they follow from the moments
+    for (const int active : active_of_cut) all.push_back(radius(active));
+    radii = std::move(all);
+  }
   moments = {};
   for (CutCells& part : parts) part.drop_moments();
 }

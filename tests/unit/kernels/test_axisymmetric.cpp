@@ -135,6 +135,9 @@ TEST(Axisymmetric, VolumeAndAreaAreThoseOfTheBody) {
       if (std::abs(x.norm() - 0.9) < 1e-6) area += cells.boundary.weight[p];
     }
     EXPECT_NEAR(volume * h * h * h * cells.grid.slices(), 2. / 3 * pi * std::pow(0.9, 3), 1e-8);
+    CutCells without = cells;
+    without.drop_moments();
+    for (int e = 0; e < static_cast<int>(cells.cells.size()); ++e) EXPECT_EQ(without.volume(e), cells.volume(e)) << e;
     EXPECT_NEAR(area * h * h * cells.grid.slices(), 2 * pi * 0.9 * 0.9, 1e-6);
   }
 }
