@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""Bodies of revolution as a user meets them: the shipped scenes on terminal, report and CSV; figures are those of the whole
+bodies; check says so; a quarter in three dimensions has the same pressure within both estimates."""
+import math
+import pathlib
+import unittest
+
+import harness
+from harness import cgcontact, contact_rows, report, scene
+
+QUIET = ["--set", "output.plots=false", "--set", "output.report=false"]
+
+QUARTER = """
+[accuracy]
+pressure = "2 %"
+[[body]]
+name = "plate"
+material = {E = 210e9, nu = 0.3}
+shape = {intersection = [{name = "plate", cylinder = {base = [0, 0, -0.02], top = [0, 0, 0], radius = 0.02}}, PLATE]}
+[[body]]
+name = "ball"
+material = {E = 210e9, nu = 0.3}
+shape = {intersection = [{name = "ball", sphere = {center = [0, 0, 0.01], radius = 0.01}}, {name = "cut", half_space = {point = [0, 0, 0.01], normal = [0, 0, 1]}}, BALL]}
+[[support]]
+face = "plate.plate.bottom"
+displacement = {z = 0}
+[[load]]
+face = "ball.cut.plane"
+force = [0, 0, FORCE]
+[[contact]]
+faces = ["plate.plate.top", "ball.ball.surface"]
+"""
+
+
+class Axisymmetric(unittest.TestCase):
+    def solve(self, file, *arguments, out="out"):
+        outcome = cgcontact("run", file, "--out", out, *QUIET, *arguments)
+        self.assertEqual(outcome.code, 0, outcome.err)
+        return outcome, report(out), contact_rows(out)
+
+    def test_ball_in_seat(self):
+        """A narrow ring of contact: largest pressure and width of a line with the same load per length, to 1 % (the ring is 1/84 of the
+        ball's radius wide); the weights of the rows are rings."""
+        outcome, figures, rows = self.solve(scene("ball_in_seat"))
+        pair = figures["contact"][0]
+        self.assertAlmostEqual(abs(pair["force"]["ball"][2]), 2000, delta=0.1)
+        self.assertEqual(pair["force"]["ball"][0], 0)
+        radius, modulus = 0.01 * math.sqrt(0.5), 210e9 / (2 * (1 - 0.3 ** 2))
+        load = 2000 / (2 * math.pi * radius * math.sqrt(0.5))
+        half = math.sqrt(4 * load * 0.01 / (math.pi * modulus))
+        self.assertAlmostEqual(pair["max_pressure"] / (2 * load / (math.pi * half)), 1, delta=0.01)
+        self.assertAlmostEqual(pair["area"] / (2 * math.pi * radius * 2 * half), 1, delta=0.03)
+        carried = sum(row["weight"] * row["pressure_sprc"] for row in rows if row["body"] == "seat")
+        self.assertAlmostEqual(carried * math.sqrt(0.5) / 2000, 1, delta=0.02)
+        self.assertLess(pair["pressure_error_estimate"], 0.02)
+
+    def test_quarter_in_three_dimensions(self):
+        ring, quarter = pathlib.Path("ring.toml"), pathlib.Path("quarter.toml")
+        ring.write_text('axisymmetric = "z"\n' + QUARTER.replace(", PLATE", "").replace(", BALL", "").replace("FORCE", "-1000"))
+        planes = '{{name = "{0}x", half_space = {{point = [0, 0, 0], normal = [-1, 0, 0]}}}}, ' \
+                 '{{name = "{0}y", half_space = {{point = [0, 0, 0], normal = [0, -1, 0]}}}}'
+        text = QUARTER.replace("PLATE", planes.format("p")).replace("BALL", planes.format("b")).replace("FORCE", "-250")
+        for face in ("plate.px", "plate.py", "ball.bx", "ball.by"):
+            text += f'[[support]]\nface = "{face}.plane"\nsymmetry = true\n'
+        quarter.write_text(text)
+        flat, solid = self.solve(ring)[1], self.solve(quarter, out="solid")[1]
+        pairs = [figures["contact"][0] for figures in (flat, solid)]
+        allowed = sum(pair["max_pressure_error_estimate"] or pair["pressure_error_estimate"] for pair in pairs)
+        self.assertLess(abs(pairs[0]["max_pressure"] / pairs[1]["max_pressure"] - 1), allowed)
+        self.assertAlmostEqual(pairs[0]["area"] / (4 * pairs[1]["area"]), 1, delta=0.05)
+        self.assertAlmostEqual(pairs[0]["force"]["ball"][2] / (4 * pairs[1]["force"]["ball"][2]), 1, delta=1e-3)
+        self.assertLess(5 * flat["unknowns"], solid["unknowns"])
+
+    def test_press_fit_of_a_short_hub(self):
+        """The force along the axis is none, the pressure is larger at the hub's end than in its middle."""
+        figures, rows = self.solve(scene("press_fit_hub"))[1:]
+        pair = figures["contact"][0]
+        self.assertEqual(pair["force"]["hub"], [0, 0, 0])
+        self.assertGreater(pair["normal_force"], 1e5)
+        middle = [row["pressure_sprc"] for row in rows if row["z"] < 0.005]
+        end = [row["pressure_sprc"] for row in rows if 0.0195 < row["z"] < 0.0198]
+        self.assertGreater(min(end), 1.2 * max(middle))
+
+    def test_check_says_it(self):
+        outcome = cgcontact("check", scene("punch_axisymmetric"), "--out", "drawn")
+        self.assertEqual(outcome.code, 0, outcome.err)
+        self.assertEqual(outcome.out.count("of revolution about z"), 2)
+        self.assertTrue((pathlib.Path("drawn") / "check.png").exists())
+
+
+if __name__ == "__main__":
+    harness.main()
