@@ -19,8 +19,9 @@ constexpr double along_axis = 1e-3;
 constexpr double same_ends = 1e-5;
 
 [[noreturn]] void refuse(const BodySpec& body, const std::string& problem, const std::string& allowed) {
-  throw InputError(body.plane_strain_place, '"' + name_of(*body.plane_strain) + '"',
-                   "body \"" + body.name + "\": " + problem, allowed);
+  const std::string& axis =
+      body.axisymmetric() ? coordinate_names()[body.axis_of_revolution()] : name_of(*body.plane_strain);
+  throw InputError(body.plane_strain_place, '"' + axis + '"', "body \"" + body.name + "\": " + problem, allowed);
 }
 
 std::string at(const Vec3& x) { return fmt::format("at ({:.4g}, {:.4g}, {:.4g}) m", x[0], x[1], x[2]); }
