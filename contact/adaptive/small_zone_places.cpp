@@ -60,7 +60,9 @@ class Overlap {
     common_planes_ = common_planes(symmetry_planes(a.cut_cells, a.boundary), symmetry_planes(b.cut_cells, b.boundary),
                                    a.cut_cells.grid.cell_size);
     for (const Group& g : groups_) samplers_.emplace_back(state.bodies, pair_, *g.group);
-    slice_ = a.cut_cells.grid.slice;
+    Vec3 mean = Vec3::Zero();
+    for (const Group& g : groups_) mean += g.centre / static_cast<double>(groups_.size());
+    slice_ = a.cut_cells.grid.slice * a.cut_cells.grid.ring(a.cut_cells.grid.to_grid(mean));
     modulus_ =
         effective_modulus(state.scene.bodies[pair_.primary].material, state.scene.bodies[pair_.secondary].material);
   }
