@@ -17,7 +17,9 @@ RigidParts::RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales
     : meshes_(meshes), length_(scales.length), parts_(meshes.size()) {
   for (std::size_t b = 0; b < meshes.size(); ++b) {
     const BodyMesh& mesh = meshes[b];
-    const Vec3 centre = centre_of_nodes(mesh);
+    Vec3 centre = centre_of_nodes(mesh);
+    if (const Grid& grid = mesh.cut_cells->grid; grid.is_axisymmetric())  // nothing on the axis moves away from it
+      centre[grid.radial_axis()] = -grid.origin[grid.radial_axis()] / grid.cell_size;
     Mat3 inertia = Mat3::Zero();
     for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
       const Vec3 d = grid_position(mesh, n) - centre;

@@ -114,6 +114,35 @@ double area_of(const std::vector<CadModel::SectionEdge>& line) {
   return std::abs(twice) / 2;
 }
 
+/// Places along an edge, its end left out.
+std::vector<Vec2> places_along(const CadModel::SectionEdge& edge) {
+  constexpr int chords = 256;
+  if (!edge.is_arc) return {edge.from};
+  const Vec2 u = edge.through - edge.from, v = edge.to - edge.from;
+  const double twice_area = u[0] * v[1] - u[1] * v[0], u2 = u.squaredNorm(), v2 = v.squaredNorm();
+  const Vec2 centre = edge.from + Vec2(v[1] * u2 - u[1] * v2, u[0] * v2 - v[0] * u2) / (2 * twice_area);
+  const Vec2 a = edge.from - centre, b = edge.to - centre;
+  double turn = std::atan2(a[0] * b[1] - a[1] * b[0], a.dot(b));
+  if (twice_area > 0 && turn < 0) turn += 2 * pi;
+  if (twice_area < 0 && turn > 0) turn -= 2 * pi;
+  std::vector<Vec2> places;
+  for (int k = 0; k < chords; ++k) places.push_back(centre + Eigen::Rotation2Dd(turn * k / chords) * a);
+  return places;
+}
+
+/// Of what a closed line goes round, turned about the axis, mm^3: arcs as chords, to 1e-5.
+double volume_around(const std::vector<CadModel::SectionEdge>& line) {
+  std::vector<Vec2> polygon;
+  for (const auto& edge : line)
+    for (const Vec2& x : places_along(edge)) polygon.push_back(x);
+  double sum = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec2 &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    sum += pi / 3 * (a[0] * a[0] + a[0] * b[0] + b[0] * b[0]) * (b[1] - a[1]);
+  }
+  return std::abs(sum);
+}
+
 /// The same with the names of a body's faces in the place of their numbers; -1: the axis, "": the ends of the prism.
 Solid with_names_of(const BodyGeometry& body, const Solid& section) {
   const CsgBody& of_numbers = *as_csg(section);
@@ -148,6 +177,7 @@ Solid section_of(const CadBody& body, const HalfPlane& plane) {
   std::stable_sort(lines.begin(), lines.end(), [](const auto& a, const auto& b) { return area_of(a) > area_of(b); });
   const ProfileFrame frame{half_thickness_of_meridian * plane.across, plane.away, plane.along};
   std::optional<Solid> result;
+  double volume = 0;  // mm^3
   for (const auto& line : lines) {
     std::vector<ProfileEdge> profile;
     for (const auto& edge : line)
@@ -156,13 +186,16 @@ Solid section_of(const CadBody& body, const HalfPlane& plane) {
     const Solid part = extruded(profile, frame, 2 * half_thickness_of_meridian, "", "");
     const Vec2 middle =
         profile.front().is_arc ? profile.front().through : Vec2((profile.front().from + profile.front().to) / 2);
-    if (!result)
-      result = part;
-    else if (result->contains(middle[0] * plane.away + middle[1] * plane.along))
-      result = Solid::subtract(*result, part);
-    else
-      result = Solid::unite(*result, part);
+    const bool is_hole = result && result->contains(middle[0] * plane.away + middle[1] * plane.along);
+    volume += (is_hole ? -1 : 1) * volume_around(line);
+    result = !result ? part : is_hole ? Solid::subtract(*result, part) : Solid::unite(*result, part);
   }
+  constexpr double same_volume = 1e-4;
+  if (const double whole = body.model().volume(); !(std::abs(volume - whole) <= same_volume * whole))
+    throw InputError(fmt::format(
+        "its section, turned about the axis, has a volume of {:.6g} mm^3, the solid has {:.6g} mm^3: it is no "
+        "whole body of revolution, or OpenCASCADE's section is incomplete",
+        volume, whole));
   return with_names_of(body, *result);
 }
 

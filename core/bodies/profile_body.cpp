@@ -300,9 +300,10 @@ class Assembly {
     const double tolerance = same * outline_.size() * outline_.size();
     std::vector<int> order(corners.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<int>(k);
+    // Corners above each other but for rounding go by their height: out of order they would all seem to be on the hull.
     const auto less = [&](int i, int j) {
       const Vec2 &a = corners[i].x, &b = corners[j].x;
-      return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1];
+      return std::abs(a[0] - b[0]) > same * outline_.size() ? a[0] < b[0] : a[1] < b[1];
     };
     std::sort(order.begin(), order.end(), less);
     std::vector<char> on_hull(corners.size(), 0);

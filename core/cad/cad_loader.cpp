@@ -101,8 +101,24 @@ void add_axis(std::vector<CadModel::SectionEdge>& edges) {
     edges.push_back({Vec2(0, ends[k]), Vec2(0, ends[k + 1]), Vec2::Zero(), 0, -1});
 }
 
+/// Where the seam of a face lies in the half-plane, edges come twice.
+void leave_out_copies(std::vector<CadModel::SectionEdge>& edges) {
+  const auto near = [](const Vec2& a, const Vec2& b) { return (a - b).norm() <= same_end; };
+  const auto is_copy = [&](const CadModel::SectionEdge& a, const CadModel::SectionEdge& b) {
+    return near(a.through, b.through) &&
+           ((near(a.from, b.from) && near(a.to, b.to)) || (near(a.from, b.to) && near(a.to, b.from)));
+  };
+  std::vector<CadModel::SectionEdge> once;
+  for (const CadModel::SectionEdge& edge : edges)
+    if (!near(edge.from, edge.to) &&
+        std::none_of(once.begin(), once.end(), [&](const auto& other) { return is_copy(edge, other); }))
+      once.push_back(edge);
+  edges = std::move(once);
+}
+
 /// Edges one after the other, in lines that end where they begin.
 std::vector<std::vector<CadModel::SectionEdge>> closed_lines(std::vector<CadModel::SectionEdge> edges) {
+  leave_out_copies(edges);
   add_axis(edges);
   std::vector<std::vector<CadModel::SectionEdge>> lines;
   while (!edges.empty()) {
