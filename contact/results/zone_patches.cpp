@@ -144,7 +144,7 @@ bool ZonePatches::lay_grid() {
   }
 }
 
-/// Of bodies of revolution.
+/// Lays the line that a face around an axis of revolution is made of.
 void ZonePatches::lay_meridian() {
   const Grid& grid = state_.bodies[pair_.primary].cut_cells.grid;
   if (!grid.is_axisymmetric()) return;

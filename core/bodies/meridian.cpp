@@ -28,13 +28,14 @@ struct HalfPlane {
   bool is_along(const Vec3& direction) const { return direction.cross(along).norm() <= same_axis; }
 };
 
-/// Is a plane along the axis so far away that it bounds nothing of a body up to a radius (that of its bounding box)?
+/// Tells whether a plane along the axis is so far away that it bounds nothing of a body up to a radius (that of its
+/// bounding box).
 bool is_beyond(const Surface& surface, const HalfPlane& plane, double radius) {
   return std::abs(surface.direction.dot(plane.along)) <= same_axis &&
          surface.direction.dot(surface.point) >= (1 - same_axis) * radius;
 }
 
-/// Does a surface not vary around the axis?
+/// Tells whether a surface does not vary around the axis.
 bool is_of_revolution(const Surface& surface, const HalfPlane& plane, double size, double radius) {
   switch (surface.kind) {
     case Surface::Kind::plane:
@@ -50,7 +51,7 @@ bool is_of_revolution(const Surface& surface, const HalfPlane& plane, double siz
   return false;
 }
 
-/// Is a surface one of a prism across the half-plane?
+/// Tells whether a surface is one of a prism across the half-plane.
 bool is_of_prism(const Surface& surface, const HalfPlane& plane) {
   const double across = std::abs(surface.direction.dot(plane.across));
   if (surface.kind == Surface::Kind::plane) return across <= same_axis || across >= 1 - same_axis;
@@ -130,7 +131,7 @@ std::vector<Vec2> places_along(const CadModel::SectionEdge& edge) {
   return places;
 }
 
-/// Of what a closed line goes round, turned about the axis, mm^3: arcs as chords, to 1e-5.
+/// Volume of what a closed line goes round, turned about the axis, mm^3: arcs as chords, to 1e-5.
 double volume_around(const std::vector<CadModel::SectionEdge>& line) {
   std::vector<Vec2> polygon;
   for (const auto& edge : line)

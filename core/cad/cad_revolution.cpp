@@ -81,7 +81,7 @@ CadModel CadModel::revolved(const std::vector<ProfileEdge>& profile, const Profi
 
 namespace {
 
-/// Is a surface one around an axis? mm, radians.
+/// Tells whether a surface is one around an axis; mm, radians.
 bool is_around(const BRepAdaptor_Surface& surface, const gp_Ax1& axis) {
   constexpr double same_line = 1e-4, same_direction = 1e-6;
   const gp_Lin line(axis);
@@ -111,7 +111,7 @@ bool is_around(const BRepAdaptor_Surface& surface, const gp_Ax1& axis) {
 constexpr double same_curve = 1e-6;
 constexpr int places_along = 8;
 
-/// Is a curve a line? place: of a part of its parameter, 0 to 1.
+/// Tells whether a curve is a line. place: of a part of its parameter, 0 to 1.
 template <class Place>
 bool is_straight(const Place& place) {
   const Vec2 from = place(0), along = Vec2(place(1)) - from;
@@ -123,7 +123,7 @@ bool is_straight(const Place& place) {
   return length > 0;
 }
 
-/// Is it an arc of the circle through three of its points?
+/// Tells whether it is an arc of the circle through three of its points.
 template <class Place>
 bool is_round(const Place& place) {
   const Vec2 from = place(0), u = Vec2(place(0.25)) - from, v = Vec2(place(0.625)) - from;

@@ -101,8 +101,7 @@ struct BodySpec {
   double most_cells = std::numeric_limits<double>::infinity();  ///< a refined grid of surely more is refused at once
   std::optional<Coordinate> plane_strain;                       ///< nothing varies and nothing moves along this axis
   SourcePlace plane_strain_place;
-  /// Of bodies of revolution (plane_strain is the axis across their half-plane), the largest radius in the scene, m; or
-  /// 0
+  /// Largest radius in a scene of bodies of revolution (plane_strain is the axis across their half-plane), m; or 0
   double unit_radius = 0;
   bool quadtree = false;  ///< in plane strain with cells of several sizes: one layer of them on every level
   Vec3 grid_offset =

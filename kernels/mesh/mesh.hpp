@@ -67,7 +67,7 @@ struct BodyMesh {
   /// Whether the body is one layer of cells thick: in plane strain, or of revolution.
   bool in_plane_strain() const { return cut_cells->grid.plane_strain >= 0; }
   bool is_axisymmetric() const { return cut_cells->grid.is_axisymmetric(); }
-  /// Of a body of revolution: twice the distance of a cell's middle from the axis, in cells.
+  /// Twice the distance of a cell's middle from the axis of revolution, in cells.
   double diameter_of(int cell) const {
     return 2 * cut_cells->grid.radius(grid_position(*cut_cells, cell, Vec3::Zero())) / cut_cells->h(cell);
   }

@@ -44,7 +44,7 @@ struct BandCells {
     Real across, lambda;  ///< (lambda + 2 mu) / mu, lambda / mu
     Real full[3];         ///< mu times the full cell's moments 1, x x, x x y y
     int fold;             ///< plane strain: bit of the corners on the upper side, which are the lower ones; or 0
-    bool ring;            ///< body of revolution: moments as RingMoments
+    bool ring;            ///< body of revolution: moments as in ring_moment
   };
   struct Batch {
     int body, count;       ///< cells in use: the first lanes
@@ -308,8 +308,8 @@ KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law
     c[k][2] = Real(2) * (high - low);
     mean = Real(2) * ((v[E | G] + v[G]) + (v[E] + v[0]));
   }
-  // Strains: ee = c00 + c02 G, gg = c11 + c12 E, around = gg + (b0 + b1 E) / diameter, shear = c01 + c10 + c02 E + c12
-  // G.
+  // Strains: ee = c00 + c02 G, gg = c11 + c12 E, around = gg + (b0 + b1 E) / diameter,
+  // shear = c01 + c10 + c02 E + c12 G.
   const V &p = c[0][2], &q = c[1][2], &ee = c[0][0], &gg = c[1][1];
   const V b0 = mean - diameter * gg, b1 = c[1][0] - diameter * q;
   const V shear = c[0][1] + c[1][0];

@@ -105,7 +105,7 @@ class RowWriter {
     const Vec3 y = other_grid_->to_grid(grid_.to_global(x) + distance * (grid_.rotation * n));
     return in_half_plane(*other_grid_, (y - lists_.auxiliary_centre[patch_]) / lists_.auxiliary_unit[patch_]);
   }
-  /// Of a body of revolution all cells and points lie at 0 across.
+  /// Puts a place of a body of revolution at 0 across, where all its cells and points lie.
   static Vec3 in_half_plane(const Grid& grid, Vec3 place) {
     if (grid.is_axisymmetric()) place[grid.plane_strain] = 0;
     return place;

@@ -181,10 +181,9 @@ std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<do
   return error;
 }
 
-/// Around an axis of revolution the far field is known by two or three means over cells where a zone is that narrow,
-/// and no variant of it tells that they are means: within a cell a profile as wide as the zone is off by (h / half
-/// width)^2 /
-/// 24. A part of the pressure.
+/// Part of the pressure that means over cells may hide around an axis of revolution: a narrow zone has two or three of
+/// them, and no variant of the far field tells that they are means. Within a cell a profile as wide as the zone is off
+/// by (h / half width)^2 / 24.
 double part_within_means(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   if (!grid.meridian) return 0;

@@ -20,7 +20,8 @@ shape = {intersection = [{name = "plate", cylinder = {base = [0, 0, -0.02], top 
 [[body]]
 name = "ball"
 material = {E = 210e9, nu = 0.3}
-shape = {intersection = [{name = "ball", sphere = {center = [0, 0, 0.01], radius = 0.01}}, {name = "cut", half_space = {point = [0, 0, 0.01], normal = [0, 0, 1]}}, BALL]}
+shape = {intersection = [{name = "ball", sphere = {center = [0, 0, 0.01], radius = 0.01}},
+  {name = "cut", half_space = {point = [0, 0, 0.01], normal = [0, 0, 1]}}, BALL]}
 [[support]]
 face = "plate.plate.bottom"
 displacement = {z = 0}
@@ -39,8 +40,8 @@ class Axisymmetric(unittest.TestCase):
         return outcome, report(out), contact_rows(out)
 
     def test_ball_in_seat(self):
-        """A narrow ring of contact: largest pressure and width of a line with the same load per length, to 1 % (the ring is 1/84 of the
-        ball's radius wide); the weights of the rows are rings."""
+        """A narrow ring of contact: largest pressure and width of a line with the same load per length, to 1 % (the ring
+        is 1/84 of the ball's radius wide); the weights of the rows are rings."""
         outcome, figures, rows = self.solve(scene("ball_in_seat"))
         pair = figures["contact"][0]
         self.assertAlmostEqual(abs(pair["force"]["ball"][2]), 2000, delta=0.1)
