@@ -190,7 +190,10 @@ class BodyBoundary {
   }
 
   /// Fits are below the largest pressure: the point nearest to that of each pair gets it, so that it is the report's.
+  /// On a quadtree nothing varies across: all points that differ in this only get it.
   void place_largest(std::vector<std::array<double, 3>>& rows) const {
+    const Grid& grid = parts_.results.bodies[body_].cut_cells->grid;
+    constexpr double same = 1e-6;              // of a cell: rounding is far below
     std::map<int, const ContactRow*> largest;  // by pair
     for (const ContactRow& row : parts_.results.contact_rows) {
       if (row.body != static_cast<int>(body_)) continue;
@@ -200,12 +203,14 @@ class BodyBoundary {
     for (const auto& [pair, row] : largest) {
       std::size_t nearest = 0;
       const auto distance = [&, x = row->x](std::size_t i) {
-        return (parts_.surface.position[contact_numbers_[i]] - x).norm();
+        return (grid.in_layer(parts_.surface.position[contact_numbers_[i]]) - grid.in_layer(x)).norm();
       };
       for (std::size_t i = 1; i < rows.size(); ++i)
         if (distance(i) < distance(nearest)) nearest = i;
-      if (row->pressure_sprc > 0 && distance(nearest) < row->larger_cell)
-        rows[nearest][1] = std::max(rows[nearest][1], row->pressure_sprc);
+      const double least = distance(nearest);
+      if (!(row->pressure_sprc > 0 && least < row->larger_cell)) continue;
+      for (std::size_t i = 0; i < rows.size(); ++i)
+        if (distance(i) <= least + same * row->larger_cell) rows[i][1] = std::max(rows[i][1], row->pressure_sprc);
     }
   }
 
@@ -335,6 +340,12 @@ std::vector<SceneBox> zones_of(const Results& results) {
   return zones;
 }
 
+/// Finds the axis of revolution; -1: there is none.
+int axis_of_revolution(const Results& results) {
+  const Grid& grid = results.bodies.front().cut_cells->grid;
+  return grid.is_axisymmetric() ? grid.axis_of_revolution() : -1;
+}
+
 std::string palette() {
   std::vector<unsigned char> bytes;
   for (int i = 0; i < colours; ++i)
@@ -403,6 +414,8 @@ Json bodies_of(const ViewParts& parts, const std::vector<SceneBox>& zones, Json&
     bodies.push_back(json);
   }
   left_out = note_on_size(drawn, all, largest_block);
+  if (axis_of_revolution(parts.results) >= 0)
+    left_out += "Bodies of revolution are their section turned by 270°; r is the distance from the axis. ";
   return bodies;
 }
 
@@ -424,6 +437,7 @@ ViewData view_data(const ViewParts& parts) {
   json["eye"] = json_of(look.camera.eye);
   json["up"] = json_of(look.camera.up);
   json["flat"] = look.thin_axis;
+  json["axis"] = axis_of_revolution(results);
   json["exaggeration"] = picture_exaggeration(results, look.box);
   json["status_names"] = results.patch_statuses;
   view.alternative = result_in_words(results);

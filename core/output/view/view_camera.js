@@ -59,7 +59,10 @@ function lookAlong(direction) {
   look(centre, direction, size);
 }
 
-const firstLook = () => lookAlong(new THREE.Vector3(...data.eye));
+/* Leads to the viewer at first, out of the open quarter of swept bodies. */
+const firstEye = () => (revolved && !find("half").checked ? data.eye.map((e) => e || 0.6) : data.eye);
+
+const firstLook = () => lookAlong(new THREE.Vector3(...firstEye()));
 
 function turn(right, up) {
   const away = camera.position.clone().sub(controls.target), axis = camera.up.clone();
@@ -114,7 +117,7 @@ function showZone(index) {
   });
   if (data.flat >= 0) {
     setSection(null);
-    look(centre, new THREE.Vector3(...data.eye), size);
+    look(centre, new THREE.Vector3(...firstEye()), size);
   } else {
     const axis = reached >= 0 ? reached : Math.abs(eye[across[0]]) > Math.abs(eye[across[1]]) ? across[0] : across[1];
     const side = eye[axis] < 0 ? -1 : 1;
@@ -127,14 +130,27 @@ function showZone(index) {
 
 /* The face of the first body alone, seen from outside. */
 function showFace(index) {
-  const pair = data.pairs[index], zone = pair.zone, normal = new THREE.Vector3(...zone.normal);
+  const pair = data.pairs[index], zone = pair.zone, normal = zone.normal.some((n) => n) ? zone.normal : data.eye;
   setSection(null);
   showBodies((body) => body.name === pair.bodies[0]);
-  const size = Math.max(1.15 * zoneSize(zone), 1e-6);
-  const direction = normal.length() > 0 ? normal.normalize() : new THREE.Vector3(...data.eye);
-  look(toView(zoneCentre(zone)), direction, size);
+  const {centre, direction, size} = revolved ? lookAtRing(zone, normal) :
+                                               {centre: zoneCentre(zone), direction: normal, size: zoneSize(zone)};
+  look(toView(centre), new THREE.Vector3(...direction), Math.max(1.15 * size, 1e-6));
   setField("pressure");
   afterZone(index, "face");
+}
+
+/* Finds the look at a zone all round, of a narrow one at a part: opposite the open quarter, so bores are seen too. */
+function lookAtRing(zone, normal) {
+  const {axis, radial, turns} = revolved, opposite = turns[turns.length >> 1], ring = zone.high[radial] / radius;
+  const part = {
+    centre: turnedVector(zoneCentre(zone), opposite),
+    direction: turnedVector(normal, opposite),
+    size: zoneSize(zone)
+  };
+  if (part.size < SMALL_ZONE * ring || find("half").checked) return part;
+  const size = Math.hypot(ring, (zone.high[axis] - zone.low[axis]) / 2 / radius);
+  return {...part, centre: part.centre.map((c, k) => (k === axis ? c : 0)), size};
 }
 
 function afterZone(index, kind) {

@@ -41,7 +41,7 @@ function setSection(section) {
   if (section) {
     const n = [0, 0, 0], place = (section.place - middle[section.axis]) / radius;
     n[section.axis] = section.side;
-    shared.plane.value.set(...n, section.side * place);
+    shared.plane.value.set(...n, section.side * place - (revolved ? BESIDE_PLANE : 0));
     find("place").value = (1000 * (section.place - bounds.low[section.axis])) / extent[section.axis];
     find("flip").checked = section.side < 0;
     find("section-name").textContent = `${"xyz"[section.axis]} = ${shown(section.place, "m", placeDigits())}`;
@@ -54,7 +54,7 @@ function readSection() {
   const axis = find("axis").value;
   if (axis === "") return setSection(null);
   const k = Number(axis), same = state.section && state.section.axis === k;
-  const side = state.section && same ? (find("flip").checked ? -1 : 1) : Math.sign(data.eye[k]) || 1;
+  const side = state.section && same ? (find("flip").checked ? -1 : 1) : Math.sign(firstEye()[k]) || 1;
   const fraction = same ? Number(find("place").value) / 1000 : 0.5;
   setSection({axis: k, place: bounds.low[k] + fraction * extent[k], side});
 }
@@ -78,7 +78,7 @@ function setStep(k) {
     const step = steps[k].bodies[b];
     body.stress = step.stress;
     body.displacement = step.displacement;
-    if (step.displacement) body.U = scaledPlaces(step.displacement, true);
+    if (step.displacement) body.U = drawnMoves(step.displacement, body);
     body.geometry.attributes.moved.array.set(atCorners(body.U, body.corners));
     body.geometry.attributes.moved.needsUpdate = true;
     body.lines.attributes.moved.array.set(atCorners(body.U, body.edges));
@@ -111,6 +111,7 @@ function explode(amount) {
 }
 
 const largestNormal = () => {
+  if (revolved) return revolved.axis;
   const pair = data.pairs.find((p) => p.zone);
   return pair ? pair.zone.axis : 2;
 };
@@ -129,6 +130,24 @@ function mirror(on) {
       state.copies.push(...state.copies.map((copy) => new THREE.Matrix4().multiplyMatrices(m, copy)));
     });
   build();
+}
+
+/* Shows the half-plane of bodies of revolution alone, or what is swept. */
+function showHalf(on) {
+  layOut(on ? SLICE : SWEPT);
+  data.faces.forEach((face) => (face.spread = face.normal = undefined));
+  state.marker = null;
+  bodies.forEach((body) => {
+    body.geometry.dispose();
+    body.lines.dispose();
+    makeBody(body);
+  });
+  if (steps.length > 1)
+    setStep(state.step);
+  else
+    refresh();
+  explode(Number(find("explode").value));
+  firstLook();
 }
 
 // ---- Once ----
@@ -217,6 +236,7 @@ function fillControls() {
     find("step").max = lastStep;
   }
   find("mirror-label").hidden = mirrors.length === 0;
+  find("half-label").hidden = !revolved;
   find("full").hidden = !document.fullscreenEnabled;
   // Browsers would bring back what was set on the page before, without telling the view.
   document.querySelectorAll("#view-box input, #view-box select").forEach((box) => (box.autocomplete = "off"));
@@ -253,6 +273,7 @@ function listen() {
     mirror(find("mirror").checked);
     firstLook();
   });
+  on("half", "change", () => showHalf(find("half").checked));
   on("step", "input", () => setStep(Number(find("step").value)));
   on("play", "click", play);
   on("full", "click",
@@ -348,7 +369,7 @@ function makeScene() {
   scene = new THREE.Scene();
   camera = new THREE.OrthographicCamera(-1, 1, 1, -1, 0.1, 2 * DISTANCE);
   camera.up.copy(sceneUp());
-  camera.position.set(...data.eye).multiplyScalar(DISTANCE);
+  camera.position.set(...firstEye()).multiplyScalar(DISTANCE);
   canvas.addEventListener("wheel", onWheel, {passive: false});
   controls = new THREE.OrbitControls(camera, canvas);
   Object.assign(controls, {enableKeys: false, screenSpacePanning: true, rotateSpeed: 0.8});
@@ -390,6 +411,12 @@ function openOnZone() {
 
 start();
 
+/* Finds the lowest and highest coordinates of what is drawn, m. */
+function boxOfBodies() {
+  const box = bodies.reduce((all, body) => all.union(new THREE.Box3().setFromArray(body.X)), new THREE.Box3());
+  return [box.min, box.max].map((x) => x.toArray().map((c, k) => c * radius + middle[k]));
+}
+
 /* For tests and for the curious: where a place (m) of a body is in the picture, and what is seen. */
 window.cgcontactView = {
   project: (body, place) => toScreen(drawnPlace(bodies.find((b) => b.name === body), place).x),
@@ -406,6 +433,8 @@ window.cgcontactView = {
     zone: state.zone,
     step: state.step,
     copies: state.copies.length,
-    triangles: bodies.reduce((sum, b) => sum + b.count, 0)
+    triangles: bodies.reduce((sum, b) => sum + b.count, 0),
+    sectors: revolved ? revolved.turns.length - 1 : 0,
+    box: boxOfBodies()
   }),
 };

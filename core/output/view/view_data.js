@@ -17,6 +17,12 @@ const MOST_MIRRORS = 4;            // planes of symmetry: each doubles what is d
 const LONGEST_LABEL = 60;          // letters
 const REST = 150;                  // ms without change, until what takes time is told anew
 const DISTANCE = 20;               // of the camera; the scene, also apart and mirrored, is well within
+const SWEPT = 1.5 * Math.PI;       // angle by which sections of bodies of revolution are turned: a quarter is open
+const SLICE = 0.02;                // angle where the half-plane alone is shown
+const CHORD = 1 / 2000;            // part of the radius from an arc to its chord: half a pixel of 2000 across the body
+const MOST_TRIANGLES = 200000;     // number in all swept boundaries, unless so few sectors are too many:
+const FEWEST_SECTORS = 12;         // number of those of 22.5 degrees, which look round by their normals
+const BESIDE_PLANE = 5e-7;         // part of half the scene's diagonal: cuts off the open planes that lie in a section
 
 // ---- Unpacking ----
 
@@ -75,11 +81,9 @@ function readBody(packed, index) {
   body.place = unpack(packed.position);
   body.displacement = unpack(packed.displacement);
   body.stress = unpack(packed.stress);
-  body.corners = unpackCorners(packed.triangles);
-  body.count = body.corners.length / 3;
-  body.error = unpack(packed.error);
-  body.status = packed.status ? bytesOf(packed.status) : null;
-  readGroups(packed, body);
+  body.read = {corners: unpackCorners(packed.triangles), error: unpack(packed.error)};
+  body.read.status = packed.status ? bytesOf(packed.status) : null;
+  readGroups(packed, body.read);
   readContact(packed, body);
   body.inside = readInside(packed.inside);
   for (let i = 0; i < body.place.length; ++i) {
@@ -89,18 +93,19 @@ function readBody(packed, index) {
   return body;
 }
 
-function readGroups(packed, body) {
-  body.surface = new Int32Array(body.count);
-  body.face = new Int32Array(body.count);
-  body.pair = new Int32Array(body.count);
-  body.closed = new Uint8Array(body.count);
+function readGroups(packed, read) {
+  const count = read.corners.length / 3;
+  read.surface = new Int32Array(count);
+  read.face = new Int32Array(count);
+  read.pair = new Int32Array(count);
+  read.closed = new Uint8Array(count);
   let t = 0;
   packed.groups.forEach(([surface, face, pair, closed, count]) => {
     for (const end = t + count; t < end; ++t) {
-      body.surface[t] = surface;
-      body.face[t] = face;
-      body.pair[t] = pair;
-      body.closed[t] = closed;
+      read.surface[t] = surface;
+      read.face[t] = face;
+      read.pair[t] = pair;
+      read.closed[t] = closed;
     }
   });
 }
@@ -117,13 +122,25 @@ function readContact(packed, body) {
 function readInside(packed) {
   const inside = {place: unpack(packed.position), displacement: unpack(packed.displacement)};
   inside.stress = unpack(packed.stress);
-  inside.blocks = unpackCorners(packed.blocks);
-  inside.error = unpack(packed.error);
-  inside.status = packed.status ? bytesOf(packed.status) : null;
+  inside.read = {blocks: unpackCorners(packed.blocks), error: unpack(packed.error)};
+  inside.read.status = packed.status ? bytesOf(packed.status) : null;
   return inside;
 }
 
+/* Coordinates of bodies of revolution about `axis`: the data has their section in the half-plane across = 0,
+   radial >= 0 as a thin slab, which is looked at from its `side`. */
+const revolved = data.axis < 0 ? null : {
+  axis: data.axis,
+  radial: (data.axis + 1) % 3,
+  across: (data.axis + 2) % 3,
+  side: Math.sign(data.eye[(data.axis + 2) % 3]),
+  turns: [],
+};
 const bodies = data.bodies.map(readBody);
+if (revolved) {
+  const reach = bounds.high[revolved.radial];
+  [revolved.radial, revolved.across].forEach((k) => [bounds.low[k], bounds.high[k]] = [-reach, reach]);
+}
 const middle = [0, 1, 2].map((k) => (bounds.low[k] + bounds.high[k]) / 2);
 const extent = [0, 1, 2].map((k) => bounds.high[k] - bounds.low[k]);
 const radius = Math.hypot(...extent) / 2 || 1;
@@ -143,27 +160,165 @@ function scaledPlaces(places, moved) {
   return scaled;
 }
 
-bodies.forEach((body) => {
-  body.X = scaledPlaces(body.place, false);
-  body.U = body.displacement ? scaledPlaces(body.displacement, true) : new Float32Array(body.X.length);
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < body.X.length; ++i) {
-    low[i % 3] = Math.min(low[i % 3], body.X[i]);
-    high[i % 3] = Math.max(high[i % 3], body.X[i]);
+// ---- What is drawn of it ----
+
+/* Makes the drawn points and triangles: those read, or sections swept by an angle. Values stay those of the points
+   read: `from` has these by drawn point, `turn` the number of its angle. */
+function layOut(angle) {
+  if (revolved) setTurns(angle);
+  bodies.forEach((body) => {
+    const inside = body.inside;
+    if (revolved) {
+      sweepBoundary(body);
+      sweepInside(inside);
+    } else
+      [body, inside].forEach((owner) => {
+        Object.assign(owner, owner.read);
+        owner.from = Uint32Array.from({length: owner.place.length / 3}, (_, p) => p);
+      });
+    body.count = body.corners.length / 3;
+    [body, inside].forEach((owner) => {
+      owner.X = scaledPlaces(drawn(owner.place, owner), false);
+      owner.U = drawnMoves(owner.displacement, owner);
+    });
+    const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+    for (let i = 0; i < body.X.length; ++i) {
+      low[i % 3] = Math.min(low[i % 3], body.X[i]);
+      high[i % 3] = Math.max(high[i % 3], body.X[i]);
+    }
+    body.centre = new THREE.Vector3(...low.map((l, k) => (l + high[k]) / 2));
+  });
+}
+
+/* Turns vectors of the points read (places, displacements) to where the points are drawn. */
+function drawn(vectors, owner) {
+  if (!revolved) return vectors;
+  const {axis, radial, across, turns} = revolved, turned = new Float64Array(3 * owner.from.length);
+  for (let i = 0; i < owner.from.length; ++i) {
+    const p = 3 * owner.from[i], [cosine, sine] = turns[owner.turn[i]];
+    turned[3 * i + axis] = vectors[p + axis];
+    turned[3 * i + radial] = cosine * vectors[p + radial];
+    turned[3 * i + across] = sine * vectors[p + radial];
   }
-  body.centre = new THREE.Vector3(...low.map((l, k) => (l + high[k]) / 2));
-  body.shift = new THREE.Vector3();
-  body.inside.X = scaledPlaces(body.inside.place, false);
-  body.inside.U =
-      body.inside.displacement ? scaledPlaces(body.inside.displacement, true) : new Float32Array(body.inside.X.length);
-});
+  return turned;
+}
+
+const drawnMoves = (displacement, owner) =>
+    displacement ? scaledPlaces(drawn(displacement, owner), true) : new Float32Array(3 * owner.from.length);
+
+/* Turns a vector of the half-plane to an angle, or with `back` one there into the half-plane. */
+function turnedVector(vector, [cosine, sine], back) {
+  const {radial, across} = revolved, turned = [...vector], s = back ? -sine : sine;
+  turned[radial] = cosine * vector[radial] - s * vector[across];
+  turned[across] = s * vector[radial] + cosine * vector[across];
+  return turned;
+}
+
+/* Sets the angles: away from the viewer of the half-plane, a right angle is one of them. */
+function setTurns(angle) {
+  bodies.forEach(findSection);
+  const sum = (of) => bodies.reduce((total, body) => total + of(body.section), 0);
+  const few = Math.floor((MOST_TRIANGLES - 2 * sum((s) => s.triangles.length)) / (2 * sum((s) => s.rim.length)));
+  const fine = Math.ceil(angle / (2 * Math.acos(1 - CHORD)));
+  const sectors = fine < 3 ? fine : 3 * Math.min(Math.ceil(fine / 3), Math.floor(Math.max(few, FEWEST_SECTORS) / 3));
+  const exact = (number) => (Math.abs(number) < 1e-12 ? 0 : number);
+  revolved.turns = Array.from({length: sectors + 1}, (_, j) => {
+    const turn = (-revolved.side * angle * j) / sectors;
+    return [exact(Math.cos(turn)), exact(Math.sin(turn))];
+  });
+}
+
+/* Finds the triangles of the slab's side towards the viewer, and its rim: edges of the triangles that go across. */
+function findSection(body) {
+  if (body.section) return;
+  const {corners} = body.read, {across, side} = revolved, height = (p) => side * body.place[3 * p + across];
+  let low = Infinity, high = -Infinity;
+  for (let p = 0; p < body.place.length / 3; ++p) {
+    low = Math.min(low, height(p));
+    high = Math.max(high, height(p));
+  }
+  const isFront = (p) => high - height(p) < 0.1 * (high - low);
+  body.section = {triangles: [], rim: []};
+  for (let t = 0; t < corners.length / 3; ++t) {
+    const points = [...corners.subarray(3 * t, 3 * t + 3)], front = points.map(isFront);
+    const k = [0, 1, 2].find((i) => front[i] && front[(i + 1) % 3]);
+    if (front.every(Boolean))
+      body.section.triangles.push(t);
+    else if (k !== undefined)
+      body.section.rim.push([points[k], points[(k + 1) % 3], t]);
+  }
+}
+
+/* Makes the boundary of what is swept: the section at both ends, its rim between them. Points on the axis stay one. */
+function sweepBoundary(body) {
+  const {corners, surface} = body.read, {radial, turns} = revolved, last = turns.length - 1;
+  const from = [], turn = [], drawnCorners = [], source = [], onAxis = ROUNDING * radius;
+  const numbers = new Int32Array((body.place.length / 3) * turns.length).fill(-1);
+  const point = (p, j) => {
+    const key = p * turns.length + (Math.abs(body.place[3 * p + radial]) < onAxis ? 0 : j);
+    if (numbers[key] < 0) {
+      numbers[key] = from.length;
+      from.push(p);
+      turn.push(key % turns.length);
+    }
+    return numbers[key];
+  };
+  const add = (t, a, b, c) => {
+    if (a === b || b === c || c === a) return;
+    drawnCorners.push(a, b, c);
+    source.push(t);
+  };
+  body.section.triangles.forEach((t) => add(t, ...[0, 1, 2].map((k) => point(corners[3 * t + k], 0))));
+  const firstEnd = source.length;
+  body.section.triangles.forEach((t) => add(t, ...[0, 2, 1].map((k) => point(corners[3 * t + k], last))));
+  const ends = source.length;
+  body.section.rim.forEach(([p, q, t]) => {
+    for (let j = 0; j < last; ++j) {
+      add(t, point(p, j), point(q, j), point(q, j + 1));
+      add(t, point(p, j), point(q, j + 1), point(p, j + 1));
+    }
+  });
+  Object.assign(body, {from: Uint32Array.from(from), turn: Uint32Array.from(turn)});
+  body.corners = Uint32Array.from(drawnCorners);
+  Object.keys(body.read).filter((name) => name !== "corners").forEach((name) => {
+    const values = body.read[name];
+    body[name] = values && values.constructor.from(source, (t) => values[t]);
+  });
+  body.cuts = ends;  // the first triangles: those of the two planes
+  body.face.fill(-1, 0, ends);
+  const surfaces = surface.reduce((most, s) => Math.max(most, s), 0) + 1;
+  body.surface.fill(surfaces, 0, firstEnd).fill(surfaces + 1, firstEnd, ends);
+}
+
+/* Makes rings of the blocks of the section, sector by sector. */
+function sweepInside(inside) {
+  const {blocks, error, status} = inside.read, {across, turns} = revolved, sectors = turns.length - 1;
+  const points = inside.place.length / 3, numbers = Uint32Array.from({length: points}, (_, p) => p);
+  const repeat = (values, times) => {
+    const all = values && new values.constructor(values.length * times);
+    for (let j = 0; values && j < times; ++j) all.set(values, j * values.length);
+    return all;
+  };
+  inside.from = repeat(numbers, turns.length);
+  inside.turn = inside.from.map((_, i) => Math.floor(i / points));
+  inside.blocks = repeat(blocks, sectors);
+  for (let i = 0; i < inside.blocks.length; ++i) {
+    const k = i % blocks.length, corner = i % 8, near = corner & ~(1 << across), j = (i - k) / blocks.length;
+    inside.blocks[i] = blocks[k - corner + near] + points * (corner === near ? j : j + 1);
+  }
+  Object.assign(inside, {error: repeat(error, sectors), status: repeat(status, sectors)});
+}
+
+bodies.forEach((body) => (body.shift = new THREE.Vector3()));
+layOut(SWEPT);
 
 /* Planes of symmetry at which the scene is mirrored: those with all bodies on one side. */
 const mirrors = data.symmetry
                     .filter(({point, normal}) => bodies.every((body) => {
-                      for (let i = 0; i < body.place.length; i += 3) {
-                        const height = normal.reduce((sum, n, k) => sum + n * (body.place[i + k] - point[k]), 0);
-                        if (height > SAME_PLANE * radius) return false;
+                      const origin = toView(point).toArray();
+                      for (let i = 0; i < body.X.length; i += 3) {
+                        const height = normal.reduce((sum, n, k) => sum + n * (body.X[i + k] - origin[k]), 0);
+                        if (height > SAME_PLANE) return false;
                       }
                       return true;
                     }))
@@ -195,6 +350,20 @@ const moveField = (id, name, of) =>
 const contactField = (id, name, unit, k) =>
     ({id, name, unit, at: "contact", needs: "contact", of: (o, p) => o.contact[3 * p + k]});
 
+/* Components by name: those of a body of revolution are the same at each angle; the others are zero. */
+const letters = ["x", "y", "z"];
+const stressComponents = ["xx", "yy", "zz", "xy", "yz", "zx"].map((name, k) => ["stress_" + name, "stress " + name, k]);
+const moveComponents = letters.map((name, k) => ["displacement_" + name, "displacement " + name, k]);
+if (revolved) {
+  const {axis, radial, across} = revolved, a = letters[axis];
+  stressComponents.splice(
+      0, 6, ["stress_rr", "stress rr (radial)", radial], ["stress_tt", "stress tt (around the axis)", across],
+      ["stress_" + a + a, `stress ${a}${a} (axial)`, axis], ["stress_r" + a, `stress r${a} (shear)`, 3 + axis]);
+  moveComponents.splice(
+      0, 3, ["displacement_r", "displacement r (radial)", radial],
+      ["displacement_" + a, `displacement ${a} (axial)`, axis]);
+}
+
 const fields = [
   stressField("von_mises", "von Mises stress", vonMises),
   stressField(
@@ -206,10 +375,9 @@ const fields = [
   stressField("principal_1", "largest principal stress", (s, i) => principal(s, i)[0]),
   stressField("principal_2", "middle principal stress", (s, i) => principal(s, i)[1]),
   stressField("principal_3", "smallest principal stress", (s, i) => principal(s, i)[2]),
-  ...["xx", "yy", "zz", "xy", "yz", "zx"].map(
-      (name, k) => stressField("stress_" + name, "stress " + name, (s, i) => s[i + k])),
+  ...stressComponents.map(([id, name, k]) => stressField(id, name, (s, i) => s[i + k])),
   moveField("displacement", "displacement", (u, i) => Math.hypot(u[i], u[i + 1], u[i + 2])),
-  ...["x", "y", "z"].map((name, k) => moveField("displacement_" + name, "displacement " + name, (u, i) => u[i + k])),
+  ...moveComponents.map(([id, name, k]) => moveField(id, name, (u, i) => u[i + k])),
   contactField("pressure", "contact pressure", "Pa", 1),
   contactField("gap", "contact gap", "m", 0),
   contactField("pressure_error", "estimated error of the contact pressure", "Pa", 2),
@@ -247,7 +415,7 @@ function kinds(field) {
 /* Steps before the last one have displacements and stresses only. */
 const isOfStep = (field) => state.step === lastStep || field.at === "point" || !field.needs;
 
-/* Value of a field at point p of a boundary (or inside), NaN: none. */
+/* Value of a field at a point read of a boundary (or inside), NaN: none. */
 function pointValue(field, owner, p) {
   return owner[field.needs] ? field.of(owner, p) : NaN;
 }
@@ -259,10 +427,10 @@ function cornerValues(body, field) {
   if (field.at === "point" || field.at === "contact") {
     const points = new Float32Array(body.place.length / 3);
     for (let p = 0; p < points.length; ++p) points[p] = pointValue(field, body, p);
-    for (let i = 0; i < values.length; ++i) {
-      if (field.at === "contact" && body.pair[(i / 3) | 0] < 0) continue;
-      const value = points[body.corners[i]];
-      if (!isNaN(value)) values[i] = value;
+    for (let t = 0; t < body.count; ++t) {
+      if (field.at === "contact" && body.pair[t] < 0) continue;
+      const three = [0, 1, 2].map((k) => points[body.from[body.corners[3 * t + k]]]);
+      if (!three.some(isNaN)) values.set(three, 3 * t);  // a colour between a value and none would be any
     }
     return values;
   }
@@ -301,8 +469,9 @@ function shown(value, kind, digits) {
 function placeText(x) {
   const size = Math.max(...bounds.low.map(Math.abs), ...bounds.high.map(Math.abs));
   const [factor, name] = unitFor("m", size);
-  return "(" + x.map((c) => short(Math.abs(c) < 2e-5 * radius ? 0 : c / factor, placeDigits())).join(", ") + ") " +
-      name;
+  const told = revolved ? [x[revolved.radial], x[revolved.axis]] : x;
+  return (revolved ? `(r, ${letters[revolved.axis]}) = (` : "(") +
+      told.map((c) => short(Math.abs(c) < 2e-5 * radius ? 0 : c / factor, placeDigits())).join(", ") + ") " + name;
 }
 
 /* As many digits as tell places in the scene apart, also far from the origin. */

@@ -170,8 +170,7 @@ function makeBody(body) {
       normalsOf(body));
   body.edges = edgesOf(body);
   body.lines = geometryOf(atCorners(body.X, body.edges), atCorners(body.U, body.edges));
-  body.capGeometry = state.copies.map(() => null);
-  body.meshes = [];
+  body.meshes = body.meshes || [];
 }
 
 const dark = () => matchMedia("(prefers-color-scheme: dark)").matches;
@@ -252,20 +251,22 @@ const TETRAHEDRA = [[0, 1, 3, 7], [0, 1, 5, 7], [0, 2, 3, 7], [0, 2, 6, 7], [0, 
 
 /* Where a plane cuts the blocks of a body, with the field there. */
 function capOf(body, plane) {
-  const inside = body.inside, n = plane.normal, X = inside.X, U = inside.U, blocks = inside.blocks;
-  const heights = new Float32Array(X.length / 3), points = [];
+  const {X, U, blocks, place, from} = body.inside, n = plane.normal;
+  const heights = new Float32Array(X.length / 3), x = [], u = [], places = [], values = [];
   for (let p = 0; p < heights.length; ++p)
     heights[p] = n.x * X[3 * p] + n.y * X[3 * p + 1] + n.z * X[3 * p + 2] - plane.place;
   const value = insideValues(body);
   const cut = (a, b, block) => {
-    const t = heights[a] / (heights[a] - heights[b]), mean = (v, i) => (1 - t) * v[3 * a + i] + t * v[3 * b + i];
-    return {
-      x: [mean(X, 0), mean(X, 1), mean(X, 2)],
-      u: [mean(U, 0), mean(U, 1), mean(U, 2)],
-      value: value.byPoint ? (1 - t) * value.byPoint[a] + t * value.byPoint[b] :
-          value.byBlock    ? value.byBlock[block] :
-                             NOTHING
-    };
+    const t = heights[a] / (heights[a] - heights[b]), p = from[a], q = from[b];
+    for (let i = 0; i < 3; ++i) {
+      x.push((1 - t) * X[3 * a + i] + t * X[3 * b + i]);
+      u.push((1 - t) * U[3 * a + i] + t * U[3 * b + i]);
+      places.push((1 - t) * place[3 * p + i] + t * place[3 * q + i]);
+    }
+    values.push(
+        value.byPoint     ? (1 - t) * value.byPoint[p] + t * value.byPoint[q] :
+            value.byBlock ? value.byBlock[block] :
+                            NOTHING);
   };
   const corners = new Array(8);
   for (let block = 0; block < blocks.length / 8; ++block) {
@@ -279,18 +280,16 @@ function capOf(body, plane) {
       const under = [], over = [];
       tetrahedron.forEach((c) => (heights[corners[c]] < 0 ? under : over).push(corners[c]));
       if (!under.length || !over.length) return;
-      if (under.length === 2) {
-        const [a, b, c, d] = [[0, 0], [0, 1], [1, 1], [1, 0]].map(([i, j]) => cut(under[i], over[j], block));
-        points.push(a, b, c, a, c, d);
-      } else
-        under.forEach((a) => over.forEach((b) => points.push(cut(a, b, block))));
+      if (under.length === 2)
+        [[0, 0], [0, 1], [1, 1], [0, 0], [1, 1], [1, 0]].forEach(([i, j]) => cut(under[i], over[j], block));
+      else
+        under.forEach((a) => over.forEach((b) => cut(a, b, block)));
     });
   }
-  const flat = (name, size) => Float32Array.from(
-      {length: size * points.length}, (_, i) => (size === 1 ? points[i].value : points[(i / 3) | 0][name][i % 3]));
-  const x = flat("x", 3), u = flat("u", 3), normals = new Float32Array(x.length);
+  const normals = new Float32Array(x.length);
   for (let i = 0; i < normals.length; i += 3) normals.set([n.x, n.y, n.z], i);
-  return {x, u, values: flat("value", 1), geometry: geometryOf(x, u, flat("value", 1), normals)};
+  const cap = {x: new Float32Array(x), u: new Float32Array(u), values: new Float32Array(values), places};
+  return {...cap, geometry: geometryOf(cap.x, cap.u, cap.values, normals)};
 }
 
 /* Values inside of a body, by point or by block; neither: the field is one of the boundary, or of another step. */
@@ -301,7 +300,7 @@ function insideValues(body) {
   if (field.id === "status" && inside.status) return {byBlock: inside.status};
   if (field.at === "cell" && inside.error) return {byBlock: inside.error.map((v) => (isNaN(v) ? NOTHING : v))};
   if (field.at !== "point" || !inside[field.needs] || state.step !== lastStep) return {};
-  const byPoint = new Float32Array(inside.X.length / 3);
+  const byPoint = new Float32Array(inside.place.length / 3);
   for (let p = 0; p < byPoint.length; ++p) {
     const value = pointValue(field, inside, p);
     byPoint[p] = isNaN(value) ? NOTHING : value;
@@ -338,6 +337,10 @@ function movedPoint(body, p) {
       body.X[i + 2] + state.factor * body.U[i + 2] + body.shift.z);
 }
 
+/* Turns a vector at a drawn point into the half-plane, or one of the half-plane to the point. */
+const atFirst = (body, p, v) => (revolved ? turnedVector(v, revolved.turns[body.turn[p]], true) : v);
+const atPoint = (body, p, v) => (revolved ? turnedVector(v, revolved.turns[body.turn[p]], false) : v);
+
 /* Tells whether a direction leads out of the body: arrows start on the face then, else they end there. */
 function pulls(face, f, direction) {
   if (face.normal === undefined) {
@@ -345,7 +348,7 @@ function pulls(face, f, direction) {
     face.normal = new THREE.Vector3();
     for (let t = 0; t < body.count; ++t)
       if (body.face[t] === f)
-        face.normal.add(new THREE.Vector3(normals[9 * t], normals[9 * t + 1], normals[9 * t + 2]));
+        face.normal.add(new THREE.Vector3(...atFirst(body, body.corners[3 * t], normals.slice(9 * t, 9 * t + 3))));
     face.normal.normalize();
   }
   return face.normal.dot(direction) > 0.3;
@@ -364,9 +367,10 @@ function addArrows() {
     if (!face.spread.body || !face.spread.body.visible) return;
     direction.normalize();
     face.spread.points.forEach((p) => {
+      const way = new THREE.Vector3(...atPoint(face.spread.body, p, direction.toArray()));
       const tip = movedPoint(face.spread.body, p),
-            tail = tip.clone().addScaledVector(direction, pulls(face, f, direction) ? 0 : -size);
-      const arrow = new THREE.ArrowHelper(direction, tail, size, colour, 0.35 * size, 0.2 * size);
+            tail = tip.clone().addScaledVector(way, pulls(face, f, direction) ? 0 : -size);
+      const arrow = new THREE.ArrowHelper(way, tail, size, colour, 0.35 * size, 0.2 * size);
       arrow.traverse((part) => {
         part.renderOrder = 30000;
         if (part.material) Object.assign(part.material, {depthTest: false, transparent: true});

@@ -29,7 +29,8 @@ function label(text, x, kind) {
   find("labels").appendChild(plate);
 }
 
-/* Where a place (m) of a body is drawn: moved with the nearest point that has a displacement. */
+/* Where a place (m) of a body is drawn: moved with the nearest point that has a displacement. Those of the half-plane
+   lie on the boundary of what is swept. */
 function drawnPlace(body, place) {
   const x = toView(place);
   let least = Infinity, move = [0, 0, 0];
@@ -46,7 +47,7 @@ function drawnPlace(body, place) {
   return {
     x: new THREE.Vector3(x.x + state.factor * move[0], x.y + state.factor * move[1], x.z + state.factor * move[2])
            .add(body.shift),
-    onBoundary: state.field.at === "contact" || nearBoundary(body, x)
+    onBoundary: Boolean(revolved) || state.field.at === "contact" || nearBoundary(body, x)
   };
 }
 
@@ -225,13 +226,16 @@ function pickCopy(body, copy, ray) {
     const x = [0, 1, 2].map(
         (k) => weights.reduce((sum, w, v) => sum + w * body.X[3 * body.corners[3 * triangle + v] + k], 0));
     if (plane && plane.normal.x * x[0] + plane.normal.y * x[1] + plane.normal.z * x[2] > plane.place) return;
-    hits.push({far, body, copy, triangle, weights, x});
+    const points = weights.map((w, v) => body.from[body.corners[3 * triangle + v]]);
+    const place = [0, 1, 2].map((k) => weights.reduce((sum, w, v) => sum + w * body.place[3 * points[v] + k], 0));
+    hits.push({far, body, copy, triangle, weights, place, inside: triangle < body.cuts});
   });
   body.caps.filter((cap) => cap.copy === copy).forEach((cap) => {
     eachHit(origin, way, cap.values.length / 3, mover(cap.x, cap.u, (i) => i), (far, triangle, weights) => {
       if (crossings.filter((c) => c > far).length % 2 === 0) return;  // outside of the body
-      const x = [0, 1, 2].map((k) => weights.reduce((sum, w, v) => sum + w * cap.x[9 * triangle + 3 * v + k], 0));
-      hits.push({far, body, copy, cap, triangle, weights, x});
+      const first = 9 * triangle;
+      const place = [0, 1, 2].map((k) => weights.reduce((sum, w, v) => sum + w * cap.places[first + 3 * v + k], 0));
+      hits.push({far, body, copy, cap, triangle, weights, place, inside: true});
     });
   });
   return hits;
@@ -263,13 +267,14 @@ function valueAt(field, hit) {
   }
   if (field.at === "cell") return body.error ? body.error[triangle] : NaN;
   if (field.at === "contact" && body.pair[triangle] < 0) return NaN;
-  return weights.reduce((sum, w, v) => sum + w * pointValue(field, body, body.corners[3 * triangle + v]), 0);
+  return weights.reduce((sum, w, v) => sum + w * pointValue(field, body, body.from[body.corners[3 * triangle + v]]), 0);
 }
 
 function readHit(hit) {
-  const field = state.field, place = hit.x.map((c, k) => c * radius + middle[k]);
-  const face = hit.cap ? null : data.faces[hit.body.face[hit.triangle]];
-  const read = {body: hit.body.name, face: face ? face.name : "", place, inside: Boolean(hit.cap), field: field.id};
+  const field = state.field, face = hit.cap ? null : data.faces[hit.body.face[hit.triangle]];
+  const read =
+      {body: hit.body.name, face: face ? face.name : "", place: hit.place, inside: hit.inside, field: field.id};
+  if (revolved) read.place[revolved.across] = 0;
   if (field.at === "kind") {
     const kind = kinds(field)[hit.cap ? hit.cap.values[3 * hit.triangle] : kindOf(field, hit.body, hit.triangle)];
     read.kind = kind ? (field.id === "role" ? kind.text : kind.name) : "";
