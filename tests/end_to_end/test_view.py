@@ -18,7 +18,7 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
 import harness
-from harness import cgcontact, report, scene, settings
+from harness import cgcontact, contact_rows, report, scene, settings
 
 FLAGS = ["--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-gl=angle", "--use-angle=swiftshader",
          "--enable-unsafe-swiftshader", "--window-size=900,800", "--hide-scrollbars", "--force-device-scale-factor=1"]
@@ -54,6 +54,38 @@ symmetry = true
 face = "{body}.z+"
 pressure = 1e6
 """ for body in ("bar", "beside"))
+
+
+# A half of an O-ring pressed onto a washer: of revolution about x, away from the axis, in two steps.
+SEAL = """
+axisymmetric = "x"
+[[body]]
+name = "washer"
+material = "steel"
+cell_size = 0.001
+shape = {difference = [
+  {name = "washer", cylinder = {base = [-0.01, 0, 0], top = [0, 0, 0], radius = 0.03}},
+  {name = "bore", cylinder = {base = [-0.02, 0, 0], top = [0.01, 0, 0], radius = 0.02}},
+]}
+[[body]]
+name = "seal"
+material = {E = 2e9, nu = 0.4}
+cell_size = 0.0005
+shape = {intersection = [
+  {name = "seal", torus = {center = [0.003, 0, 0], axis = [1, 0, 0], ring_radius = 0.025, tube_radius = 0.003}},
+  {name = "cut", half_space = {point = [0.003, 0, 0], normal = [1, 0, 0]}},
+]}
+[[support]]
+face = "washer.washer.bottom"
+displacement = {x = 0}
+[[load]]
+face = "seal.cut.plane"
+force = [-1e4, 0, 0]
+[[contact]]
+faces = ["washer.washer.top", "seal.seal.surface"]
+[steps]
+factors = [0.5, 1]
+"""
 
 
 class Fields:
@@ -161,16 +193,24 @@ class View(unittest.TestCase):
         width, height = self.canvas.size["width"], self.canvas.size["height"]
         return [(width * (0.5 + 0.05 * (i - (count - 1) / 2)), height * (j + 0.5) / count) for i in range(count) for j in range(count)]
 
+    def check_value(self, hit, fields, reach):
+        """What was read is among the values of result.vtkhdf near that place."""
+        low, high = fields.around(hit["place"], reach)
+        room = ROUNDING * fields.stress.max() + 0.02 * (high - low)
+        self.assertTrue(low - room <= hit["value"] <= high + room, f"{hit} {low} {high}")
+
     def check_values(self, fields, reach, inside):
         """Clicks all over the picture; every value is among those of result.vtkhdf near that place."""
         read = [self.click(at) for at in self.grid_of_places()]
         read = [hit for hit in read if hit and hit["inside"] == inside]
         self.assertGreater(len(read), 3)
         for hit in read:
-            low, high = fields.around(hit["place"], reach)
-            room = ROUNDING * fields.stress.max() + 0.02 * (high - low)
-            self.assertTrue(low - room <= hit["value"] <= high + room, f"{hit} {low} {high}")
+            self.check_value(hit, fields, reach)
         return read
+
+    def project(self, body, place):
+        """Where a place of a body is in the picture."""
+        return self.script("return cgcontactView.project(arguments[0], arguments[1])", body, place)
 
     def test_picture_values_and_keys(self):
         """Two solids: something is drawn, clicks read what result.vtkhdf has, on the boundary and in a section; keys."""
@@ -262,6 +302,114 @@ class View(unittest.TestCase):
         self.button("#view-mirror")
         self.assertIn(self.state()["copies"], (2, 4, 8))
         self.assertGreater(self.colours(), 100)
+
+    def check_box(self, low, high):
+        """What is drawn reaches from one corner to the other, as far as arcs do that have chords."""
+        for drawn, wanted in zip(self.state()["box"], (low, high)):
+            self.assertLess(math.dist(drawn, wanted), 1e-3 * math.dist(low, high), f"{drawn} {wanted}")
+
+    def test_revolution(self):
+        """A shaft and a hub are drawn three quarters round; clicks on the swept boundary, on both open planes and in
+        sections read what result.vtkhdf has in the half-plane; moves, switches, the half-plane alone."""
+        self.run_scene(scene("press_fit_hub"))
+        self.open()
+        self.button("[data-look=whole]")
+        self.button("[data-factor='0']")
+        self.assertGreater(self.colours(), 500)
+        self.check_box([-0.04, -0.04, 0], [0.04, 0.04, 0.06])
+        self.assertLessEqual(self.state()["triangles"], 200000)
+        fields, reach = Fields("out"), 1.8 * 0.02 / 16
+        side = self.click(self.project("hub", [0.04 * math.cos(4.4), 0.04 * math.sin(4.4), 0.01]))
+        self.assertEqual((side["body"], side["face"], side["inside"]), ("hub", "hub.hub.side", False))
+        open_planes = [self.click(self.project("hub", place)) for place in ([0.03, 0, 0.01], [0, -0.03, 0.01])]
+        for hit, place in zip([side, *open_planes], ([0.04, 0, 0.01], [0.03, 0, 0.01], [0.03, 0, 0.01])):
+            self.assertLess(math.dist(hit["place"], place), 5e-4)
+            self.check_value(hit, fields, reach)
+        for hit in open_planes:
+            self.assertEqual((hit["body"], hit["face"], hit["inside"]), ("hub", "", True))
+        self.told("readout", lambda text: "(r, z) = (" in text and "inside hub" in text)
+        for axis, look in enumerate("xyz"):
+            self.choose("axis", str(axis))
+            self.slide("place", "450" if look != "z" else "150")
+            self.button(f"[data-look={look}]")
+            self.check_values(fields, reach, inside=True)
+        self.choose("axis", "")
+        self.check_moves()
+        self.check_switches()
+
+    def check_moves(self):
+        """The hub widens on all sides."""
+        self.button("[data-look=z]")
+        ends = lambda: [self.project("hub", [x, 0, 0])[0] for x in (0.04, -0.04)]
+        right, left = ends()
+        self.button("[data-factor=picture]")
+        self.assertGreater(ends()[0], right + 1)
+        self.assertLess(ends()[1], left - 1)
+        self.button("[data-factor='0']")
+
+    def check_switches(self):
+        """Fields have the names of components that are the same at each angle; the half-plane alone can be shown."""
+        offered = [o.get_attribute("value") for o in Select(self.browser.find_element(By.ID, "view-field")).options]
+        self.assertEqual([f for f in offered if f.startswith(("stress_", "displacement_"))],
+                         ["stress_rr", "stress_tt", "stress_zz", "stress_rz", "displacement_r", "displacement_z"])
+        self.button("[data-look=whole]")
+        for option in ("stress_tt", "displacement_r", "pressure", "gap", "error", "status", "closed", "role"):
+            self.choose("field", option)
+            self.assertGreater(self.colours(), 20, option)
+        for name in ("transparent", "names", "faces", "arrows", "bands", "edges", "mirror"):
+            self.button(f"#view-{name}")
+            self.assertGreater(self.colours(), 20, name)
+            self.button(f"#view-{name}")
+        self.slide("explode", "0.5")
+        self.assertGreater(self.colours(), 20)
+        self.slide("explode", "0")
+        whole = self.state()["triangles"]
+        self.button("#view-half")
+        self.assertLess(self.state()["triangles"], whole / 4)
+        self.check_box([0, 0, 0], [0.04, 0.0008, 0.06])
+        self.assertGreater(self.colours(), 20)
+        self.button("#view-half")
+        self.assertEqual(self.state()["triangles"], whole)
+
+    def test_narrow_ring_of_contact(self):
+        """A ball in a seat opens on the zone; the largest pressure on its face is that of contact.csv all round."""
+        self.run_scene(scene("ball_in_seat"))
+        self.open()
+        self.assertEqual(self.state()["zone"], 0)
+        self.assertGreater(self.colours(), 300)
+        rows = [row for row in contact_rows("out") if row["body"] == "seat"]
+        most = max(rows, key=lambda row: row["pressure_sprc"])
+        self.button("[data-kind=face]")
+        self.assertEqual(self.state()["field"], "pressure")
+        self.button("[data-factor='0']")
+        eye = self.state()["eye"]  # opposite a part of the cone
+        r, z, angle = most["x"], most["z"], math.atan2(-eye[1], -eye[0])
+        hit = self.click(self.project("seat", [r * math.cos(angle), r * math.sin(angle), z]))
+        self.assertEqual((hit["body"], hit["face"]), ("seat", "seat.cone.side"))
+        self.assertLess(math.dist(hit["place"], [r, 0, z]), 1e-5)
+        self.assertAlmostEqual(hit["value"] / most["pressure_sprc"], 1, delta=0.01)
+
+    def test_ring_about_x(self):
+        """Rings away from an axis that is not z, and a step of them."""
+        pathlib.Path("seal.toml").write_text(SEAL)
+        self.run_scene("seal.toml")
+        self.open()
+        self.button("[data-look=whole]")
+        self.button("[data-factor='0']")
+        self.check_box([-0.01, -0.03, -0.03], [0.003, 0.03, 0.03])
+        fields, reach = Fields("out"), 1.8 * 0.001
+        for place in ([-0.005, 0.025, 0], [-0.005, 0, 0.025]):
+            hit = self.click(self.project("washer", place))
+            self.assertEqual((hit["body"], hit["inside"]), ("washer", True))
+            self.assertLess(math.dist(hit["place"], [-0.005, 0.025, 0]), 5e-4)
+            self.check_value(hit, fields, reach)
+        hit = self.click(self.project("seal", [0.003, -0.025 * math.sin(0.5), 0.025 * math.cos(0.5)]))
+        self.assertEqual((hit["body"], hit["face"]), ("seal", "seal.cut.plane"))
+        last = hit["value"]
+        self.check_value(hit, fields, reach)
+        self.slide("step", "0")
+        first = self.click(self.project("seal", [0.003, -0.025 * math.sin(0.5), 0.025 * math.cos(0.5)]))["value"]
+        self.assertTrue(0 < first < 0.8 * last, f"{first} {last}")
 
     def test_small_dark_and_without(self):
         """A phone's width, turning by a finger, dark colours, what is read aloud; and a browser without WebGL."""
