@@ -92,7 +92,7 @@ struct CosineAxis {
 };
 
 /// K(k) from 1 - k^2, to 2e-8 (Abramowitz and Stegun 1964, 17.3.34).
-double elliptic_integral(double complement) {
+KOKKOS_FUNCTION double elliptic_integral(double complement) {
   constexpr double a[5] = {1.38629436112, 0.09666344259, 0.03590092383, 0.03742563713, 0.01451196212};
   constexpr double b[5] = {0.5, 0.12498593597, 0.06880248576, 0.03328355346, 0.00441787012};
   double of_one = 0, of_logarithm = 0;
@@ -106,32 +106,78 @@ double elliptic_integral(double complement) {
 /// Patches away from which a ring's influence on another one is smooth enough for two points.
 constexpr int smooth_rings = 6;
 
-/// Integral over a patch of the displacement by rings of unit pressure, times pi E*, m: K(k) grows as the logarithm of
-/// the distance, which is integrated by itself.
-double ring_influence(const FaceGrid& grid, int at, int from) {
-  constexpr double point[4] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623};
-  constexpr double weight[4] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626};
-  const Meridian& meridian = *grid.meridian;
-  const double half = 0.5 * grid.spacing[1], middle = grid.centre(from)[1], place = grid.centre(at)[1];
-  const Eigen::Vector2d x = meridian.at(place);
-  const auto ring_at = [&](double other) {
-    const Eigen::Vector2d y = meridian.at(other);
-    const double near = std::abs(x[0]) - std::abs(y[0]), far = std::abs(x[0]) + std::abs(y[0]), height = x[1] - y[1];
-    const double longest = far * far + height * height, shortest = near * near + height * height;
-    return 4 * std::abs(y[0]) / std::sqrt(longest) * elliptic_integral(std::max(shortest / longest, 1e-30));
+/// Points of an integral over a patch, by the distance of the ring that it is for.
+constexpr int far_points = 2, near_points = 8;
+
+/// Rings of pressure around an axis of revolution.
+struct Rings {
+  struct Point {
+    double radius, height, place;  ///< m; place: along the face
   };
-  double sum = 0;
-  if (std::abs(at - from) > smooth_rings) {
-    for (const int side : {-1, 1}) sum += half * ring_at(middle + side * half / std::sqrt(3.0));
-    return sum;
-  }
-  for (int q = 0; q < 4; ++q)
-    for (const int side : {-1, 1}) {
-      const double other = middle + side * half * point[q];
-      sum += weight[q] * half * (ring_at(other) + 2 * std::log(std::max(std::abs(place - other), 1e-12 * half)));
+  /// (patch, point): its centre, those for rings far away, those for rings nearby
+  Kokkos::View<Point * [1 + far_points + near_points], Kokkos::LayoutRight, MemSpace> points;
+  double half;  ///< m, of a patch
+  double unit_radius, modulus;
+
+  Rings(const FaceGrid& grid, double E)
+      : points(Kokkos::view_alloc(Kokkos::WithoutInitializing, "cgcontact::half_space::ring_points"), grid.size[1]),
+        half(0.5 * grid.spacing[1]),
+        unit_radius(grid.meridian->unit_radius),
+        modulus(E) {
+    constexpr double near[near_points / 2] = {0.18343464249564980, 0.52553240991632899, 0.79666647741362674,
+                                              0.96028985649753623};
+    const auto host = Kokkos::create_mirror_view(points);
+    for (int n = 0; n < grid.size[1]; ++n) {
+      const double middle = grid.centre(n)[1];
+      const auto point_at = [&](double place) {
+        const Eigen::Vector2d x = grid.meridian->at(place);
+        return Point{std::abs(x[0]), x[1], place};
+      };
+      int p = 0;
+      host(n, p++) = point_at(middle);
+      for (const int side : {-1, 1}) host(n, p++) = point_at(middle + side * half / std::sqrt(3.0));
+      for (const double part : near)
+        for (const int side : {-1, 1}) host(n, p++) = point_at(middle + side * half * part);
     }
-  return sum + strip(place - middle, half);
-}
+    Kokkos::deep_copy(points, host);
+  }
+
+  /// Displacement at x by a ring of unit pressure along the line through y, times pi E*.
+  KOKKOS_FUNCTION static double displacement(const Point& x, const Point& y) {
+    const double near = x.radius - y.radius, far = x.radius + y.radius, height = x.height - y.height;
+    const double longest = far * far + height * height, shortest = near * near + height * height;
+    const double part = shortest / longest;
+    return 4 * y.radius / std::sqrt(longest) * elliptic_integral(part > 1e-30 ? part : 1e-30);
+  }
+
+  /// Integral over a patch of the displacement by rings of unit pressure, times pi E*, m: K(k) grows as the logarithm
+  /// of the distance, which is integrated by itself.
+  KOKKOS_FUNCTION double integral(int at, int from) const {
+    constexpr double weight[near_points / 2] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
+                                                0.10122853629037626};
+    const Point& x = points(at, 0);
+    double sum = 0;
+    if (at - from > smooth_rings || from - at > smooth_rings) {
+      for (int q = 0; q < far_points; ++q) sum += half * displacement(x, points(from, 1 + q));
+      return sum;
+    }
+    for (int q = 0; q < near_points; ++q) {
+      const Point& y = points(from, 1 + far_points + q);
+      const double distance = std::abs(x.place - y.place), least = 1e-12 * half;
+      sum += weight[q / 2] * half * (displacement(x, y) + 2 * std::log(distance > least ? distance : least));
+    }
+    return sum + strip(x.place - points(from, 0).place, half);
+  }
+
+  KOKKOS_FUNCTION double ring(int patch) const { return points(patch, 0).radius / unit_radius; }
+
+  /// Gives the work of one ring's pressure on another one, the same as that of the other's on the one's; at centres of
+  /// patches these are equal up to their size only, which conjugate gradients do not bear where a zone is one or two
+  /// patches wide.
+  KOKKOS_FUNCTION double work(int i, int j) const {
+    return (ring(i) * integral(i, j) + ring(j) * integral(j, i)) / (2 * pi * modulus);
+  }
+};
 
 HalfSpace::Patches array(const char* label, int rows, int columns) {
   return HalfSpace::Patches(Kokkos::view_alloc(Kokkos::WithoutInitializing, std::string(label)), rows, columns);
@@ -139,20 +185,24 @@ HalfSpace::Patches array(const char* label, int rows, int columns) {
 
 }  // namespace
 
-HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus) {
+template <class Exec>
+HalfSpace::HalfSpace(const Exec& exec, const FaceGrid& grid, double modulus) {
+  static_assert(Kokkos::SpaceAccessibility<Exec, Memory>::accessible);
   if (grid.meridian) {
-    rings_ = array("cgcontact::half_space::rings", grid.size[1], grid.size[1]);
-    const auto host = Kokkos::create_mirror_view(rings_);
-    // The work of one ring's pressure on the other's is that of the other's on the one's; at centres of patches it is
-    // so up to their size only, which conjugate gradients do not bear where a zone is one or two patches wide.
-    for (int i = 0; i < grid.size[1]; ++i)
-      for (int j = 0; j <= i; ++j) {
-        const double work = (grid.ring(i) * ring_influence(grid, i, j) + grid.ring(j) * ring_influence(grid, j, i)) /
-                            (2 * pi * modulus);
-        host(i, j) = work / grid.ring(i);
-        host(j, i) = work / grid.ring(j);
-      }
-    Kokkos::deep_copy(rings_, host);
+    const int size = grid.size[1];
+    rings_ = array("cgcontact::half_space::rings", size, size);
+    const Rings rings(grid, modulus);
+    const auto influence = rings_;
+    using Policy = Kokkos::RangePolicy<Exec, Kokkos::Schedule<Kokkos::Dynamic>>;
+    Kokkos::parallel_for(
+        "cgcontact::half_space::influence_of_rings", Policy(exec, 0, size * size), KOKKOS_LAMBDA(const int n) {
+          const int i = n / size, j = n % size;
+          if (j > i) return;
+          const double work = rings.work(i, j);
+          influence(i, j) = work / rings.ring(i);
+          influence(j, i) = work / rings.ring(j);
+        });
+    exec.fence();
     return;
   }
   const CosineAxis axis[2] = {CosineAxis(grid, 0), CosineAxis(grid, 1)};
@@ -161,7 +211,7 @@ HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus
   const Patches table = array("cgcontact::half_space::table", axis[0].reach + 1, axis[1].reach + 1);
   const int columns = axis[1].reach + 1;
   Kokkos::parallel_for(
-      "cgcontact::half_space::table", Kokkos::RangePolicy<ExecSpace>(exec, 0, table.extent(0) * table.extent(1)),
+      "cgcontact::half_space::table", Kokkos::RangePolicy<Exec>(exec, 0, table.extent(0) * table.extent(1)),
       KOKKOS_LAMBDA(const int n) {
         const int i = n / columns, j = n % columns;
         table(i, j) = lattice.with_periods(i * lattice.spacing[0], j * lattice.spacing[1]) / (pi * modulus);
@@ -176,7 +226,7 @@ HalfSpace::HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus
   const int num_columns = num[1];
   const double all = static_cast<double>(num[0]) * num[1];
   Kokkos::parallel_for(
-      "cgcontact::half_space::scale", Kokkos::RangePolicy<ExecSpace>(exec, 0, num[0]), KOKKOS_LAMBDA(const int k) {
+      "cgcontact::half_space::scale", Kokkos::RangePolicy<Exec>(exec, 0, num[0]), KOKKOS_LAMBDA(const int k) {
         for (int l = 0; l < num_columns; ++l) spectrum(k, l) *= (k > 0 ? 2 : 1) * (l > 0 ? 2 : 1) / all;
       });
   along_ = array("cgcontact::half_space::along", axis[1].size, num[0]);
@@ -208,6 +258,14 @@ void HalfSpace::apply(const Exec& exec, const Patches& p, const Patches& u) cons
   cosines_[0].backward(exec, along_, u);
 }
 
-template void HalfSpace::apply(const ExecSpace&, const Patches&, const Patches&) const;
+#define CGCONTACT_INSTANTIATE(Exec)                                    \
+  template HalfSpace::HalfSpace(const Exec&, const FaceGrid&, double); \
+  template void HalfSpace::apply(const Exec&, const Patches&, const Patches&) const;
+
+CGCONTACT_INSTANTIATE(ExecSpace)
+#if defined(KOKKOS_ENABLE_SERIAL) && defined(KOKKOS_ENABLE_OPENMP)
+CGCONTACT_INSTANTIATE(Kokkos::Serial)  // for the tests, where ExecSpace is the other one
+#endif
+#undef CGCONTACT_INSTANTIATE
 
 }  // namespace cgcontact

@@ -28,7 +28,8 @@ class HalfSpace {
   using Marks = Kokkos::View<char**, Kokkos::LayoutRight, Memory>;
 
   /// modulus: E* of both bodies, Pa.
-  HalfSpace(const ExecSpace& exec, const FaceGrid& grid, double modulus);
+  template <class Exec>
+  HalfSpace(const Exec& exec, const FaceGrid& grid, double modulus);
 
   /// u = S p, m, at all patches. p: Pa. Each patch sums in a fixed order. Accuracy: rounding, relative to the largest
   /// value (some 1e-14).
