@@ -3,6 +3,8 @@
 #include <cmath>
 #include <string>
 
+#include "core/base/types.hpp"
+
 namespace cgcontact {
 namespace {
 
