@@ -241,42 +241,56 @@ KOKKOS_FORCEINLINE_FUNCTION void batch_forces(const BandCells<Real>& cells, int 
   }
 }
 
+/// Gives the modes 1, E, G, EG of a component from its lower corners along d, both layers being one: twice those of
+/// one.
+template <int d, class Real, class V>
+KOKKOS_FORCEINLINE_FUNCTION void to_plane_modes(const V v[8], V c[4]) {
+  constexpr int E = 1 << (d + 1) % 3, G = 1 << (d + 2) % 3;
+  const V low = v[E] - v[0], high = v[E | G] - v[G];
+  c[0] = Real(2) * ((v[E | G] + v[G]) + (v[E] + v[0]));
+  c[1] = Real(2) * (high + low);
+  c[2] = Real(2) * ((v[E | G] + v[G]) - (v[E] + v[0]));
+  c[3] = Real(2) * (high - low);
+}
+
+/// Turns modal forces into corner forces of both layers, the transpose of to_plane_modes; mode 1 is left out unless
+/// `mean`.
+template <int d, bool mean, class V>
+KOKKOS_FORCEINLINE_FUNCTION void to_plane_corners(const V f[4], V v[8]) {
+  constexpr int D = 1 << d, E = 1 << (d + 1) % 3, G = 1 << (d + 2) % 3;
+  const auto with_mean = [&](const V& force) { return mean ? f[0] + force : force; };
+  v[0] = v[D] = with_mean(f[3]) - f[1] - f[2];
+  v[E] = v[D | E] = with_mean(f[1]) - f[2] - f[3];
+  v[G] = v[D | G] = with_mean(f[2]) - f[1] - f[3];
+  v[E | G] = v[7] = with_mean(f[1]) + f[2] + f[3];
+}
+
 /// Corner forces of a cell in plane strain along d, in place: stresses and forces in the plane alone, from the lower
 /// corners' displacements; both corners that are one have the force that each would have. moments: nullptr: full.
 template <int d, class Real, class V>
 KOKKOS_FORCEINLINE_FUNCTION void plane_forces(const typename BandCells<Real>::Law& law, const Real* moments,
                                               V u[3][8]) {
-  constexpr int e = (d + 1) % 3, g = (d + 2) % 3, D = 1 << d, E = 1 << e, G = 1 << g;
+  constexpr int e = (d + 1) % 3, g = (d + 2) % 3, E = 1 << e, G = 1 << g;
   const V* m = reinterpret_cast<const V*>(moments);
   const V m0 = moments ? m[0] : V{} + law.full[0], none = {};
   const V mE = moments ? m[moment_index(E)] : none, mG = moments ? m[moment_index(G)] : none;
   const V mEG = moments ? m[moment_index(E) + moment_index(G)] : none;
   const V mEE = moments ? m[2 * moment_index(E)] : V{} + law.full[1];
   const V mGG = moments ? m[2 * moment_index(G)] : V{} + law.full[1];
-  V c[2][3];  // modes E, G, EG of u_e and u_g: twice those of one layer
-  for (int k = 0; k < 2; ++k) {
-    const V* v = u[k == 0 ? e : g];
-    const V low = v[E] - v[0], high = v[E | G] - v[G];
-    c[k][0] = Real(2) * (high + low);
-    c[k][1] = Real(2) * ((v[E | G] + v[G]) - (v[E] + v[0]));
-    c[k][2] = Real(2) * (high - low);
-  }
-  const V &p = c[0][2], &q = c[1][2];
-  const V ee = law.across * c[0][0] + law.lambda * c[1][1], gg = law.across * c[1][1] + law.lambda * c[0][0];
-  const V eg = c[0][1] + c[1][0], across_p = law.across * p, across_q = law.across * q;
+  V c[2][4];  // of u_e and u_g
+  to_plane_modes<d, Real>(u[e], c[0]);
+  to_plane_modes<d, Real>(u[g], c[1]);
+  const V &p = c[0][3], &q = c[1][3];
+  const V ee = law.across * c[0][1] + law.lambda * c[1][2], gg = law.across * c[1][2] + law.lambda * c[0][1];
+  const V eg = c[0][2] + c[1][1], across_p = law.across * p, across_q = law.across * q;
   const V lambda_p = law.lambda * p, lambda_q = law.lambda * q;
   const V shear = m0 * eg + mE * p + mG * q;
-  const V f[2][3] = {{m0 * ee + mG * across_p + mE * lambda_q, shear,
+  const V f[2][4] = {{none, m0 * ee + mG * across_p + mE * lambda_q, shear,
                       mG * ee + mGG * across_p + mEG * lambda_q + mE * eg + mEE * p + mEG * q},
-                     {shear, m0 * gg + mE * across_q + mG * lambda_p,
+                     {none, shear, m0 * gg + mE * across_q + mG * lambda_p,
                       mE * gg + mEE * across_q + mEG * lambda_p + mG * eg + mEG * p + mGG * q}};
-  for (int k = 0; k < 2; ++k) {
-    V* v = u[k == 0 ? e : g];
-    v[0] = v[D] = f[k][2] - f[k][0] - f[k][1];
-    v[E] = v[D | E] = f[k][0] - f[k][1] - f[k][2];
-    v[G] = v[D | G] = f[k][1] - f[k][0] - f[k][2];
-    v[E | G] = v[7] = f[k][0] + f[k][1] + f[k][2];
-  }
+  to_plane_corners<d, false>(f[0], u[e]);
+  to_plane_corners<d, false>(f[1], u[g]);
   for (int a = 0; a < 8; ++a) u[d][a] = none;
 }
 
@@ -295,24 +309,18 @@ constexpr int diameter = 14;
 /// is no polynomial is b^2 / r (docs/theory.md, "Bodies of revolution").
 template <int d, class Real, class V>
 KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law& law, const Real* moments, V u[3][8]) {
-  constexpr int e = (d + 1) % 3, g = (d + 2) % 3, D = 1 << d, E = 1 << e, G = 1 << g;
+  constexpr int e = (d + 1) % 3, g = (d + 2) % 3;
   const V* m = reinterpret_cast<const V*>(moments);
   const V *r = m + ring_moment::ring, *n = m + ring_moment::plain, *w = m + ring_moment::inverse;
   const V& diameter = m[ring_moment::diameter];
-  V c[2][3], mean;  // modes E, G, EG of u_e and u_g: twice those of one layer; 1 of u_g
-  for (int k = 0; k < 2; ++k) {
-    const V* v = u[k == 0 ? e : g];
-    const V low = v[E] - v[0], high = v[E | G] - v[G];
-    c[k][0] = Real(2) * (high + low);
-    c[k][1] = Real(2) * ((v[E | G] + v[G]) - (v[E] + v[0]));
-    c[k][2] = Real(2) * (high - low);
-    mean = Real(2) * ((v[E | G] + v[G]) + (v[E] + v[0]));
-  }
-  // Strains: ee = c00 + c02 G, gg = c11 + c12 E, around = gg + (b0 + b1 E) / diameter,
-  // shear = c01 + c10 + c02 E + c12 G.
-  const V &p = c[0][2], &q = c[1][2], &ee = c[0][0], &gg = c[1][1];
-  const V b0 = mean - diameter * gg, b1 = c[1][0] - diameter * q;
-  const V shear = c[0][1] + c[1][0];
+  V c[2][4];  // of u_e and u_g
+  to_plane_modes<d, Real>(u[e], c[0]);
+  to_plane_modes<d, Real>(u[g], c[1]);
+  // Strains: ee = c01 + c03 G, gg = c12 + c13 E, around = gg + (b0 + b1 E) / diameter,
+  // shear = c02 + c11 + c03 E + c13 G.
+  const V &p = c[0][3], &q = c[1][3], &ee = c[0][1], &gg = c[1][2];
+  const V b0 = c[1][0] - diameter * gg, b1 = c[1][1] - diameter * q;
+  const V shear = c[0][2] + c[1][1];
   const Real A = law.across, L = law.lambda, both = Real(2) * (A + L), twice = Real(2) * L;
   // Stresses times the diameter, tested with ee (1, G), gg (1, E), shear (1, E, G) and b (1, E).
   const V f_ee = r[0] * (A * ee + twice * gg) + A * r[2] * p + twice * r[1] * q + L * (n[0] * b0 + n[1] * b1);
@@ -326,15 +334,9 @@ KOKKOS_FORCEINLINE_FUNCTION void ring_forces(const typename BandCells<Real>::Law
   const V sum = A * gg + L * (ee + gg), sum_E = (A + L) * q;  // around without b: sum + sum_E E + L p G
   const V f_b0 = n[0] * sum + n[1] * sum_E + L * n[2] * p + A * (w[0] * b0 + w[1] * b1);
   const V f_b1 = n[1] * sum + n[4] * sum_E + L * n[3] * p + A * (w[1] * b0 + w[2] * b1);
-  const V f[2][3] = {{f_ee, f_shear, f_p}, {f_shear + f_b1, f_gg - diameter * f_b0, f_q - diameter * f_b1}};
-  for (int k = 0; k < 2; ++k) {
-    V* v = u[k == 0 ? e : g];
-    const V f_mean = k == 0 ? V{} : f_b0;
-    v[0] = v[D] = f_mean + f[k][2] - f[k][0] - f[k][1];
-    v[E] = v[D | E] = f_mean + f[k][0] - f[k][1] - f[k][2];
-    v[G] = v[D | G] = f_mean + f[k][1] - f[k][0] - f[k][2];
-    v[E | G] = v[7] = f_mean + f[k][0] + f[k][1] + f[k][2];
-  }
+  const V f[2][4] = {{V{}, f_ee, f_shear, f_p}, {f_b0, f_shear + f_b1, f_gg - diameter * f_b0, f_q - diameter * f_b1}};
+  to_plane_corners<d, false>(f[0], u[e]);
+  to_plane_corners<d, true>(f[1], u[g]);
   for (int a = 0; a < 8; ++a) u[d][a] = V{};
 }
 
