@@ -118,16 +118,12 @@ double area_of(const std::vector<CadModel::SectionEdge>& line) {
 /// Places along an edge, its end left out.
 std::vector<Vec2> places_along(const CadModel::SectionEdge& edge) {
   constexpr int chords = 256;
-  if (!edge.is_arc) return {edge.from};
-  const Vec2 u = edge.through - edge.from, v = edge.to - edge.from;
-  const double twice_area = u[0] * v[1] - u[1] * v[0], u2 = u.squaredNorm(), v2 = v.squaredNorm();
-  const Vec2 centre = edge.from + Vec2(v[1] * u2 - u[1] * v2, u[0] * v2 - v[0] * u2) / (2 * twice_area);
-  const Vec2 a = edge.from - centre, b = edge.to - centre;
-  double turn = std::atan2(a[0] * b[1] - a[1] * b[0], a.dot(b));
-  if (twice_area > 0 && turn < 0) turn += 2 * pi;
-  if (twice_area < 0 && turn > 0) turn -= 2 * pi;
+  const auto arc = edge.is_arc ? arc_through(edge.from, edge.through, edge.to) : std::nullopt;
+  if (!arc) return {edge.from};
+  const Vec2& centre = arc->circle.centre;
   std::vector<Vec2> places;
-  for (int k = 0; k < chords; ++k) places.push_back(centre + Eigen::Rotation2Dd(turn * k / chords) * a);
+  for (int k = 0; k < chords; ++k)
+    places.push_back(centre + Eigen::Rotation2Dd(arc->turn * k / chords) * (edge.from - centre));
   return places;
 }
 

@@ -19,13 +19,6 @@ constexpr double widest_part = pi / 3;  // of an arc: its triangle of tangents i
 constexpr int most_divisions = 6;       // of arcs that come near to something, in halves
 constexpr int tangents_around = 128;    // of the polygon that bounds an arc: 3e-4 of its radius
 
-double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
-
-struct Circle {
-  Vec2 centre;
-  double radius;
-};
-
 /// A line, or a part of an arc, from `a` to `b`.
 struct Part {
   Vec2 a, b;
@@ -54,16 +47,10 @@ Part part_of(const ProfileEdge& edge, int number, double size) {
   Part part{edge.from, edge.to, number, std::nullopt, 0};
   if ((edge.to - edge.from).norm() <= same * size) throw InputError(fmt::format("edge {} has no length", number + 1));
   if (!edge.is_arc) return part;
-  const Vec2 u = edge.through - edge.from, v = edge.to - edge.from;
-  const double twice_area = cross(u, v);
-  if (std::abs(twice_area) <= same * size * size)
-    throw InputError(fmt::format("edge {}: the three points of the arc lie on a line", number + 1));
-  const double u2 = u.squaredNorm(), v2 = v.squaredNorm();
-  const Vec2 to_centre = Vec2(v[1] * u2 - u[1] * v2, u[0] * v2 - v[0] * u2) / (2 * twice_area);
-  part.circle = Circle{edge.from + to_centre, to_centre.norm()};
-  const Vec2 end = edge.to - part.circle->centre;
-  const double angle = std::atan2(cross(-to_centre, end), -to_centre.dot(end));
-  part.turn = twice_area > 0 ? (angle > 0 ? angle : angle + 2 * pi) : (angle < 0 ? angle : angle - 2 * pi);
+  const auto arc = arc_through(edge.from, edge.through, edge.to, same * size * size);
+  if (!arc) throw InputError(fmt::format("edge {}: the three points of the arc lie on a line", number + 1));
+  part.circle = arc->circle;
+  part.turn = arc->turn;
   return part;
 }
 

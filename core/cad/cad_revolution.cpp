@@ -118,7 +118,7 @@ bool is_straight(const Place& place) {
   const double length = along.norm();
   for (int k = 1; k < places_along; ++k) {
     const Vec2 x = Vec2(place(double(k) / places_along)) - from;
-    if (!(std::abs(along[0] * x[1] - along[1] * x[0]) <= same_curve * length * length)) return false;
+    if (!(std::abs(cross(along, x)) <= same_curve * length * length)) return false;
   }
   return length > 0;
 }
@@ -126,15 +126,13 @@ bool is_straight(const Place& place) {
 /// Tells whether it is an arc of the circle through three of its points.
 template <class Place>
 bool is_round(const Place& place) {
-  const Vec2 from = place(0), u = Vec2(place(0.25)) - from, v = Vec2(place(0.625)) - from;
-  const double twice_area = u[0] * v[1] - u[1] * v[0];
-  if (twice_area == 0) return false;
-  const double u2 = u.squaredNorm(), v2 = v.squaredNorm();
-  const Vec2 centre = from + Vec2(v[1] * u2 - u[1] * v2, u[0] * v2 - v[0] * u2) / (2 * twice_area);
-  const double radius = (from - centre).norm();
+  const Vec2 from = place(0), through = place(0.25), to = place(0.625);
+  const auto arc = arc_through(from, through, to);
+  if (!arc) return false;
+  const double tolerance = same_curve * std::max((through - from).norm(), (to - from).norm());
   for (int k = 0; k <= places_along; ++k)
-    if (!(std::abs((Vec2(place(double(k) / places_along)) - centre).norm() - radius) <=
-          same_curve * std::sqrt(std::max(u2, v2))))
+    if (const Vec2 x = place(double(k) / places_along);
+        !(std::abs((x - arc->circle.centre).norm() - arc->circle.radius) <= tolerance))
       return false;
   return true;
 }

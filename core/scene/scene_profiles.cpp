@@ -90,14 +90,11 @@ Solid made_of(const TomlCursor& node, const std::string& allowed, const Make& ma
   }
 }
 
-/// Does an arc have its centre beside the axis?
+/// Tells whether an arc has its centre beside the axis.
 bool has_torus(const std::vector<ProfileEdge>& edges) {
   const auto is_torus = [](const ProfileEdge& edge) {
-    const Vec2 u = edge.through - edge.from, v = edge.to - edge.from;
-    const double twice_area = u[0] * v[1] - u[1] * v[0];
-    if (!edge.is_arc || twice_area == 0) return false;
-    const double centre = edge.from[0] + (v[1] * u.squaredNorm() - u[1] * v.squaredNorm()) / (2 * twice_area);
-    return std::abs(centre) > arc_on_axis * std::max(edge.from[0], edge.to[0]);
+    const auto arc = edge.is_arc ? arc_through(edge.from, edge.through, edge.to) : std::nullopt;
+    return arc && std::abs(arc->circle.centre[0]) > arc_on_axis * std::max(edge.from[0], edge.to[0]);
   };
   return std::any_of(edges.begin(), edges.end(), is_torus);
 }

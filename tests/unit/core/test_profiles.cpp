@@ -228,6 +228,20 @@ TEST(Profiles, combine_with_triangle_surfaces) {
   EXPECT_NEAR(volume(combine_triangles(BooleanOp::Kind::subtract, block, through, cell).solid), 256 - 12 * 4, 1e-9);
 }
 
+/// Both ways round, more and less than half of the circle; none through points of a line.
+TEST(Profiles, arc_through_three_points) {
+  const auto at = [](double angle) { return Vec2(2 + 3 * std::cos(angle), -1 + 3 * std::sin(angle)); };
+  for (const double turn : {0.1, 3.0, 6.0, -0.1, -3.0, -6.0}) {
+    const auto found = arc_through(at(0.4), at(0.4 + 0.3 * turn), at(0.4 + turn));
+    ASSERT_TRUE(found);
+    EXPECT_LT((found->circle.centre - Vec2(2, -1)).norm(), 1e-11);
+    EXPECT_NEAR(found->circle.radius, 3, 1e-11);
+    EXPECT_NEAR(found->turn, turn, 1e-11);
+  }
+  EXPECT_FALSE(arc_through({0, 0}, {1, 1}, {2, 2}));
+  EXPECT_FALSE(arc_through({0, 0}, {1, 1e-9}, {2, 0}, 1e-8));
+}
+
 TEST(Profiles, nonsense_is_refused) {
   const auto message = [](const auto& call) -> std::string {
     try {
