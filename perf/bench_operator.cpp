@@ -5,13 +5,14 @@
 ///   contact  the groups of scenes/two_solids_3d.toml; sizes are n of the scene
 ///   tree     a block refined to 6 levels, in turns with the block of as many unknowns on a uniform grid (`of_uniform`:
 ///            the rate per unknown over the uniform grid's); sizes are cells along an edge of the latter
+///   rings    half a ball as a body of revolution, refined to 6 levels, in turns with the same cells in plane strain
+///            (`of_plane_strain`: the rate per unknown over theirs); sizes are coarsest cells along the radius
 /// All results are compared with the plain kernels'.
 ///
 /// Bytes: every vector entry once (x read; y written, which counts twice), and what is stored of cells and faces. The
 /// parts of cut cells and ghost faces add to y: it is read and written at the nodes they touch.
 #include <Tpetra_Core.hpp>
 #include <array>
-#include <functional>
 #include <memory>
 
 #include "kernels/assembled/assembly.hpp"
@@ -276,15 +277,16 @@ Kernel setup(int n) {
 
 constexpr int tree_levels = 6;
 
-/// The block on a tree and on a uniform grid, with all that one application needs.
-template <class Real>
-struct BlockOperator {
-  BlockProblem problem;
+/// A problem with all that one application of its operator needs.
+template <class Real, class Problem>
+struct Applied {
+  Problem problem;
   FastOperator<Real> op;
   RealView xd;
   RealVector<Real> x, y;
-  BlockOperator(int size, int levels)
-      : problem(size, levels),
+  template <class Kind>
+  Applied(int size, Kind kind)
+      : problem(size, kind),
         op(problem.system),
         xd(single_precision_vector(problem.system.num_dofs())),
         y("cgcontact::perf::y", xd.extent(0)) {
@@ -293,30 +295,42 @@ struct BlockOperator {
   }
   void apply() const { op.apply(ExecSpace(), x, y); }
   double error() const { return part_error(problem.system, op, Part::all, xd, x); }
+  double cut_share() const {
+    const CutCells& cc = problem.cut_cells;
+    return static_cast<double>(cc.moments.size()) / static_cast<double>(cc.cells.size());
+  }
+  double bytes_per_unknown() const { return static_cast<double>(op.sizes().bytes) / problem.system.num_free_dofs(); }
 };
 
+/// Applies one problem and, in turns, another one.
+template <class Real, class Problem, class Run>
+Kernel one_against_other(std::shared_ptr<Applied<Real, Problem>> one, std::shared_ptr<Applied<Real, Problem>> other,
+                         const Run& run) {
+  Kernel k;
+  k.items = one->problem.system.num_free_dofs(), k.baseline_items = other->problem.system.num_free_dofs();
+  k.error = std::max(one->error(), other->error()), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
+  k.against = "the plain kernels";
+  k.run = [one, run] { run(*one); };
+  k.baseline = [other, run] { run(*other); };
+  const ElasticSystem& system = one->problem.system;
+  k.figures = {{"cut_share", one->cut_share()},
+               {"constrained", static_cast<double>(system.constraints.size()) / system.num_nodes},
+               {"B/DoF", one->bytes_per_unknown()}};
+  return k;
+}
+
 template <class Real>
-Kernel tree_against_uniform(int n, const std::function<void(const BlockOperator<Real>&)>& run) {
+using BlockOperator = Applied<Real, BlockProblem>;
+
+template <class Real, class Run>
+Kernel tree_against_uniform(int n, const Run& run) {
   auto tree = std::make_shared<BlockOperator<Real>>(n, tree_levels),
        uniform = std::make_shared<BlockOperator<Real>>(n, 1);
-  Kernel k;
-  k.items = tree->problem.num_unknowns(), k.baseline_items = uniform->problem.num_unknowns();
-  k.error = std::max(tree->error(), uniform->error()), k.tolerance = sizeof(Real) == 8 ? 1e-12 : 1e-5;
-  k.against = "the plain kernels";
-  k.run = [tree, run] { run(*tree); };
-  k.baseline = [uniform, run] { run(*uniform); };
+  Kernel k = one_against_other(tree, uniform, run);
   k.ratio = "of_uniform";
-  const auto share = [](const BlockOperator<Real>& b) {
-    const CutCells& cc = b.problem.cut_cells;
-    return static_cast<double>(cc.moments.size()) / static_cast<double>(cc.cells.size());
-  };
-  k.figures = {
-      {"cut_share", share(*tree)},
-      {"constrained", static_cast<double>(tree->problem.system.constraints.size()) / tree->problem.system.num_nodes},
-      {"B/DoF", static_cast<double>(tree->op.sizes().bytes) / k.items},
-      {"uniform_DoF", k.baseline_items},
-      {"uniform_cut_share", share(*uniform)},
-      {"uniform_B/DoF", static_cast<double>(uniform->op.sizes().bytes) / k.baseline_items}};
+  k.figures.insert(k.figures.end(), {{"uniform_DoF", k.baseline_items},
+                                     {"uniform_cut_share", uniform->cut_share()},
+                                     {"uniform_B/DoF", uniform->bytes_per_unknown()}});
   return k;
 }
 
@@ -330,6 +344,15 @@ Kernel tree_setup(int n) {
   return tree_against_uniform<Real>(n, [](const BlockOperator<Real>& b) {
     benchmark::DoNotOptimize(FastOperator<Real>(b.problem.system).num_dofs());
   });
+}
+
+template <class Real>
+Kernel rings(int n) {
+  using Disc = Applied<Real, DiscProblem>;
+  Kernel k = one_against_other(std::make_shared<Disc>(n, true), std::make_shared<Disc>(n, false),
+                               [](const Disc& disc) { disc.apply(); });
+  k.ratio = "of_plane_strain";
+  return k;
 }
 
 /// Per entry of the rows two multiply-adds (gap and force), number and value in both directions; y is read and written.
@@ -368,6 +391,7 @@ void add_all(const std::string& precision) {
   add("operator/setup_" + precision, setup<Real>, {{6}, {46}});
   add("operator/tree_" + precision, tree<Real>, {{6}, {68}});
   add("operator/tree_setup_" + precision, tree_setup<Real>, {{6}, {68}});
+  add("operator/rings_" + precision, rings<Real>, {{6}, {150}});
 }
 
 }  // namespace

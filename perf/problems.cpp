@@ -1,6 +1,7 @@
 #include "perf/problems.hpp"
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "core/scene/read_scene.hpp"
@@ -12,6 +13,14 @@ namespace {
 /// Growth of the cells with the distance from the point of refinement, times `size`: with 6 levels the numbers of
 /// unknowns then agree within 5 % (sizes 32 and 68).
 constexpr double growth = 4.5;
+
+/// Gives sizes of cells that grow with the distance from a point, from the finest of so many levels on.
+std::function<double(const Vec3&, const Vec3&)> wanted_around(const Vec3& point, int size, int levels) {
+  const double finest = std::ldexp(1.0, 1 - levels);
+  return [=](const Vec3& low, const Vec3& high) {
+    return std::max(finest, growth / size * (point - point.cwiseMax(low).cwiseMin(high)).norm());
+  };
+}
 
 }  // namespace
 
@@ -25,12 +34,25 @@ BlockProblem::BlockProblem(int size, int levels) {
     cut_cells = make_cut_cells(block, grid);
   } else {
     const Vec3 point = start + edge * Vec3(0.5, 0.5, 1);
-    const double finest = std::ldexp(1.0, 1 - levels);
-    const auto wanted = [&](const Vec3& low, const Vec3& high) {
-      return std::max(finest, growth / size * (point - point.cwiseMax(low).cwiseMin(high)).norm());
-    };
+    const auto wanted = wanted_around(point, size, levels);
     cut_cells = make_cut_cells(block, grid, {}, {}, refine_cells(block.geometry(), grid, wanted, levels));
   }
+  system = make_elastic_system({&cut_cells}, {Material{1, 0.3}}, Scales{1, 1}, 0.01);
+}
+
+DiscProblem::DiscProblem(int size, bool of_revolution) {
+  constexpr int levels = 6;
+  Grid grid;
+  grid.plane_strain = 1;  // the axis of revolution is z, at x = 0
+  grid.num_cells = {size + 2, 1, size + 2};
+  grid.slice = std::ldexp(1.0, 1 - levels);
+  grid.thickness = 1;
+  if (of_revolution) grid.unit_radius = grid.thickness / (2 * pi);
+  const Vec3 middle(0, 0, 0.236), across = 3 * Vec3::UnitY();  // beyond the layer
+  const Solid disc = Solid::cylinder(middle - across, middle + across, size, "disc");
+  const Solid quarter = Solid::intersect(disc, Solid::box(middle - across, Vec3(size + 2, 3, size + 2), "quarter"));
+  const auto wanted = wanted_around(middle + size * Vec3::UnitZ(), size, levels);
+  cut_cells = make_cut_cells(quarter, grid, {}, {}, refine_cells(quarter.geometry(), grid, wanted, levels));
   system = make_elastic_system({&cut_cells}, {Material{1, 0.3}}, Scales{1, 1}, 0.01);
 }
 

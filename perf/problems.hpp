@@ -21,8 +21,15 @@ struct BlockProblem {
   BlockProblem(const BlockProblem&) = delete;  // the system refers to the cells
   /// Holds the lower face in all directions, by weak supports of 10 E/h.
   void hold_lower_face();
-  /// Degrees of freedom of the nodes that no constraint sets.
-  double num_unknowns() const { return system.num_dofs() - 3.0 * static_cast<double>(system.constraints.size()); }
+};
+
+/// A quarter of a disc beside the axis of revolution: half a ball, or the disc in plane strain. Its radius is `size` of
+/// the coarsest cells, 6 levels, refined towards the ball's pole. Dimensionless as the block.
+struct DiscProblem {
+  CutCells cut_cells;
+  ElasticSystem system;
+  DiscProblem(int size, bool of_revolution);
+  DiscProblem(const DiscProblem&) = delete;  // the system refers to the cells
 };
 
 /// A scene on its grids up to the linear system, unsolved; all contact points closed.
