@@ -99,7 +99,7 @@ std::string describe(const Scene& scene, const Preparation& preparation) {
     unknowns += count_unknowns(body);
   }
   const auto supports = std::count_if(scene.supports.begin(), scene.supports.end(),
-                                      [](const SupportSpec& support) { return !support.by_plane_strain; });
+                                      [](const SupportSpec& support) { return !support.implied; });
   text += fmt::format("{} support{}, {} load{}\n", supports, supports == 1 ? "" : "s", scene.loads.size(),
                       scene.loads.size() == 1 ? "" : "s");
   for (const LoadFigures& load : load_figures(scene, preparation.bodies)) text += describe_load(load);

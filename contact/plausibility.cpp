@@ -205,7 +205,7 @@ std::vector<std::string> holders_of_load(const Checked& c, int number) {
   std::vector<std::pair<int, BodyFace>> supports;
   for (int s = 0; s < static_cast<int>(c.scene.supports.size()); ++s)
     if (c.scene.supports[s].face.body == load.face.body && !c.scene.supports[s].is_elastic() &&
-        !c.scene.supports[s].by_plane_strain)
+        !c.scene.supports[s].implied)
       supports.emplace_back(s, BodyFace(c.scene.supports[s].face.face, body));
   double all = 0, left = 0;
   std::set<std::string> names;

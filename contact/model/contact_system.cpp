@@ -44,10 +44,10 @@ void add_supports(const Scene& scene, const std::vector<BodyModel>& bodies, cons
                   const Scales& scales, ElasticSystem& system) {
   std::vector<std::vector<SupportTerm>> terms(scene.bodies.size());
   std::vector<std::size_t> count(terms.size(), 0);
-  for (const SupportPoint& p : supports) count[p.body] += !p.by_plane_strain;
+  for (const SupportPoint& p : supports) count[p.body] += !p.implied;
   for (std::size_t b = 0; b < terms.size(); ++b) terms[b].reserve(count[b]);
   for (const SupportPoint& p : supports) {
-    if (p.by_plane_strain) continue;
+    if (p.implied) continue;
     const Mat3& R = system.meshes[p.body].cut_cells->grid.rotation;
     const double stiffness = support_stiffness(scene, bodies[p.body], p) * p.weight / (scales.stress * scales.length);
     terms[p.body].push_back(

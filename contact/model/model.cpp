@@ -352,7 +352,7 @@ std::vector<BodyModel> make_body_models(const Scene& scene) {
       extend_box(model.cut_cells, e, model.low, model.high);
   }
   for (std::size_t s = 0; s < support_used.size(); ++s)
-    if (!support_used[s] && !(scene.supports[s].by_plane_strain && bodies[scene.supports[s].face.body].spec->quadtree))
+    if (!support_used[s] && !(scene.supports[s].implied && bodies[scene.supports[s].face.body].spec->quadtree))
       refuse_empty_face(scene, scene.supports[s].face);
   for (std::size_t l = 0; l < load_used.size(); ++l)
     if (!load_used[l]) refuse_empty_face(scene, scene.loads[l].face);
@@ -395,7 +395,7 @@ double support_modulus(const Scene& scene, const BodySpec& body) {
 }
 
 double support_stiffness(const Scene& scene, const BodyModel& body, const SupportPoint& point) {
-  if (point.by_plane_strain) return 0;  // no term of the linear system
+  if (point.implied) return 0;  // no term of the linear system
   if (point.spring > 0) return point.spring;
   const double kappa = (body.is_thin(point.cell) ? scene.solver.thin_kappa_factor : 1) * scene.solver.kappa;
   const double firm = body.spec->rigid() && !point.follows ? firm_on_rigid : 1;
@@ -407,8 +407,8 @@ namespace {
 /// Three points for each connected piece of the body, with the area of its end, its centre and its second moments: what
 /// they hold of it as a rigid body is what plane strain holds. They need not lie in it. One end will do. Bodies of
 /// revolution are held away from their axis as well.
-void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyFace& face,
-                          std::vector<SupportPoint>& points) {
+void hold_one_layer(int support, int b, const BodyModel& body, const BodyFace& face,
+                    std::vector<SupportPoint>& points) {
   const CutCells& cells = body.cut_cells;
   const int axis = cells.grid.plane_strain;
   const Vec3 direction = Vec3::Unit(axis), up = Vec3::Unit((axis + 1) % 3), across = Vec3::Unit((axis + 2) % 3);
@@ -449,7 +449,7 @@ void hold_in_plane_strain(int support, int b, const BodyModel& body, const BodyF
       SupportPoint point{
           support,   b,         piece.cell,    cell_coordinates(cells, piece.cell, cells.grid.to_grid(place)),
           direction, direction, piece.area / 3};
-      point.by_plane_strain = true;
+      point.implied = true;
       points.push_back(point);
       if (!body.spec->axisymmetric()) continue;
       point.direction = point.normal = Vec3::Unit(cells.grid.radial_axis());
@@ -468,9 +468,9 @@ std::vector<SupportPoint> make_support_points(const Scene& scene, const std::vec
     const BodyModel& body = bodies[b];
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     const BodyFace face(support.face.face, body);
-    if (support.by_plane_strain) {
+    if (support.implied) {
       if (!support.face.face.normal_cone || (*support.face.face.normal_cone).first.sum() > 0)
-        hold_in_plane_strain(s, b, body, face, points);
+        hold_one_layer(s, b, body, face, points);
       continue;
     }
     points.reserve(points.size() + face.points().size());

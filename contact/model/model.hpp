@@ -101,15 +101,15 @@ double support_modulus(const Scene& scene, const BodySpec& body);
 struct SupportPoint {
   int support = -1;  ///< index into Scene::supports; -1: holds a motion that no load drives (free_motion.hpp)
   int body = 0, cell = 0;
-  Vec3 xi;                       ///< cell coordinates
-  Vec3 direction;                ///< unit, global axes
-  Vec3 normal;                   ///< outward, global axes
-  double weight = 0;             ///< m^2
-  double prescribed = 0;         ///< displacement along the direction, m
-  double value = 0;              ///< its part in the present step, m
-  bool by_plane_strain = false;  ///< holds of itself: for the search for free motions, no term of the linear system
-  bool follows = false;          ///< value becomes the displacement in every outer iteration: no force in the end
-  bool keeps_place = false;      ///< holds a body along surfaces (contact/solve/surface_wanderers.hpp)
+  Vec3 xi;                   ///< cell coordinates
+  Vec3 direction;            ///< unit, global axes
+  Vec3 normal;               ///< outward, global axes
+  double weight = 0;         ///< m^2
+  double prescribed = 0;     ///< displacement along the direction, m
+  double value = 0;          ///< its part in the present step, m
+  bool implied = false;      ///< as its support is: for the search for free motions, no term of the linear system
+  bool follows = false;      ///< value becomes the displacement in every outer iteration: no force in the end
+  bool keeps_place = false;  ///< holds a body along surfaces (contact/solve/surface_wanderers.hpp)
   Held component = Held::normal;
   double spring = 0;  ///< Pa/m; 0: held
 };

@@ -40,31 +40,29 @@ std::pair<double, double> ends_of(const BodySpec& body) {
   return {min[axis_of(body)], max[axis_of(body)]};
 }
 
-/// Is a boundary point on an end?
+/// Tells whether a boundary point is on an end.
 bool on_end(const BodyModel& body, int point) { return std::abs(body.normal(point)[axis_of(*body.spec)]) > 0.5; }
+
+std::string on_end_text(const BodySpec& body, const Vec3& x) {
+  return "lies on an end of a body in plane strain across " + name_of(*body.plane_strain) + ", " + at(x);
+}
 
 void check_supports(const Scene& scene, const std::vector<BodyModel>& bodies,
                     const std::vector<SupportPoint>& supports) {
   for (const SupportPoint& p : supports) {
     const BodySpec& body = scene.bodies[p.body];
-    if (!body.plane_strain || p.support < 0 || p.by_plane_strain) continue;
+    if (!body.plane_strain || p.support < 0 || p.implied) continue;
     const SupportSpec& support = scene.supports[p.support];
     const std::string& axis = name_of(*body.plane_strain);
     const Vec3 x = global_position(bodies[p.body].cut_cells, p.cell, p.xi);
     if (std::abs(p.normal[axis_of(body)]) > 0.5)
       throw InputError(support.place, name_of_face(scene, support.face),
-                       fmt::format("lies on an end of a body in plane strain across {}, {}: its ends hold of "
-                                   "themselves",
-                                   axis, at(x)),
-                       "supports on the sides only");
-    if (p.value != 0 && body.axisymmetric() && std::abs(p.direction[axis_of(body)]) > flat)
-      throw InputError(support.place, name_of_face(scene, support.face),
-                       fmt::format("turns a body of revolution about its axis, {}", at(x)),
-                       "no displacement along " + axis + ", or 0");
-    if (p.value != 0 && std::abs(p.direction[axis_of(body)]) > flat)
-      throw InputError(support.place, name_of_face(scene, support.face),
-                       fmt::format("moves a body in plane strain along {0}, {1}", axis, at(x)),
-                       "no displacement along " + axis + ", or 0");
+                       on_end_text(body, x) + ": its ends hold of themselves", "supports on the sides only");
+    if (p.value == 0 || std::abs(p.direction[axis_of(body)]) <= flat) continue;
+    const std::string moves = body.axisymmetric() ? "turns a body of revolution about its axis"
+                                                  : "moves a body in plane strain along " + axis;
+    throw InputError(support.place, name_of_face(scene, support.face), moves + ", " + at(x),
+                     "no displacement along " + axis + ", or 0");
   }
 }
 
@@ -88,17 +86,15 @@ void check_load(const Scene& scene, int number, const BodyModel& body) {
     const Vec3 x = body.point(p);
     const std::string& name = name_of(*body.spec->plane_strain);
     if (on_end(body, p))
-      throw InputError(load.place, name_of_face(scene, load.face),
-                       fmt::format("lies on an end of a body in plane strain across {}, {}", name, at(x)),
+      throw InputError(load.place, name_of_face(scene, load.face), on_end_text(*body.spec, x),
                        "loads on the sides only");
     const Vec3 traction = load.traction_at(x, body.normal(p), resultant);
-    if (std::abs(traction[axis]) > along_axis * traction.norm() && body.spec->axisymmetric())
-      throw InputError(load.place, name_of_face(scene, load.face),
-                       fmt::format("acts along {}, around the axis of revolution, {}", name, at(x)),
-                       "no traction along " + name);
     if (std::abs(traction[axis]) > along_axis * traction.norm())
       throw InputError(load.place, name_of_face(scene, load.face),
-                       fmt::format("acts along {}, across which the body is in plane strain, {}", name, at(x)),
+                       fmt::format("acts along {}, {}, {}", name,
+                                   body.spec->axisymmetric() ? "around the axis of revolution"
+                                                             : "across which the body is in plane strain",
+                                   at(x)),
                        "no traction along " + name);
   }
 }
@@ -118,20 +114,21 @@ void check_inertia_of_revolution(const BodySpec& body) {
 
 void check_body_force(const BodyModel& body) {
   if (!body.boundary.body_force_at) return;
-  if (body.spec->axisymmetric()) check_inertia_of_revolution(*body.spec);
+  const bool axisymmetric = body.spec->axisymmetric();
+  if (axisymmetric) check_inertia_of_revolution(*body.spec);
   const int axis = axis_of(*body.spec);
   // Quadtrees have the plane in the middle only, where such a rotation has no force along the axis.
   if (const Inertia& inertia = body.spec->inertia;
-      !body.spec->axisymmetric() && inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
+      !axisymmetric && inertia.spin != 0 && std::abs(inertia.axis[axis]) < 1 - flat)
     refuse(*body.spec, "it rotates about another axis than that of plane strain",
            "rotation about an axis along " + name_of(*body.spec->plane_strain));
   for (int cell = 0; cell < static_cast<int>(body.cut_cells.cells.size()); ++cell) {
     const Vec3 x = global_position(body.cut_cells, cell, Vec3::Zero()), force = body.boundary.body_force_at(x);
-    if (std::abs(force[axis]) > along_axis * force.norm() && body.spec->axisymmetric())
-      refuse(*body.spec, "the force on its volume acts around its axis of revolution, " + at(x), "none around it");
     if (std::abs(force[axis]) > along_axis * force.norm())
-      refuse(*body.spec, "the force on its volume acts along the axis of plane strain, " + at(x),
-             "no body force along it");
+      refuse(*body.spec,
+             fmt::format("the force on its volume acts {}, {}",
+                         axisymmetric ? "around its axis of revolution" : "along the axis of plane strain", at(x)),
+             axisymmetric ? "none around it" : "no body force along it");
   }
 }
 

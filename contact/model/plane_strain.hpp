@@ -1,5 +1,5 @@
 /// Bodies in plane strain: prisms one layer of cells thick, on whose ends nothing acts and along which nothing moves.
-/// What of a scene contradicts that is an InputError.
+/// Bodies of revolution: their half-planes are such layers. What of a scene contradicts that is an InputError.
 #pragma once
 
 #include "contact/model/contact_pairs.hpp"

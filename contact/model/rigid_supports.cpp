@@ -70,7 +70,7 @@ void check_supports_of_rigid_bodies(const Scene& scene, const std::vector<BodyMo
     if (!bodies[b].spec->rigid()) continue;
     std::vector<const SupportPoint*> points;
     for (const SupportPoint& p : supports)
-      if (p.body == b && p.support >= 0 && !p.by_plane_strain && p.spring == 0) points.push_back(&p);
+      if (p.body == b && p.support >= 0 && !p.implied && p.spring == 0) points.push_back(&p);
     check(scene, bodies[b], points);
   }
 }

@@ -130,7 +130,7 @@ void add_volume_loads(const BodyModel& body, double factor, std::vector<LoadFigu
 /// "z = 0", "springs 1e+09 Pa/m".
 std::string condition_of(const SolvedState& state, int support) {
   const SupportSpec& spec = state.scene.supports[support];
-  if (spec.by_plane_strain) return spec.face.face.normal_cone ? "plane strain" : "axis of revolution";
+  if (spec.implied) return spec.face.face.normal_cone ? "plane strain" : "axis of revolution";
   if (spec.symmetry) return "symmetry";
   Values prescribed[num_held], springs[num_held];
   for (const SupportPoint& point : state.supports) {
@@ -176,7 +176,7 @@ void fill_conditions(const SolvedState& state, Results& results) {
   results.loads = load_figures(state.scene, state.bodies);
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
     results.supports[s].condition = condition_of(state, static_cast<int>(s));
-    results.supports[s].area = area_of(state, state.scene.supports[s].face, state.scene.supports[s].by_plane_strain);
+    results.supports[s].area = area_of(state, state.scene.supports[s].face, state.scene.supports[s].implied);
   }
   for (std::size_t k = 0; k < results.pairs.size(); ++k) {
     results.pairs[k].interference = state.pairs[k].interference;

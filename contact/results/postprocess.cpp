@@ -197,13 +197,13 @@ void fill_support_figures(const SolvedState& state, Results& results) {
   for (const SupportSpec& support : state.scene.supports) {
     SupportFigures figures;
     figures.face = state.scene.bodies[support.face.body].name + "." + support.face.face.name;
-    if (support.by_plane_strain) figures.force = force_on_end(state, support.face);
+    if (support.implied) figures.force = force_on_end(state, support.face);
     figures.about = centroid_of(state, support.face);
     results.supports.push_back(figures);
   }
   for (std::size_t s = 0; s < state.supports.size(); ++s) {
     const SupportPoint& p = state.supports[s];
-    if (p.support < 0 || p.by_plane_strain) continue;
+    if (p.support < 0 || p.implied) continue;
     SupportFigures& figures = results.supports[p.support];
     const Vec3 force = p.weight * state.outer.support_stress[s] * p.direction;
     const Vec3 x = global_position(state.bodies[p.body].cut_cells, p.cell, p.xi);

@@ -40,7 +40,7 @@ RigidFigures figures_of(const SolvedState& state, int b, const Results& results)
   each_force(body, [&](int, const Vec3&, const Vec3& x, const Vec3& force) { loads += (x - c).cross(force); });
   for (std::size_t s = 0; s < state.supports.size(); ++s) {
     const SupportPoint& p = state.supports[s];
-    if (p.body != b || p.support < 0 || p.by_plane_strain) continue;
+    if (p.body != b || p.support < 0 || p.implied) continue;
     const Vec3 force = p.weight * state.outer.support_stress[s] * p.direction;
     supports += (global_position(body.cut_cells, p.cell, p.xi) - c).cross(force);
   }

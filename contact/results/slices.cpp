@@ -21,7 +21,7 @@ void scale_to_thickness(const SolvedState& state, Results& results) {
   scale(results.pairs, factor);
   for (StepFigures& step : results.steps) scale(step.pairs, factor);
   for (std::size_t s = 0; s < results.supports.size(); ++s) {
-    if (state.scene.supports[s].by_plane_strain) continue;
+    if (state.scene.supports[s].implied) continue;
     results.supports[s].force *= factor;
     results.supports[s].moment *= factor;
     results.supports[s].area *= factor;

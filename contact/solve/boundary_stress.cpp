@@ -23,7 +23,7 @@ std::vector<std::vector<int>> stabilised_cells(const std::vector<SupportPoint>& 
     for (std::size_t i = begin; i < end; ++i) use(points[i]);
   };
   each_own(supports, [&](const SupportPoint& p) {
-    if (!p.by_plane_strain) cells[p.body].push_back(p.cell);
+    if (!p.implied) cells[p.body].push_back(p.cell);
   });
   for (const ContactPair& pair : pairs)
     each_own(pair.points, [&](const ContactPoint& q) {

@@ -161,7 +161,7 @@ TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem) {
   };
   const auto each_support = [&](const auto& use) {
     for (std::size_t s = 0; s < problem.supports.size(); ++s)
-      if (const SupportPoint& p = problem.supports[s]; !p.by_plane_strain)
+      if (const SupportPoint& p = problem.supports[s]; !p.implied)
         for (int a = 0; a < 8; ++a) use(static_cast<int>(s), problem.system.meshes[p.body].cell_nodes[p.cell][a], a);
   };
   const std::vector<GroupRow>& rows = problem.system.group_rows;

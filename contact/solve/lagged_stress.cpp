@@ -39,7 +39,7 @@ struct Change {
 /// a norm that is more than that.
 double square_of_rounding(const Iterate& iterate) {
   double area = 0, stiffest = 0;
-  for (const SupportPoint& p : iterate.problem.supports) area += p.by_plane_strain ? 0 : p.weight;
+  for (const SupportPoint& p : iterate.problem.supports) area += p.implied ? 0 : p.weight;
   for (const BodyMesh& mesh : iterate.problem.system.meshes)
     if (!mesh.rigid) stiffest = std::max(stiffest, mesh.modulus / mesh.h_of_level(mesh.cut_cells->grid.num_levels - 1));
   return area *
@@ -68,7 +68,7 @@ double LaggedStress::update(Iterate& iterate) {
   change.replace(iterate.support_stress, 0, supports.size(), support_weight, [&](std::size_t s) {
     const SupportPoint& p = supports[s];
     // No force in the system, or that of a spring: there is no stress to lag.
-    if (p.support < 0 || p.by_plane_strain || p.spring > 0) return 0.0;
+    if (p.support < 0 || p.implied || p.spring > 0) return 0.0;
     if (problem.system.meshes[p.body].rigid)  // no stress of its own: what held it in the last solution
       return held_by[s] / problem.scales.stress;
     return stress_[p.body].traction(p.cell, p.xi, p.normal, p.direction);

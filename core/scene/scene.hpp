@@ -142,8 +142,8 @@ const char* name_of(Held component);
 /// Frictionless support: u . direction = value on the face, one entry per constrained direction; or springs along them.
 struct SupportSpec {
   FaceRef face;
-  bool symmetry = false;         ///< direction is the normal of the face, value 0
-  bool by_plane_strain = false;  ///< an end of a body in plane strain, or an axis of revolution: holds of itself
+  bool symmetry = false;  ///< direction is the normal of the face, value 0
+  bool implied = false;   ///< by the body: an end in plane strain, or the axis of revolution
   std::array<std::optional<Expression>, 3> displacement;  ///< m, components in global axes
   std::optional<Expression> normal_displacement;          ///< m, along the outward normal
   std::array<std::optional<Expression>, 3> cylindrical;   ///< m, radial, tangential, axial

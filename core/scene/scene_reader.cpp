@@ -421,13 +421,13 @@ void SceneReader::read_axisymmetric(const TomlCursor& root) {
 
 /// Both ends of a body in plane strain are symmetry planes, for everything but the linear system; an axis of revolution
 /// is one as well.
-void SceneReader::add_ends_in_plane_strain() {
+void SceneReader::add_implied_supports() {
   for (std::size_t b = 0; b < scene_.bodies.size(); ++b) {
     const BodySpec& body = scene_.bodies[b];
     if (!body.plane_strain) continue;
     if (body.axisymmetric()) {
       SupportSpec axis;
-      axis.symmetry = axis.by_plane_strain = true;
+      axis.symmetry = axis.implied = true;
       axis.place = axis.face.place = axis.face.face.place = body.plane_strain_place;
       axis.face.body = static_cast<int>(b);
       axis.face.face.name = "axis";
@@ -437,7 +437,7 @@ void SceneReader::add_ends_in_plane_strain() {
     }
     for (const int side : {-1, 1}) {
       SupportSpec end;
-      end.symmetry = end.by_plane_strain = true;
+      end.symmetry = end.implied = true;
       end.place = end.face.place = end.face.face.place = body.plane_strain_place;
       end.face.body = static_cast<int>(b);
       end.face.face.name = "plane_strain." + name_of(*body.plane_strain) + (side < 0 ? '-' : '+');
@@ -916,7 +916,7 @@ Scene SceneReader::read(const TomlCursor& root) {
   const auto steps = root.find("steps");
   if (steps) attempt([&] { scene_.steps = read_steps(*steps); });
   attempt([&] { read_supports(root); });
-  add_ends_in_plane_strain();
+  add_implied_supports();
   attempt([&] { read_loads(root); });
   attempt([&] { read_contacts(root); });
   const bool has_contacts = mistakes_.size() == before;

@@ -48,7 +48,7 @@ class SceneReader {
   void read_bodies(const TomlCursor& root);
   void read_plane_strain(const TomlCursor& root);
   void read_axisymmetric(const TomlCursor& root);
-  void add_ends_in_plane_strain();
+  void add_implied_supports();
   void read_body(const TomlCursor& node, const std::optional<SceneMaterials>& materials);
   void read_faces_of_body(const TomlCursor& node, BodySpec& body, const Shape& shape);
   FaceSpec read_face(const TomlCursor& node, const Shape& shape) const;

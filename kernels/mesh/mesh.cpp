@@ -66,7 +66,7 @@ int BodyMesh::num_free_dofs() const {
     for (int motion = 0; motion < 6; ++motion) count += moves(motion);
     return count;
   }
-  count = (in_plane_strain() ? dofs_per_node - 1 : dofs_per_node) * (num_nodes - static_cast<int>(constraints.size()));
+  count = (is_one_layer() ? dofs_per_node - 1 : dofs_per_node) * (num_nodes - static_cast<int>(constraints.size()));
   for (int n = 0; is_axisymmetric() && n < static_cast<int>(nodes.size()); ++n) count -= is_free(n) && is_on_axis(n);
   return count;
 }
@@ -110,7 +110,7 @@ BodyMesh number_body_mesh(const CutCells& cut_cells, const Material& material, c
 
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node) {
   BodyMesh mesh = number_body_mesh(cut_cells, material, scales, first_node, !cut_cells.cells.empty());
-  if (mesh.parts.empty() && !mesh.in_plane_strain()) return mesh;
+  if (mesh.parts.empty() && !mesh.is_one_layer()) return mesh;
   mesh.constraints = mesh.parts.empty() ? constrain_across(mesh) : constrain_nodes(mesh.parts);
   mesh.constraint_of_node.assign(mesh.num_nodes, -1);
   for (std::size_t c = 0; c < mesh.constraints.size(); ++c)

@@ -65,7 +65,7 @@ struct BodyMesh {
     return node_levels.empty() ? place : Vec3(std::ldexp(1.0, -node_levels[node]) * place);
   }
   /// Whether the body is one layer of cells thick: in plane strain, or of revolution.
-  bool in_plane_strain() const { return cut_cells->grid.plane_strain >= 0; }
+  bool is_one_layer() const { return cut_cells->grid.plane_strain >= 0; }
   bool is_axisymmetric() const { return cut_cells->grid.is_axisymmetric(); }
   /// Twice the distance of a cell's middle from the axis of revolution, in cells.
   double diameter_of(int cell) const {
@@ -91,7 +91,7 @@ struct BodyMesh {
   /// Whether a degree of freedom of a node (index into nodes) is zero: across plane strain, and on an axis of
   /// revolution away from it.
   bool is_zero(int node, int component) const {
-    if (!in_plane_strain()) return false;
+    if (!is_one_layer()) return false;
     const Grid& grid = cut_cells->grid;
     return component == grid.plane_strain || (component == grid.radial_axis() && is_on_axis(node));
   }
@@ -99,7 +99,7 @@ struct BodyMesh {
   /// not along the axis nor about another one, of a body of revolution along its axis alone.
   bool moves(int motion) const {
     const Grid& grid = cut_cells->grid;
-    if (!in_plane_strain()) return true;
+    if (!is_one_layer()) return true;
     if (is_axisymmetric()) return motion == grid.axis_of_revolution();
     return motion < 3 ? motion != grid.plane_strain : motion - 3 == grid.plane_strain;
   }

@@ -207,7 +207,7 @@ BandCells<Real> make_band_cells(const ElasticSystem& system, const std::vector<c
     law.across = static_cast<Real>(mesh.law.lambda / mesh.law.mu + 2);
     for (int p = 0; p < 3; ++p)
       law.full[p] = static_cast<Real>(moment_scale(mesh, mesh.thickness_of_level(0)) * 8 / std::pow(3, p));
-    law.fold = mesh.in_plane_strain() ? 1 << cc.grid.plane_strain : 0;
+    law.fold = mesh.is_one_layer() ? 1 << cc.grid.plane_strain : 0;
     law.ring = mesh.is_axisymmetric();
     laws.push_back(law);
     enum Kind : char { by_stencil_alone, full, cut };

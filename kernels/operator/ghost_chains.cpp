@@ -17,7 +17,7 @@ Index3 next_in(Index3 c, int d) {
 
 /// Bit of the axis of plane strain in a corner's number on a face: the lower tangential axis first.
 int fold_of_face(const BodyMesh& mesh, int direction) {
-  if (!mesh.in_plane_strain()) return 0;
+  if (!mesh.is_one_layer()) return 0;
   return mesh.cut_cells->grid.plane_strain == (direction == 0 ? 1 : 0) ? 1 : 2;
 }
 

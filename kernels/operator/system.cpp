@@ -46,7 +46,7 @@ namespace {
 
 /// Those of a body; the lists of a coarse body of several levels are those of its parts.
 void add_zero_dofs(const BodyMesh& mesh, std::vector<int>& zero_dofs) {
-  if (!mesh.in_plane_strain()) return;
+  if (!mesh.is_one_layer()) return;
   if (mesh.nodes.empty())
     for (const BodyMesh& part : mesh.parts) add_zero_dofs(part, zero_dofs);
   for (int n = 0; n < static_cast<int>(mesh.nodes.size()); ++n)

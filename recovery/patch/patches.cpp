@@ -77,7 +77,7 @@ class CornerCells {
   /// the lower side, whose copies are opposite.
   template <class Use>
   void each_corner(const Use& use) const {
-    const int upper = mesh_.in_plane_strain() ? 1 << mesh_.cut_cells->grid.plane_strain : 0;
+    const int upper = mesh_.is_one_layer() ? 1 << mesh_.cut_cells->grid.plane_strain : 0;
     for (std::size_t cell = 0; cell < mesh_.cell_nodes.size(); ++cell)
       for (int a = 0; a < 8; ++a) {
         if (a & upper) continue;

@@ -277,7 +277,7 @@ bonded = true
     int count = 0;
     const Preparation preparation = prepare(scene);
     for (const SupportPoint& point : preparation.supports) {
-      if (!point.by_plane_strain || point.body != 0) continue;
+      if (!point.implied || point.body != 0) continue;
       const Vec3 x = global_position(preparation.bodies[0].cut_cells, point.cell, point.xi) - centre;
       if (std::abs(x[1]) > width) continue;
       ++count;

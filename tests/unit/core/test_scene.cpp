@@ -335,10 +335,10 @@ cell_size = 1
   const Scene scene = read_scene(all.file());
   for (const BodySpec& body : scene.bodies) EXPECT_EQ(body.plane_strain, Coordinate::z);
   ASSERT_EQ(scene.supports.size(), 5u);
-  EXPECT_FALSE(scene.supports[0].by_plane_strain);
+  EXPECT_FALSE(scene.supports[0].implied);
   for (int k = 1; k < 5; ++k) {
     const SupportSpec& end = scene.supports[k];
-    EXPECT_TRUE(end.by_plane_strain && end.symmetry);
+    EXPECT_TRUE(end.implied && end.symmetry);
     EXPECT_EQ(end.face.body, (k - 1) / 2);
     EXPECT_EQ(end.face.face.name, k % 2 ? "plane_strain.z-" : "plane_strain.z+");
     EXPECT_EQ(end.face.face.contains({}, Vec3(1, 1, 0), Vec3(0, 0, -1)), k % 2 == 1);
