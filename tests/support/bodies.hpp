@@ -29,13 +29,16 @@ inline Solid in_grid(const Solid& solid, const Grid& grid) {
 
 inline CutCells cut(const Solid& solid, const Grid& grid) { return make_cut_cells(in_grid(solid, grid), grid); }
 
-/// Cells refined towards a point (global axes): no larger than `finest` cells of the grid there, growing by `slope`.
+/// Cuts cells refined towards a point (global axes): no larger than `finest` cells of the grid there, growing by
+/// `slope`; distances across a quadtree do not count.
 inline CutCells cut_refined(const Solid& solid, const Grid& grid, const Vec3& point, double finest, double slope = 0.4,
                             int most_levels = 12) {
   const Solid placed = in_grid(solid, grid);
   const Vec3 centre = grid.to_grid(point);
   const auto wanted = [&](const Vec3& low, const Vec3& high) {
-    return std::max(finest, slope * (centre - centre.cwiseMax(low).cwiseMin(high)).norm());
+    Vec3 away = centre - centre.cwiseMax(low).cwiseMin(high);
+    if (grid.is_quadtree()) away[grid.plane_strain] = 0;
+    return std::max(finest, slope * away.norm());
   };
   return make_cut_cells(placed, grid, {}, {}, refine_cells(placed.geometry(), grid, wanted, most_levels));
 }

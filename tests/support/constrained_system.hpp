@@ -1,9 +1,12 @@
 /// Systems with constrained nodes: consistent vectors, products by the fast operator and by the assembled matrix.
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <Tpetra_Core.hpp>
 
 #include "kernels/assembled/assembly.hpp"
+#include "kernels/reference/plain_operator.hpp"
 #include "tests/support/bodies.hpp"
 
 namespace cgcontact::test {
@@ -54,6 +57,18 @@ inline RealView difference(const RealView& a, const RealView& b) {
   RealView d("d", a.extent(0));
   for (std::size_t i = 0; i < a.extent(0); ++i) d(i) = a(i) - b(i);
   return d;
+}
+
+/// Expects the fast operator to have the products of its plain twin and of the assembled matrix, up to so many
+/// roundings.
+inline void expect_same_products(const ElasticSystem& system, double roundings) {
+  const double tolerance = roundings * 2.2e-16;
+  const RealView x = consistent(system, random_vector(system.num_dofs(), 4));
+  RealView plain("plain", x.extent(0));
+  PlainOperator(system).apply(ExecSpace(), x, plain);
+  EXPECT_LT(norm(difference(apply(system, x), plain)), tolerance * norm(plain));
+  const RealView f = random_force(system, 5), y = apply(system, consistent(system, f));
+  EXPECT_LT(norm(difference(y, apply_assembled(system, f))), tolerance * norm(y));
 }
 
 }  // namespace cgcontact::test

@@ -1,23 +1,15 @@
 /// Bodies of revolution: cells of a half-plane through the axis, strain u_r / r around it, volume in proportion to r.
 #include <gtest/gtest.h>
 
-#include "kernels/reference/plain_operator.hpp"
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/constrained_system.hpp"
 
 namespace cgcontact::test_axisymmetric {
 namespace {
 
-using test::apply;
-using test::apply_assembled;
-using test::consistent;
-using test::difference;
-using test::dot;
-using test::make_system;
-using test::norm;
-using test::random_force;
+using namespace test;
 
-constexpr double eps = 2.2e-16, unit_radius = 0.8;
+constexpr double unit_radius = 0.8;
 
 /// Quarter of a disc between the radii `bore` and `rim`: a half ball, or a ring of that section. Refined towards its
 /// upper end, down to an eighth of the cells 1/n.
@@ -39,20 +31,9 @@ CutCells quadtree(int across, double rim, double bore, int n = 6, int parts = 8)
   low[across] = base[across] = -3 * h;  // beyond the layer
   high[across] = top[across] = 3 * h;
   low[radial] = base[radial] = top[radial] = bore;
-  const Solid solid = Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, rim - bore, "rim"))
-                          .transformed(Mat3::Identity(), -grid.origin / h, 1 / h);
-  Vec3 place = -grid.origin / h;
-  place[along] += (rim - bore) * n;
-  place[radial] += bore * n;
-  const CellTree tree = refine_cells(
-      solid.geometry(), grid,
-      [&](const Vec3& from, const Vec3& to) {
-        Vec3 away = place - place.cwiseMax(from).cwiseMin(to);
-        away[across] = 0;
-        return std::max(1.0 / parts, 0.3 * away.norm());
-      },
-      parts);
-  return make_cut_cells(solid, grid, {}, {}, tree);
+  const Solid solid = Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, rim - bore, "rim"));
+  return cut_refined(solid, grid, (rim - bore) * Vec3::Unit(along) + bore * Vec3::Unit(radial), 1.0 / parts, 0.3,
+                     parts);
 }
 
 struct Body {
@@ -98,20 +79,15 @@ TEST(Axisymmetric, ProductsAgree) {
   for (const Body& body : bodies()) {
     ElasticSystem system = make_system(body.cells);
     add_supports(system, body.cells);
-    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 4)), y = apply(system, x);
-    RealView plain("plain", x.extent(0));
-    PlainOperator(system).apply(ExecSpace(), x, plain);
-    EXPECT_LT(norm(difference(y, plain)), 1000 * eps * norm(plain)) << body.name;
-    const RealView f = random_force(system, 5);
-    const RealView Af = apply(system, consistent(system, f)), assembled = apply_assembled(system, f);
-    EXPECT_LT(norm(difference(Af, assembled)), 1000 * eps * norm(Af)) << body.name;
+    SCOPED_TRACE(body.name);
+    expect_same_products(system, 1000);
   }
 }
 
 TEST(Axisymmetric, OnTheAxisNothingMovesAwayFromIt) {
   const CutCells cells = quadtree(1, 0.9, 0);
   const ElasticSystem system = make_system(cells);
-  const RealView x = consistent(system, test::random_vector(system.num_dofs(), 4));
+  const RealView x = consistent(system, random_vector(system.num_dofs(), 4));
   int on_axis = 0;
   for (int n = 0; n < system.num_nodes; ++n) {
     const Vec3 place = cells.grid.to_global(system.meshes[0].node_position(n));
@@ -150,7 +126,7 @@ TEST(Axisymmetric, UniformStatesAreExact) {
     const Grid& grid = body.cells.grid;
     RealView shift("shift", system.num_dofs());
     for (int n = 0; n < mesh.num_nodes; ++n) shift(dof_of(n, grid.axis_of_revolution())) = 1;
-    const double scale = norm(apply(system, consistent(system, test::random_vector(system.num_dofs(), 1))));
+    const double scale = norm(apply(system, consistent(system, random_vector(system.num_dofs(), 1))));
     EXPECT_LT(norm(apply(system, shift)), 1e-12 * scale) << body.name;
     const double a = 0.3, b = -0.7;
     const RealView u = linear_state(system, a, b), f = apply(system, u);

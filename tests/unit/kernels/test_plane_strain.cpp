@@ -3,21 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "kernels/multigrid/coarsen.hpp"
-#include "kernels/reference/plain_operator.hpp"
 #include "kernels/solver/linear_solver.hpp"
 #include "tests/support/constrained_system.hpp"
 
 namespace cgcontact::test_plane_strain {
 namespace {
 
-using test::apply;
-using test::apply_assembled;
-using test::consistent;
-using test::difference;
-using test::dot;
-using test::make_system;
-using test::norm;
-using test::random_force;
+using namespace test;
 
 constexpr double eps = 2.2e-16;
 
@@ -42,7 +34,7 @@ CutCells ring(int axis, double thickness, int n) {
   grid.num_cells[axis] = 1;
   grid.origin = -h * Vec3(std::sqrt(2.0) - 1.2, std::sqrt(3.0) - 1.5, std::sqrt(5.0) - 2.1);
   grid.origin[axis] = thickness < 1 ? -0.1 * h : 0;
-  return test::cut(solid, grid);
+  return cut(solid, grid);
 }
 
 std::vector<Body> bodies() {
@@ -76,7 +68,7 @@ TEST(PlaneStrain, AThirdOfTheUnknowns) {
   for (const Body& body : bodies()) {
     const ElasticSystem system = make_system(body.cells);
     EXPECT_EQ(system.num_free_dofs(), system.num_dofs() / 3) << body.name;
-    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 1));
+    const RealView x = consistent(system, random_vector(system.num_dofs(), 1));
     const int axis = body.cells.grid.plane_strain;
     const BodyMesh& mesh = system.meshes[0];
     for (int n = 0; n < mesh.num_nodes; ++n) {
@@ -96,17 +88,12 @@ TEST(PlaneStrain, SystemIsTheSlabRestricted) {
     const CutCells slab_cells = slab(body.cells);
     ElasticSystem whole = make_system(slab_cells);
     whole.supports = system.supports;
-    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 4)), y = apply(system, x);
+    const RealView x = consistent(system, random_vector(system.num_dofs(), 4)), y = apply(system, x);
     const RealView restricted = apply(whole, x);
     apply_constraints_transposed(ExecSpace(), system.dofs, restricted);
     EXPECT_LT(norm(difference(y, restricted)), 100 * eps * norm(restricted)) << body.name;
-    RealView plain("plain", x.extent(0));
-    PlainOperator(system).apply(ExecSpace(), x, plain);
-    EXPECT_LT(norm(difference(y, plain)), 100 * eps * norm(plain)) << body.name;
-    const RealView f = random_force(system, 5);
-    const RealView Af = apply(system, consistent(system, f));
-    const RealView assembled = apply_assembled(system, f);
-    EXPECT_LT(norm(difference(Af, assembled)), 100 * eps * norm(Af)) << body.name;
+    SCOPED_TRACE(body.name);
+    expect_same_products(system, 100);
   }
 }
 
@@ -144,7 +131,7 @@ TEST(PlaneStrain, CoarseningIsTheGalerkinProduct) {
       const ElasticSystem fine = make_system(fine_cells, 0), coarse = make_system(coarse_cells, 0);
       EXPECT_EQ(coarse.num_free_dofs(), coarse.num_dofs() / 3);
       const Transfer transfer = make_transfer(fine, coarse);
-      const RealView x = consistent(coarse, test::random_vector(coarse.num_dofs(), 3)), f = random_force(fine, 5);
+      const RealView x = consistent(coarse, random_vector(coarse.num_dofs(), 3)), f = random_force(fine, 5);
       RealView Px("Px", fine.num_dofs()), Rf("Rf", coarse.num_dofs()), galerkin("galerkin", coarse.num_dofs());
       prolongate_add(ExecSpace(), transfer, fine.dofs, x, Px);
       restrict_to(ExecSpace(), transfer, coarse.dofs, f, Rf);
@@ -193,19 +180,8 @@ CutCells quadtree(int axis, int n = 6, double slice = 0.03) {
   high[axis] = top[axis] = 2 * h;
   const Solid solid =
       Solid::subtract(Solid::intersect(Solid::box(low, high, "box"), Solid::cylinder(base, top, 0.9, "rim")),
-                      Solid::cylinder(base, top, 0.45, "bore"))
-          .transformed(Mat3::Identity(), -grid.origin / h, 1 / h);
-  Vec3 place = -grid.origin / h;
-  place[(axis + 1) % 3] += 0.9 * n;
-  const CellTree tree = refine_cells(
-      solid.geometry(), grid,
-      [&](const Vec3& from, const Vec3& to) {
-        Vec3 away = place - place.cwiseMax(from).cwiseMin(to);
-        away[axis] = 0;
-        return std::max(0.125, 0.3 * away.norm());
-      },
-      8);
-  return make_cut_cells(solid, grid, {}, {}, tree);
+                      Solid::cylinder(base, top, 0.45, "bore"));
+  return cut_refined(solid, grid, 0.9 * Vec3::Unit((axis + 1) % 3), 0.125, 0.3, 8);
 }
 
 /// Both nodes of a pair are free or have the same masters, which are free themselves; sizes of neighbours differ by one
@@ -238,7 +214,7 @@ TEST(PlaneStrain, PairsOfAQuadtreeAreOne) {
       EXPECT_NEAR(sum, 1, 1e-14);
     }
     EXPECT_EQ(system.num_free_dofs(), 2 * (system.num_nodes - static_cast<int>(system.constraints.size())));
-    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 1));
+    const RealView x = consistent(system, random_vector(system.num_dofs(), 1));
     for (const auto& nodes : mesh.cell_nodes)
       for (int a = 0; a < 8; ++a)
         for (int i = 0; i < 3; ++i) EXPECT_EQ(x(dof_of(nodes[a], i)), x(dof_of(nodes[a & ~(1 << axis)], i)));
@@ -268,13 +244,8 @@ TEST(PlaneStrain, ProductsOfAQuadtreeAgree) {
     const CutCells cells = quadtree(axis);
     ElasticSystem system = make_system(cells);
     add_supports(system, cells);
-    const RealView x = consistent(system, test::random_vector(system.num_dofs(), 4)), y = apply(system, x);
-    RealView plain("plain", x.extent(0));
-    PlainOperator(system).apply(ExecSpace(), x, plain);
-    EXPECT_LT(norm(difference(y, plain)), 100 * eps * norm(plain)) << axis;
-    const RealView f = random_force(system, 5);
-    const RealView Af = apply(system, consistent(system, f)), assembled = apply_assembled(system, f);
-    EXPECT_LT(norm(difference(Af, assembled)), 100 * eps * norm(Af)) << axis;
+    SCOPED_TRACE(axis);
+    expect_same_products(system, 100);
   }
 }
 
@@ -285,7 +256,7 @@ TEST(PlaneStrain, CoarseningOfAQuadtreeIsTheGalerkinProduct) {
       CutCells coarse_cells = coarse_cut_cells(fine_cells);
       const ElasticSystem fine = make_system(fine_cells, 0), coarse = make_system(coarse_cells, 0);
       const Transfer transfer = make_transfer(fine, coarse);
-      const RealView x = consistent(coarse, test::random_vector(coarse.num_dofs(), 3));
+      const RealView x = consistent(coarse, random_vector(coarse.num_dofs(), 3));
       RealView Px("Px", fine.num_dofs()), galerkin("galerkin", coarse.num_dofs());
       prolongate_add(ExecSpace(), transfer, fine.dofs, x, Px);
       restrict_to(ExecSpace(), transfer, coarse.dofs, apply(fine, Px), galerkin);
