@@ -142,7 +142,7 @@ struct Rings {
     Kokkos::deep_copy(points, host);
   }
 
-  /// Displacement at x by a ring of unit pressure along the line through y, times pi E*.
+  /// Gives the displacement at x by a ring of unit pressure along the line through y, times pi E*.
   KOKKOS_FUNCTION static double displacement(const Point& x, const Point& y) {
     const double near = x.radius - y.radius, far = x.radius + y.radius, height = x.height - y.height;
     const double longest = far * far + height * height, shortest = near * near + height * height;
@@ -150,8 +150,8 @@ struct Rings {
     return 4 * y.radius / std::sqrt(longest) * elliptic_integral(part > 1e-30 ? part : 1e-30);
   }
 
-  /// Integral over a patch of the displacement by rings of unit pressure, times pi E*, m: K(k) grows as the logarithm
-  /// of the distance, which is integrated by itself.
+  /// Integrates the displacement by rings of unit pressure over a patch, times pi E*, m: K(k) grows as the logarithm of
+  /// the distance, which is integrated by itself.
   KOKKOS_FUNCTION double integral(int at, int from) const {
     constexpr double weight[near_points / 2] = {0.36268378337836198, 0.31370664587788729, 0.22238103445337447,
                                                 0.10122853629037626};

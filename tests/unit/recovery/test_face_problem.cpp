@@ -241,7 +241,7 @@ TEST(HalfSpace, Periodic) {
   }
 }
 
-/// Rings of a face around an axis, from a distance from it on.
+/// Makes rings of a face around an axis, from a distance from it on.
 FaceGrid grid_of_rings(double from, double slope, int patches) {
   FaceGrid grid;
   grid.plane_strain = true;
@@ -260,7 +260,7 @@ FaceGrid grid_of_rings(double from, double slope, int patches) {
   return grid;
 }
 
-/// Integral over a patch of the displacement by rings of unit pressure, E* = 2: many points, more of them towards the
+/// Integrates the displacement by rings of unit pressure over a patch, E* = 2: many points, more of them towards the
 /// logarithm at the middle.
 double integral_of_rings(const FaceGrid& grid, int at, int from) {
   const Meridian& line = *grid.meridian;
