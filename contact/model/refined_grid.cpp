@@ -42,9 +42,14 @@ int halvings_for(double cell_size, double wanted) {
   return std::max(0, static_cast<int>(std::ceil(std::log2(cell_size / wanted) - equal_sizes)));
 }
 
-/// From a point to a box or a ball, m; 0 inside.
+/// From a point to a box, a ball or a torus, m; 0 inside.
 double distance_to(const RefineSpec& refine, const Vec3& x) {
-  if (refine.kind == RefineSpec::Kind::sphere) return std::max(0.0, (x - refine.center).norm() - refine.radius);
+  const Vec3 from_center = x - refine.center;
+  if (refine.kind == RefineSpec::Kind::sphere) return std::max(0.0, from_center.norm() - refine.radius);
+  if (refine.kind == RefineSpec::Kind::ring) {
+    const double along = from_center.dot(refine.axis), across = (from_center - along * refine.axis).norm();
+    return std::max(0.0, std::hypot(across - refine.radius, along) - refine.tube_radius);
+  }
   return (x - x.cwiseMax(refine.min).cwiseMin(refine.max)).norm();
 }
 

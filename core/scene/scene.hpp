@@ -79,11 +79,13 @@ struct FaceSpec {
 /// Where a body's cells are to be smaller: no larger than `size` up to `distance` from a place, growing by `grading`
 /// times the distance from there.
 struct RefineSpec {
-  enum class Kind { box, sphere, face };
+  enum class Kind { box, sphere, ring, face };
   Kind kind = Kind::sphere;
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();  ///< box, m
-  Vec3 center = Vec3::Zero();                   ///< sphere, m
-  double radius = 0;                            ///< m
+  Vec3 center = Vec3::Zero();                   ///< sphere, ring, m
+  Vec3 axis = Vec3::UnitZ();                    ///< ring, of length 1
+  double radius = 0;                            ///< sphere; of the ring's circle about its axis, m
+  double tube_radius = 0;                       ///< ring: up to there from the circle, m
   FaceSpec face;                                ///< of the body
   double size = 0;                              ///< m
   double distance = 0;                          ///< m

@@ -237,6 +237,15 @@ void read_refined_sphere(const TomlCursor& node, RefineSpec& refine) {
   refine.radius = node.at("radius", ">= 0 m").number(Range::not_negative("m"));
 }
 
+void read_refined_ring(const TomlCursor& node, RefineSpec& refine) {
+  node.expect_keys({"center", "axis", "radius", "tube_radius"});
+  refine.kind = RefineSpec::Kind::ring;
+  refine.center = node.at("center", "[x, y, z], m").vector("m");
+  if (const auto axis = node.find("axis")) refine.axis = axis->direction();
+  refine.radius = node.at("radius", "> 0 m").number(Range::positive("m"));
+  if (const auto tube = node.find("tube_radius")) refine.tube_radius = tube->number(Range::not_negative("m"));
+}
+
 FaceSpec face_of_body(const TomlCursor& node, const BodySpec& body, const Shape& shape) {
   const std::string name = node.string("a face of this body");
   std::vector<std::string> known;
@@ -278,14 +287,15 @@ bool has_plain_length(const TomlCursor& node) {
 }  // namespace
 
 RefineSpec SceneReader::read_refine(const TomlCursor& node, const BodySpec& body, const Shape& shape) const {
-  node.expect_keys({"box", "sphere", "face", "size", "distance", "grading"});
+  node.expect_keys({"box", "sphere", "ring", "face", "size", "distance", "grading"});
   RefineSpec refine;
   refine.place = node.place();
-  const auto box = node.find("box"), sphere = node.find("sphere"), face = node.find("face");
-  if (int(box.has_value()) + int(sphere.has_value()) + int(face.has_value()) != 1)
-    node.fail("says no place, or more than one", "one of box, sphere, face");
+  const auto box = node.find("box"), sphere = node.find("sphere"), ring = node.find("ring"), face = node.find("face");
+  if (int(box.has_value()) + int(sphere.has_value()) + int(ring.has_value()) + int(face.has_value()) != 1)
+    node.fail("says no place, or more than one", "one of box, sphere, ring, face");
   if (box) read_refined_box(*box, refine);
   if (sphere) read_refined_sphere(*sphere, refine);
+  if (ring) read_refined_ring(*ring, refine);
   if (face) {
     refine.kind = RefineSpec::Kind::face;
     refine.face = face_of_body(*face, body, shape);
