@@ -167,7 +167,8 @@ void estimate_contact_errors(const SolvedState& state, Results& results) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       if (rows[i].pair != pair) continue;
       const auto face = state.faces.at(pair, rows[i].body, rows[i].x, rows[i].normal);
-      of_stress[i] = !face;
+      // Where nothing is opposite the pressure is zero, however the stress around is off.
+      of_stress[i] = !face && (rows[i].active || std::isfinite(rows[i].distance));
       figures.pressure_on_face = figures.pressure_on_face && (face || !rows[i].touching);
       if (!face) continue;
       errors[i] = face->error;
