@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <numeric>
 #include <regex>
 #include <sstream>
 
@@ -46,13 +47,22 @@ void run(Solved& solved) {
   ASSERT_TRUE(solved.results().converged) << solved.results().diagnosis;
 }
 
-/// What is compared: the force, and the recovered pressures and stresses on the contact faces.
+/// Tells whether the contact ends so near to a row that patches for the stress there have cells at the end.
+bool is_beside_end(const std::vector<ContactRow>& rows, const ContactRow& row) {
+  return std::any_of(rows.begin(), rows.end(), [&](const ContactRow& other) {
+    return other.body == row.body && other.active != row.active && (other.x - row.x).norm() < 2 * row.larger_cell;
+  });
+}
+
+/// What is compared: the force; on the contact faces the recovered pressures, and the stresses away from the end of
+/// the contact and those beside it.
 std::vector<std::vector<double>> figures(const Results& results) {
   const Vec3 force = results.pairs[0].force_on_first;
-  std::vector<std::vector<double>> all{{force[0], force[1], force[2]}, {}, {}};
+  std::vector<std::vector<double>> all{{force[0], force[1], force[2]}, {}, {}, {}};
   for (const ContactRow& row : results.contact_rows) {
     all[1].insert(all[1].end(), {row.pressure_spr, row.pressure_sprc});
-    for (int k = 0; k < 6; ++k) all[2].insert(all[2].end(), {row.stress_spr[k], row.stress_sprc[k]});
+    std::vector<double>& stress = all[is_beside_end(results.contact_rows, row) ? 3 : 2];
+    for (int k = 0; k < 6; ++k) stress.insert(stress.end(), {row.stress_spr[k], row.stress_sprc[k]});
   }
   return all;
 }
@@ -82,19 +92,24 @@ TEST(PlaneStrain, IsTheSlabBetweenRigidPlanes) {
       EXPECT_EQ(with.results().active_points, without.results().active_points);
       difference[k] = figures(with.results());
       const std::vector<std::vector<double>> other = figures(without.results());
+      const auto largest_of = [&](std::size_t kind) {
+        return std::accumulate(other[kind].begin(), other[kind].end(), 0.0,
+                               [](double most, double value) { return std::max(most, std::abs(value)); });
+      };
       for (std::size_t kind = 0; kind < other.size(); ++kind) {
-        double largest = 0;
-        for (const double value : other[kind]) largest = std::max(largest, std::abs(value));
+        const double largest = kind < 2 ? largest_of(kind) : std::max(largest_of(2), largest_of(3));
+        ASSERT_EQ(difference[k][kind].size(), other[kind].size());
         for (std::size_t i = 0; i < other[kind].size(); ++i)
           difference[k][kind][i] = (difference[k][kind][i] - other[kind][i]) / largest;
       }
     }
-    // Parts of 1e-7 to 1e-5 at kappa = 1e4. The recovered stress has the pressures of two problems on the face, a strip
-    // and a sum over the twelve nearest periods of the slab, which differ by some 1e-8; their edges, fitted to the
-    // patches whose pressure is above zero, by up to ten times that, and the stress beside an edge by up to 4e-7
-    // (OpenMP).
-    const double allowed[3] = {1e-10, 1e-8, 5e-7};
-    for (int kind = 0; kind < 3; ++kind) {
+    // Relative to the largest value; at kappa = 1e4 they are 1e-8 to 3e-6. The recovered stress has the
+    // pressures of two problems on the face, a strip and a sum over the twelve nearest periods of the slab, which
+    // differ by some 1e-8. The edge of the contact, fitted to the few patches beside it, differs by some 1e-6 of a
+    // cell; the stress grows like the root of the distance from there, which is a fifteenth of a cell for the nearest
+    // points: eight times that, of a fifth of the largest stress.
+    const double allowed[4] = {1e-10, 1e-8, 5e-8, 2e-6};
+    for (int kind = 0; kind < 4; ++kind) {
       double size[2] = {0, 0}, left = 0;
       for (std::size_t i = 0; i < difference[0][kind].size(); ++i) {
         const double d[2] = {difference[0][kind][i], difference[1][kind][i]};
