@@ -9,7 +9,7 @@ endif()
 # cgcontact_view_assets(TARGET): adds the generated source.
 function(cgcontact_view_assets target)
   set(folder ${CMAKE_SOURCE_DIR}/core/output/view)
-  set(scripts data drawing camera reading controls)  # one after the other
+  set(scripts sweep data drawing camera reading controls)  # one after the other
   list(TRANSFORM scripts REPLACE "(.+)" "${folder}/view_\\1.js")
   string(REPLACE ";" "," joined "${scripts}")
   set(texts view_script=${joined} view_controls=${folder}/view.html view_css=${folder}/view.css)
