@@ -3,8 +3,8 @@
 const SWEPT = 1.5 * Math.PI;       // angle by which sections of bodies of revolution are turned: a quarter is open
 const SLICE = 0.02;                // angle where the half-plane alone is shown
 const CHORD = 1 / 2000;            // part of the radius from an arc to its chord: half a pixel of 2000 across the body
-const MAX_TRIANGLES = 200000;   // number in all swept boundaries, unless so few sectors are too many:
-const MIN_SECTORS = 12;        // number of those of 22.5 degrees, which look round by their normals
+const MAX_TRIANGLES = 200000;      // number in all swept boundaries, unless so few sectors are too many:
+const MIN_SECTORS = 12;            // number of those of 22.5 degrees, which look round by their normals
 
 /* Turns a vector of the half-plane to an angle, or with `back` one there into the half-plane. */
 function turnedVector(vector, [cosine, sine], back) {
