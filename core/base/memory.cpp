@@ -74,7 +74,7 @@ double group_memory(const std::string& groups, const std::string& root) {
 
 namespace {
 
-/// Of one rank; negative: not agreed on.
+/// Memory of one rank, bytes; negative: not agreed on.
 double agreed_bytes = -1;
 
 MemoryBudget budget_of_process() {

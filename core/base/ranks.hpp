@@ -21,7 +21,8 @@ int num_ranks();
 int this_rank();
 /// The one that prints and writes.
 inline bool is_first_rank() { return this_rank() == 0; }
-/// Of a process that mpirun has started, before MPI runs: as mpirun says. 1 and 0 without mpirun.
+/// Returns the number of ranks and this one as mpirun's environment states them, before MPI runs. 1 and 0 without
+/// mpirun.
 std::pair<int, int> ranks_of_mpirun();
 
 /// Takes over the number of ranks from MPI, which runs; gives it back at the end of its life, before MPI ends.

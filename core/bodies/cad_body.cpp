@@ -15,7 +15,7 @@ namespace cgcontact {
 
 namespace {
 
-/// Of a cell: how far triangles may be from the surface.
+/// Fraction of a cell by which triangles may be off the surface.
 constexpr double sag_of_cell = 0.01;
 /// A place found on the surface may be so many sags from the place on the triangle that it was looked for from.
 constexpr double near_sags = 4;

@@ -25,8 +25,8 @@ struct CadSurface {
 
 class CadBody final : public BodyGeometry {
  public:
-  /// Of the model in its own place, scaled (m per mm). `cell_size` (m): its surface is a hundredth of that from its
-  /// triangles. Throws InputError.
+  /// Makes the body in the model's own position, scaled (m per mm). `cell_size` (m): the triangles are within a
+  /// hundredth of it of the surface. Throws InputError.
   CadBody(const CadModel& model, double scale, double cell_size);
 
   const CadModel& model() const { return model_; }

@@ -21,7 +21,7 @@ constexpr int max_dividers = 40;
 constexpr std::uint64_t lower_bit = std::uint64_t{1} << 20, upper_bit = std::uint64_t{1} << 21;
 constexpr int first_divider_bit = 22;
 
-/// Of a cone: of unit slope on it as far from its tip as x.
+/// Returns the quadric of a cone, with unit slope on it at the distance of x from its tip.
 Quadric expand_cone(const Surface& cone, const Vec3& x) {
   const Vec3 across = radial(cone, x), &n = cone.direction;
   const double h = height(cone, x), rho = across.norm(), c = cone.cosine, s = cone.sine;

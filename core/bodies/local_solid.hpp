@@ -20,7 +20,7 @@ struct LocalSolid {
 LocalSolid make_local_solid(const CsgBody& solid, const std::vector<signed char>& sides);
 /// At most this many surfaces can cross a cell; make_local_solid throws InputError with the names of more.
 constexpr int max_table_bits = 16;
-/// Of the cube [corner, corner + width]^3.
+/// Restricts the solid to the cube [corner, corner + width]^3.
 LocalSolid make_local_solid(const CsgBody& solid, const Vec3& corner, double width);
 
 }  // namespace cgcontact

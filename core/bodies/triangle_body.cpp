@@ -17,7 +17,7 @@ namespace {
 /// A patch this flat is a plane: coordinates in single precision, as STL files have them, are about 1e-7 off.
 /// Small triangles are turned more by that than large ones.
 constexpr double flat_tolerance = 1e-6, flat_angle = 1e-2;
-/// Of normals, and of the length of a prism: its sides and ends.
+/// Tolerance of normals, and relative to the length of a prism: its sides and ends.
 constexpr double flat_end = 1e-3;
 
 /// The triangles of one patch, -1: of all.

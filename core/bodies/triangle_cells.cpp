@@ -18,7 +18,7 @@ namespace {
 constexpr int n1 = moment_degree + 1;
 constexpr int bits = 21;  // of a cell's index along one axis
 constexpr int most = 1 << (bits - 1);
-/// Of the projection of a cell's face (4 in cell coordinates): a closed surface misses 0 or 1 by rounding only.
+/// Tolerance of a face's projected area (4 in cell coordinates): a closed surface misses 0 or 1 by rounding only.
 constexpr double closed_tolerance = 1e-6;
 
 /// Integrals of n_x L_j(y) L_k(z) over pieces of surface.
@@ -37,7 +37,7 @@ Index3 decode(long long code) {
           static_cast<int>(code >> (2 * bits)) - most};
 }
 
-/// Of the polynomials whose integrals over a flat piece are wanted.
+/// Degree of the polynomials that are integrated over a flat facet.
 constexpr int full_degree = 3 * moment_degree + 1;
 
 /// Degrees of the rules for a piece of a curved face: as far as a piece is smaller than its cell the polynomials vary

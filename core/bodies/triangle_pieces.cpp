@@ -25,7 +25,7 @@ constexpr double parallel_tolerance = 1e-14;
 /// Planes up to which they get the full rule, or one of degree 2: of a patch in a cell, of all patches in a cell.
 constexpr int full_rule_planes = 8, quadratic_rule_planes = 32;
 constexpr int full_rule_planes_of_cell = 32, quadratic_rule_planes_of_cell = 128;
-/// Of patches with more planes: pieces of at least this area (cell units) get the full rule, a rule of degree 2.
+/// Areas (cell units) from which facets of patches with more planes get the full rule, a rule of degree 2.
 constexpr double full_rule_area = 1.0 / 16, quadratic_rule_area = 1.0 / 128;
 
 /// On a curved face of a CAD body in a cell: points from which those that stay are chosen (some 30); from so many

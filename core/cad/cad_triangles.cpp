@@ -153,7 +153,7 @@ class Assembler {
     return number;
   }
 
-  /// Of the two curves that a seam has in the parameter plane of its face, do the triangles end on the other one?
+  /// Returns whether the triangles end on the second of the two curves that a seam has in its face's parameter plane.
   static bool is_other(const TopoDS_Edge& edge, const TopoDS_Face& face, const Handle(Poly_Triangulation) & mesh,
                        const Poly_PolygonOnTriangulation& polygon) {
     if (!BRep_Tool::IsClosed(edge, face)) return false;

@@ -98,7 +98,7 @@ Index3 cell_on_level(const Index3& c, int from, int to) {
   return {c[0] >> (from - to), c[1] >> (from - to), c[2] >> (from - to)};
 }
 
-/// Of the cells of one level, which are leaves?
+/// Cells of one level and which of them are leaves.
 struct LevelOfGrid {
   Grid grid;  ///< with the level's size as its cell size
   Solid solid;
@@ -153,7 +153,7 @@ class CutCellBuilder {
         level.solid.geometry().sweep_cells(level.grid, level.dividers, options_.boundary_order, level.leaves);
     level.numbers = sweep->take_inside();
     std::vector<Found> found(sweep->num_parts());
-    // Of several ranks each takes every so many parts: neighbouring parts cost about the same.
+    // Interleaves the chunks over the ranks: neighbouring chunks cost about the same.
     const std::size_t ranks = num_ranks(), rank = this_rank();
     const std::size_t num_own = found.size() / ranks + (rank < found.size() % ranks);
     on_all_ranks([&] {
@@ -224,7 +224,7 @@ class CutCellBuilder {
     }
   }
 
-  /// Of a row of cells along x: what is in the one layer of a quadtree. False: nothing.
+  /// Clips a row of cells along x to the one layer of a quadtree. False: nothing is left.
   static bool in_layer(int across, Index3& first, int& number) {
     if (across < 0) return true;
     if (across == 0 && first[0] <= 0 && first[0] + number > 0) {

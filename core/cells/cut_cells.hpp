@@ -42,8 +42,8 @@ struct CutCells {
   std::vector<Plane> face_dividers;  ///< planes at which all boundary pieces are cut (core/scene/face_dividers.hpp)
   long long num_pruned = 0;  ///< cells whose volume was rounding only; their points and moments went to a neighbour
 
-  /// Of a grid of several levels: the cells of each as a grid of one level of their own, with that level's size as the
-  /// unit of the grid coordinates; without solid, boundary and adoptions. Share the moments. Empty: one level.
+  /// Cells of each level as a grid of one level, with that level's size as the unit of the grid coordinates; without
+  /// solid, boundary and adoptions. Share the moments. Empty: one level.
   std::vector<CutCells> parts;
   std::shared_ptr<const CellTree> tree;  ///< which cells are refined
   std::vector<Solid> part_solids;        ///< the body in the grid coordinates of each part
@@ -65,14 +65,13 @@ struct CutCells {
   }
   /// Nothing is integrated over the cells any more: 1 kB of each cut cell becomes 8 bytes.
   void drop_moments();
-  /// Of several ranks each keeps those of its part of the cut cells (share_out), until all have all again. Called by
-  /// all ranks.
+  /// Keep the moments of this rank's share of the cut cells only; restore those of all ranks. Collective.
   void keep_own_moments();
   void gather_moments();
 
   /// Mean distance of the material in a cell from the axis of revolution, m.
   double radius(int active) const;
-  /// Of the material for which an active cell counts, units of the grid coordinates.
+  /// Returns the volume of the material that an active cell stands for, units of the grid coordinates.
   double volume(int active) const {
     const int l = level(active);
     const double ring = grid.is_axisymmetric() ? radius(active) / grid.unit_radius : 1;
@@ -96,7 +95,7 @@ Vec3 cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& gr
 Vec3 grid_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
 Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
 
-/// Of the material in an active cell, cell coordinates.
+/// Returns the centroid of the material in an active cell, cell coordinates.
 Vec3 centroid(const CutCells& cut_cells, int active_cell);
 
 /// Classifies all cells of the grid and integrates the cut ones. Throws InputError if the body has no volume or

@@ -23,7 +23,7 @@ class SizeField {
 
   /// Is a size less than `size` (m) wanted somewhere in a ball?
   bool asks_below(double size, const Vec3& center, double radius) const;
-  /// Of all balls, m; without any infinite.
+  /// Returns the smallest size of all balls, m; without any infinite.
   double smallest() const { return smallest_; }
 
  private:

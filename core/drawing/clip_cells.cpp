@@ -17,7 +17,7 @@ constexpr double max_sagitta = 0.008;
 /// Points nearer to a surface than this lie on it (cell units). Above what make_cut_cells prunes, so that a face
 /// whose sliver of a cell was pruned is found on the neighbour.
 constexpr double on_tolerance = 1e-10;
-/// Of cells that a curved patch crosses.
+/// Subdivision of cells that a curved patch crosses.
 constexpr int patch_subdivision = 2;
 /// Patches in a cell that are cut one by one. Each one can double the pieces; cells with more are cut at the surface as
 /// a whole.

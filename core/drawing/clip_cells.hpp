@@ -60,10 +60,10 @@ struct ClippedMesh {
     int cell;        ///< active cell
   };
   Piece piece(std::size_t i) const;
-  /// Of an interior point: cell coordinates in its cell; grid coordinates.
+  /// Return an interior point in its cell's coordinates; in grid coordinates.
   Vec3 interior_xi(std::size_t point) const;
   Vec3 interior_point(std::size_t point) const;
-  /// Of interior.cells[i], VTK order; interior points have numbers from points.size() on.
+  /// Returns the corners of interior.cells[i], VTK order; interior points are numbered from points.size() on.
   std::array<int, 8> interior_hexahedron(std::size_t i) const;
   double volume() const;         ///< in cell units cubed
   double boundary_area() const;  ///< in cell units squared

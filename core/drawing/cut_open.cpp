@@ -9,7 +9,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of the reach of a cell: more than that of its corners' places.
+/// Rounding, relative to the reach of a cell: more than that of its corners' coordinates.
 constexpr double rounding = 1e-9;
 
 struct Vertex {
@@ -107,7 +107,7 @@ class Opening {
     }
   }
 
-  /// Of a tetrahedron with the plane of height k, turned towards its direction.
+  /// Cuts a tetrahedron with the plane of height k; the polygon is turned towards its direction.
   Polygon section_of(const std::array<int, 4>& t, int k) const {
     Polygon polygon = section({vertex(t[0]), vertex(t[1]), vertex(t[2]), vertex(t[3])}, k);
     if (polygon.size() < 3) return {};

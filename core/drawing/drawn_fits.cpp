@@ -12,7 +12,7 @@ namespace cgcontact {
 
 namespace {
 
-/// Of the scene's diagonal: smaller gaps are not seen.
+/// Fraction of the scene's diagonal below which gaps are not seen.
 constexpr double invisible = 1e-3;
 /// Part of a body's second shortest extent within which its share falls to zero; the shortest may be that of a slice.
 constexpr double reach_part = 0.25;

@@ -13,7 +13,7 @@ namespace cgcontact {
 
 namespace {
 
-/// Of the stress: more than the error of principal stresses by their closed form, 1e-8 where two are nearly equal.
+/// Fraction of the stress above the error of principal stresses by their closed form (1e-8 where two are nearly equal).
 constexpr double closed_form_error = 1e-6;
 
 /// Extremes of values that come one by one.
@@ -36,7 +36,7 @@ class Collector {
     raise(p, x, *most_.pressure);
   }
 
-  /// Of two places with the same value the one that came first.
+  /// Adds later extremes; of equal values the earlier one stays.
   void merge(const Collector& later) {
     const Extremes& other = later.most_;
     for (Extreme Extremes::*kind : {&Extremes::displacement, &Extremes::von_mises, &Extremes::tresca})

@@ -13,7 +13,7 @@ namespace {
 /// Eigenvalues of the mean of n n^T: below the first the normals lie in a plane, above the second they spread in it
 /// (0.02: an arc of 28 degrees).
 constexpr double flat_spread = 1e-3, round_spread = 0.02;
-/// Of the points of a cylinder from the mean radius.
+/// Tolerance of the distances of a cylinder's points from the axis, relative to the mean radius.
 constexpr double round_tolerance = 0.02;
 /// Cosine between the mean normal and a coordinate axis along which the face is seen.
 constexpr double along_axis = 0.95;

@@ -24,7 +24,7 @@ class FaceChart {
   /// normal.
   explicit FaceChart(const FaceTriangles& face);
 
-  /// Of a triangle near `x`, so that no triangle of a closed cylinder is torn.
+  /// Returns the chart position of x in a triangle near `near`, so that no triangle of a closed cylinder is torn.
   Vec3 place(const Vec3& x, const Vec3& near) const;
   Vec3 place(const Vec3& x) const { return place(x, x); }
   /// The picture is seen from inside the body: triangles are to be turned round.

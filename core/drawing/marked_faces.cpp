@@ -14,7 +14,7 @@ std::string joined(const std::vector<std::string>& names) {
   return text;
 }
 
-/// Of boundary points, per weight, m^2.
+/// Returns the area of a boundary point per weight, m^2.
 double area_factor(const Grid& grid) { return grid.slices() * grid.cell_size * grid.cell_size; }
 
 }  // namespace

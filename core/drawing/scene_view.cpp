@@ -11,7 +11,7 @@ namespace {
 
 /// The contact is inside the scene, and the scene cut open, if it is this far (fraction of the extent) from its sides.
 constexpr double inside_fraction = 0.15;
-/// Of its own extent: a zone that is so near to a side of the scene reaches it.
+/// Fraction of the scene's extent: a zone this near to a side of the scene reaches it.
 constexpr double beside = 0.05;
 /// Part of the largest pressure at which a zone ends, as in the pressure map.
 constexpr double zone_end = 0.01;
@@ -23,7 +23,7 @@ SceneBox bounds(const std::vector<DrawnBody>& bodies) {
   return box;
 }
 
-/// Of bodies that are one layer of cells on every level; -1: there are others.
+/// Returns the axis across which bodies are one layer of cells on every level; -1: there are others.
 int axis_of_quadtrees(const Results& results) {
   int axis = -1;
   for (const BodyFields& body : results.bodies) {

@@ -44,8 +44,8 @@ class BodyGeometry {
   /// The same, 2^level times as large, for one level of a refined grid: what follows the surface as closely as the
   /// cells need does so in and around its leaves. level >= 1.
   virtual std::shared_ptr<const BodyGeometry> on_level(int level, const CellTree& tree) const;
-  /// Of a prism along an axis: its image under x[axis] -> factor * x[axis] + shift (factor > 0). Throws InputError if a
-  /// surface is neither along the axis nor across it, or lies across it between the prism's ends.
+  /// Returns the image of a prism along an axis under x[axis] -> factor * x[axis] + shift (factor > 0). Throws
+  /// InputError if a surface is neither along the axis nor across it, or lies across it between the prism's ends.
   virtual std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const = 0;
   /// Box that contains it; false if it is unbounded as far as can be told.
   virtual bool bounding_box(Vec3& min, Vec3& max) const = 0;
@@ -75,11 +75,11 @@ class BodyGeometry {
   virtual void boundary_points(const Index3& cell, const std::vector<char>& selected,
                                const std::vector<Plane>& dividers, int order, int owner,
                                BoundaryPoints& points) const = 0;
-  /// Of a body in global axes, m, without making its cells; from a coarser grid of at most `most_cells` cells if it
-  /// needs one.
+  /// Estimates the cells of the body in global axes, m, without making them; from a coarser grid of at most
+  /// `most_cells` cells if it needs one.
   virtual CellEstimate estimate_cells(const Grid& grid, double most_cells) const = 0;
 
-  // Of bodies that are made of flat facets.
+  // Returns the number of facets of a body made of flat ones.
 
   virtual std::size_t num_facets() const { return 0; }
   /// Width of the narrower of two facets that meet at an angle (at least_angle, radians, or more) although they stand

@@ -33,7 +33,7 @@ struct Surface {
   std::shared_ptr<const SurfacePatch> patch;
   double cosine = 1, sine = 0;  ///< of the angle between a cone and its axis
 
-  /// Of a patch: to the plane that touches it nearest to x.
+  /// Returns the signed distance; of a patch that to the plane that touches it nearest to x.
   double signed_distance(const Vec3& x) const;
   /// Unit gradient of the signed distance; of a patch its normal.
   Vec3 gradient(const Vec3& x) const;
@@ -50,7 +50,7 @@ struct Surface {
 
 /// From the axis of a cylinder or a cone to x, across.
 Vec3 radial(const Surface& surface, const Vec3& x);
-/// Of x above the tip of a cone, along its axis.
+/// Returns the height of x above the tip of a cone, along its axis.
 double height(const Surface& cone, const Vec3& x);
 
 }  // namespace cgcontact

@@ -375,7 +375,7 @@ void set_memory(Results& results) {
 
 }  // namespace
 
-/// Of several ranks the first one writes, and one more the files of fields.
+/// Writes the results. With several ranks the first one writes, and one more the files of fields.
 std::vector<std::string> ResultWriter::write(Results& results, const Scene& scene) {
   const auto start = std::chrono::steady_clock::now();
   std::vector<std::string> old;

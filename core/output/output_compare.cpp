@@ -66,7 +66,7 @@ std::optional<double> number(const Json& json, const std::string& path) {
   return json.contains(pointer) ? number(json.at(pointer)) : std::nullopt;
 }
 
-/// Of the forces of a pair on its first body.
+/// Returns the magnitude of a pair's force on its first body.
 std::optional<double> force_of(const Json& pair) {
   const Json forces = pair.value("force", Json());
   if (!forces.is_object() || forces.empty()) return std::nullopt;

@@ -10,8 +10,8 @@
 
 namespace cgcontact {
 
-/// Of runs to an accuracy and of grids of several levels; nothing for others. `scene`: look_at_scene of the bodies.
-/// Needs the folder plots of the result directory.
+/// Draws the grids of runs to an accuracy and grids of several levels; nothing for others. `scene`: look_at_scene of
+/// the bodies. Needs the folder plots of the result directory.
 void write_grid_picture(const Results& results, const std::vector<DrawnBody>& bodies, const SceneView& scene,
                         GnuplotRuns& runs);
 

@@ -67,7 +67,7 @@ void begin_hdf() {
 
 }  // namespace
 
-/// Of a file on the disk they mean the disk.
+/// Checks an HDF5 id; failures of a file on disk are reported as those of the disk.
 template <class Id>
 Id HdfFile::check(Id id, const char* what) {
   if (id < 0 && !on_disk_.empty()) {

@@ -17,7 +17,7 @@ class HdfFile {
   HdfFile& operator=(const HdfFile&) = delete;
 
   void make_group(const std::string& path);
-  /// Of a group or an array.
+  /// Sets an attribute of a group or an array.
   void set_attribute(const std::string& group, const std::string& name, const std::string& value);
   void set_attribute(const std::string& group, const std::string& name, const std::vector<long long>& values);
   void set_attribute(const std::string& group, const std::string& name, long long value);
@@ -38,7 +38,7 @@ class HdfFile {
 
   template <class Id>
   Id check(Id id, const char* what);
-  /// Of an array that is there: adds rows. Returns the first new one.
+  /// Adds rows to an existing array. Returns the first new one.
   template <class T>
   std::size_t make_rows(const std::string& path, std::size_t num_rows, int columns, bool can_grow);
   template <class T>

@@ -236,7 +236,7 @@ std::string tile(const std::string& label, const std::string& value, const std::
   return "<div class=\"tile\"><span>" + label + "</span><b>" + value + "</b><span>" + remark + "</span></div>\n";
 }
 
-/// Of the pair with the largest force, and of the bodies.
+/// Returns the tiles of the pair with the largest force, and of the bodies.
 std::string tiles(const Results& results) {
   std::string text = "<div class=\"tiles\">\n";
   if (!results.pairs.empty()) {
@@ -464,7 +464,7 @@ std::string pairs_section(const Results& results) {
          whole_zones(results) + friction_of_pairs(results);
 }
 
-/// Of loads that have a moment about the point where their force is said to act, or about their centroid.
+/// Lists loads with a moment about the point where their force is said to act, or about their centroid.
 std::string moments_of_loads(const Results& results) {
   std::vector<std::string> rows;
   for (const LoadFigures& load : results.loads) {

@@ -62,7 +62,7 @@ double end_of_colours(const std::vector<DrawnBody>& bodies) {
   return *place;
 }
 
-/// Of deformed bodies as the camera sees them, m.
+/// Extent of the deformed bodies as the camera sees them, m.
 struct PaperBox {
   double low[2] = {std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
   double high[2] = {-std::numeric_limits<double>::max(), -std::numeric_limits<double>::max()};
@@ -175,7 +175,7 @@ void draw_axes_and_scale(const View& view, int picture_width, const Pixel& corne
                 "center front font ',13'");
 }
 
-/// Of a body, von Mises.
+/// Returns the largest von Mises stress of a body.
 const Extreme& largest_stress(const Results& results, std::size_t body) {
   return results.extremes[body].body.von_mises;
 }

@@ -134,7 +134,7 @@ void write_pressure_plot(const Results& results, const Scene& scene, int pair, G
   runs.start(name, script, {picture});
 }
 
-/// Of the pairs with the largest forces, as the pressure maps.
+/// Plots the pairs with the largest forces, as the pressure maps do.
 void write_pressure_plots(const Results& results, const Scene& scene, GnuplotRuns& runs) {
   if (results.path.empty()) {
     if (!results.contact_rows.empty() && !results.path_from_largest)

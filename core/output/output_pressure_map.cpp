@@ -25,8 +25,8 @@ constexpr double thin_face = 0.25;  ///< ratio of the sides below which a face i
 /// Rows of contact.csv so near to each other along a curve, in the body's smallest cells and in parts of the curve, are
 /// one point of it: beside each other on the face they have pressures of their own.
 constexpr double bin_in_cells = 0.5, most_bins = 400;
-/// Of the largest pressure: below this the face is grey. On curved faces the recovered pressure where nothing touches
-/// is zero to a few thousandths only.
+/// Fraction of the largest pressure below which the face is grey. On curved faces the recovered pressure where nothing
+/// touches is zero to a few thousandths only.
 constexpr double no_pressure = 0.005;
 /// Around the zone, of its longer side; and cells at least.
 constexpr double zone_margin = 0.25, zone_margin_cells = 2;
@@ -159,7 +159,7 @@ using Piece = std::array<RasterVertex, 3>;
 /// the pressure falls like a square root there.
 class Pieces {
  public:
-  /// Of the triangles that reach into the paper.
+  /// Collects the triangles that reach into the paper.
   Pieces(const Results& results, const ContactSurface& surface, const Face& face, const FaceChart& chart,
          const Paper& paper)
       : body_(results.bodies[face.body]),

@@ -26,7 +26,7 @@ Rgb colour_of_body(std::size_t b);
 
 std::string in_unit(double value, const DisplayUnit& unit);
 
-/// Of the cells: "2 mm", "0.25 mm to 2 mm".
+/// Returns the range of cell sizes: "2 mm", "0.25 mm to 2 mm".
 std::string sizes_of(const CutCells& cells);
 
 /// The plane of a panel: a picture and where it lies.
@@ -75,7 +75,7 @@ class Legend {
   Sheet& sheet_;
 };
 
-/// Of a picture without axes, drawn in pixels.
+/// Returns gnuplot's settings of a picture without axes, drawn in pixels.
 std::string page_settings(const char* file, int width, int height);
 
 }  // namespace cgcontact

@@ -57,7 +57,7 @@ struct Extremes {
   std::optional<double> safety_factor;  ///< yield stress over the largest von Mises stress
 };
 
-/// Of one body and its declared faces.
+/// Extremes of one body and of its declared faces.
 struct BodyExtremes {
   Extremes body;
   std::vector<std::pair<std::string, Extremes>> faces;  ///< by name
@@ -140,7 +140,7 @@ struct PairFigures {
   bool bonded = false;
   Vec3 force_on_first = Vec3::Zero(), force_on_second = Vec3::Zero();    ///< N
   Vec3 moment_on_first = Vec3::Zero(), moment_on_second = Vec3::Zero();  ///< N m about the origin
-  /// Of the contact zone (ContactRow::touching); without contact all are exactly zero.
+  /// Figures of the contact zone (ContactRow::touching); without contact all are exactly zero.
   double area = 0;                      ///< m^2, where the pressure is positive (closed points without SPR-C)
   double max_pressure = 0;              ///< Pa, of the SPR-C pressure (SPR when SPR-C is off)
   Vec3 max_pressure_at = Vec3::Zero();  ///< m
@@ -162,8 +162,8 @@ struct PairFigures {
   std::optional<double> force_error_estimate;
   std::optional<double> max_pressure_error_estimate;  ///< relative; none: no contact, not resolved, or singular there
   bool force_given_by_loads = false;                  ///< by equilibrium alone
-  /// Of faces that nothing presses: the smallest gap left between them, and its estimated error, m; none: contact, or
-  /// nothing opposite.
+  /// Smallest gap left between faces that nothing presses, and its estimated error, m; none: contact, or nothing
+  /// opposite.
   std::optional<double> least_gap, least_gap_error;
   Vec3 least_gap_at = Vec3::Zero();         ///< m
   double least_gap_cell = 0;                ///< m, size of the larger cell there

@@ -8,9 +8,9 @@
 namespace cgcontact {
 namespace {
 
-/// Of the largest one: a face whose smallest moment of inertia is less is a line.
+/// Fraction of the largest moment of inertia of a face: one whose smallest is less is a line.
 constexpr double narrowest = 1e-10;
-/// Of the force times the extent of the face: less is no moment.
+/// Fraction of the force times the extent of the face below which there is no moment.
 constexpr double no_moment = 1e-14;
 /// Mean squares of the cosines between normals and the axis of a cylinder (coordinates of triangles in single
 /// precision), and between normals and the plane that most of them lie in: a flat face has no axis.
@@ -18,9 +18,9 @@ constexpr double across = 1e-6, flat = 1e-4;
 /// Mean square of the distances between normals and axis, of that of the points: facets of a twelfth of a turn have
 /// 0.02, the four sides of a square 0.25.
 constexpr double round = 0.05;
-/// Of a bearing's force: what is left across it is that of the quadrature, or of a face that ends (symmetry).
+/// Fraction of a bearing's force that may be left across it: by the quadrature, or because the face ends (symmetry).
 constexpr double whole = 0.02;
-/// Of the force, that of the pressure once Newton's iteration ends.
+/// Fraction of the force within which Newton's iteration balances it.
 constexpr double exact = 1e-14;
 
 }  // namespace

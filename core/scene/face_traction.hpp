@@ -45,11 +45,12 @@ class FaceMoments {
   /// that half (cut at a plane of symmetry), has the force's component along it. Throws InputError (without a place) if
   /// the face is no cylinder, or the force acts along its axis.
   FaceTraction with_bearing(const Vec3& force) const;
-  /// Of a cylinder, or of facets that stand for one; none for other faces.
+  /// Returns the axis of a cylinder, or of facets that stand for one; none for other faces.
   std::optional<Axis> axis() const;
 
  private:
-  /// Of the face's points with n . slope < 0: sum of area n (n . slope), N, and its derivative by the slope.
+  /// Integrates n (n . slope) over the face's points with n . slope < 0: the vector, N, and its derivative by the
+  /// slope.
   std::pair<Vec3, Mat3> pressed(const Vec3& slope) const;
 
   double area_ = 0;

@@ -45,7 +45,7 @@ struct PartOutline {
   std::vector<SmoothPart> parts;  ///< largest first, places and normals as in the file
   Mat3 turn = Mat3::Identity();   ///< min, max, top and bottom are those of the part turned so about the origin
   double area = 0;                ///< m^2
-  /// Of the horizontal plane that has come down by `push` (m) on the part.
+  /// Cuts the part by the horizontal plane after it has come down by `push` (m).
   PartCut cut_at(double push) const;
   /// How far it is to come down until the cut is far enough, m; at most `most`.
   double push_until(const std::function<bool(double push, const PartCut&)>& is_enough, double most) const;

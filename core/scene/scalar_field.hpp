@@ -41,7 +41,7 @@ double tresca(const Sym3& stress);
 /// Descending.
 Vec3 principal_stresses(const Sym3& stress);
 
-/// Of all but the contact pressure, which is NaN.
+/// Returns any field but the contact pressure, which is NaN.
 double value_of(ScalarField field, const Vec3& displacement, const Sym3& stress);
 
 }  // namespace cgcontact

@@ -16,7 +16,7 @@ class SceneMaterials {
   explicit SceneMaterials(const TomlCursor& root);
   /// A name, or {E, nu, density, expansion, yield}. Throws InputError.
   Material read(const TomlCursor& node) const;
-  /// Of a rigid body, whose density alone counts: none, a name or {density}. Throws InputError.
+  /// Reads the material of a rigid body, whose density alone counts: none, a name or {density}. Throws InputError.
   Material read_rigid(const std::optional<TomlCursor>& node) const;
 
  private:

@@ -32,7 +32,7 @@ struct Unit {
 std::size_t length_of_unit(const std::string& text, std::size_t begin, Unit* unit = nullptr,
                            std::vector<std::string>* names = nullptr);
 
-/// Of a text that is a unit, "" a pure number; throws std::logic_error for anything else.
+/// Returns the unit that a text names, "" a pure number; throws std::logic_error for anything else.
 Unit unit_named(const std::string& text);
 
 /// Names of all units.

@@ -9,7 +9,7 @@
 
 namespace cgcontact {
 
-/// Of the stress of one body.
+/// Target for the stress of one body.
 struct BodyTarget {
   std::string body;
   double error = 0;  ///< relative to the energy norm of its own stress

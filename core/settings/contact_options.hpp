@@ -16,7 +16,7 @@ struct ContactOptions {
   double reach_in_cells = 2, reach_in_extents = 0.05;
   /// Bonded faces are tied up to so many of the larger cells apart; from `bond_gap` of them on with a warning.
   double bond_reach = 0.25, bond_gap = 0.01;
-  /// Of the smaller body's longest extent: small strain is off by as much.
+  /// Largest overlap relative to the smaller body's longest extent: small strain is off by as much.
   double largest_overlap = 0.1;
 
   std::vector<Setting> settings();

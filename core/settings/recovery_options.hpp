@@ -46,8 +46,8 @@ struct RecoveryOptions {
 
   // Constants of the method.
 
-  /// Of rank_tolerance, for degree 2: the rows of the curvature of a traction are weak ones although not redundant
-  /// (docs/recovery.md).
+  /// Fraction of rank_tolerance for degree 2: the rows of the curvature of a traction are weak ones although not
+  /// redundant (docs/recovery.md).
   double quadratic_rank_part = 0.1;
   /// A patch counts as closed when at least this part of its contact area is (one of four equal cells: whatever the
   /// rounding). Paper's scene, mean over 7 grid offsets, error of the pressure at n = 8, 16, 32: any closed point .159

@@ -21,18 +21,18 @@ struct ResultOptions {
   /// Part of the loads on a face or a body by which the quadrature of their expressions may be off without a word: a
   /// tenth of the smallest accuracy that is asked for in general, 1 %.
   double lost_load = 1e-3;
-  /// Of the force of a contact by which the forces on its bodies may not balance, and by which what holds motions that
-  /// nothing resists may replace it, before the result is marked: the accuracy of what is called known, and one that is
-  /// coarse.
+  /// Fractions of a contact's force above which the result is marked: by which the forces on its bodies do not balance;
+  /// which what holds otherwise unresisted motions takes. The accuracy of what is called known, and a coarse one.
   double largest_imbalance = 0.01, largest_hold = 0.05;
   /// Part of the integral of a contact's pressure that its estimated errors may add up to: beyond a half nothing is
   /// known of it but the order of magnitude. Scenes with a known answer have 0.04 at most.
   double largest_error = 0.5;
   /// Strain whose terms of second order, which the theory leaves out, are some 5 % of those that it keeps.
   double largest_strain = 0.05;
-  /// Of the body's longest side: contact is looked for where the bodies were before the deformation.
+  /// Fraction of the body's longest side: contact is looked for where the bodies were before the deformation.
   double largest_displacement = 0.1;
-  /// Of E: about the pressure under which a half-space is strained by 5 to 10 % (Johnson, Contact Mechanics, 4.2).
+  /// Fraction of E: about the pressure under which a half-space is strained by 5 to 10 % (Johnson, Contact Mechanics,
+  /// 4.2).
   double largest_pressure = 0.1;
 
   // Of the estimated error of the pressure (docs/recovery.md, "Error figures").

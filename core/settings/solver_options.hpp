@@ -37,7 +37,8 @@ struct SolverOptions {
   bool nested = true;                ///< large grids start from solutions on coarser ones
   double kappa = 10;                 ///< stabilisation of supports and contact, times E / h
   double ghost_penalty = 0.01;       ///< gamma, stabilisation of small cut cells
-  /// Of several ranks (docs/parallel.md): grids of more unknowns are divided, the others every rank solves by itself.
+  /// Unknowns above which a grid is divided among several ranks; every rank solves smaller ones by itself
+  /// (docs/parallel.md).
   int shared_unknowns = 20000;
 
   // Constants of the method; figures in docs/decisions.md, "Supports and contact".
@@ -46,15 +47,15 @@ struct SolverOptions {
   double thin_kappa_factor = 3;
   /// Tolerance of a linear solve, of the outer residual before it; at most `loosest_inner_tolerance`.
   double inner_fraction = 0.005, loosest_inner_tolerance = 1e-3;
-  /// Of the contact forces: what springs that follow a motion may still take in the end.
+  /// Fraction of the contact forces that springs which follow a motion may still take in the end.
   double largest_spring_part = 1e-6;
   /// Stiffness of what holds bodies while contact does not, of a support's on the smallest cells of the contact and the
   /// softest body that contact joins them to: less than what contact and the bodies below it resist, so that its rest
   /// position follows within the outer iteration.
   double soft_hold = 1e-5;
-  /// Of the approach, what the deformation of the cells may stand for: groups join a zone smaller than the cells below
-  /// the first, leave it above the second. Zones above are wider than a cell: their mean gaps give the force within
-  /// 25 % (docs/theory.md).
+  /// Fractions of the approach that the deformation of the cells may stand for: groups join a zone smaller than the
+  /// cells below the first, leave it above the second. Zones above are wider than a cell: their mean gaps give the
+  /// force within 25 % (docs/theory.md).
   double small_zone_joins = 0.4, small_zone_leaves = 0.5;
   /// Outer iterations in which groups may join or leave zones smaller than the cells: later ones would not end.
   int last_small_zone_decision = 8;

@@ -17,11 +17,11 @@ namespace cgcontact {
 
 namespace {
 
-/// Of the surface's diagonal: points on open edges nearer than this are one. Single precision is 1e-7 off.
+/// Fraction of the surface's diagonal: points on open edges nearer than this are one. Single precision is 1e-7 off.
 constexpr double merge_distance = 1e-6;
 /// Height over longest edge of a triangle that has no area.
 constexpr double no_height = 1e-12;
-/// Of the diagonal: points of one shell nearer than this to another one are on it.
+/// Fraction of the diagonal: points of one shell nearer than this to another one are on it.
 constexpr double near_shell = 1e-9;
 /// Triangles of a shell that are asked whether they are inside another one.
 constexpr std::size_t most_samples = 1000;

@@ -32,8 +32,8 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Mesh = CGAL::Surface_mesh<Point>;
 
-/// Of the diagonal: points on open edges that are made one; corners of the result that rounding has parted; height
-/// below which a shell's volume over its area is none.
+/// Fractions of the diagonal: distance of points on open edges that are made one; of corners of the result that
+/// rounding has separated; volume over area below which a shell has no thickness.
 constexpr double merge_distance = 1e-4, one_point = 1e-11, no_thickness = 1e-6;
 constexpr int most_passes = 5;
 constexpr double half_a_pass = 0.5;  // of the shortest edge at a rim: merging closes gaps, not triangles

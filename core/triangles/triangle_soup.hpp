@@ -26,7 +26,7 @@ struct TriangleSoup {
   bool is_in_group(int triangle, const std::string& name) const;
   /// Keeps the triangles whose entry is not zero.
   void keep(const std::vector<char>& kept);
-  /// Of the box about all points.
+  /// Returns the diagonal of the box about all points.
   double diagonal() const;
   /// Merges those of some points that are nearer to each other than a distance; returns how many went. Triangles may
   /// collapse.

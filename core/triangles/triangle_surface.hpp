@@ -44,7 +44,7 @@ class TriangleSurface {
     double distance;
     Vec3 normal;  ///< angle-weighted mean of the normals that meet there, not normalised
   };
-  /// Of one patch, or of all (-1); only feet nearer than `limit`.
+  /// Returns the nearest foot on one patch, or on all (-1); only feet nearer than `limit`.
   Foot nearest(const Vec3& x, int patch = -1, double limit = 1e300) const;
   /// Unit normal at a point of a triangle, interpolated between the mean normals at its corners; these are
   /// angle-weighted over the triangles of its own patch that are joined there.
