@@ -71,7 +71,7 @@ class DofMap {
   /// What is seen of other ranks, nullptr: nothing.
   const Halo* halo() const { return halo_.get(); }
 
-  /// Of the entries of a vector: as many on every rank as it has local degrees of freedom, or nodes.
+  /// Return the map of a vector's entries: as many on every rank as it has local degrees of freedom, or nodes.
   Teuchos::RCP<const Map> vector_map(const Comm& comm) const;
   Teuchos::RCP<const Map> node_map(const Comm& comm) const;
 

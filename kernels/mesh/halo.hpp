@@ -16,7 +16,7 @@
 
 namespace cgcontact {
 
-/// Of this rank alone.
+/// Returns the communicator of this rank alone.
 Teuchos::RCP<const Teuchos::Comm<int>> comm_of_this_rank();
 
 class Halo {
@@ -26,8 +26,8 @@ class Halo {
   /// What a local node is to its rank. `unused`: comes with a cell of which other nodes are needed.
   enum class Role : char { owned, ghost, constrained, unused };
 
-  /// Of each local node: its number among the nodes of all ranks, ascending; the rank that owns it; its role; whether
-  /// forces on it are computed here (owned nodes, and those that they constrain). Called by all ranks.
+  /// Makes the halo from each local node's number among the nodes of all ranks (ascending), the rank that owns it, its
+  /// role, and whether forces on it are computed here (owned nodes, and those that they constrain). Collective.
   Halo(const Comm& comm, const std::vector<int>& numbers, const std::vector<int>& owners,
        const std::vector<Role>& roles, std::vector<char> needed);
   ~Halo();

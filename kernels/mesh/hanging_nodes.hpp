@@ -18,8 +18,8 @@ int halvings(const Grid& larger, const Grid& smaller);
 ///   on a quadtree (Grid::slice) a node of the upper side is what the one opposite is.
 std::vector<NodeConstraint> constrain_nodes(const std::vector<BodyMesh>& parts);
 
-/// Of a body of one layer of cells across an axis of its grid (Grid::plane_strain): each node of the upper side is the
-/// one opposite, ascending in node. Throws std::logic_error if there are more layers.
+/// Constrains a body of one layer of cells across an axis of its grid (Grid::plane_strain): each node of the upper side
+/// is the one opposite, ascending in node. Throws std::logic_error if there are more layers.
 std::vector<NodeConstraint> constrain_across(const BodyMesh& mesh);
 
 }  // namespace cgcontact

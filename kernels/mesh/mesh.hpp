@@ -127,8 +127,8 @@ std::vector<Index3> virtual_cells(const BodyMesh& part);
 BodyMesh number_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node,
                           bool joined);
 
-/// Of cells of one level, or of cells with parts of descending (or equal) size; with parts, the body's own lists are
-/// made if it has cells of its own beside those of its parts.
+/// Makes the mesh of cells of one level, or of levels of descending (or equal) size; with levels, the body's own lists
+/// are made if it has cells of its own beside those of its levels.
 BodyMesh make_body_mesh(const CutCells& cut_cells, const Material& material, const Scales& scales, int first_node);
 
 }  // namespace cgcontact

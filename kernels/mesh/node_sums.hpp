@@ -8,7 +8,7 @@ namespace cgcontact {
 /// Mean place of the nodes, grid coordinates.
 Vec3 centre_of_nodes(const BodyMesh& mesh);
 
-/// Of a vector at every node, and of its moments about a centre.
+/// Sum of a vector over the nodes, and of its moments about a centre.
 struct NodeSums {
   Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
 };

@@ -12,7 +12,7 @@ using MemSpace = ExecSpace::memory_space;
 
 using IntView = Kokkos::View<int*, MemSpace>;
 using RealView = Kokkos::View<double*, MemSpace>;
-/// Of elements of a degree: (cell, node); (ghost face, node); (matrix, row, column).
+/// Views of elements of a degree: (cell, node); (ghost face, node); (matrix, row, column).
 template <int degree>
 using CellNodesViewOf = Kokkos::View<int * [HexElement<degree>::num_nodes], Kokkos::LayoutRight, MemSpace>;
 template <int degree>

@@ -29,8 +29,8 @@ std::array<double, 3> unsigned_direction(const Vec3& d) {
   return {sign * d[0] + 0.0, sign * d[1] + 0.0, sign * d[2] + 0.0};
 }
 
-/// Of E h: what holds bodies on coarse grids that contact alone holds. Iterations of all linear solves with 0.001,
-/// 0.01, 0.03, 0.1, 1: balls_in_box 111, 58, 43, 39, 46; free_ball 52, 44, 47, 49, 60; pin 16, 10, 12, 14, 23
+/// Stiffness over E h that holds bodies on coarse grids which contact alone holds. Iterations of all linear solves with
+/// 0.001, 0.01, 0.03, 0.1, 1: balls_in_box 111, 58, 43, 39, 46; free_ball 52, 44, 47, 49, 60; pin 16, 10, 12, 14, 23
 /// (tests/scenes).
 constexpr double firm = 0.03;
 

@@ -75,7 +75,7 @@ class RowCoarsening {
   /// The coarse rows without entries.
   const std::vector<GroupRow>& places() const { return places_; }
 
-  /// Of the rows of a grid: stiffness, that when closed; whether the entries have changed since the last update.
+  /// State of a grid's rows: stiffness, that when closed; whether the entries have changed since the last update.
   struct Present {
     std::vector<double> stiffness, full_stiffness;
     std::vector<char> changed;

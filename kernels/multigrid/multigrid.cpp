@@ -241,7 +241,7 @@ struct Multigrid::Impl {
     }
   }
 
-  /// Of one vector that is consistent and one that is zero at ghosts, over all ranks.
+  /// Returns the product of a vector that is consistent and one that is zero at ghosts, over all ranks.
   double product(const Level& level, const LevelVector& x, const LevelVector& y) const {
     double sum = dot(exec, x, y);
     if (level.is_shared()) level.system->dofs.halo()->sum(&sum, 1);

@@ -366,7 +366,7 @@ void SurfaceSmoother<Real>::multiply_rows(const ExecSpace& exec, const Vector& r
       });
 }
 
-/// Of the groups, which follow the rows, times a factor and k^-1/2, to their rows.
+/// Adds the forces of the groups, which follow the rows, times a factor and k^-1/2, to their rows.
 template <class Real>
 void SurfaceSmoother<Real>::add_forces(const ExecSpace& exec, Real factor) const {
   const auto surface = surface_, inverse_root = inverse_root_;

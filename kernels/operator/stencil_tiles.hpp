@@ -31,7 +31,7 @@ struct StencilRing {
 /// Coefficients of the factorised stencil; negated for a residual.
 template <class Real>
 struct StencilCoefficients {
-  // Of component c at x -+ 1 (outer) and x (inner): corner sum, sum over y +- 1, sum over z +- 1, middle.
+  // Sums of component c at x -+ 1 (outer) and x (inner): corner sum, sum over y +- 1, sum over z +- 1, middle.
   Real outer[3][4], inner[3][4];
   Real cross_outer, cross_inner;  ///< of Dy Dz
   Real cross_x;                   ///< of Dx times the sums DyMz + DzMy

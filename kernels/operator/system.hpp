@@ -50,7 +50,7 @@ struct ElasticSystem {
   std::vector<char> changed_rows;
   int num_nodes = 0;  ///< DofMap::num_nodes
   DofMap dofs;
-  /// Of all bodies, ascending in node; of each node the index of its constraint or -1 (empty: no node is constrained).
+  /// Constraints of all bodies, ascending in node; of each node the index of its constraint or -1 (empty: none).
   std::vector<NodeConstraint> constraints;
   std::vector<int> constraint_of_node;
   std::vector<int> zero_dofs;  ///< ascending: across bodies in plane strain, away from axes of revolution on them

@@ -9,9 +9,8 @@
 namespace cgcontact {
 namespace {
 
-/// Of a cut cell, in terms of an interior one: its own forces, those of the full cells beside it, its ghost faces and
-/// its blocks in the smoother. Of a linear solve it takes 10 times as long as an interior one with AVX2 (two_solids_3d,
-/// n = 56).
+/// Weight of a cut cell relative to an interior one: its own forces, those of the full cells beside it, its ghost faces
+/// and its blocks in the smoother. In a linear solve it takes 10 times as long with AVX2 (two_solids_3d, n = 56).
 constexpr double weight_of_cut_cell = 10;
 
 /// Divisions that are tried, and largest over mean of the work with which one is good enough.

@@ -15,7 +15,7 @@ struct Owners {
   std::vector<int> of_node;  ///< of each node: that of the first of its cells; of constrained nodes 0 or more
 };
 
-/// Of the finest grid. `together`: lists of nodes that belong to one rank (columns through thin bodies).
+/// Divides the finest grid. `together`: lists of nodes that belong to one rank (columns through thin bodies).
 Owners partition(const ElasticSystem& system, int num_ranks, const std::vector<std::vector<int>>& together);
 
 /// The owners of nodes from those of cells.

@@ -31,7 +31,7 @@ class RankShare {
   /// Rows with the entries at own nodes alone, in local numbers.
   std::vector<GroupRow> own_entries(const std::vector<GroupRow>& rows) const;
 
-  /// Of a vector of the whole system the entries of all local nodes.
+  /// Copies the entries of all local nodes out of a vector of the whole system.
   void to_local(const RealView& whole, const RealView& local) const;
   /// Own values of all ranks, in the numbers of the whole system; constrained nodes stay. Called by all ranks.
   void to_whole(const RealView& local, const RealView& whole) const;

@@ -9,9 +9,10 @@
 namespace cgcontact {
 namespace {
 
-/// Of E times the size of the body: motions that supports resist by less are free. What holds a body has kappa E A / h.
+/// Fraction of E times the body's size: motions that supports resist by less are free. What holds a body has kappa E A
+/// / h.
 constexpr double hardly_held = 1e-3;
-/// Of the largest product of a row with a motion: rounding.
+/// Rounding, relative to the largest product of a row with a motion.
 constexpr double no_product = 1e-12;
 
 using Motion = Eigen::Matrix<double, 6, 1>;

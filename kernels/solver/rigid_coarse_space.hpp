@@ -21,7 +21,7 @@ class RigidCoarseSpace {
   using Forces = Kokkos::View<const double*, MemSpace>;
   /// The whole system, which must outlive this. exec: what kernels run on.
   RigidCoarseSpace(const ExecSpace& exec, const ElasticSystem& system);
-  /// Of several ranks: what this rank has of the system, whose vectors correct() takes from now on.
+  /// Sets what this rank has of the system, whose vectors correct() takes from now on.
   void set_share(const RankShare& share);
 
   /// Takes over the present stiffness of the contact groups; not if empty.
