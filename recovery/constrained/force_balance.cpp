@@ -26,7 +26,7 @@ constexpr int implicit_steps = 4;
 constexpr int steps_aside = 2;
 /// A contact point lies on the side of a boundary point if the cosine between the normals is more.
 constexpr double same_face = 0.5;
-/// Of the magnitudes of a pair's forces: what their sum has to be, to have a direction.
+/// Least sum of a pair's forces relative to their magnitudes for it to have a direction.
 constexpr double least_resultant = 0.5;
 /// Singular values of the normals around a node up to this times the largest one are dropped.
 constexpr double normal_tolerance = 0.1;
@@ -110,7 +110,7 @@ class PairFace {
     return found->second;
   }
 
-  /// Of a cell at a place (grid coordinates); good until the next call.
+  /// Returns the shape functions of a cell at x (grid coordinates); valid until the next call.
   const Shapes& shapes(int cell, const Vec3& x) {
     const Vec3 xi = cell_coordinates(*mesh_.cut_cells, cell, x);
     double N[8];
@@ -276,7 +276,7 @@ class PairFace {
     std::vector<int> node;
     std::vector<double> mass;  ///< of each node with each
   };
-  /// Of a corner's shape function, what counts to a node of `latest_`.
+  /// Share of a corner's shape function that counts to a node of `latest_`.
   struct Share {
     int corner, place;
     double weight;
@@ -506,7 +506,7 @@ std::vector<Vec3> tractions_at(const RecoveryBody& body, const RecoveredField& f
   return tractions;
 }
 
-/// Of each node the stress of the smallest norm with the traction that is to be added there on all faces around it.
+/// Returns for each node the stress of the smallest norm with the traction that is to be added on all faces around it.
 std::vector<Vec6> stresses_of_tractions(const RecoveryBody& body, PairFace& face, const std::vector<int>& points,
                                         const std::vector<double> (&added)[3]) {
   const CutCells& cc = *body.mesh->cut_cells;

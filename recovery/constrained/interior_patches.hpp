@@ -6,7 +6,7 @@
 
 namespace cgcontact {
 
-/// Of some nodes marks those of interior patches in `interior` (row of the subset) and corrects their linear
+/// Marks the nodes of interior patches among some in `interior` (row of the subset) and corrects their linear
 /// polynomials `values` (row, component, term). in_contact: cells that hold points of a contact face. divergence: what
 /// div sigma must be at the nodes, per cell unit (row, 3); empty: zero.
 template <class Exec, class Memory, class CellMarks, class Divergence, class Values, class NodeMarks>

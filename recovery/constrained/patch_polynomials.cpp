@@ -85,7 +85,7 @@ CellsAcross cells_across(const CutCells& cc, int cell, const Vec3& outward, cons
   return across;
 }
 
-/// Of the thinner one of the bodies at the closed contact points of a cell.
+/// Returns the cells across the thinner one of the bodies at the closed contact points of a cell.
 CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const RecoveryBody& body, int cell,
                                  const Vec3& middle, const std::vector<Vec3>& middles) {
   int seen = -1;  // cell of the other body

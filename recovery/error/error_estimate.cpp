@@ -215,7 +215,7 @@ EnergySums estimate_error(const BodyMesh& mesh, const Scales& scales, const Reco
     double error, solution, exact_error, recovered_error;
   };
   std::vector<Sum> chunks(num_chunks(num_cells, grain_of_heavy));
-  // Of several ranks each integrates its own chunks, so that sums are the same on any number of ranks.
+  // Each rank integrates its own chunks, so that sums are the same on any number of ranks.
   const std::size_t first = share_out(chunks.size()).first, last = share_out(chunks.size()).second;
   for (std::size_t begin = first; begin < last; begin += chunks_per_block) {
     const std::size_t end_of_block = std::min(begin + chunks_per_block, last);

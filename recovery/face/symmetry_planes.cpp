@@ -6,7 +6,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of normals, and of places in cells.
+/// Tolerance of normals, and of positions in cells.
 constexpr double tolerance = 1e-8;
 
 /// Is the normal direction held, and nothing else?

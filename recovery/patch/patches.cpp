@@ -106,7 +106,8 @@ bool grow_patch(const BodyMesh& mesh, const CornerCells& corner_cells, const Vec
       for (int node : mesh.cell_nodes[c])
         each_master(mesh, node - mesh.first_node, [&](int m, double) {
           const Vec3 place = mesh.node_position(m);
-          // Of equals the nearest one; of those the one towards the middle of the body, in its mirror image as well.
+          // Takes the nearest one of equals; of those the one towards the middle of the body, in its mirror image as
+          // well.
           const double away = ((place - middle).norm() - (own - middle).norm()) / unit;
           const double score = corner_cells.volume_around(m) - 1e-3 * ((place - own).norm() / unit) - 1e-5 * away;
           if (score > best * (1 + 1e-9)) best = score, anchor = m;

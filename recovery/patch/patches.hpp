@@ -61,9 +61,9 @@ void mark_nodes(const BodyMesh& mesh, int cell, std::vector<char>& marked);
 
 /// least_volume: cells; smaller patches are joined with a neighbour's.
 PatchSet make_patches(const BodyMesh& mesh, double least_volume = 1);
-/// Of some nodes only; the others have no cells.
+/// Makes the patches of some nodes only; the others have no cells.
 PatchSet make_patches(const BodyMesh& mesh, double least_volume, const Subset& nodes);
-/// Of several bodies.
+/// Makes the patches of several bodies.
 std::vector<PatchSet> make_patches(const std::vector<BodyMesh>& meshes, double least_volume);
 
 }  // namespace cgcontact

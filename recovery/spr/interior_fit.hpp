@@ -19,7 +19,7 @@ class InteriorFit {
 
   /// The 6 x 4 coefficients of a node. Throws std::logic_error if its patch is another one.
   void at(int node, double* a) const;
-  /// Of many nodes: each cell is integrated once. values: 24 of each.
+  /// Evaluates the fit at many nodes: each cell is integrated once. values: 24 of each.
   void at_all(const std::vector<int>& nodes, double* values) const;
 
  private:

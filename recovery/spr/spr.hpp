@@ -40,7 +40,7 @@ struct RecoveredField {
   const double* at(int node) const {
     return values.data() + 6 * num_terms * static_cast<std::ptrdiff_t>(nodes.row(node));
   }
-  /// Of any node; made in `space` if they are not stored.
+  /// Returns the polynomial of any node; made in `space` if it is not stored.
   const double* polynomial(int node, Coefficients& space) const {
     if (nodes.row(node) >= 0) return at(node);
     interior->at(node, space.data());

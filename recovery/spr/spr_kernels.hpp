@@ -36,8 +36,8 @@ KOKKOS_INLINE_FUNCTION void cell_stress_integrals(const UnitElasticity& law, dou
   }
 }
 
-/// Of a full cell, whose only moments up to degree 3 that are not zero are its volume and 1/12 of the squares: each
-/// coordinate meets the term of the derivative that is linear in it.
+/// Integrates the stress of a full cell, whose only moments up to degree 3 that are not zero are its volume and 1/12 of
+/// the squares: each coordinate meets the term of the derivative that is linear in it.
 KOKKOS_INLINE_FUNCTION void full_cell_stress_integrals(const UnitElasticity& law, double factor, double u[8][3],
                                                        double out[6][num_terms]) {
   corner_differences(u);
