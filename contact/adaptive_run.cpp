@@ -27,7 +27,7 @@ constexpr double same_cell = 0.95, finer = 0.75;
 constexpr double worth_a_solve = 1.2;
 /// Unknowns of the first grid that looks for zones which are not resolved; each later one may have four times as many.
 constexpr double first_exploration = 2.5e5;
-/// Of each cell: a node of its own, or two that share the components in the plane.
+/// Unknowns of each cell: a node of its own, or two that share the components in the plane.
 constexpr double least_unknowns_per_cell = 3, least_in_plane_strain = 2;
 /// Cells of a grid that was refused become so many times larger.
 constexpr double refused_growth = 1.5;
@@ -70,7 +70,7 @@ double count_unknowns(const std::vector<BodyModel>& bodies) {
   return dofs_per_node * nodes;
 }
 
-/// Of one body: surely no more in a grid of so many unknowns.
+/// Returns an upper bound of one body's cells in a grid with that number of unknowns.
 double most_cells(const Scene& scene, double unknowns) {
   const bool plane = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                  [](const BodySpec& body) { return body.plane_strain.has_value(); });

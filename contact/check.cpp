@@ -12,7 +12,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of a body: without nodes that are constrained.
+/// Counts the unknowns of a body, without nodes that are constrained.
 long long count_unknowns(const BodyModel& body) {
   const long long all = static_cast<long long>(size_of(body.cut_cells).nodes);
   if (body.spec->rigid()) return body.spec->plane_strain ? 3 : 6;

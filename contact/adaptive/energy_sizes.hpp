@@ -9,7 +9,7 @@
 
 namespace cgcontact {
 
-/// Of one body: its estimated error relative to its own energy norm.
+/// Returns a body's estimated error relative to its own energy norm.
 double energy_error_of_body(const BodyFields& body);
 
 /// The relative error of the energy norm that is expected once the cells are as small as `zones` (of each body) ask:

@@ -134,7 +134,7 @@ double fall_exponent(const CellEnergies& cells, const Vec3& x, double h) {
   return -slope(points);
 }
 
-/// Of supports and loads, and of the shapes, that have points in the ball.
+/// Names the supports, loads and shapes that have points in the ball.
 std::vector<std::string> faces_near(const SolvedState& state, std::size_t b, const Vec3& x, double radius) {
   const BodyModel& body = state.bodies[b];
   std::vector<int> points;

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// Of one solve, by body and active cell: all that is kept of its stress.
+/// Energies of one solve, by body and active cell: all that is kept of its stress.
 struct CellEnergies {
   std::vector<Vec3> x;                           ///< m, middle of the cell
   std::vector<double> h, volume, energy, error;  ///< m, m^3 (quadtree: m^2), J (squares of energy norms)

@@ -18,7 +18,7 @@ namespace {
 constexpr double connected = 2, around = 3;
 /// Cells: a plane of symmetry so near to a zone's centre cuts it.
 constexpr double near_plane = 1.5;
-/// Of the groups' area: an overlap that fills more is not smaller than the cells.
+/// Fraction of the groups' area: an overlap that fills more is not smaller than the cells.
 constexpr double fills = 0.8;
 /// Line contact: F = 3 pi / 4 E* V / width makes the overlap of cylinders as wide as Hertz's zone under the force.
 constexpr double line_indentation = 0.75 * pi;

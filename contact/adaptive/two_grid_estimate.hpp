@@ -11,15 +11,13 @@ struct EarlierSolution {
   std::vector<double> cell;            ///< m, in each pair's zone
 };
 
-/// Of every pair that matters: sets PairFigures::pressure_error_estimate, and ContactRow::pressure_error in proportion,
+/// Sets PairFigures::pressure_error_estimate of every pair that matters, and ContactRow::pressure_error in proportion,
 /// to the larger one of
 /// - the estimate of the present solution (pressure_estimate.hpp), times AccuracyOptions::safety and, as it fails where
-/// a
-///   zone is few cells wide, 1 + (doubtful_width / cells across)^2; without an earlier solution times 1.8 as well;
-/// - with an earlier solution on cells 1/r times as large, whose errors are independent and fall like the size:
-///   change * r / sqrt(1 + r^2), the change being the relative L2 norm of the difference of the two SPR-C pressures at
-///   the present contact rows.
-/// The errors of the largest pressures follow from the new ones of the rows (peak_estimate.hpp).
+/// a zone is few cells wide, 1 + (doubtful_width / cells across)^2; without an earlier solution times 1.8 as well;
+/// - with an earlier solution on cells 1/r times as large, whose errors are independent and fall like the size: change
+/// * r / sqrt(1 + r^2), the change being the relative L2 norm of the difference of the two SPR-C pressures at the
+/// present contact rows. The errors of the largest pressures follow from the new ones of the rows (peak_estimate.hpp).
 /// ZoneState::error is that without the factor of 1.8. Returns the largest change; none without an earlier solution.
 std::optional<double> estimate_from_two_grids(std::vector<ZoneState>& zones, const EarlierSolution& earlier,
                                               const AccuracyOptions& options, Results& results);

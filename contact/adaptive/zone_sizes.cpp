@@ -22,7 +22,7 @@ constexpr double most_narrowing = 1000;
 /// Cells across a zone below which its closed groups hardly tell where it is and how wide.
 constexpr double about_a_cell = 2.5;
 
-/// Of a place's cells from one grid to the next.
+/// Growth of the local cell size from one grid to the next.
 constexpr double largest_growth = 2;
 
 SizedBall ball_of(const ContactPair& pair, const ContactGroup& group) {

@@ -10,7 +10,7 @@
 
 namespace cgcontact {
 
-/// Of a contact group: mean of its points, m; is one of them closed?
+/// Return the mean of a contact group's points, m; whether one of them is closed.
 Vec3 centre_of(const ContactPair& pair, const ContactGroup& group);
 bool is_closed(const ContactPair& pair, const ContactGroup& group);
 

@@ -41,7 +41,7 @@ struct Leaf {
   }
 };
 
-/// Of the height of a surface with normal m over the plane with normal n.
+/// Returns the gradient of the height of a surface with normal m over the plane with normal n.
 Vec3 height_gradient(const Vec3& m, const Vec3& n) { return -(m - m.dot(n) * n) / m.dot(n); }
 
 class Sampler {

@@ -18,7 +18,7 @@ namespace {
 constexpr double coarse_cells = 1 << 17, finer_cells = 1 << 25;
 /// So near, as a factor.
 constexpr double near_limit = 1.4;
-/// Of the available memory, for the cell size that is advised: sizes scale with the cells to so much.
+/// Fraction of the available memory for which a cell size is advised: sizes scale with the cells to that.
 constexpr double safe_part = 0.8;
 
 /// Bytes. Debian's Trilinos brings 38 shared libraries more than `make trilinos-openmp` builds.

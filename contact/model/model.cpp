@@ -116,7 +116,7 @@ void assign_conditions(const Scene& scene, int body, BodyModel& model, std::vect
   }
 }
 
-/// Of the whole thickness.
+/// Returns the moments of a face of the whole thickness.
 FaceMoments moments_of(const FaceSpec& face, const BodyModel& model) {
   FaceMoments moments;
   for (const int p : BodyFace(face, model).points())

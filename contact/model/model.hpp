@@ -23,7 +23,7 @@ struct PointConditions {
   bool operator<(const PointConditions& o) const { return std::tie(supports, loads) < std::tie(o.supports, o.loads); }
 };
 
-/// Of a body, unit of the grid coordinates.
+/// Returns the volume of a body, unit of the grid coordinates.
 double volume(const CutCells& cut_cells);
 
 /// One body on its grid.

@@ -12,9 +12,9 @@ namespace {
 constexpr int at_edge = 1, near_edge = 2;
 /// Cosines: faces that see each other at less than that are oblique; neighbours below that make up an edge.
 constexpr double oblique_below = 0.866, edge_below = 0.7;
-/// Of its area, the sum of the normals of a face with a tip.
+/// Sum of the normals over the area of a face, below which the face has a tip.
 constexpr double tip_below = 0.8;
-/// Of the mean of n n^T: what is nothing.
+/// Zero, relative to the mean of n n^T.
 constexpr double nothing = 1e-9;
 
 /// By cell: what is seen there, with the surface.

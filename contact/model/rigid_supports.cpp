@@ -11,9 +11,9 @@
 namespace cgcontact {
 namespace {
 
-/// Of the largest prescribed displacement: what is left of it by rounding, also in a scene's numbers.
+/// Rounding, relative to the largest prescribed displacement, also that of a scene's numbers.
 constexpr double equal = 1e-6;
-/// Of the firmest held motion: those that are held by less are free.
+/// Fraction of the firmest held motion: those that are held by less are free.
 constexpr double not_held = 1e-10;
 
 using Motion = Eigen::Matrix<double, 6, 1>;

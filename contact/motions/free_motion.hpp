@@ -28,7 +28,7 @@ struct FreeMotions {
 FreeMotions find_free_motions(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                               const std::vector<ContactPair>& pairs, double no_stiffness = 1e-9);
 
-/// Of a body against its rigid motions: sum of w q q^T.
+/// Resistance of a body against its rigid motions: sum of w q q^T.
 using Resistance = Eigen::Matrix<double, 6, 6>;
 
 /// Columns that span the motions of a body that a resistance does not resist.
@@ -53,7 +53,7 @@ SurfaceMotions find_surface_motions(const std::vector<BodyModel>& bodies, const 
 FreeMotions free_on_both_sides(const FreeMotions& free, const std::vector<BodyModel>& bodies,
                                const std::vector<ContactPair>& pairs);
 
-/// Of each body, or assembly of bonded bodies, that its own supports do not hold: the motions that they leave free.
+/// Returns for each body, or assembly of bonded bodies, the motions that its own supports leave free.
 std::vector<FreeMotions> motions_of_floating_bodies(const std::vector<BodyModel>& bodies,
                                                     const std::vector<SupportPoint>& supports,
                                                     const std::vector<ContactPair>& pairs);

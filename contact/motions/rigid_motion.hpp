@@ -36,7 +36,7 @@ RigidPieces whole_bodies(const std::vector<BodyModel>& bodies);
 /// Bodies may consist of pieces that nothing joins.
 RigidPieces separate_pieces(const std::vector<BodyModel>& bodies);
 
-/// Of each body the number of the assembly that bonded faces make of it and others: the least of their numbers.
+/// Returns for each body its assembly, made by bonded faces: the smallest index of the bodies in it.
 std::vector<int> bonded_assemblies(std::size_t num_bodies, const std::vector<ContactPair>& pairs);
 
 /// Basis (orthonormal columns; rows 6 k .. 6 k + 5: motion of piece k) of the motions that are resisted by less than

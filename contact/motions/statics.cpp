@@ -6,7 +6,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of squares: motions that resist or miss by less than that count as none, rounding is far below.
+/// Fraction of squares: motions that resist or miss by less count as none, rounding is far below.
 constexpr double tolerance = 1e-10;
 
 }  // namespace
@@ -50,7 +50,7 @@ struct Statics::Impl {
     matrix = SymmetricEigen<Eigen::Dynamic>(sum);
   }
 
-  /// Of the relative motion along the direction of a point, of the primary body less the secondary one.
+  /// Returns the rows of the relative motion along a point's direction, of the primary body less the secondary one.
   std::pair<RigidMotion, RigidMotion> rows(std::size_t k, const ContactPoint& q) const {
     return {pieces.list[pairs[k].primary].row(q.x, q.direction),
             -pieces.list[pairs[k].secondary].row(q.x, q.direction)};

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// Of a solved scene, with the present state of its contact points.
+/// Statics of a solved scene, with the present state of its contact points.
 class Statics {
  public:
   /// References stay valid outside.

@@ -6,7 +6,8 @@
 
 namespace cgcontact {
 
-/// Of all loads on faces, then on volumes (N, m^2; as they act in the last step, of the whole thickness).
+/// Returns the figures of all loads on faces, then on volumes (N, m^2; as they act in the last step, of the whole
+/// thickness).
 std::vector<LoadFigures> load_figures(const Scene& scene, const std::vector<BodyModel>& bodies);
 
 /// Sets Results::loads, conditions and areas of Results::supports (which must be

@@ -14,7 +14,7 @@ namespace {
 
 /// The contact point that a boundary point is taken for has a normal within 60 degrees of its own.
 constexpr double same_face = 0.5;
-/// Of the largest pressure of a pair.
+/// Rounding, relative to the largest pressure of a pair.
 constexpr double rounding = 1e-9;
 
 double pressure(const Sym3& s, const Vec3& n) { return -n.dot(tensor(s) * n); }
@@ -171,7 +171,7 @@ void fill_contact_rows(const SolvedState& state, Results& results) {
     const BoundaryPoints& boundary = body.cut_cells.boundary;
     std::vector<std::vector<int>> points(num_chunks(boundary.size(), grain_of_medium));
     std::vector<std::vector<ContactRow>> chunks(num_chunks(boundary.size(), grain_of_medium));
-    // Of several ranks each makes the rows of its own chunks.
+    // Each rank makes the rows of its own chunks.
     const std::size_t first = share_out(chunks.size()).first, last = share_out(chunks.size()).second;
     dispatch_chunks("cgcontact::postprocess::contact_rows", last - first, [&](std::size_t own) {
       const std::size_t chunk = first + own, end = std::min(boundary.size(), (chunk + 1) * grain_of_medium);

@@ -24,7 +24,7 @@ class ContactZone {
 
   /// Without images.
   const std::vector<TransmittedForce>& forces() const { return forces_; }
-  /// Of the points within some cells of a symmetry plane that both bodies of their pair have.
+  /// Returns the images of the points within some cells of a symmetry plane that both bodies of their pair have.
   const std::vector<TransmittedForce>& images() const { return images_; }
 
   /// The closed points of every cell, pair and image as one point with their mean place and normal; images last, from

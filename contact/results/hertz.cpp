@@ -5,7 +5,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of both curvatures: below it K - E is rounding, and the zone is round to 1e-8.
+/// Ratio of both curvatures: below it K - E is rounding, and the zone is round to 1e-8.
 constexpr double round_ratio = 1 + 1e-6;
 
 /// Complete elliptic integrals of an ellipse with the half axes 1 and `ratio` (Johnson's e is its eccentricity).

@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// Of the gap at a contact point by the deformation, m.
+/// Returns the change of the gap at a contact point by the deformation, m.
 double gap_change(const SolvedState& state, const ContactPair& pair, const ContactPoint& point);
 
 /// For each contact of the scene, m: how far it has to see, so that the points that lie inside the other body after the

@@ -13,12 +13,12 @@
 namespace cgcontact {
 namespace {
 
-/// Of all forces in the scene: what a pair transmits below that is rounding. So is a resultant below that part of the
-/// forces that add up to it (a shrink fit).
+/// Fraction of all forces in the scene below which what a pair transmits is rounding, and of the forces that add up to
+/// a resultant below which it is (a shrink fit).
 constexpr double no_force = 1e-9;
-/// Of the largest pressure: less than that is the end of a zone, or where the pressure is that small by itself (a zone
-/// pressed less than another of the same pair), less than `no_pressure` nothing. Of the transmitted pressure:
-/// that is so.
+/// Fractions of the largest pressure: less is the end of a zone, or where the pressure is that small by itself (a zone
+/// pressed less than another of the same pair); less than `no_pressure` is none. Fraction of the transmitted pressure
+/// above which a small one is so by itself.
 constexpr double end_of_zone = 0.01, no_pressure = 1e-9, little_by_itself = 0.5;
 
 /// Active cells of a body within a cell, the larger one of both bodies' there, from closed points of a pair.

@@ -8,9 +8,10 @@
 namespace cgcontact {
 namespace {
 
-/// Of the largest pressure, and cells away from it: what belongs to the peak.
+/// Fraction of the largest pressure, and cells away from it, that belong to the peak.
 constexpr double near_largest = 0.9, reach = 4;
-/// Of the largest singular value: directions below have no rows that tell the fit's coefficients (a row of cells).
+/// Fraction of the largest singular value: directions below have no rows that fix the fit's coefficients (a row of
+/// cells).
 constexpr double rank_tolerance = 1e-6;
 constexpr int num_coefficients = 6;
 

@@ -155,7 +155,7 @@ void fill_body_fields(const SolvedState& state, Results& results) {
 
 namespace {
 
-/// Of an end of a body in plane strain: that of the finite elements' stress, which is what holds the displacements.
+/// Returns the force on an end of a body in plane strain by the finite elements' stress, which holds the displacements.
 Vec3 force_on_end(const SolvedState& state, const FaceRef& reference) {
   const BodyModel& body = state.bodies[reference.body];
   if (body.spec->axisymmetric()) return Vec3::Zero();  // it has no area

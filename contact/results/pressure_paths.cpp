@@ -26,7 +26,7 @@ constexpr int most_steps = 4000;
 constexpr double beyond = 0.3, beyond_cells = 2;
 /// Part of the largest pressure of the pair.
 constexpr double hardly_any_pressure = 0.01;
-/// Of the largest second moment of the zone: a coordinate axis with so much is taken.
+/// Fraction of the largest second moment of the zone from which a coordinate axis is taken.
 constexpr double long_enough = 0.8;
 
 /// The largest pressure of a pair: where, on which body, with which normal.

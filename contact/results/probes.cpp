@@ -12,7 +12,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of a cell: a point that is nearer to a contact face lies on it.
+/// Fraction of a cell: a point nearer to a contact face lies on it.
 constexpr double on_face = 1e-3;
 
 class Prober {

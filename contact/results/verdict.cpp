@@ -18,7 +18,7 @@ namespace {
 
 using State = Verdict::State;
 
-/// Of a zone of which nothing is known but that it is smaller than a cell.
+/// Assumed width of a zone known only to be smaller than a cell, cells.
 constexpr double cells_of_missed_zone = 1;
 
 struct Judged {

@@ -10,7 +10,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of Young's moduli: worth a question where the linear solver gives up.
+/// Ratio of Young's moduli that may explain why the linear solver gives up.
 constexpr double large_ratio = 1e7;
 /// Iterations over which the pace of the residual is taken; the default of kappa is 10.
 constexpr std::size_t pace = 4;

@@ -26,8 +26,8 @@ namespace {
 /// Motions that are resisted by less than this part of the rest are named when the solver fails: a body on one small
 /// curved contact is as good as free.
 constexpr double hardly_any_stiffness = 1e-3;
-/// Of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most on the scenes
-/// of this repository, those that do not 4 to 400 (docs/decisions.md).
+/// Largest sliding of a body along surfaces, in the cells that it touches with. Bodies that come to rest go 1.4 at most
+/// on the scenes of this repository, those that do not 4 to 400 (docs/decisions.md).
 constexpr double farthest_wandering = 3;
 /// Residuals that do not fall so far while no point changes may be the error of the linear solve: the lagged stress
 /// contracts like 2.7 / kappa at worst. The next ones are solved so much better.
@@ -304,8 +304,8 @@ LinearSolveResult ContactSolver::Impl::solve_linear(double tolerance) {
   return failed;
 }
 
-/// Of the points that press now: do they resist all motions that the loads drive? Zones smaller than the cells press by
-/// a law that the points do not have.
+/// Returns whether the points that press now resist all motions that the loads drive. Zones smaller than the cells
+/// press by a law that the points do not have.
 bool ContactSolver::Impl::contact_holds_floating_bodies() {
   for (int k = 0; k < static_cast<int>(problem_.pairs.size()); ++k)
     if (now_.small_zones.count(k) > 0) return false;

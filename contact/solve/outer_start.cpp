@@ -9,7 +9,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of the largest pressure of a pair: less than that is not closed. SPR-C leaves none outside of the zone.
+/// Fraction of a pair's largest pressure below which a point is not closed. SPR-C leaves none outside of the zone.
 constexpr double presses = 1e-3;
 
 /// n . sigma* . d of the earlier solution at a place of a body, Pa; 0 beyond its cells.

@@ -9,7 +9,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of the force asked for; the outer iteration converges to about that.
+/// Relative tolerance of the prescribed force; the outer iteration converges to about that.
 constexpr double tolerance = 1e-6;
 /// The force is piecewise linear in the interference: a few solves, unless it does not follow it at all.
 constexpr int most_solves = 25;
@@ -17,7 +17,7 @@ constexpr int most_solves = 25;
 /// it is tightened by (zones that grow with the force are stiffer then).
 constexpr double growth = 4;
 
-/// Of two columns of a length below the area of the pair, N/m: a first guess.
+/// Returns a first guess of the stiffness, N/m: two columns of a length below the area of the pair.
 double guessed_stiffness(const std::vector<BodyModel>& bodies, const ContactPair& pair, double length) {
   double area = 0, compliance = 0;
   for (const ContactGroup& group : pair.groups) area += group.area;

@@ -10,18 +10,18 @@
 namespace cgcontact {
 namespace {
 
-/// Of the outer iteration's kappa E/h, at the start: with kappa = 10 the layer E/(10 h), ten cells thick.
+/// Factor on the outer iteration's kappa E/h at the start: with kappa = 10 the layer E/(10 h), ten cells thick.
 constexpr double softer = 0.01;
 /// Part of that along the faces: friction holds what nothing else does, and keeps nothing from where loads press it.
 constexpr double along_faces = 1e-3;
-/// Of the largest diagonal entry: motions that nothing resists stay where they are.
+/// Fraction of the largest diagonal entry that is added: motions that nothing resists stay where they are.
 constexpr double regularisation = 1e-9;
-/// Of their stiffness: open springs in the first steps, so that a body which nothing presses yet is not sent off to
-/// where the first one stops it, and how that falls with every whole step.
+/// Fraction of their stiffness that open springs have in the first steps, so that a body which nothing presses yet is
+/// not sent off to where the first one stops it, and its factor per whole step.
 constexpr double open_at_first = 0.1, open_falls = 0.1;
-/// Of the loads and contact forces: forces that are in balance, and what is asked for where rounding allows.
+/// Fractions of the loads and contact forces: forces in balance, and the aim where rounding allows.
 constexpr double balanced = 1e-6, well_balanced = 1e-11;
-/// Of the loads: what the exact normals of one side may leave over.
+/// Fraction of the loads that the exact normals of one side may leave over.
 constexpr double little_load = 0.02;
 /// Steps; beyond `many_steps` what is balanced is good enough.
 constexpr int most_steps = 100, many_steps = 30, most_halvings = 80;
@@ -51,7 +51,7 @@ struct RigidBodies {
   std::vector<SpringPoint> points;
   Eigen::VectorXd load, motion;
 
-  /// Of one spring, N, and the area that presses, m^2.
+  /// Returns the force of one spring, N, and the area that presses, m^2.
   std::pair<double, double> press(const Spring& s, double gap) const {
     double force = 0, area = 0;
     for (int q = s.first_point; q < s.last_point; ++q) {

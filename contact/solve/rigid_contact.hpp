@@ -43,14 +43,14 @@ class FloatingBodies {
   /// Groups in small zones press as those say instead; friction holds by its linear forces (gap: then of its rows).
   Balance balance(const std::vector<double>& gap, const std::vector<double>& stress, const SmallZones& small_zones,
                   const std::vector<FrictionRow>& friction) const;
-  /// Of each pair: do prescribed motions give its force? A floating body without loads (its own, or of those that it
-  /// may touch and that float too) is squeezed, if it carries anything.
+  /// Returns for each pair whether prescribed motions give its force. A floating body without loads (its own, or of
+  /// those that it may touch and that float too) is squeezed, if it carries anything.
   std::vector<Led> led_pairs() const;
   /// Can contact carry the loads of the present step with the exact normals of the secondary bodies? On coarse cells
   /// the other points of a round body seem to lean on a plane that only its lowest one touches. Empty, or the motion
   /// that nothing stops.
   FreeMotions not_stopped_by_the_other_side() const;
-  /// Of each pair: do its faces part everywhere as the loads move the bodies along these motions?
+  /// Returns for each pair whether its contact opens completely as the loads move the bodies along these motions.
   std::vector<char> pairs_that_open(const FreeMotions& motions) const;
 
  private:

@@ -29,7 +29,7 @@ class RigidParts {
   RigidParts(const std::vector<BodyMesh>& meshes, const Scales& scales);
 
   const std::vector<RigidPart>& of_bodies() const { return parts_; }
-  /// Of one body.
+  /// Sets the thermal expansion of one body.
   void set_expansion(std::size_t body, const Mat3& expansion) { parts_[body].expansion = expansion; }
   /// Back to no motion but the expansions.
   void forget();

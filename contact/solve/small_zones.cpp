@@ -14,7 +14,7 @@ namespace {
 
 /// Mean displacement of a square of side h under a uniform pressure, times E* h / F.
 constexpr double own_displacement = 0.946;
-/// Of the change of a force: what the cells' own deformation may do.
+/// Largest fraction of a force's change that the cells' own deformation may take.
 constexpr double largest_own_part = 0.8;
 /// Cells: what acts on the depth at one place as a zone does, not as cells see it: the next groups.
 constexpr double zone_reach = 1.5;
@@ -97,7 +97,7 @@ struct SmallZones::Overlap {
   }
 };
 
-/// Of one zone, by its groups.
+/// Law of one zone, by its groups.
 struct SmallZones::Law {
   std::vector<double> force, stiffness, bedding, width;  ///< N, N/m, Pa/m, m
   std::vector<double> extra;                             ///< m: approach that the cells' deformation stands for
@@ -338,7 +338,7 @@ SmallZones::Law SmallZones::evaluate(std::size_t pair, const Zone& zone, const s
   return law;
 }
 
-/// Of the far bodies at one group, less its own deformation of the cells, m.
+/// Returns the approach of the far bodies at one group, less its own deformation of the cells, m.
 double SmallZones::approach(std::size_t pair, std::size_t g, const std::vector<double>& gap_change,
                             const std::vector<double>& group_force) const {
   return pairs_[pair].interference - gap_change[g] +

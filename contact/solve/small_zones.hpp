@@ -20,7 +20,8 @@
 
 namespace cgcontact {
 
-/// Of a group in (or beside) a small zone: [stress - stiffness gap]_+ at every point. No points: its mean gap presses.
+/// Spring of a group in (or beside) a small zone: [stress - stiffness gap]_+ at every point. No points: its mean gap
+/// presses.
 struct ZoneSpring {
   double stiffness = 0;                       ///< Pa/m
   std::vector<std::array<double, 2>> points;  ///< weight, m^2, and stress, Pa
@@ -60,7 +61,7 @@ class SmallZones {
   };
   /// Mean width of a pair's small zones, by their forces; 0 without any.
   Width width(int pair) const;
-  /// Of the forces in the last update, relative to all of small zones.
+  /// Returns the change of the forces in the last update, relative to all of small zones.
   double relative_change() const { return relative_change_; }
 
  private:

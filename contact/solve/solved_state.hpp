@@ -45,7 +45,7 @@ inline double force_unit(const SolvedState& state) {
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi);
 /// That of the displacements, Pa.
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi);
-/// Of one of the recovered fields of the body, Pa.
+/// Evaluates one of the recovered fields of the body, Pa.
 Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi);
 /// The same at corners (bits x, y, z) of many cells; nodes that the field does not store are fitted side by side.
 std::vector<Sym3> recovered_stress_at_corners(const SolvedState& state, const RecoveredField& field, int body,

@@ -7,7 +7,7 @@
 namespace cgcontact {
 namespace {
 
-/// Of the loads: what may be left along a motion that they do not drive.
+/// Fraction of the loads that may be left along a motion that they do not drive.
 constexpr double hardly_driven = 1e-3;
 
 /// Orthonormal columns that span the rows of some bodies (the others' are zero) in `modes`.
