@@ -1,4 +1,4 @@
-/// How much memory this process may use.
+/// Memory that this process may use.
 #pragma once
 
 #include <exception>
@@ -20,7 +20,7 @@ MemoryBudget memory_budget();
 /// To be called by all ranks once they run.
 void agree_on_memory();
 
-/// How to lift the limit of address space (ulimit -v) of this process, or empty without one.
+/// Explains how to lift the limit of address space (ulimit -v) of this process; empty without one.
 std::string address_space_remedy();
 
 /// "8GB", "512 MB", "8e9", "16GiB", "none" (infinite): bytes. Throws InputError.
@@ -36,9 +36,9 @@ void return_freed_memory();
 /// std::bad_alloc, or what Kokkos throws in its place.
 bool is_out_of_memory(const std::exception& error);
 
-/// What a control group and those above it leave, bytes; infinite without a limit. `groups` is the text of
-/// /proc/self/cgroup, `root` the place where the hierarchies are mounted; versions 1 and 2. File caches of the group
-/// count as free.
+/// Returns what a control group and those above it leave, bytes; infinite without a limit. `groups` is the text of
+/// /proc/self/cgroup, `root` the mount point of the hierarchies; versions 1 and 2. File caches of the group count as
+/// free.
 double group_memory(const std::string& groups, const std::string& root);
 
 }  // namespace cgcontact

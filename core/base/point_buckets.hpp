@@ -24,7 +24,7 @@ class PointBuckets {
       return false;
     });
   }
-  /// Asks is(index) of the same points until it holds for one: does it for any?
+  /// Returns whether is(index) holds for one of the same points; stops at the first.
   template <class Is>
   bool any_near(const Vec3& x, const Is& is) const {
     const Bucket centre = bucket(x);

@@ -34,9 +34,8 @@ class RankScope {
   RankScope& operator=(const RankScope&) = delete;
 };
 
-/// What this rank has to do: of the finest grid that was divided last its own unknowns, those that it sees of others
-/// and the cut cells that it computes; what it has sent to neighbours (Halo) and summed over all ranks since RankScope
-/// began.
+/// Work of this rank: on the finest grid that was divided last its own unknowns, those that it sees of others and the
+/// cut cells that it computes; what it has sent to neighbours (Halo) and summed over all ranks since RankScope began.
 struct RankWork {
   double unknowns = 0, ghosts = 0, cut_cells = 0;
   double messages = 0, sent_bytes = 0, reductions = 0, reduced_bytes = 0;
@@ -47,7 +46,7 @@ RankWork& work_of_rank();
 void sum_over_ranks(double* values, std::size_t count);
 void sum_over_ranks(float* values, std::size_t count);
 double largest_over_ranks(double value);
-/// What the first rank has.
+/// Returns the first rank's value.
 double of_first_rank(double value);
 
 /// The error of another rank, which that one tells.
@@ -60,7 +59,7 @@ void on_first_rank(const std::function<void()>& what);
 void on_all_ranks(const std::function<void()>& what);
 /// Text of the first rank.
 std::string text_of_first_rank(const std::string& own);
-/// How many ranks run on the machine of this one? Called by all ranks.
+/// Returns the number of ranks on this machine. Collective.
 int ranks_on_this_machine();
 
 /// Bytes of all ranks one after the other.

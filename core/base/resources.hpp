@@ -1,4 +1,4 @@
-/// What this process has used so far, and what it may use.
+/// Resources that this process has used so far, and may use.
 #pragma once
 
 #include <string>

@@ -49,7 +49,8 @@ struct ExactPlace {
   Vec3 x, normal;
 };
 
-/// Where the exact surface is nearest to x, looked for from a place on a triangle; nullopt if it is not near there.
+/// Returns the point of the exact surface nearest to x, searched from a point on a triangle; nullopt if it is not near
+/// there.
 std::optional<ExactPlace> exact_foot(const CadSurface& surface, int triangle, const Vec3& foot, const Vec3& x) {
   const CurvedTriangles& curved = surface.curved;
   const Similarity& place = curved.placement;

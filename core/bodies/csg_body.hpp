@@ -31,9 +31,9 @@ class CsgBody final : public BodyGeometry {
 
   /// Nothing.
   CsgBody() = default;
-  /// What lies on the inner side of all surfaces, in a hull.
+  /// Intersects the inner sides of all surfaces, in a hull.
   CsgBody(std::vector<Surface> surfaces, Hull hull);
-  /// What an expression of the surfaces says, in a hull.
+  /// Combines the surfaces by an expression, in a hull.
   CsgBody(std::vector<Surface> surfaces, std::vector<BooleanOp> expression, Hull hull);
   /// a kind b.
   CsgBody(const CsgBody& a, const CsgBody& b, BooleanOp::Kind kind);

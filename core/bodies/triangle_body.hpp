@@ -43,7 +43,7 @@ class TriangleBody final : public BodyGeometry {
   std::shared_ptr<const TriangleSurface> triangles_;
 };
 
-/// What a body of these triangles costs.
+/// Estimates the cells of a body of these triangles.
 CellEstimate estimate_triangle_cells(const TriangleSurface& surface, const Grid& grid, double most_cells);
 /// The patches with a triangle near a cube, ascending.
 std::vector<int> patches_near(const TriangleSurface& surface, const Vec3& centre, double half_size, double slack);

@@ -111,7 +111,7 @@ void split_at(const SurfacePolygon& polygon, const Plane& plane, SurfacePolygon&
       negative, positive);
 }
 
-/// Does the polygon lie in the plane, up to rounding of its corners?
+/// Returns whether the polygon lies in the plane, up to rounding of its corners.
 bool lies_in(const SurfacePolygon& polygon, const Plane& plane) {
   return std::all_of(polygon.x.begin(), polygon.x.begin() + polygon.n,
                      [&](const Vec3& x) { return std::abs(plane.normal.dot(x) - plane.offset) < plane_tolerance; });
@@ -195,9 +195,10 @@ struct FacetPoint {
   Vec3 normal;
 };
 
-/// What the points of a patch with many planes keep: with s, t, z along the coordinate axes, z the one nearest to the
-/// mean normal, all polynomials of degree 3 in (s, t), those of degree 2 times z, z^2, and each component of the normal
-/// times 1, s, t, z. So forces and moments of pressures and tractions stay, and the second moments of the area.
+/// Evaluates the functions that the reduced points of a patch with many planes integrate exactly: with s, t, z along
+/// the coordinate axes, z the one nearest to the mean normal, all polynomials of degree 3 in (s, t), those of degree 2
+/// times z, z^2, and each component of the normal times 1, s, t, z. So forces and moments of pressures and tractions
+/// stay, and the second moments of the area.
 FunctionTable facet_functions(const std::vector<FacetPoint>& points) {
   constexpr int degree = 3;
   Vec3 mean = Vec3::Zero();
@@ -383,7 +384,7 @@ class PointMaker {
     }
   }
 
-  /// Has one of the parts a rim that is not straight?
+  /// Returns whether one of the polygons has a rim that is not straight.
   bool is_bent(std::size_t begin, std::size_t end) const {
     if (!curved_) return false;
     for (std::size_t i = begin; i < end; ++i)
@@ -462,7 +463,7 @@ class PointMaker {
     }
   }
 
-  /// Where folds leave negative weights, the others take them over: the area stays.
+  /// Moves negative weights, which folds leave, to the others: the area stays.
   static void keep_positive(std::vector<double>& weights) {
     double all = 0, positive = 0;
     for (const double w : weights) {

@@ -1,5 +1,4 @@
-/// What the formats of CAD files hold, before it is looked at whether these are solids; for the files that use
-/// OpenCASCADE.
+/// Contents of the formats of CAD files, before any check that they are solids; for the files that use OpenCASCADE.
 #pragma once
 
 #include <TopoDS_Face.hxx>

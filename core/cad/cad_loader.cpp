@@ -101,7 +101,7 @@ void add_axis(std::vector<CadModel::SectionEdge>& edges) {
     edges.push_back({Vec2(0, ends[k]), Vec2(0, ends[k + 1]), Vec2::Zero(), 0, -1});
 }
 
-/// Where the seam of a face lies in the half-plane, edges come twice.
+/// Drops edges that come twice, where the seam of a face lies in the half-plane.
 void leave_out_copies(std::vector<CadModel::SectionEdge>& edges) {
   const auto near = [](const Vec2& a, const Vec2& b) { return (a - b).norm() <= same_end; };
   const auto is_copy = [&](const CadModel::SectionEdge& a, const CadModel::SectionEdge& b) {

@@ -46,8 +46,7 @@ Handle(Geom_Surface) plane_along(const gp_Pln& plane, const BRepAdaptor_Surface&
   return new Geom_Plane(plane.Location(), axis.Dot(normal) > 0 ? axis : axis.Reversed());
 }
 
-/// What a face of a free-form surface lies on where that is a surface of one of the simple kinds within the tolerance
-/// of the face; null if not.
+/// Returns the simple surface that equals the free-form surface of a face within its tolerance; null if there is none.
 Handle(Geom_Surface) simple_surface(const TopoDS_Face& face, const BRepAdaptor_Surface& surface) {
   const double tolerance = std::max(Precision::Confusion(), BRep_Tool::Tolerance(face));
   try {

@@ -89,7 +89,7 @@ std::vector<std::pair<TopoDS_Edge, TopoDS_Face>> open_edges(const TopoDS_Shape& 
   return open;
 }
 
-/// What is wrong with a surface that is open: which face, and how far it is to the next open edge.
+/// Describes the gap of an open surface: which face, and how far it is to the next open edge.
 std::string describe_gap(const TopoDS_Shape& shape) {
   const auto open = open_edges(shape);
   if (open.empty()) return "its shells enclose no volume";

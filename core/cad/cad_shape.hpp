@@ -1,4 +1,4 @@
-/// What CadModel stands for; for the files that use OpenCASCADE only.
+/// Implementation of CadModel; for the files that use OpenCASCADE only.
 #pragma once
 
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -25,7 +25,7 @@ std::vector<CadSolid> unpack_solids(const std::vector<char>& bytes);
 void pack_triangles(const CadModel& model, double deflection, Packing& packing);
 CurvedTriangles unpack_triangles(const CadModel& model, const std::vector<char>& bytes);
 
-/// What CadModel::section puts in order.
+/// Sorts the edges for CadModel::section.
 std::vector<CadModel::SectionEdge> section_edges(const CadModel& model, const ProfileFrame& frame);
 
 /// "face 7 (cylinder of radius 5 mm) at (x, y, z) mm".

@@ -117,7 +117,7 @@ Handle(Geom2d_Curve) curve_of(const TopoDS_Edge& edge, const TopoDS_Face& face, 
   return BRep_Tool::CurveOnSurface(other ? TopoDS::Edge(edge.Reversed()) : edge, face, begin, end);
 }
 
-/// Which curve it is: of an edge of a face.
+/// Curve of an edge of a face.
 struct FaceEdge {
   int face = 0;  ///< from 1
   int edge = 0;  ///< among edges_of(face)

@@ -104,7 +104,7 @@ class CurvedTriangles {
 
 /// The place of a parametric surface that is nearest to x, from a start near it; false if it is not found.
 bool project(const ParametricSurface& surface, const Vec3& x, Vec2& uv, SurfaceJet& jet);
-/// Where the line x + t d meets the surface, from a start near it; false if it is not found.
+/// Intersects the line x + t d with the surface, from a start near it; false if it is not found.
 bool meet(const ParametricSurface& surface, const Vec3& x, const Vec3& d, Vec2& uv, double& t, SurfaceJet& jet);
 
 }  // namespace cgcontact

@@ -1,4 +1,5 @@
-/// What a STEP file refers to, by its text: OpenCASCADE does not say what is missing. No OpenCASCADE here.
+/// References to other files in a STEP file, by its text: OpenCASCADE does not say what is missing. No OpenCASCADE
+/// here.
 #pragma once
 
 #include <string>

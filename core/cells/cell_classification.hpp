@@ -1,4 +1,4 @@
-/// Which cells of a grid are inside a body and which may be cut, found by bisecting blocks of cells.
+/// Classification of a grid's cells (inside a body, or possibly cut) by bisecting blocks of cells.
 #pragma once
 
 #include <vector>

@@ -13,7 +13,7 @@
 
 namespace cgcontact {
 
-/// What was found in one cell that the boundary may cross.
+/// Integrals in one cell that the boundary may cross.
 struct CellIntegrals {
   Index3 cell;
   Moments moments;

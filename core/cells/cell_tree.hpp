@@ -1,5 +1,6 @@
-/// Which cells of a grid are divided into eight: the levels of a locally refined grid, balanced so that cells which
-/// touch, if only in a corner, differ by one level at most. The tree knows no body: leaves may be outside of it.
+/// Tree of the cells of a grid that are divided into eight: the levels of a locally refined grid, balanced so that
+/// cells which touch, if only in a corner, differ by one level at most. The tree knows no body: leaves may be outside
+/// of it.
 #pragma once
 
 #include <functional>

@@ -139,7 +139,7 @@ class CutCellBuilder {
   }
 
  private:
-  /// What one part of the sweep finds.
+  /// Results of one chunk of the sweep.
   struct Found {
     std::vector<Candidate> cut;
     std::vector<std::pair<Index3, int>> inside;  ///< first cell, number of cells along x
@@ -171,7 +171,7 @@ class CutCellBuilder {
     collect_found(found, level);
   }
 
-  /// What all ranks have found, on every rank.
+  /// Gives every rank the results of all.
   static void exchange(std::vector<Found>& found) {
     const std::size_t ranks = num_ranks();
     Packing own;

@@ -1,5 +1,5 @@
-/// Which cells a body fills, the moments of the cut ones, and quadrature points on the body's boundary.
-/// Everything here is in grid coordinates (cell units, grid axes): h = 1.
+/// Cells that a body fills, the moments of the cut ones, and quadrature points on the body's boundary. Everything here
+/// is in grid coordinates (cell units, grid axes): h = 1.
 #pragma once
 
 #include <cmath>
@@ -91,7 +91,7 @@ struct CutCells {
 /// Cell coordinates in [-1,1]^3 of a point in grid coordinates (may lie slightly outside for re-homed points).
 Vec3 cell_coordinates(const CutCells& cut_cells, int active_cell, const Vec3& grid_position);
 
-/// Where cell coordinates are: grid coordinates; global axes, m.
+/// Return the position of cell coordinates: in grid coordinates; in global axes, m.
 Vec3 grid_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
 Vec3 global_position(const CutCells& cut_cells, int active_cell, const Vec3& xi);
 

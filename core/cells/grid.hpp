@@ -42,7 +42,7 @@ struct Grid {
   double cell_size_of(int level) const { return std::ldexp(cell_size, -level); }
   /// Thickness for which a cell of a level counts, in cells of that level.
   double thickness_of_cell(int level) const { return is_quadtree() ? slice / cell_size_of(level) : 1; }
-  /// What integrals over the cells are multiplied by to be those of the body's whole thickness.
+  /// Returns the factor from integrals over the cells to those of the body's whole thickness.
   double slices() const { return is_quadtree() ? thickness / slice : 1; }
   /// On a quadtree in the smallest cells, wherever x is across: so cells of all levels hold it.
   Vec3 to_grid(const Vec3& x) const {

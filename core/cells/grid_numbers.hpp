@@ -42,8 +42,8 @@ class GridNumbers {
   /// Numbers of `length` places that follow each other along x, as find().
   void find_row(const Index3& first, int length, int* numbers) const;
 
-  /// Which of the 64 places from `first` on along x are there: bit i is that of first + i. Zero outside of the extent;
-  /// first[0] > -64.
+  /// Returns the occupied ones of the 64 positions from `first` on along x: bit i is first + i. Zero outside of the
+  /// extent; first[0] > -64.
   std::uint64_t bits(const Index3& first) const;
 
   /// use(place) for all places, by number.

@@ -24,7 +24,7 @@ struct SizeField::Search {
 
 namespace {
 
-/// What Eigen::BVIntersect asks for: balls that want less than `size` within `reach` of their surface.
+/// Query for Eigen::BVIntersect: balls that want less than `size` within `reach` of their surface.
 struct Below {
   const Vec3& center;
   double size, reach;

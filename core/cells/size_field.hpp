@@ -21,7 +21,7 @@ class SizeField {
   ~SizeField();
   SizeField(const SizeField&) = delete;
 
-  /// Is a size less than `size` (m) wanted somewhere in a ball?
+  /// Returns whether a size less than `size` (m) is wanted somewhere in a ball.
   bool asks_below(double size, const Vec3& center, double radius) const;
   /// Returns the smallest size of all balls, m; without any infinite.
   double smallest() const { return smallest_; }

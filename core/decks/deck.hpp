@@ -33,7 +33,7 @@ struct DeckMaterial {
   std::optional<double> youngs_modulus, poissons_ratio, density, expansion;
 };
 
-/// What *BOUNDARY, *CLOAD, *DLOAD and *DSLOAD say, a line each.
+/// Line of *BOUNDARY, *CLOAD, *DLOAD or *DSLOAD.
 struct DeckCondition {
   enum class Kind { displacement, force, pressure, surface_pressure, gravity };
   Kind kind;

@@ -160,10 +160,10 @@ std::vector<int> Clipper::surfaces_near(const Vec3& centre, double half_size,
   return near;
 }
 
-/// Is the piece in work inside?
+/// Returns whether the current polyhedron is inside.
 bool Clipper::is_inside(const Vec3& centroid) const { return body_.is_inside(inner_side_, cube_surfaces_, centroid); }
 
-/// Does the body go on beyond a face of the piece in work that lies on a surface?
+/// Returns whether the body goes on beyond a face of the current polyhedron that lies on a surface.
 bool Clipper::is_inside_beyond(const std::array<int, 3>& points, int surface) {
   inner_side_[surface] = !inner_side_[surface];
   const Vec3 centroid = (mesh_.points[points[0]] + mesh_.points[points[1]] + mesh_.points[points[2]]) / 3;
@@ -349,7 +349,7 @@ int Clipper::node(const Index3& fine) {
   return *number;
 }
 
-/// Where the line x + t d, 0 < t < 1, meets the boundary, given the distances at its ends, which have different
+/// Returns where the line x + t d, 0 < t < 1, meets the boundary, given the distances at its ends, which have different
 /// signs: regula falsi with halved ends (Illinois), as the distance has kinks at edges.
 double Clipper::crossing(const Vec3& x, const Vec3& d, double at_0, double at_1) const {
   double low = 0, high = 1, t = at_0 / (at_0 - at_1);

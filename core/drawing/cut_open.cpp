@@ -45,7 +45,7 @@ Polygon part(const Polygon& polygon, int k, double side) {
   return kept;
 }
 
-/// Where a tetrahedron that reaches below the plane of height k meets it; empty if it does not.
+/// Cuts a tetrahedron that reaches below the plane of height k; empty if it does not.
 Polygon section(const std::array<Vertex, 4>& tetrahedron, int k) {
   Polygon below, above, points;
   for (const Vertex& v : tetrahedron) (v.height[k] < 0 ? below : v.height[k] > 0 ? above : points).push_back(v);
@@ -80,7 +80,7 @@ class Opening {
     return std::move(open_);
   }
 
-  /// Where the first plane cuts the body, all of it.
+  /// Cuts all of the body with the first plane.
   DrawnBody plane() {
     each_tetrahedron([&](const std::array<int, 4>& tetrahedron, int cell) {
       if (meets(tetrahedron, 0)) add(section_of(tetrahedron, 0), cell, -1);
@@ -116,7 +116,7 @@ class Opening {
     return polygon;
   }
 
-  /// Does a piece reach below the plane of height k, and up to it?
+  /// Returns whether the points reach below the plane of height k, and up to it.
   template <class Points>
   bool meets(const Points& points, int k) const {
     return std::any_of(points.begin(), points.end(), [&](int p) { return height_[p][k] < 0; }) &&

@@ -7,12 +7,12 @@
 
 namespace cgcontact {
 
-/// What is left of `whole` where (x - corner) . d > 0 for both directions d is taken away: its boundary and the
-/// sections, cut through the pieces of its mesh; displacement and stress linear along their edges. No volume. Triangles
-/// of the sections have `surface` -1.
+/// Removes from `whole` where (x - corner) . d > 0 for both directions d: returns its boundary and the sections, cut
+/// through the cells of its mesh; displacement and stress linear along their edges. No volume. Triangles of the
+/// sections have `surface` -1.
 DrawnBody cut_open(const DrawnBody& whole, const Vec3& corner, const std::array<Vec3, 2>& directions);
 
-/// What a plane cuts of the pieces of its mesh, turned towards `normal`; as the sections of cut_open.
+/// Cuts the cells of the mesh with a plane, turned towards `normal`; as the sections of cut_open.
 DrawnBody section_of(const DrawnBody& whole, const Vec3& point, const Vec3& normal);
 
 /// The boundary alone, with the points that it has.

@@ -59,7 +59,7 @@ ClosedFace closed_face(const Results& results, int body, int pair, double cube) 
   return face;
 }
 
-/// How far the closed faces of a pair are drawn apart (positive) by displacements that are exaggerated, m.
+/// Returns the distance at which closed faces of a pair are drawn (positive: apart) by exaggerated displacements, m.
 double drawn_gap(const Results& results, int pair, double exaggeration) {
   double sum = 0, area = 0;
   for (const ContactRow& row : results.contact_rows) {

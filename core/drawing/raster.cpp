@@ -135,7 +135,8 @@ std::array<int, 2> RasterImage::columns_of_row(const Screen& screen, int row, co
   return {static_cast<int>(std::min(first, columns[1] + 1.0)), static_cast<int>(std::max(last, columns[0] - 1.0))};
 }
 
-/// Do two neighbouring pixels show different parts, or places of one part that are apart or meet at an edge?
+/// Returns whether two neighbouring pixels show different components, or points of one that are apart or meet at an
+/// edge.
 inline bool RasterImage::are_apart(const Pixel& a, const Pixel& b) {
   if (a.part != b.part) return true;
   if (a.part < 0) return false;

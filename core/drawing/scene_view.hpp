@@ -46,7 +46,7 @@ SceneView direction_to_scene(const Results& results, const std::vector<DrawnBody
 /// SceneView::shown of the same bodies with other fields.
 std::vector<DrawnBody> shown_in(const SceneView& view, const std::vector<DrawnBody>& bodies);
 
-/// Where a pair is pressed.
+/// Box of a pair's pressed zone.
 struct ContactZoneBox {
   SceneBox box;
   int axis = 2;                ///< coordinate axis nearest to its normal

@@ -1,4 +1,4 @@
-/// What a body is: all that the rest of the program asks its geometry. Implemented by boolean expressions of elementary
+/// Geometry of a body: all that the rest of the program asks of it. Implemented by boolean expressions of elementary
 /// surfaces and by triangle surfaces (core/bodies); another kind of body is another class that derives from this one.
 #pragma once
 
@@ -17,14 +17,14 @@ class CellTree;
 struct LeafLevel;
 struct Plane;
 
-/// Where a line passes through the boundary of a solid.
+/// Crossing of a line and the boundary of a solid.
 struct Crossing {
   double t;
   int surface;
   Vec3 normal;  ///< outward
 };
 
-/// What a body costs on a grid, for the memory forecast.
+/// Size of a body on a grid, for the memory forecast.
 struct CellEstimate {
   double nodes = 0, cut_cells = 0;
 };
@@ -49,7 +49,7 @@ class BodyGeometry {
   virtual std::shared_ptr<const BodyGeometry> stretched(int axis, double factor, double shift) const = 0;
   /// Box that contains it; false if it is unbounded as far as can be told.
   virtual bool bounding_box(Vec3& min, Vec3& max) const = 0;
-  /// Is x inside or on the boundary?
+  /// Returns whether x is inside or on the boundary.
   virtual bool contains(const Vec3& x) const = 0;
   /// To the nearest surface, >= 0.
   virtual double distance_to_surfaces(const Vec3& x) const = 0;
@@ -88,7 +88,8 @@ class BodyGeometry {
 
   // For drawing.
 
-  /// Do the surfaces go on beyond the boundary, so that it takes the sides of all of them to know what is inside?
+  /// Returns whether the surfaces go on beyond the boundary, so that it takes the sides of all of them to know what is
+  /// inside.
   virtual bool has_endless_surfaces() const { return false; }
   /// Those of the candidates (ascending) that may come nearer than `slack` to a cube.
   virtual std::vector<int> surfaces_near(const Vec3& centre, double half_size, double slack,

@@ -42,7 +42,7 @@ constexpr int stripe = 9;
 constexpr double arc_radius = 24;
 constexpr int arc_parts = 18;
 
-/// What holds on a region decides its hue, so that supports, loads and contact are told apart at a glance.
+/// Role of a region, which decides its hue: supports, loads and contact are distinguished at a glance.
 enum class Role { free, support, load, contact };
 
 /// The first one is the colour of the face, the others are stripes on it.

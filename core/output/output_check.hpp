@@ -11,7 +11,7 @@
 
 namespace cgcontact {
 
-/// What write_check has written.
+/// Files that write_check has written.
 struct CheckFiles {
   std::vector<std::string> names, warnings;  ///< warnings: no gnuplot, no picture
 };

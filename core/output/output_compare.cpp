@@ -60,7 +60,7 @@ std::optional<double> number(const Json& json) {
   return json.is_number() ? std::optional<double>(json.get<double>()) : std::nullopt;
 }
 
-/// That at a path such as "/zone/half_axes/0".
+/// Returns the number at a path such as "/zone/half_axes/0".
 std::optional<double> number(const Json& json, const std::string& path) {
   const Json::json_pointer pointer(path);
   return json.contains(pointer) ? number(json.at(pointer)) : std::nullopt;
@@ -76,7 +76,7 @@ std::optional<double> force_of(const Json& pair) {
   return std::sqrt(squares);
 }
 
-/// What is compared of two elements of the same name.
+/// Quantity compared between two elements of the same name.
 struct Entry {
   const char *name, *path, *unit;
 };

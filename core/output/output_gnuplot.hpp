@@ -1,4 +1,4 @@
-/// What all pictures share: running gnuplot, colours, units.
+/// Common base of all pictures: running gnuplot, colours, units.
 #pragma once
 
 #include <array>

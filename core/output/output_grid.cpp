@@ -29,7 +29,7 @@ constexpr double palest = 0.3;
 /// Fractions of the cells whose errors are below and above the range of colours.
 constexpr double below_colours = 0.01, above_colours = 0.001;
 
-/// Where the pair with the largest force is pressed; none: nothing is.
+/// Returns the zone of the pair with the largest force; none: nothing is pressed.
 std::optional<ContactZoneBox> pressed_zone(const Results& results) {
   int pair = -1;
   double largest = 0;

@@ -195,7 +195,7 @@ std::string sentence(std::string text) {
   return text;
 }
 
-/// Whether the accuracy asked for is reached, with every target and its estimate.
+/// Says whether the accuracy asked for is reached, with every target and its estimate.
 std::string accuracy_verdict(const AccuracyFigures& accuracy) {
   std::string errors;
   for (const AskedError& error : asked_errors(accuracy))
@@ -266,7 +266,7 @@ std::string tiles(const Results& results) {
   return text + "</div>\n";
 }
 
-/// What the estimates say, for somebody who has to trust or refine.
+/// Says what the estimates mean, for somebody who has to trust or refine.
 std::string reliability(const Results& results) {
   std::string text;
   double pressure = 0, forces = 0;
@@ -536,7 +536,7 @@ std::string film(const PageParts& parts) {
          "stops them.</figcaption></figure>\n";
 }
 
-/// How long each picture of the film is seen.
+/// Sets how long each picture of the film is seen.
 std::string film_style(std::size_t pictures) {
   if (pictures == 0) return "";
   return fmt::format(

@@ -13,7 +13,7 @@
 
 namespace cgcontact {
 
-/// What the page shows beside the results.
+/// Contents of the page beside the results.
 struct PageParts {
   std::string directory;  ///< of the pictures; those that are missing are left out
   std::vector<PressureMap> pressure_maps;

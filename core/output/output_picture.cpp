@@ -24,7 +24,7 @@ constexpr double nearer = 2;
 /// Largest drawn displacement over the diagonal of the scene.
 constexpr double drawn_displacement = 0.03;
 
-/// How the scene is looked at.
+/// View of the scene.
 struct View {
   Camera camera;
   int thin_axis = -1;        ///< of SceneView

@@ -9,9 +9,9 @@ namespace cgcontact {
 /// "pressure.svg" of the first pair, "pressure_2.svg" of the next one ...
 std::string path_picture(std::size_t pair);
 
-/// What the best pressure of a pair is called: that of SPR-C, or of a problem on the face.
+/// Returns the name of a pair's best pressure: that of SPR-C, or of a problem on the face.
 const char* name_of_pressure(bool on_face);
-/// That of all pairs together.
+/// Returns that of all pairs together.
 const char* name_of_pressure(const Results& results);
 
 /// Starts the plots the results have data for.

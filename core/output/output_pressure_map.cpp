@@ -39,7 +39,7 @@ std::array<double, 3> pressure_colour(double value) {
   return value > no_pressure ? palette_colour(value) : std::array<double, 3>{0.9, 0.9, 0.9};
 }
 
-/// What is drawn of one pair.
+/// Drawn face of one pair.
 struct Face {
   std::size_t pair;
   int body;
@@ -130,7 +130,7 @@ double highest(const PairFigures& pair) {
   return std::isfinite(pair.max_pressure) && pair.max_pressure > 0 ? pair.max_pressure : 1;
 }
 
-/// What is drawn: the pressure from zero; of bonded faces the normal traction, which presses here and pulls there. Pa.
+/// Range of the drawn values, Pa: the pressure from zero; of bonded faces the normal traction, of both signs.
 struct Range {
   double low = 0, high = 1;
 };
@@ -181,7 +181,8 @@ class Pieces {
 
   const std::vector<Piece>& all() const { return pieces_; }
 
-  /// Where the pressure passes a fraction of the largest one on the side towards the viewer: lines for gnuplot.
+  /// Draws the line where the pressure passes a fraction of the largest one on the side towards the viewer, for
+  /// gnuplot.
   std::string contour(double fraction, const DisplayUnit& unit) const {
     std::string lines;
     for (const Piece& piece : pieces_) {

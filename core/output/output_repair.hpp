@@ -1,4 +1,4 @@
-/// What repairs on request have changed in surfaces from files, for `check --out`.
+/// Changes by repairs of surfaces from files, on request, for `check --out`.
 #pragma once
 
 #include <string>

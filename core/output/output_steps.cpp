@@ -25,7 +25,7 @@ std::string picture_name(std::size_t number, std::size_t num_steps) {
   return fmt::format("step_{:0{}}", number + 1, std::to_string(num_steps).size());
 }
 
-/// What the picture of a step needs of its contact: pairs and closed points.
+/// Returns what the picture of a step needs of its contact: pairs and closed points.
 Results closed_contact(const Results& step) {
   Results contact;
   contact.pairs = step.pairs;

@@ -1,5 +1,5 @@
-/// What the steps before the last one leave for the files of a run: steps.vtkhdf, the pictures of the steps,
-/// force_displacement.svg. Fields go to the disk step by step, so that memory does not grow with them.
+/// Files of the steps before the last one: steps.vtkhdf, the pictures of the steps, force_displacement.svg. Fields go
+/// to the disk step by step, so that memory does not grow with them.
 #pragma once
 
 #include <optional>

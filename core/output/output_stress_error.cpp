@@ -17,7 +17,7 @@ namespace {
 
 constexpr double thin_face = 0.15;  ///< ratio of the sides below which a face is drawn as a curve
 
-/// How the samples are laid out on paper.
+/// Layout of the samples on paper.
 struct Layout {
   enum class Kind { line, arc, map } kind = Kind::map;
   int first = 0, second = 1;  ///< coordinate axes with the largest and second largest extent

@@ -24,7 +24,7 @@ constexpr int entry_width = 70;
 constexpr int longest_pair = 60;
 constexpr int left_margin = 95, right_margin = 35, top_margin = 45, bottom_margin = 85;
 
-/// What is drawn to the right.
+/// Abscissa of a picture.
 struct Abscissa {
   const char *picture, *label, *title;
   std::function<double(const RunFigures&)> value;

@@ -23,7 +23,7 @@ constexpr std::size_t screen_lines = 24;
 /// A text longer than this many lines ends in three dots.
 constexpr std::size_t longest_text = 3;
 
-/// How much of what can be long is shown.
+/// Limits of lists and texts that can be long.
 struct Allowance {
   std::size_t pairs, warnings, text_lines, solves;
 };
@@ -319,7 +319,7 @@ Lines warning_lines(const Results& results, const Allowance& allowance) {
   return lines;
 }
 
-/// What to open next: the page if it was written, else the figures.
+/// Names what to open next: the page if it was written, else the figures.
 Lines closing_lines(const Results& results, const std::string& directory) {
   namespace fs = std::filesystem;
   Lines lines;

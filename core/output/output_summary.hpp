@@ -7,8 +7,8 @@
 
 namespace cgcontact {
 
-/// What matters of a run in at most 24 lines of 80 columns, whatever the number of pairs and warnings: what does not
-/// fit is in the report. Words longer than a line (paths) are not divided. `directory` is where the results lie.
+/// Summarises a run in at most 24 lines of 80 columns, whatever the number of pairs and warnings: what does not fit is
+/// in the report. Words longer than a line (paths) are not divided. `directory` holds the results.
 std::string summary(const Results& results, const std::string& directory);
 
 }  // namespace cgcontact

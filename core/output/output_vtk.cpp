@@ -182,7 +182,7 @@ class BodyWriter {
   HdfFile& file_;
 };
 
-/// What the patches around the cells are: small integers, their names in the attribute "names" of the array.
+/// Writes the kinds of the patches around the cells: small integers, their names in the attribute "names" of the array.
 void write_patches(const Results& results, const std::vector<DrawnBody>& bodies, const BodyWriter& write,
                    HdfFile& file) {
   const auto array = [&](const std::string& name, std::vector<unsigned char> BodyFields::*values,

@@ -12,7 +12,7 @@ namespace cgcontact {
 struct StudyRow {
   enum class Status { not_run, solved, not_converged, failed };
 
-  // What is to be run.
+  // input of the run
   std::string variant, size;  ///< names of the curve and of the point on it
   std::string preconditioner;
   double cell_size = 0;                   ///< m, the largest of all bodies
@@ -21,7 +21,7 @@ struct StudyRow {
   std::vector<std::string> command;       ///< program and arguments
   std::string fingerprint;                ///< the same for runs with the same results
 
-  // What came out.
+  // result of the run
   Status status = Status::not_run;
   std::string message;  ///< why it failed, or its warnings
   double wall_s = 0;    ///< of the whole process

@@ -121,7 +121,7 @@ class Parser {
   CommandLine line;
 
  private:
-  /// What stands for an option that is not given.
+  /// Default of an option that is not given.
   struct Default {
     CLI::Option* option;
     const char* variable;

@@ -38,7 +38,7 @@ class CleanUp {
 /// Runs a step that is done wholly or not at all: an interruption waits for its end, or comes before it.
 void uninterrupted(const std::function<void()>& step);
 
-/// What the message of an interruption says after "stopped by SIGINT"; for use within uninterrupted().
+/// Sets what the message of an interruption says after "stopped by SIGINT"; for use within uninterrupted().
 void set_interruption_note(const std::string& note);
 
 }  // namespace cgcontact

@@ -1,4 +1,4 @@
-/// What a running program tells its user: one updating line on a terminal, plain log lines elsewhere.
+/// Progress of a running program: one updating line on a terminal, plain log lines elsewhere.
 #pragma once
 
 #include <chrono>

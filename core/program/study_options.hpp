@@ -1,4 +1,4 @@
-/// What `cgcontact study` is to run: lists of sizes and of variants, read from the command line.
+/// Options of `cgcontact study`: lists of sizes and of variants, read from the command line.
 #pragma once
 
 #include <string>

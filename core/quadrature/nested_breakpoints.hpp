@@ -1,4 +1,4 @@
-/// Where the structure of a region's slices changes along t.
+/// Values of t at which the structure of a region's slices changes.
 #pragma once
 
 #include <vector>

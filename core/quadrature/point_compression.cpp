@@ -9,7 +9,7 @@ namespace cgcontact {
 
 namespace {
 
-/// What a function is beside those before it: less is taken for rounding, which would choose the points.
+/// Least relative size of a function beside those before it: less is taken for rounding, which would choose the points.
 constexpr double rank_tolerance = 1e-8;
 constexpr double accuracy = 1e-12;
 constexpr double dependent = 1e-11;  // of a function's norm: what is left of it beside the others is rounding

@@ -49,7 +49,7 @@ struct RegionFunction {
   bool is_divider = false;
 };
 
-/// What to keep. Bits of the mask: surfaces (low bits), ownership, dividers.
+/// Predicate of the region to keep. Bits of the mask: surfaces (low bits), ownership, dividers.
 struct RegionPredicate {
   const std::vector<unsigned char>* table = nullptr;  ///< inside or not for every combination of the surface bits
   std::uint64_t surface_mask = 0;

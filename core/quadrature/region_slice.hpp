@@ -16,7 +16,7 @@ struct Segment {
   std::uint64_t mask;
 };
 
-/// What stays the same on an interval of t without structural change.
+/// Structure of a slice, constant on an interval of t.
 struct Signature {
   std::uint64_t hash = 0;
   std::uint64_t used = 0;  ///< functions that delimit segments

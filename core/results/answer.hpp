@@ -1,4 +1,4 @@
-/// Which of the solves of a run to an accuracy has the run's results.
+/// Choice of the solve that has the results of a run to an accuracy.
 #pragma once
 
 #include "core/results/results.hpp"

@@ -1,4 +1,4 @@
-/// What a run hands to the output: fields as functions, contact rows, figures. SI units, global axes.
+/// Results of a run for the output: fields as functions, contact rows, figures. SI units, global axes.
 #pragma once
 
 #include <functional>
@@ -106,7 +106,7 @@ struct ContactRow {
   bool touching = false;
 };
 
-/// What one of several ranks had to do in the linear solver, and its memory.
+/// Work of one of several ranks in the linear solver, and its memory.
 struct RankFigures {
   double unknowns = 0, ghosts = 0, cut_cells = 0;  ///< of the finest grid: own, of others, cells computed here
   double messages = 0, sent_bytes = 0;             ///< of ghost values, all linear solves and their set-up
@@ -171,7 +171,7 @@ struct PairFigures {
   std::optional<FrictionFigures> friction;  ///< none: the scene has no friction there
 };
 
-/// What a run says of itself before anything else: can its contact be used, and if not, what would help?
+/// Verdict on a run: whether its contact can be used, and if not, what would help.
 struct Verdict {
   enum class State { resolved, not_resolved, contact_missed, not_converged, no_contact };
   struct Pair {
@@ -258,7 +258,7 @@ struct SolveFigures {
   std::optional<double> change;
 };
 
-/// What was asked for, and how the run went.
+/// Requested accuracy, and how the run went.
 struct AccuracyFigures {
   bool asked = false, reached = false;
   std::string text;                               ///< what stopped it, if it is not reached
@@ -270,7 +270,7 @@ struct AccuracyFigures {
   double seconds = 0;  ///< of all solves and grids, those too that were made and not solved on; 0: not known
 };
 
-/// Where the stress has no finite value: from solve to solve it grows like a negative power of the cell size.
+/// Position where the stress has no finite value: from solve to solve it grows like a negative power of the cell size.
 struct SingularPlace {
   std::string body;
   std::vector<std::string> faces;  ///< of the body, with those of supports and loads, that come near
@@ -279,7 +279,7 @@ struct SingularPlace {
   double cell = 0;                 ///< m, on the last grid
 };
 
-/// How the linear systems were solved.
+/// Solution of the linear systems.
 struct LinearSolverFigures {
   std::string method, preconditioner;     ///< as in the scene
   std::vector<int> grid_unknowns;         ///< of geometric multigrid, finest first; empty: MueLu on the whole system

@@ -6,8 +6,8 @@
 
 namespace cgcontact {
 
-/// How much a warning says against the result: 0 the figures mean nothing, 1 some are far off, 2 something was assumed
-/// or left out, 3 of the surroundings (threads, pictures, repairs).
+/// Returns the severity of a warning: 0 the figures mean nothing, 1 some are far off, 2 something was assumed or left
+/// out, 3 of the surroundings (threads, pictures, repairs).
 int warning_severity(const std::string& warning);
 
 /// Sorts by severity; those of the same severity stay in their order.

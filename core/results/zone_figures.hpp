@@ -1,5 +1,4 @@
-/// What is said of the contact zone of a pair: force, moments, extents, and Hertz's answer beside it. SI units, global
-/// axes.
+/// Figures of the contact zone of a pair: force, moments, extents, and Hertz's answer beside it. SI units, global axes.
 #pragma once
 
 #include <array>

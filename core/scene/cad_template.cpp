@@ -92,7 +92,7 @@ Touching find_touching(const CadBody& a, const CadBody& b) {
   return touching;
 }
 
-/// What is rounding beside `size` is zero.
+/// Formats a vector; components that are rounding beside `size` are zero.
 std::string vector(const Vec3& v, double size) {
   const Vec3 clean = v.unaryExpr([&](double x) { return std::abs(x) < 1e-9 * size ? 0 : x; });
   return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", clean[0], clean[1], clean[2]);

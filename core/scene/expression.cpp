@@ -136,7 +136,7 @@ std::string format_number(double value) {
   throw InputError(place, in_quotes(text), "not a valid expression: " + message + hint_of_comma(text), operators_help);
 }
 
-/// What muParser would accept although it makes no sense here: nothing at all, assignments, several values.
+/// Rejects what muParser would accept although it makes no sense here: nothing at all, assignments, several values.
 void check_text(const std::string& text, const SourcePlace& place) {
   const auto fail_with = [&](const std::string& problem) {
     throw InputError(place, in_quotes(text), problem, operators_help);

@@ -58,7 +58,8 @@ std::vector<std::string> identifiers(const std::string& text);
 /// " with n = 16, t = 0.1" for the constants that occur in the text, or "".
 std::string used_constants(const std::string& text, const Constants& constants);
 
-/// Is the name free to be used as a constant: an identifier that is no variable, function or built-in name?
+/// Returns whether the name is free to be used as a constant: an identifier that is no variable, function or built-in
+/// name.
 bool is_free_name(const std::string& name);
 
 }  // namespace cgcontact

@@ -91,7 +91,8 @@ FaceTraction FaceMoments::with_bearing(const Vec3& force) const {
   traction.bearing = force / sum.dot(direction);
   const auto rest = [&](const Vec3& f) { return Vec3(f - f.dot(axis->direction) * axis->direction); };
   if ((sum - sum.dot(direction) * direction).norm() > whole * sum.norm()) return traction;
-  // What the quadrature leaves across the force: Newton, the derivative jumps at points without pressure only.
+  // Newton's iteration removes what the quadrature leaves across the force; the derivative jumps at points without
+  // pressure only.
   constexpr int most_steps = 20;
   for (int step = 0; step < most_steps; ++step) {
     const auto [now, derivative] = pressed(traction.bearing);

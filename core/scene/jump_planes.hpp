@@ -1,4 +1,4 @@
-/// Where the values of a scene's expressions jump: "x < 5 mm ? a : b" does so at a plane.
+/// Planes where the values of a scene's expressions jump, as in "x < 5 mm ? a : b".
 #pragma once
 
 #include <vector>

@@ -25,7 +25,7 @@ struct PartEnd {
   bool flat = false;  ///< most of it lies in the plane that touches the part
   /// Extent of the flat part, or of what lies within 2 % of the part's height, m.
   Vec3 min = Vec3::Zero(), max = Vec3::Zero();
-  /// Is there surface within the last tenth of the height whose normal is within 30 degrees of the direction?
+  /// There is surface within the last tenth of the height whose normal is within 30 degrees of the direction.
   bool faces_outwards = false;
 };
 
@@ -47,7 +47,7 @@ struct PartOutline {
   double area = 0;                ///< m^2
   /// Cuts the part by the horizontal plane after it has come down by `push` (m).
   PartCut cut_at(double push) const;
-  /// How far it is to come down until the cut is far enough, m; at most `most`.
+  /// Returns the distance to come down until the cut is far enough, m; at most `most`.
   double push_until(const std::function<bool(double push, const PartCut&)>& is_enough, double most) const;
   /// Triangles that come near the top, turned, m below it: corners by their depth.
   std::vector<std::array<Vec3, 3>> below_top;

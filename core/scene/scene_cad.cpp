@@ -76,7 +76,7 @@ std::string colour_text(const std::array<int, 3>& colour) {
   return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]);
 }
 
-/// What there is of something among the faces, each once.
+/// Lists the different values of a property of the faces.
 template <class Get>
 std::string list_of(const std::vector<CadFace>& faces, const Get& get) {
   std::set<std::string> all;

@@ -24,7 +24,7 @@ CadShape read_cad_solid(const TomlCursor& node, const std::string& name, const T
 /// m: the size of the body's cells for its triangles, from its `cell_size` or the longest side of the shape.
 double cell_size_for_cad(const TomlCursor& body, double longest);
 
-/// Can a face have this name of its file in a scene?
+/// Returns whether a face can have this name of its file in a scene.
 bool is_scene_name(const std::string& name);
 
 }  // namespace cgcontact

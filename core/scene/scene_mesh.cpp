@@ -121,7 +121,7 @@ std::vector<TriangleSelector> read_selectors(const TomlCursor& node, const Trian
   return selectors;
 }
 
-/// What is wrong with a surface is said of the key that names the file.
+/// Reads a surface; its errors name the key that holds the file's name.
 BodySurface read_surface(const TomlCursor& node, const std::string& file, double scale, bool repair) {
   try {
     return read_body_surface(file, scale, repair);

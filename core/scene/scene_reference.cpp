@@ -65,7 +65,7 @@ SceneText reference_text(const TomlCursor& node, std::optional<double> contact_f
   return text;
 }
 
-/// Does any text in the node use the name in an expression?
+/// Returns whether any text in the node uses the name in an expression.
 bool mentions(const toml::node& node, const std::string& name) {
   if (const toml::table* table = node.as_table())
     return std::any_of(table->begin(), table->end(), [&](const auto& entry) { return mentions(entry.second, name); });

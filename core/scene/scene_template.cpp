@@ -183,7 +183,7 @@ double two_digits(double value) {
   return std::round(value / unit) * unit;
 }
 
-/// Where the plate is and how far it moves; cells of part and plate, zero: [accuracy] chooses them.
+/// Position and motion of the plate; cells of part and plate, zero: [accuracy] chooses them.
 struct Layout {
   double cell_size = 0, plate_cell = 0, push = 0;
   Vec3 plate_min, plate_max;
@@ -305,7 +305,7 @@ constexpr const char* runs = "It runs as it is:";
 /// Along the longest side, where [accuracy] cannot be asked for.
 constexpr double default_cells = 20;
 
-/// What a scene says of its accuracy: the text of the lines, and the setting that makes it finer.
+/// Lines of a scene on its accuracy, and the setting that makes it finer.
 struct AccuracyLines {
   std::string accuracy, h, part_cells, plate_cells, finer;
 };
@@ -360,8 +360,8 @@ Part part_of_surface(const InitOptions& options, const std::string& scene) {
   return part;
 }
 
-/// A scene around a part with this many cells along its longest side (none: with [accuracy]), and what to tell of it.
-/// `state`: does it run?
+/// Writes a scene around a part with this many cells along its longest side (none: with [accuracy]), and remarks.
+/// `state`: whether it runs.
 std::string scene_of_part(const Part& given, std::optional<double> cells, const std::string& file,
                           const std::string& state, std::string& told) {
   const PartOutline& part = given.outline;
@@ -428,7 +428,8 @@ std::string passing_scene(const Part& given, std::optional<int> asked_cells, con
   return text;
 }
 
-/// A single solid lies under a plate as a surface does; several are as they are. Do they run?
+/// Writes the scene of a CAD file: a single solid lies under a plate as a surface does; several are as they are. Tries
+/// whether they run.
 std::string cad_scene(const InitOptions& options, const std::string& file, const FindFault& find_fault,
                       std::string& told) {
   check_file_names({options.cad, file});

@@ -21,7 +21,7 @@ struct InitOptions {
 
 constexpr int fewest_init_cells = 4, most_init_cells = 200;
 
-/// What keeps a scene (its text, the name of its file) from running; "": nothing.
+/// Function that finds what keeps a scene (its text, the name of its file) from running; "": nothing.
 using FindFault = std::function<std::string(const std::string& text, const std::string& file)>;
 
 /// Writes the scene, which must not exist yet, and returns what to tell the user: also that it does not pass

@@ -17,7 +17,7 @@
 
 namespace cgcontact {
 
-/// What all cursors of one scene share.
+/// Data that all cursors of one scene share.
 struct SceneText {
   std::string file;
   Constants parameters;
@@ -54,7 +54,7 @@ class TomlCursor {
   std::vector<TomlCursor> elements(const std::string& what) const;
 
   std::string string(const std::string& what = "a string") const;
-  /// Which of these names the string is.
+  /// Returns which of these names the string is.
   int one_of(const std::vector<std::string>& names) const;
   bool boolean() const;
   /// A number, or a string that is an expression of the parameters; in the unit of the range.

@@ -41,7 +41,7 @@ const std::vector<std::string>& names_of_units();
 /// "a length", "a pressure", "a pure number", "of the dimension m^2 kg/s".
 std::string name_of(const Dimension& dimension);
 
-/// What to write behind a number of this dimension: "mm, cm, m, ...", "" for pure numbers.
+/// Lists the units to write behind a number of this dimension: "mm, cm, m, ...", "" for pure numbers.
 std::string units_of(const Dimension& dimension);
 
 }  // namespace cgcontact

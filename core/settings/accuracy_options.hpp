@@ -34,7 +34,7 @@ struct AccuracyOptions {
   std::vector<BodyTarget> stress_of_body;  ///< the same of single bodies
   std::vector<NamedTarget> named;          ///< pairs have their own target in the place of `pressure`
 
-  // What a run may cost at most.
+  // Limits of a run.
   double max_unknowns = 5e6;  ///< of one solve
   double max_time = 1e6;      ///< s, all solves together
   int max_levels = 20;        ///< of each body's grid
@@ -51,11 +51,11 @@ struct AccuracyOptions {
   double beyond_zone = 0.15;
   /// Cells over half the width of a zone on the first grid that resolves it.
   double middle_cells = 4;
-  /// How many times smaller cells become where nothing but the group of a zone is known.
+  /// Refinement where nothing but the group of a zone is known.
   double narrowing = 24;
   /// Part of the target that the next grid aims at, and the power of the size that errors are taken to fall with.
   double aim = 0.75, rate = 1.1;
-  /// What the estimate of one solution is multiplied by: true errors are below that in 95 % of runs.
+  /// Factor on the estimate of one solution: true errors are below the product in 95 % of runs.
   double safety = 1.2;
   /// Cells across a zone at which that estimate is half of what it should be.
   double doubtful_width = 5;

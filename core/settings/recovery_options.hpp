@@ -16,8 +16,8 @@ struct RecoveryDegree {
 /// Constants of the balance with the transmitted forces (docs/recovery.md, "Transmitted forces"), found on punches,
 /// wedges and cones. Lengths in cells, the larger ones of both bodies there.
 struct BalanceOptions {
-  /// What the force of a node that has half a cell's face or more may be off, part of the pressure around: the forces
-  /// of single groups scatter by that much. With less, by the root of the area more.
+  /// Scatter of the force of a node that has half a cell's face or more, relative to the pressure around: that of
+  /// single groups. With less, by the root of the area more.
   double node_scatter = 0.05;
   /// Width (standard deviation) of the mean, what it may be off without any change, and from where on all of it is
   /// changed. Smooth contacts are within.
@@ -26,7 +26,7 @@ struct BalanceOptions {
   double total_exact = 0.003;
 };
 
-/// What the contact pressure comes from.
+/// Source of the contact pressure.
 enum class PressureSource {
   stress,  ///< SPR-C: the normal traction of the recovered stress
   face     ///< a problem on the face of each zone that has one; of others the stress
@@ -57,7 +57,7 @@ struct RecoveryOptions {
   int thick = 4;
   /// Least volume of an auxiliary patch, cells: less carries no linear polynomial of six components.
   double least_auxiliary_volume = 0.25;
-  /// How much more one body's misfit may count than the other's in a coupled patch.
+  /// Largest ratio of the weights of both bodies' misfits in a coupled patch.
   double most_weight = 1e4;
   /// Residual of normalised rows over the stress level of the patch above which the data contradict each other.
   double conflict = 0.01;

@@ -42,8 +42,8 @@ struct ResultOptions {
   /// So near to the border between closed and open points, such cells, the solution's zone of whole groups spoils the
   /// transmitted pressure, and no polynomial follows how the pressure ends.
   double spoilt_at_edge = 1.5;
-  /// Where a zone ends inside the faces its ends lie at whole contact groups, and the force is up to that many times as
-  /// wrong as the square of the energy norm's error.
+  /// Largest ratio of the force's error to the square of the energy norm's, where a zone ends inside the faces: its
+  /// ends lie at whole contact groups there.
   double edge_factor = 2;
   /// Part of the largest pressure by which the recovered pressure may leave the range of the others around it
   /// (docs/recovery.md, "Error figures": 0.05 at most in contacts that are right, 0.4 in a hole).

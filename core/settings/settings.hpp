@@ -1,5 +1,5 @@
-/// What the settings of all stages have in common. Each struct of options lists its settings once, with key and range;
-/// the scene reader, check() and print() go through that list.
+/// Common base of the settings of all stages. Each struct of options lists its settings once, with key and range; the
+/// scene reader, check() and print() go through that list.
 #pragma once
 
 #include <functional>

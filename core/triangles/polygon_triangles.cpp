@@ -13,7 +13,7 @@ double turn(const Corner& a, const Corner& b, const Corner& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
-/// Is corner k of the ring an ear: convex, and no other corner in the triangle that it makes?
+/// Returns whether corner k of the ring is an ear: convex, and no other corner in the triangle that it makes.
 bool is_ear(const std::vector<Corner>& x, const std::vector<int>& ring, std::size_t k, double flat) {
   const std::size_t n = ring.size();
   const int a = ring[(k + n - 1) % n], b = ring[k], c = ring[(k + 1) % n];

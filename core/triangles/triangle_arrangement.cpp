@@ -227,8 +227,8 @@ std::vector<int> find_patches(const std::vector<Triangle>& triangles, std::size_
   return patch;
 }
 
-/// Which facets part inside and outside: 1 with the inside behind, -1 in front, 0 neither. One answer for a patch, from
-/// the winding numbers about one of its largest facets.
+/// Finds the facets that separate inside and outside: 1 with the inside behind, -1 in front, 0 neither. One answer for
+/// a patch, from the winding numbers about one of its largest facets.
 std::vector<int> find_sides(const std::vector<Facet>& facets, const std::vector<Vec3>& points) {
   std::vector<Triangle> triangles;
   std::vector<WindingNumbers::Passes> passes;

@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// What was repaired, and what the surface consists of.
+/// Repairs, and connected components of the surface.
 struct SurfaceRepairs {
   int merged_points = 0;  ///< coincided, or nearly so on open edges
   int zero_area = 0;      ///< triangles without area that went; a neighbour may have been divided for it

@@ -13,7 +13,7 @@ namespace {
 /// Bound of the rounding error of the determinant, relative to the sum of the sizes of its terms
 /// (Shewchuk, Adaptive precision floating-point arithmetic, 1997: (7 + 56 eps) eps, eps = 1.1e-16).
 constexpr double determinant_error = 1e-15;
-/// How well coordinates are known, relative to the largest: unit, placement and intersections have rounded them.
+/// Error of coordinates relative to the largest: unit, placement and intersections have rounded them.
 constexpr double coordinate_error = 4e-16;
 
 /// Side of the plane a, b, c on which d lies: -1, 1, or 0 if rounding decides. `error`: of the coordinates.
@@ -95,7 +95,7 @@ class CrossingFinder {
     return true;
   }
 
-  /// Does the test hold for all triangles around a corner?
+  /// Returns whether the test holds for all triangles around a corner.
   template <class Test>
   bool all_around(int t, int corner, const Test& test) const {
     const int point = triangles_[t][corner];

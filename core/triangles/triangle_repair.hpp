@@ -10,7 +10,7 @@
 
 namespace cgcontact {
 
-/// What a repair changed. Lengths in the units of the points.
+/// Changes by a repair. Lengths in the units of the points.
 struct SurfaceRepair {
   int merged_points = 0;  ///< equal, or nearer than 1e-4 of the diagonal on open edges
   int turned = 0;         ///< triangles turned over

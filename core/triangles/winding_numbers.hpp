@@ -1,4 +1,4 @@
-/// How often closed surfaces of triangles go around a point: 1 inside, 0 outside, more where they overlap.
+/// Winding numbers of closed surfaces of triangles around a point: 1 inside, 0 outside, more where they overlap.
 #pragma once
 
 #include <array>
