@@ -68,7 +68,7 @@ ItemsOfNodes items_of_nodes(const ExecSpace& exec, const Nodes& nodes, int first
   return {begin, items};
 }
 
-/// What one body adds to the rows of its nodes.
+/// Rows that one body adds to.
 struct BodyParts {
   int first_node = 0, num_nodes = 0;
   CellNodesView nodes_of_cell;  ///< in the order of the cells

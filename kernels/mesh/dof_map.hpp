@@ -23,7 +23,7 @@
 namespace cgcontact {
 
 class Halo;
-/// What apply_constraints and its transpose need of it (halo.hpp).
+/// Give apply_constraints and its transpose the data of ghosts (halo.hpp).
 void import_ghosts(const Halo& halo, double* x);
 void import_ghosts(const Halo& halo, float* x);
 const IntView& nodes_of_others(const Halo& halo);
@@ -68,7 +68,7 @@ class DofMap {
   const TwinsView& twins() const { return twins_; }
   const ConstraintRows& sums() const { return sums_; }
   const IntView& zero_dofs() const { return zero_dofs_; }
-  /// What is seen of other ranks, nullptr: nothing.
+  /// Returns the halo of other ranks' nodes, nullptr: none.
   const Halo* halo() const { return halo_.get(); }
 
   /// Return the map of a vector's entries: as many on every rank as it has local degrees of freedom, or nodes.

@@ -1,4 +1,4 @@
-/// What a rank sees of its neighbours. A rank works on the cells around its own nodes; of the nodes of these cells some
+/// Ghost nodes of a rank. A rank works on the cells around its own nodes; of the nodes of these cells some
 /// belong to other ranks: ghost nodes. A vector of a rank has entries for all its local nodes, as DofMap says, where a
 /// ghost node is treated as a constrained one, whose master is the same node of its owner:
 ///   displacements   ghosts have the value of their owner     import_ghosts: one message per neighbour, by Tpetra
@@ -23,7 +23,7 @@ class Halo {
  public:
   using Comm = Teuchos::RCP<const Teuchos::Comm<int>>;
 
-  /// What a local node is to its rank. `unused`: comes with a cell of which other nodes are needed.
+  /// Role of a local node on its rank. `unused`: comes with a cell of which other nodes are needed.
   enum class Role : char { owned, ghost, constrained, unused };
 
   /// Makes the halo from each local node's number among the nodes of all ranks (ascending), the rank that owns it, its
@@ -34,7 +34,7 @@ class Halo {
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
 
-  /// Are forces on this node computed here?
+  /// Returns whether forces on this node are computed here.
   bool needs(int node) const { return needed_[node] != 0; }
   int num_owned() const { return static_cast<int>(owned_.extent(0)); }
   int num_ghosts() const { return static_cast<int>(ghosts_.extent(0)); }

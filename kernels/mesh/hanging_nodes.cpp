@@ -9,7 +9,7 @@
 namespace cgcontact {
 namespace {
 
-/// Is a node of the part a corner of one of its active cells?
+/// Returns whether a node of the level is a corner of one of its active cells.
 bool is_corner(const BodyMesh& part, const Index3& place) {
   for (int a = 0; a < 8; ++a)
     if (part.cut_cells->find({place[0] - (a & 1), place[1] - (a >> 1 & 1), place[2] - (a >> 2)}) >= 0) return true;

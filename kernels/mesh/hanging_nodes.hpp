@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// How often a cell of one grid must be halved to be as large as one of the other; both descend from the same grid.
+/// Returns how often a cell of one grid is halved to be as large as one of the other; both descend from the same grid.
 int halvings(const Grid& larger, const Grid& smaller);
 
 /// Constraints of the nodes of a body's parts, whose cells descend in size (or are equal), ascending in node:

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double well_filled = 0.25;
 
-/// What preconditioners take a rigid body for: soft ones hold contact less than the rigid body does.
+/// Modulus of a rigid body in preconditioners: soft ones hold contact less than the rigid body does.
 constexpr double modulus_of_rigid = 1e3;
 
 bool badly_filled(const CutCells& cells, int cell) { return cells.volume_fraction(cell) < well_filled; }

@@ -82,21 +82,21 @@ struct BodyMesh {
     place[direction] += 0.5;
     return cut_cells->grid.ring(place);
   }
-  /// Whether a node (index into nodes) lies on the axis of revolution.
+  /// Returns whether a node (index into nodes) lies on the axis of revolution.
   bool is_on_axis(int node) const {
     const Grid& grid = cut_cells->grid;
     return grid.is_axisymmetric() &&
            std::abs(grid.radius(node_position(node))) < 0.25 * grid.cell_size_of(grid.num_levels - 1);
   }
-  /// Whether a degree of freedom of a node (index into nodes) is zero: across plane strain, and on an axis of
+  /// Returns whether a degree of freedom of a node (index into nodes) is zero: across plane strain, and on an axis of
   /// revolution away from it.
   bool is_zero(int node, int component) const {
     if (!is_one_layer()) return false;
     const Grid& grid = cut_cells->grid;
     return component == grid.plane_strain || (component == grid.radial_axis() && is_on_axis(node));
   }
-  /// Whether a motion of the body as a whole (along the axes of the grid, then about them) is possible: in plane strain
-  /// not along the axis nor about another one, of a body of revolution along its axis alone.
+  /// Returns whether a motion of the whole body (along the axes of the grid, then about them) is possible: in plane
+  /// strain not along the axis nor about another one, of a body of revolution along its axis alone.
   bool moves(int motion) const {
     const Grid& grid = cut_cells->grid;
     if (!is_one_layer()) return true;
@@ -115,9 +115,9 @@ struct BodyMesh {
   double poisson_ratio() const { return law.lambda / (2 * (law.lambda + law.mu)); }
 };
 
-/// Whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a quarter,
-/// which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs
-/// twice the time and gives nothing: docs/decisions.md, "Ghost penalty".
+/// Returns whether the face between two active cells carries the ghost penalty: where a cell is filled by less than a
+/// quarter, which cannot hold its nodes by itself. On the faces of all cut cells the penalty costs twice the time and
+/// gives nothing: docs/decisions.md, "Ghost penalty".
 bool is_ghost_face(const BodyMesh& mesh, int e, int f);
 
 /// The virtual children of a part, one per face.

@@ -206,7 +206,7 @@ std::vector<SupportTerm> merge_points(const std::vector<SupportTerm>& moved, std
   for (std::size_t e = 1; e < begin.size(); ++e) begin[e] += begin[e - 1];
   std::vector<int> order(moved.size()), position(begin.begin(), begin.end() - 1);
   for (std::size_t t = 0; t < moved.size(); ++t) order[position[moved[t].cell]++] = static_cast<int>(t);
-  // What is merged comes last; the others keep their order.
+  // Merged terms come last; the others keep their order.
   std::vector<SupportTerm> merged, same;
   std::vector<char> taken(moved.size(), 0);
   for (std::size_t e = 0; e + 1 < begin.size(); ++e) {

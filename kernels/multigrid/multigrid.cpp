@@ -63,7 +63,7 @@ bool mostly_repeats(const ElasticSystem& fine, const ElasticSystem& coarse) {
 
 struct Multigrid::Impl {
   const ElasticSystem& fine;
-  bool by_ranks;  // are the fine grids divided among the ranks?
+  bool by_ranks;  // whether the fine grids are divided among the ranks
   Halo::Comm comm;
   RCP<const TpetraMap> map, coarsest_map;
   MultigridSettings settings;

@@ -55,8 +55,8 @@ class Multigrid : public TpetraOperator {
   /// The system is so small that it is the coarsest grid itself: assembled again when groups change.
   bool is_single_grid() const;
 
-  /// What this rank has of the finest grid: the vectors of apply() are in its numbers. nullptr: of the whole system, on
-  /// every rank the same.
+  /// Returns this rank's share of the finest grid: the vectors of apply() are in its numbers. nullptr: of the whole
+  /// system, on every rank the same.
   const RankShare* share() const;
   /// Its cells have served: the operator of the finest grid has been made.
   void drop_cells();

@@ -23,7 +23,7 @@ class FastOperator {
   using ConstVectorView = Kokkos::View<const Real*, MemSpace>;
   using BlockView = Kokkos::View<Real* [6], Kokkos::LayoutRight, MemSpace>;
 
-  /// What there is of everything, for cost models.
+  /// Sizes of the operator, for cost models.
   struct Sizes {
     long long num_nodes = 0, stencil_nodes = 0, cut_cells = 0, full_cells = 0, supported_cells = 0, ghost_faces = 0,
               ghost_chains = 0, groups = 0, group_entries = 0;

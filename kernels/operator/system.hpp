@@ -46,7 +46,7 @@ struct ElasticSystem {
   GroupRows groups;
   std::vector<GroupRow> group_rows;          ///< host copy of the rows of `groups`
   std::vector<double> full_group_stiffness;  ///< of each group when closed
-  /// Whether the row of each group has changed since the solver was last updated; empty: none has.
+  /// Flags of groups whose row has changed since the solver was last updated; empty: none has.
   std::vector<char> changed_rows;
   int num_nodes = 0;  ///< DofMap::num_nodes
   DofMap dofs;
@@ -55,7 +55,8 @@ struct ElasticSystem {
   std::vector<int> constraint_of_node;
   std::vector<int> zero_dofs;  ///< ascending: across bodies in plane strain, away from axes of revolution on them
 
-  /// What the kernels run on, one after the other: bodies of one level, and the parts of the others.
+  /// Returns the meshes that the kernels run on, one after the other: bodies of one level, and the levels of the
+  /// others.
   std::vector<const BodyMesh*> parts() const;
   /// Part that holds an active cell of a body, and the cell's number there.
   std::pair<int, int> part_of(int body, int cell) const;
@@ -64,7 +65,7 @@ struct ElasticSystem {
   /// Degrees of freedom that neither constraints nor plane strain give.
   int num_free_dofs() const;
   bool is_zero(int dof) const;
-  /// Are forces on a node, on one of this cell of a part, computed by this rank?
+  /// Return whether this rank computes forces on a node, on one of this cell of a level.
   bool needs(int node) const;
   bool needs_cell(const BodyMesh& part, int cell) const;
 };
@@ -88,7 +89,8 @@ void compress_group_rows(ElasticSystem& system);
 
 /// Present stiffness of each group.
 std::vector<double> group_stiffness(const ElasticSystem& system);
-/// Have the stiffnesses changed so much that a matrix factorised with the old ones is a bad preconditioner?
+/// Returns whether the stiffnesses have changed so much that a matrix factorised with the old ones is a bad
+/// preconditioner.
 bool changed_much(const std::vector<double>& before, const std::vector<double>& now);
 
 /// Sets the stiffness of each group (Scales::stress * Scales::length).

@@ -1,5 +1,5 @@
-/// What arithmetic written once for one patch (`double`) and for eight at a time (`Vector<double>`, one per lane) needs
-/// beyond + - * /: selection instead of branches, roots, and the way in and out of memory.
+/// Operations beyond + - * / for arithmetic written once for one patch (`double`) and for eight at a time
+/// (`Vector<double>`, one per lane): selection instead of branches, roots, and the way in and out of memory.
 #pragma once
 
 #include <Kokkos_Core.hpp>

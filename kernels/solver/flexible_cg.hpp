@@ -71,7 +71,7 @@ class FlexibleCgSolMgr : public Belos::SolverManager<double, TpetraVector, Tpetr
   /// "Output Style", "Output Frequency", "Output Stream", "Timer Label".
   Teuchos::RCP<const Teuchos::ParameterList> getValidParameters() const override;
   Teuchos::RCP<const Teuchos::ParameterList> getCurrentParameters() const override { return parameters_; }
-  /// What the list does not have stays as it is. Throws Teuchos' exceptions for unknown parameters and wrong types.
+  /// Sets the parameters in the list; others stay. Throws Teuchos' exceptions for unknown parameters and wrong types.
   void setParameters(const Teuchos::RCP<Teuchos::ParameterList>& parameters) override;
 
   const Problem& getProblem() const override { return *problem_; }

@@ -102,7 +102,7 @@ struct LinearSolver::Impl {
   bool has_no_motions = false;            ///< it has looked, and there are none
 
   const RankShare* share() const { return multigrid.is_null() ? nullptr : multigrid->share(); }
-  /// What this rank computes.
+  /// Returns the system that this rank computes.
   const ElasticSystem& own_system() const { return share() ? share()->system() : system; }
 
   /// A preconditioner, which leaves rigid bodies rigid.

@@ -51,7 +51,7 @@ class RigidCoarseSpace {
   Row make_row(std::vector<std::pair<int, double>> entries, double stiffness) const;
   /// Leaves those that this rank has; all without a share.
   void keep_own_entries(Row& row) const;
-  /// That this rank has.
+  /// Returns this rank's mesh of the body.
   const BodyMesh& mesh_of(const Body& body) const { return (share_ ? share_->system() : system_).meshes[body.mesh]; }
   Eigen::VectorXd sums(const Forces& r) const;  ///< R^T r, of this rank
   void add(const Eigen::VectorXd& amounts, const RealView& x) const;
