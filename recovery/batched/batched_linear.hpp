@@ -12,7 +12,7 @@ constexpr int row_block = 4;
 
 KOKKOS_FORCEINLINE_FUNCTION constexpr int packed_row(int r) { return r * (r + 1) / 2; }
 
-/// What earlier columns leave of a block: acc[i][j] = A(r+i, s+j) - sum_k L(r+i, k) L(s+j, k).
+/// Subtracts earlier columns from a block: acc[i][j] = A(r+i, s+j) - sum_k L(r+i, k) L(s+j, k).
 template <class Real>
 KOKKOS_FORCEINLINE_FUNCTION void cholesky_block(const Real* A, const Real* L, int r, int s, Real acc[4][4]) {
   const Real* a[4];
@@ -266,8 +266,8 @@ KOKKOS_INLINE_FUNCTION Real largest_eigenvalue(const Real* d, const Real* e, int
   return upper;
 }
 
-/// What split_off() did, to be undone: sweep i turned rows ranges[2 i] .. ranges[2 i + 1], one rotation (cosine,
-/// sine) for each row and the next.
+/// Log of split_off(), to undo it: sweep i turned rows ranges[2 i] .. ranges[2 i + 1], one rotation (cosine, sine) for
+/// each row and the next.
 template <class Real>
 struct RotationLog {
   Real* ranges;

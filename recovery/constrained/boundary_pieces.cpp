@@ -20,8 +20,8 @@ constexpr double min_spread = 0.1 / 3.4641016151377544;
 /// whole plane however small the piece in the patch is.
 constexpr double min_contact_spread = 0.1;
 
-/// Which way a tangent points from the middle of the body: in a scaled space, since those of a ball are at right angles
-/// to the way there. Less than this (cells): neither.
+/// Weights for the direction of a tangent seen from the middle of the body: a scaled space, since those of a ball are
+/// at right angles to the way there. Less than this (cells): neither.
 const Vec3 uneven(1, 2, 3);
 constexpr double same_place = 1e-6;
 

@@ -1,4 +1,4 @@
-/// Where the constraints of a patch act: the points of a boundary inside its cells, by surface, condition and pair,
+/// Points where the constraints of a patch act: those of a boundary inside its cells, by surface, condition and pair,
 /// condensed to a few points with the same moments of area.
 #pragma once
 

@@ -190,8 +190,8 @@ void PatchClass<degree, bodies>::solve(std::size_t first, std::size_t count, dou
   }
 }
 
-/// Where contact is open the pressure is exactly zero: conflicting data elsewhere in the patch (a load on a face that
-/// meets the contact face at an edge) must not leak into it through the least-squares solution.
+/// Makes the pressure exactly zero where contact is open: conflicting data elsewhere in the patch (a load on a face
+/// that meets the contact face at an edge) must not leak into it through the least-squares solution.
 template <int degree, int bodies>
 void PatchClass<degree, bodies>::hold_firm_rows() {
   std::vector<int> loose;

@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// Where the results of a body's patches go.
+/// Output arrays for the results of a body's patches.
 struct PatchResults {
   const RecoveredField& field;
   PatchStates& states;

@@ -1,4 +1,4 @@
-/// What the contact points of each cell add up to: patches are made of cells, and each cell is in eight of them.
+/// Sums over the contact points of each cell: patches are made of cells, and each cell is in eight of them.
 #pragma once
 
 #include "recovery/patch/flat_lists.hpp"
@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// What the rows of patches ask of a contact point.
+/// Contact point in the rows of patches.
 struct PatchContactPoint {
   Vec3 position, normal;  ///< grid coordinates and axes of the body
   double distance;        ///< m, to the other body

@@ -1,4 +1,4 @@
-/// What div sigma must be where body forces act (paper, equation 4).
+/// Required div sigma where body forces act (paper, equation 4).
 #pragma once
 
 #include <functional>

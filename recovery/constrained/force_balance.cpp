@@ -55,7 +55,7 @@ Eigen::Matrix<double, 3, 6> traction_weights(const Vec3& n) {
   return w;
 }
 
-/// Whether a support acts on a boundary point along the normal: the pressure there is its reaction as well.
+/// Returns whether a support acts on a boundary point along the normal: the pressure there is its reaction as well.
 bool is_held(const RecoveryBody& body, std::size_t point) {
   constexpr double across = 1e-3;  // cosine
   const TractionCondition& condition = body.boundary->conditions[body.boundary->condition_of_point[point]];
@@ -76,9 +76,9 @@ Vec3 resultant_of_pair(const RecoveryBody& body, int pair) {
   return sum.norm() > least_resultant * magnitudes ? Vec3(sum.normalized()) : Vec3(Vec3::Zero());
 }
 
-/// How much of the area of a boundary point counts. Forces act along the normal of the body with the larger cells; on
-/// faces that are inclined to each other (the flank of a wedge) the pressure is to have the same part along
-/// `resultant`.
+/// Returns the fraction of the area of a boundary point that counts. Forces act along the normal of the body with the
+/// larger cells; on faces that are inclined to each other (the flank of a wedge) the pressure is to have the same
+/// component along `resultant`.
 double facing(const RecoveryBody& body, std::size_t point, const Vec3& resultant) {
   const BoundaryPoints& points = body.mesh->cut_cells->boundary;
   const int pair = body.boundary->pair_of_point[point];
@@ -212,7 +212,7 @@ class PairFace {
     }
   }
 
-  /// What a pressure (nodal values) adds to the forces that are carried.
+  /// Adds the forces of a pressure (nodal values) to those that are carried.
   void carry(const std::vector<double>& pressure) {
     const std::vector<char> all(nodes.size(), 1);
     each_product(all, [&](int m, int n, double mass) { carried[m] += mass * pressure[n]; });

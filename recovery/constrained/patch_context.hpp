@@ -1,4 +1,4 @@
-/// What the patches of one body are made from; refers to all of it.
+/// Data that the patches of one body are made from, by reference.
 #pragma once
 
 #include "kernels/operator/system.hpp"

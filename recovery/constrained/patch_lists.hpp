@@ -1,6 +1,6 @@
-/// What the patches of a body are fitted to: their cells, the contact points in them, the auxiliary patch in the other
-/// body, the edge of the contact zone. Found on the host by search in the grids; what follows are loops over these
-/// lists.
+/// Lists that the patches of a body are fitted to: their cells, the contact points in them, the auxiliary patch in the
+/// other body, the edge of the contact zone. Found on the host by search in the grids; what follows are loops over
+/// these lists.
 #pragma once
 
 #include "core/base/parallel.hpp"
@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// How a contact pair stands in a patch.
+/// State of a contact pair in a patch.
 enum class ContactMode : char {
   open,
   closed,

@@ -15,7 +15,7 @@ namespace {
 /// in cut cells averages out over as large a patch as a polynomial follows.
 constexpr int most_rings = 4;
 int rings_of_thickness(int cells) { return (cells + 2) / 4; }
-/// Are there active cells at the place of a cell, whatever their size?
+/// Returns whether there are active cells at the position of a cell, whatever their size.
 bool is_occupied(const CutCells& cc, const CellPlace& place) {
   bool found = false;
   each_cell_at(cc, place, [&](int) { found = true; });
@@ -104,7 +104,7 @@ CellsAcross cells_across_contact(const std::vector<RecoveryBody>& bodies, const 
   return least;
 }
 
-/// Whether a problem on the face knows the pressure of a pair at the patch of a node.
+/// Returns whether a problem on the face knows the pressure of a pair at the patch of a node.
 bool is_known(const RecoveryBody& body, int node, const KnownPressures& known) {
   const PatchSet& patches = *body.patches;
   for (int p = patches.begin[node]; p < patches.begin[node + 1]; ++p)

@@ -385,7 +385,7 @@ void RowWriter<bodies>::add_group(const ConstraintGroup& group, const std::vecto
   const double bonded = bonded_on(group.surface, groups);
   if (group.pair < 0 && !is_loaded && is_most(bonded, bonded + group.area)) return;
   const bool on_term = term_ && is_on_face_of(term_->edge, group);
-  // Where the pair is closed in the patch (or its edge runs through it), but on another side of the body.
+  // closed in the patch (or its edge runs through it), but on another side of the body
   const bool elsewhere = state && state->mode != ContactMode::open && !has_closed_points(group) &&
                          (state->mode == ContactMode::edge ? !on_term : state->closed_area > 0);
   // Points that see the other body although none of its contact points is here: the rim of what is closed beside

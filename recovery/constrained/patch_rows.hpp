@@ -27,8 +27,8 @@ class PatchRows {
   template <int bodies>
   void add(PatchLists& lists, std::size_t patch, std::vector<ConstraintGroup>& groups, RowList<bodies>& rows) const;
 
-  /// What the interior rows must be (equation 4), num_interior of Polynomial<degree> values. centre, unit: of the
-  /// polynomial in that body.
+  /// Computes the values of the interior rows (equation 4), num_interior of Polynomial<degree> values. centre, unit: of
+  /// the polynomial in that body.
   template <int degree>
   void interior_values(int of_body, const Vec3& centre, double unit, double* values) const;
 

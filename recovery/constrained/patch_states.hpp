@@ -1,4 +1,4 @@
-/// What became of the patches of a body in the constrained recovery.
+/// States of the patches of a body in the constrained recovery.
 #pragma once
 
 #include <algorithm>
@@ -29,11 +29,11 @@ struct PatchStates {
   bool is_pressed(int node, int pair) const {
     return std::binary_search(pressed.begin(), pressed.end(), std::pair(node, pair));
   }
-  /// Whether it was given as a load.
+  /// Returns whether it was given as a load.
   bool is_known(int node, int pair) const {
     return std::binary_search(known.begin(), known.end(), std::pair(node, pair));
   }
-  /// Whether the pressure of a pair came from the patch alone.
+  /// Returns whether the pressure of a pair came from the patch alone.
   bool is_of_stress(int node, int pair) const { return is_pressed(node, pair) && !is_known(node, pair); }
   /// Pairs whose pressure came from the patch alone somewhere.
   std::set<int> pairs_of_stress() const {
@@ -42,7 +42,8 @@ struct PatchStates {
       if (!is_known(node, pair)) pairs.insert(pair);
     return pairs;
   }
-  /// Whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are open.
+  /// Returns whether a pair has any pressure on a surface in a cell (-1: on any): none where all patches around are
+  /// open.
   bool presses(const BodyMesh& mesh, int cell, int pair, int surface) const {
     bool found = false;
     for (const int corner : mesh.cell_nodes[cell])

@@ -10,8 +10,8 @@ namespace {
 /// Chunks whose nodes' polynomials are in memory at a time, with what they are made of: some 100 MB.
 constexpr std::size_t chunks_per_block = 4096;
 
-/// What the stresses at n^3 Gauss points of a cell are made of; the points run along the rows, so that all loops over
-/// them are contiguous.
+/// Tables for the stresses at n^3 Gauss points of a cell; the points run along the rows, so that all loops over them
+/// are contiguous.
 template <int n>
 struct GaussTables {
   static constexpr int num_points = n * n * n;

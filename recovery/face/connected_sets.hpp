@@ -1,4 +1,4 @@
-/// Which of some points hang together.
+/// Connected sets of points.
 #pragma once
 
 #include "core/base/point_buckets.hpp"

@@ -15,7 +15,7 @@ namespace cgcontact {
 
 using FacePlace = Eigen::Vector2d;  ///< along axis 0 and axis 1 of the face, m; in plane strain along axis 1 alone
 
-/// What the face does at the lower end of an axis.
+/// Condition of the face at the lower end of an axis.
 enum class FaceEnd {
   free,    ///< nothing: the zone ends by itself
   mirror,  ///< a symmetry plane at coordinate 0
@@ -50,7 +50,7 @@ struct FaceGrid {
   }
   /// Area of a patch, m^2; in plane strain m, per thickness.
   double area() const { return plane_strain ? spacing[1] : spacing[0] * spacing[1]; }
-  /// What a patch counts for its area: in proportion to the radius around an axis of revolution, else 1.
+  /// Returns the weight of a patch's area: in proportion to the radius around an axis of revolution, else 1.
   double ring(int patch) const {
     return meridian ? std::abs(meridian->at(centre(patch)[1])[0]) / meridian->unit_radius : 1;
   }

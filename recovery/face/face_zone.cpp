@@ -66,7 +66,7 @@ std::vector<double> acting_pressure(const FaceZone& zone, const std::vector<doub
   return pressure;
 }
 
-/// What the half-spaces give way by under the forces as they act, m.
+/// Computes the displacements of the half-spaces under the forces as they act, m.
 std::vector<double> respond(const ExecSpace& exec, const FaceZone& zone, const std::vector<double>& pressure) {
   const FaceGrid& grid = zone.grid;
   const Patches p("cgcontact::face_zone::acting", grid.size[0], grid.size[1]),
@@ -107,7 +107,7 @@ std::vector<FarMean> far_means(const FaceZone& zone, const std::vector<double>& 
     squares += means[g].weight * means[g].error * means[g].error;
     weights += means[g].weight;
   }
-  // What is wrong at one group is so, in part, around it.
+  // Errors at one group spread, in part, to those around it.
   for (FarMean& mean : means)
     mean.error = options.gap_error * std::hypot(mean.error, std::sqrt(squares / std::max(weights, 1e-300)));
   return means;
@@ -158,9 +158,8 @@ std::vector<double> changes_of_curvature(const FaceZone& zone) {
   return changes;
 }
 
-/// What of the pressure varies within a cell is the half-spaces' alone, and a body whose face goes over into another
-/// one there is none. Pa, at the patches: by how much the pressure differs from its mean over a cell, as far as it
-/// does.
+/// Returns by how much the pressure differs from its mean over a cell, Pa, at the patches, as far as it does: that is
+/// the half-spaces' alone, and a body whose face goes over into another one there is none.
 std::vector<double> error_within_cell(const FaceZone& zone, const std::vector<double>& square) {
   const FaceGrid& grid = zone.grid;
   std::vector<double> pressure(square.size());

@@ -34,7 +34,7 @@ struct FaceZone {
   std::vector<FaceGroup> groups;
 };
 
-/// What solves the problem of a zone leaves: the square of the pressure, which is smooth where a zone ends.
+/// Result of the problem of a zone: the square of the pressure, which is smooth where a zone ends.
 struct FacePressure {
   FaceGrid grid;
   std::vector<double> square;  ///< Pa^2, at the patches; negative outside of the zone

@@ -8,7 +8,7 @@ namespace cgcontact {
 namespace {
 
 constexpr int order = 3;  ///< of the derivatives that are to be small
-/// What splines that no patch sees are held with, part of what groups weigh.
+/// Fraction of the groups' weight that holds splines which no patch sees.
 constexpr double unseen = 1e-10;
 /// Halvings of the range in which the length of the details is sought: to a hundredth of a cell.
 constexpr int halvings = 7;

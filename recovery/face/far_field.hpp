@@ -1,5 +1,5 @@
-/// What the rest of the bodies does to the gap on a contact face: smooth, since inside the cells the bodies are
-/// half-spaces. Known are means over the contact groups; between them goes the smoothest spline that meets them.
+/// Gap on a contact face due to the rest of the bodies: smooth, since inside the cells the bodies are half-spaces.
+/// Known are means over the contact groups; between them goes the smoothest spline that meets them.
 #pragma once
 
 #include <Eigen/Sparse>

@@ -9,7 +9,7 @@ namespace {
 /// Tolerance of normals, and of positions in cells.
 constexpr double tolerance = 1e-8;
 
-/// Is the normal direction held, and nothing else?
+/// Returns whether the normal direction is held, and nothing else.
 bool holds_normal_only(const TractionCondition& condition, const Vec3& normal) {
   if (condition.held) return false;
   bool held = condition.normal_held;

@@ -1,4 +1,4 @@
-/// What the constrained recovery needs to know about one body's boundary.
+/// Data of one body's boundary for the constrained recovery.
 #pragma once
 
 #include <cmath>
@@ -22,7 +22,7 @@ struct TractionCondition {
   std::function<Vec3(const Vec3& x, const Vec3& n)> traction;
 
   bool is_support() const { return normal_held || component_held[0] || component_held[1] || component_held[2] || held; }
-  /// Does a support act along the normal, or along a direction whose cosine with it is more than `cosine`?
+  /// Returns whether a support acts along the normal, or along a direction whose cosine with it is more than `cosine`.
   bool holds_normal(const Vec3& x, const Vec3& n, double cosine) const {
     bool any = normal_held;
     for (int i = 0; i < 3; ++i) any = any || (component_held[i] && std::abs(n[i]) > cosine);

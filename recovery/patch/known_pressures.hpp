@@ -1,4 +1,4 @@
-/// What the problems on the contact faces know (recovery/face/face_zone.hpp), as the patches ask for it.
+/// Pressures known from the problems on the contact faces (recovery/face/face_zone.hpp), for the patches.
 #pragma once
 
 #include <optional>
@@ -27,7 +27,7 @@ class KnownPressures {
   /// Square of the contact pressure at x (m) on the face of a body with outward normal n, global axes, Pa^2; negative
   /// outside of the zone. None: no problem reaches there.
   virtual std::optional<double> square(int pair, int body, const Vec3& x, const Vec3& n) const = 0;
-  /// Whether there is such a problem for any zone of the pair.
+  /// Returns whether there is such a problem for any zone of the pair.
   virtual bool has_zone(int pair) const = 0;
   /// The edge of a zone of the pair near x (m, global axes); false if there is none in reach.
   virtual bool edge_near(int pair, const Vec3& x, EdgePiece& piece) const = 0;

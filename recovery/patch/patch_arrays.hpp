@@ -17,7 +17,7 @@ struct SubsetArrays {
   KOKKOS_FORCEINLINE_FUNCTION int row(int number) const { return rows.extent(0) == 0 ? number : rows(number); }
 };
 
-/// What these kernels read of one body, in some memory.
+/// Arrays of one body that these kernels read, in some memory.
 template <class Memory>
 struct PatchArrays {
   template <class T>

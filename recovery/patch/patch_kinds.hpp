@@ -1,15 +1,15 @@
-/// What patches are and become.
+/// Kinds and states of patches.
 #pragma once
 
 namespace cgcontact {
 
-/// What a patch touches; a patch that touches several things is of the last kind in this list.
+/// Kind of a patch by what it touches; a patch that touches several things is of the last kind in this list.
 enum class PatchKind : char { interior, boundary, loaded, symmetry, support, contact, contact_edge };
 constexpr int num_patch_kinds = 7;
 constexpr const char* patch_kind_names[num_patch_kinds] = {"interior", "boundary", "loaded",      "symmetry",
                                                            "support",  "contact",  "contact_edge"};
 
-/// What became of a patch; a patch that is several of these counts as the last one.
+/// Outcome of a patch; one with several counts as the last one.
 enum class PatchStatus : char {
   exact,           ///< all rows are met
   truncated,       ///< redundant rows were dropped, the others are met
@@ -24,7 +24,7 @@ constexpr int num_patch_statuses = 8;
 constexpr const char* patch_status_names[num_patch_statuses] = {
     "exact", "truncated", "degree_lowered", "conflicting", "uncoupled", "edge_unclear", "balanced", "singular"};
 
-/// What the polynomial of a node is to be.
+/// Description of a node's polynomial.
 struct PatchPolynomial {
   char degree = 1;
   char rings = 1;  ///< of cells around the node that it is fitted to; degree 1: one

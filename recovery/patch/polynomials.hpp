@@ -70,8 +70,8 @@ struct Polynomial {
     }
   }
 
-  /// What the interior rows must be. f: body force times cell size over the unit of stress; df[i][k]: its derivative
-  /// d f_i / d x_k per cell unit (degree 2); nu: Poisson ratio (degree 2).
+  /// Computes the values of the interior rows. f: body force times cell size over the unit of stress; df[i][k]: its
+  /// derivative d f_i / d x_k per cell unit (degree 2); nu: Poisson ratio (degree 2).
   static void interior_values(const double f[3], const double df[3][3], double nu, double values[num_interior]) {
     for (int i = 0; i < 3; ++i) values[i] = -f[i];
     if constexpr (degree == 2) {

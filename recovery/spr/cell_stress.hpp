@@ -32,7 +32,7 @@ struct StressIntegrals {
   std::vector<QuarticMoments> moments;   ///< of a full cell, then of the cut cells of the subset
   std::vector<int> moments_of_row;       ///< row -> place in `moments`
 
-  /// Whether the integrals over a cell are known.
+  /// Returns whether the integrals over a cell are known.
   bool hold(int cell) const { return cells.row(cell) >= 0; }
 };
 

@@ -1,4 +1,4 @@
-/// What the constrained recovery works on.
+/// Input of the constrained recovery.
 #pragma once
 
 #include "core/settings/recovery_options.hpp"
@@ -10,7 +10,7 @@
 
 namespace cgcontact {
 
-/// What the loops of the constrained recovery run on.
+/// Execution space of the loops of the constrained recovery.
 using HostExec = Kokkos::DefaultHostExecutionSpace;
 
 /// Input of one body; `field` holds the unconstrained fit of the nodes that it stores on entry, the constrained one on

@@ -115,9 +115,9 @@ KOKKOS_INLINE_FUNCTION void fit_full_patch(const Integrals& integrals, double* a
     for (int t = 0; t < num_terms; ++t) a[num_terms * k + t] = inverse[t] * H[k][t];
 }
 
-/// What an interior patch needs to be in equilibrium: the sums of slopes that make up div sigma become `divergence`
-/// (per cell unit). The mass matrix of a full patch is diagonal and the same for all slopes: each row is corrected on
-/// its own, its three terms alike (paper, equation 4).
+/// Puts an interior patch in equilibrium: the sums of slopes that make up div sigma become `divergence` (per cell
+/// unit). The mass matrix of a full patch is diagonal and the same for all slopes: each row is corrected on its own,
+/// its three terms alike (paper, equation 4).
 KOKKOS_INLINE_FUNCTION void put_in_equilibrium(const double divergence[3], double* a) {
   constexpr int term[3][3] = {{1, 14, 23}, {13, 6, 19}, {21, 18, 11}};  // slope along j of component (i, j)
   for (int i = 0; i < 3; ++i) {
