@@ -19,7 +19,7 @@ namespace {
 constexpr double unknowns_power = -2.5;
 /// Those of narrow zones to a smaller one; grids that are found too large shrink by this one.
 constexpr double coarsening_power = -1.7;
-/// What a limit leaves of the wanted change of size must be more than that to be worth a solve.
+/// Least change of size, of the wanted one, that a limit must leave to be worth a solve.
 constexpr double least_gain = 1.15;
 /// Cells of a grid that is the last one again, over those of that; cells are then made so much finer.
 constexpr double same_cell = 0.95, finer = 0.75;
@@ -242,7 +242,7 @@ bool AdaptiveRun::place_within(double allowed, double factor, const AdaptiveCall
     factor *= growth;
     if (enough > 0) factor = enough < least_gain * too_fine ? enough : std::sqrt(too_fine * enough);
   };
-  // What no limit makes coarser is worth a solve even if little is missing.
+  // A grid that no limit makes coarser is worth a solve even if little is missing.
   while (factor <= 1 || factor * sizes_.change < 1 / least_gain || figures_.solves.empty()) {
     if (!figures_.solves.empty() && seconds() > given_.accuracy.max_time) {
       limit_ = "max_time";

@@ -79,7 +79,7 @@ class AdaptiveRun {
   std::vector<std::vector<CellEnergies>> energies_;  // of the solves since the zones are resolved
   DisplacementState displacements_;                  // of the last solve that converged
   std::vector<double> displacement_errors_;          // of the same
-  bool resolved_ = false;                            // are they all?
+  bool resolved_ = false;                            // whether all are
   bool may_converge_when_finer_ = false;             // the last solve, if it has not
   std::string refused_;                              // why a next grid could not be made
   double search_ = 0;       // s, for zones after the last solve: takes no longer with more unknowns

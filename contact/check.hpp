@@ -1,4 +1,4 @@
-/// What `cgcontact check` prints: the scene on its grids, without solving.
+/// Output of `cgcontact check`: the scene on its grids, without solving.
 #pragma once
 
 #include <string>

@@ -173,7 +173,7 @@ Scene read_scene_as_region(const CommandLine& options) {
   return read_scene(options.scene, options.overrides);
 }
 
-/// What `check` would say of a scene; "": it passes.
+/// Returns what `check` finds wrong in a scene; "": it passes.
 std::string fault_of(const std::string& text, const std::string& file) try {
   const Scene scene = on_first_grids(parse_scene(text, file));
   const Preparation preparation = prepare(scene);

@@ -82,7 +82,7 @@ std::unique_ptr<NestedRun::Coarse> NestedRun::solve_coarser(const ProgressCallba
       return nullptr;
     }
     last = std::move(next);
-    // What to expect on cells of twice the given size.
+    // Forecast for cells of twice the given size.
     const double across = std::ldexp(cells_across(last->simulation.state), halvings - 1);
     if (across < scene_.results.wanted_cells_across) return nullptr;
   }

@@ -23,7 +23,7 @@ void check_settings(const Scene& scene);
 /// Throws InputError, also if the scene would clearly not fit into memory; refuse_near_limit: or by little, as far as
 /// an estimate of a second or two says. The two steps in one:
 Preparation prepare(const Scene& scene, bool refuse_near_limit = true);
-/// What can be drawn, whether the scene can be solved or not.
+/// Prepares what can be drawn, whether the scene can be solved or not.
 Preparation lay_out(const Scene& scene, bool refuse_near_limit = true);
 /// Can it be solved? Throws InputError; holds motions that no load drives.
 void complete(const Scene& scene, Preparation& preparation);

@@ -88,7 +88,7 @@ class PhaseClock {
   const ProgressCallbacks& progress_;
 };
 
-/// Is there no force and no motion?
+/// Returns whether there is no force and no motion.
 bool is_at_rest(const OuterResult& outer) {
   const auto u = Kokkos::create_mirror_view_and_copy(Kokkos::HostSpace(), outer.u);
   for (std::size_t i = 0; i < u.size(); ++i)

@@ -13,7 +13,7 @@ constexpr double smallest_ratio = 0.125, largest_ratio = 2;
 /// Halvings make cells up to twice as small as asked for: so they are too large as often as too small.
 constexpr double rounding = 1.41;
 
-/// How many times smaller a field asks cells of size h to be, in halvings.
+/// Returns the ratio of h to the size that a field asks for, in halvings.
 double asked_ratio(const SizeField& zones, const Vec3& x, double h) {
   double ratio = 1;
   while (ratio > smallest_ratio && zones.asks_below(0.75 * ratio * h, x, 0)) ratio /= 2;

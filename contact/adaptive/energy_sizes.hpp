@@ -1,4 +1,4 @@
-/// What the estimated error of the energy norm (ZZ) asks of the next grid.
+/// Sizes of the next grid from the estimated error of the energy norm (ZZ).
 #pragma once
 
 #include <memory>

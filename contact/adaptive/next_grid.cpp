@@ -18,7 +18,7 @@ int halvings(double largest, double smallest) {
 /// The larger one; what is no number is worse than any.
 double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
 
-/// May the faces of a pair without a force touch all the same, for all that is known?
+/// Returns whether the faces of a pair without a force may still touch.
 bool is_unclear(const Results& results, std::size_t pair) {
   return results.pairs[pair].least_gap && results.verdict.pairs[pair].state == Verdict::State::not_resolved;
 }

@@ -36,7 +36,7 @@ struct ErrorFigures {
   std::vector<double> stress_of_body;        ///< of those that the scene asks for
   std::vector<std::optional<double>> named;  ///< of AccuracyOptions::named
   bool met = false;                          ///< all that the scene asks for
-  bool finite = true;                        ///< are they numbers?
+  bool finite = true;                        ///< whether they are numbers
 };
 /// displacement: errors of the targets that are displacements, in their order.
 ErrorFigures error_figures(const Scene& scene, const std::vector<ZoneState>& zones, const Results& results,

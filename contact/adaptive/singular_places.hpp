@@ -1,5 +1,5 @@
-/// Where the stress of a run has no finite value: re-entrant edges, ends of loads and supports inside a face, rims of
-/// punches. Told from the solves on several grids.
+/// Positions where the stress has no finite value: re-entrant edges, ends of loads and supports inside a face, rims of
+/// punches. Found from the solves on several grids.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

@@ -1,4 +1,4 @@
-/// Where a contact zone lies that is smaller than its cells.
+/// Positions of contact zones that are smaller than their cells.
 #pragma once
 
 #include "contact/adaptive/zone_sizes.hpp"

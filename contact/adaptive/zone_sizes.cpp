@@ -16,7 +16,7 @@ namespace {
 /// Half the diagonal of a square over its side: the ball around a group's centre that holds its cell's piece.
 constexpr double half_square_diagonal = 0.71;
 
-/// Where the place of a zone is known, its cells may become so many times smaller at once.
+/// Largest refinement at once where the position of a zone is known.
 constexpr double most_narrowing = 1000;
 
 /// Cells across a zone below which its closed groups hardly tell where it is and how wide.

@@ -1,4 +1,4 @@
-/// What a solution asks of the next grid where its bodies touch.
+/// Cell sizes that a solution asks of the next grid in its contact zones.
 #pragma once
 
 #include <optional>

@@ -79,7 +79,7 @@ struct FrictionArrays {
   KOKKOS_INLINE_FUNCTION void slip(int g, const Change& change, double out[2]) const {
     by_tangents(g, change(row(g)), num_rows(g) > 1 ? change(row(g) + 1) : 0, out);
   }
-  /// Where a point of a group sticks, m: what is apart when a load step begins meets where the gap has closed.
+  /// Returns where a point of a group sticks, m: a pair open when a load step begins meets where the gap has closed.
   KOKKOS_INLINE_FUNCTION double held_at(int g, int q, int i) const {
     return reference(q, i) + approach(g) * drift(g, i);
   }
@@ -124,7 +124,7 @@ void take_gaps(const Exec& exec, const ContactGroupArrays<Memory>& groups, const
       });
 }
 
-/// What the points carry at most: mu times their pressure, or anything (`stuck`) where they are closed.
+/// Sets the largest shear of the points: mu times their pressure, or anything (`stuck`) where they are closed.
 template <class Exec, class Memory>
 void set_bounds(const Exec& exec, const ContactGroupArrays<Memory>& groups, const FrictionArrays<Memory>& friction,
                 bool stuck) {
@@ -214,7 +214,7 @@ void friction_excess(const Exec& exec, const ContactGroupArrays<Memory>& groups,
       });
 }
 
-/// What the points of friction do, each by tangents.
+/// State of the points of friction, each by tangents.
 template <class Memory>
 struct FrictionState {
   typename FrictionArrays<Memory>::Vectors shear;      ///< Pa, on the second body

@@ -10,7 +10,7 @@
 
 namespace cgcontact {
 
-/// What lies in a zone smaller than the cells presses by its mean gap g alone, F = force - stiffness (g - gap): N, N/m,
+/// Force of a group in a zone smaller than the cells, by its mean gap g alone, F = force - stiffness (g - gap): N, N/m,
 /// m.
 struct ZoneForce {
   double force = 0, stiffness = 0, gap = 0;

@@ -75,7 +75,7 @@ void add_displacements(const Exec& exec, const SupportArrays<Memory>& supports, 
       });
 }
 
-/// What supports act with once they have moved along their directions, Pa: sigma* - k (moved - value).
+/// Computes the tractions of supports that have moved along their directions, Pa: sigma* - k (moved - value).
 template <class Exec, class Memory>
 void support_tractions(const Exec& exec, const SupportArrays<Memory>& supports,
                        const Kokkos::View<double*, Memory>& moved, const Kokkos::View<double*, Memory>& traction) {

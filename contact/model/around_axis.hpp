@@ -1,4 +1,4 @@
-/// What is left of forces around an axis of revolution.
+/// Sums of forces around an axis of revolution.
 #pragma once
 
 #include "core/scene/scene.hpp"

@@ -65,7 +65,7 @@ std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCel
       low[d] = std::min(low[d], value);
       high[d] = std::max(high[d], value);
     }
-  // What lies opposite may be a little away.
+  // Opposite faces may be a little away.
   const Vec3 around = 0.5 * (high - low);
   const double halvings = std::ldexp(1.0, finest_level(other_cells, low - around, high + around));
   std::vector<Plane> planes;
@@ -80,7 +80,7 @@ std::vector<Plane> other_grid_planes(const CutCells& own, int cell, const CutCel
   return planes;
 }
 
-/// Is a plane one of the solid's own, up to rounding?
+/// Returns whether a plane is one of the solid's own, up to rounding.
 bool is_own_plane(const Solid& solid, const Plane& plane) {
   return std::any_of(solid.surfaces().begin(), solid.surfaces().end(), [&](const Surface& s) {
     if (s.kind != Surface::Kind::plane) return false;

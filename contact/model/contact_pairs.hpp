@@ -62,7 +62,7 @@ struct ContactPair {
   const FaceSpec& face(int body) const { return spec->first.body == body ? spec->first.face : spec->second.face; }
 };
 
-/// What friction does at the points of a pair after a load step, global axes; empty without friction.
+/// Friction at the points of a pair after a load step, global axes; empty without friction.
 struct FrictionPoints {
   std::vector<Vec3> shear;        ///< Pa, on the secondary body
   std::vector<Vec3> slip;         ///< m, of the secondary body against the primary one since the points last met
@@ -71,7 +71,8 @@ struct FrictionPoints {
   double work = 0;                ///< J, dissipated in all steps
 };
 
-/// What a boundary point of one body of a pair sees of the other one; in automatic pairs third bodies block the view.
+/// Finds the point of the other body that a boundary point of a pair sees; in automatic pairs third bodies block the
+/// view.
 std::optional<OppositePoint> find_opposite(const std::vector<BodyModel>& bodies, const ContactPair& pair, int body,
                                            const Vec3& x, const Vec3& n);
 
@@ -88,7 +89,7 @@ void set_interference(ContactPair& pair, double interference);
 Subset nodes_near_contact(const std::vector<ContactPair>& pairs, const std::vector<BodyModel>& bodies, int body,
                           const BodyMesh& mesh);
 
-/// What acts on the secondary body of a bonded pair over one of its pieces, N, from the forces of all its groups.
+/// Sums the forces of all groups of a bonded pair on its secondary body over one connected component, N.
 Vec3 force_of_piece(const ContactPair& pair, const double* group_force, std::size_t piece);
 
 /// Warnings of bonded faces that are apart, or overlap, where they are tied.

@@ -93,7 +93,7 @@ class Sampler {
   }
   double side() const { return side_; }
   double area(const Leaf& leaf) const { return 0.25 * area_factor_ * leaf.size * leaf.size; }
-  /// May the leaf lie in the group's cell?
+  /// Returns whether the leaf may lie in the group's cell.
   bool may_hold(const Leaf& leaf) const {
     const Grid& grid = cells_.grid;
     const double reach = leaf.size / std::sqrt(2.0) / group_.larger_cell;  // all in cells

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// What a support takes from its face.
+/// Reaction that a support takes from its face.
 struct SupportedFace {
   double area = 0;  ///< m^2, of the whole thickness
   Axis axis;        ///< of its cylinder; set where the support holds components about it

@@ -8,7 +8,7 @@
 
 namespace cgcontact {
 
-/// What the memory of a run depends on, of one body.
+/// Numbers of one body that the memory of a run depends on.
 struct BodySize {
   double nodes = 0, cut_cells = 0;
   double facets = 0;  ///< of its surface
@@ -25,7 +25,7 @@ struct PointNumbers {
   double rows = 0;                  ///< of contact.csv: boundary points of the faces of the pairs
 };
 
-/// What it depends on beside the bodies.
+/// Other numbers that it depends on.
 struct MemoryExtras {
   std::optional<PointNumbers> points;  ///< unknown: as many as most scenes have on so many cut cells
   bool pictures = true;

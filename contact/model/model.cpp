@@ -124,7 +124,7 @@ FaceMoments moments_of(const FaceSpec& face, const BodyModel& model) {
   return moments;
 }
 
-/// What gives the loads of a body their forces and moments.
+/// Finds the tractions that give the loads of a body their forces and moments.
 void find_resultants(const Scene& scene, int body, BodyModel& model) {
   for (int l = 0; l < static_cast<int>(scene.loads.size()); ++l) {
     const LoadSpec& load = scene.loads[l];
@@ -225,7 +225,7 @@ std::vector<const FaceSpec*> faces_in_use(const Scene& scene, int body) {
   return faces;
 }
 
-/// What a body's cells are made of.
+/// Solid and grid that a body's cells are made from.
 struct PlacedBody {
   Solid solid;  ///< in the coordinates of the grid
   Grid grid;
@@ -265,7 +265,7 @@ void set_slices(std::vector<PlacedBody>& bodies) {
     if (body.grid.is_quadtree()) body.grid.slice = smallest;
 }
 
-/// What make() gives; its InputErrors name the body.
+/// Returns what make() gives; its InputErrors name the body.
 template <class Make>
 auto naming_body(const BodySpec& body, const Make& make) {
   try {

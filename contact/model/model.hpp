@@ -56,7 +56,7 @@ struct BodyModel {
 /// Takes two opposite corners of a cell into a box, m.
 void extend_box(const CutCells& cut_cells, int cell, Vec3& low, Vec3& high);
 
-/// What gives a load of the scene its force and moment; zero for loads without.
+/// Returns the traction that gives a load of the scene its force and moment; zero for loads without.
 FaceTraction resultant_of(const BodyModel& body, int load);
 
 /// Held directions of a support at x (m) with the outward normal n, global axes.

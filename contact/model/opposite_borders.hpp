@@ -1,4 +1,4 @@
-/// Where the opposite face of a contact pair ends, on the body whose surface is integrated.
+/// Borders of the opposite face of a contact pair, on the body whose surface is integrated.
 #pragma once
 
 #include "core/cells/cut_cells.hpp"

@@ -23,7 +23,8 @@ bool any_within(const std::vector<Crossing>& crossings, double low, double high)
   return std::any_of(crossings.begin(), crossings.end(), [=](const Crossing& c) { return c.t >= low && c.t <= high; });
 }
 
-/// Is the body's boundary crossed at x + t n with low <= t <= high (m, and less the tolerances of these ends, cells)?
+/// Returns whether the body's boundary is crossed at x + t n with low <= t <= high (m, and less the tolerances of these
+/// ends, cells).
 bool is_crossed(const BodyModel& body, const Vec3& x, const Vec3& n, double low, double high, double low_tolerance,
                 double high_tolerance) {
   const Line line(body, x, n);

@@ -1,4 +1,4 @@
-/// What a boundary point of one body sees of another body along its normal.
+/// View from a boundary point of one body to another body along its normal.
 #pragma once
 
 #include <optional>
@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// How far a point sees along its outward normal, m.
+/// Distances that a point sees along its outward normal, m.
 struct Reach {
   double ahead = 0;   ///< gaps
   double behind = 0;  ///< overlaps
@@ -27,7 +27,7 @@ struct OppositePoint {
 std::optional<OppositePoint> find_opposite(const BodyModel& own, const BodyModel& other, const FaceSpec& face,
                                            const Vec3& x, const Vec3& n, const Reach& reach);
 
-/// Does the body come between a point and another one `distance` (m) ahead of it?
+/// Returns whether the body comes between a point and another one `distance` (m) ahead of it.
 bool comes_between(const BodyModel& body, const Vec3& x, const Vec3& n, double distance);
 
 /// Longest edge of the box around a body in global axes, m.

@@ -50,7 +50,7 @@ class Places {
   std::map<CellPlace, std::vector<Entry>> places_;
 };
 
-/// Does a convex edge or a tip begin at an oblique face?
+/// Returns whether a convex edge or a tip begins at an oblique face.
 bool is_edge(const Places& places, const CellPlace& cell, int surface, const FacingNormals& normals) {
   if (!(normals.area > 0) || normals.cosine > oblique_below * normals.area) return false;
   bool edge = normals.is_tip();

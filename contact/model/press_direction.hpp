@@ -1,5 +1,5 @@
-/// Which way bodies press on each other where a convex edge, a corner or a tip of the coarser one meets the other:
-/// faces that see each other there are not parallel, and the gap along their normals is not the one that closes.
+/// Directions in which bodies press on each other where a convex edge, a corner or a tip of the coarser one meets the
+/// other: faces that see each other there are not parallel, and the gap along their normals is not the one that closes.
 ///
 /// Frictionless contact acts along the normal of what is flat, and across both edges where two edges cross. With M the
 /// mean of n n^T over a side's normals near the place, 1/n . M^-1 n is small across edges and large for what is a

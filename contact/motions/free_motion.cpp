@@ -49,8 +49,8 @@ std::string span_text(const Eigen::MatrixXd& columns, const char* one, const cha
   return three;
 }
 
-/// What all contact of a body, and of those bonded to it, with other bodies resists, with the normals of its own
-/// surface and with those of the others.
+/// Returns the resistance of all contact between other bodies and a body (with those bonded to it), with the normals of
+/// its own surface and with those of the others.
 std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& piece,
                                                      const std::vector<BodyModel>& bodies,
                                                      const std::vector<ContactPair>& pairs,
@@ -78,7 +78,7 @@ std::pair<Resistance, Resistance> contact_resistance(int b, const RigidPiece& pi
   return {own, others};
 }
 
-/// What supports resist, of every body; those of bodies that are bonded to it count as its own.
+/// Returns the resistance of supports for every body; those of bodies that are bonded to it count as its own.
 std::vector<Resistance> support_resistance(const std::vector<RigidPiece>& pieces, const std::vector<BodyModel>& bodies,
                                            const std::vector<SupportPoint>& supports,
                                            const std::vector<int>& assembly) {

@@ -17,7 +17,7 @@ struct FreeMotions {
   /// Keeps what support points do not resist.
   void leave_out(const std::vector<SupportPoint>& supports, const std::vector<BodyModel>& models);
   bool empty() const { return modes.cols() == 0; }
-  /// Is there a motion without any rotation?
+  /// Returns whether there is a motion without any rotation.
   bool slides() const;
   /// Those without any rotation.
   FreeMotions without_rotation() const;
@@ -34,7 +34,7 @@ using Resistance = Eigen::Matrix<double, 6, 6>;
 /// Columns that span the motions of a body that a resistance does not resist.
 Eigen::MatrixXd motions_not_resisted(const Resistance& resistance);
 
-/// What a support point resists, to its body and to those that are bonded to it (bonded_assemblies).
+/// Adds the resistance of a support point to its body and to those that are bonded to it (bonded_assemblies).
 void add_resistance(const SupportPoint& point, const std::vector<RigidPiece>& pieces,
                     const std::vector<BodyModel>& bodies, const std::vector<int>& assembly,
                     std::vector<Resistance>& held);

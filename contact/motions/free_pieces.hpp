@@ -1,4 +1,4 @@
-/// Which pieces of bodies are free to move, in words: bodies may consist of pieces that nothing joins.
+/// Messages on connected components of bodies that are free to move.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-/// Which contact forces follow from equilibrium alone.
+/// Contact forces that follow from equilibrium alone.
 #pragma once
 
 #include <memory>

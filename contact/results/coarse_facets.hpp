@@ -1,4 +1,4 @@
-/// After the solve: are the triangles of a body larger than its cells where it touches?
+/// Check after the solve for triangles of a body that are larger than its cells at contact.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

@@ -95,7 +95,7 @@ LoadFigures load_figures(const Scene& scene, const std::vector<BodyModel>& bodie
   return figures;
 }
 
-/// What acts on the volume of a body; the moments are about its centroid.
+/// Adds the loads on the volume of a body; the moments are about its centroid.
 void add_volume_loads(const BodyModel& body, double factor, std::vector<LoadFigures>& all) {
   const BodySpec& spec = *body.spec;
   const auto is_zero = [](const Expression& component) { return component.is_zero(); };

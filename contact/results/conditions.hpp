@@ -1,4 +1,4 @@
-/// What holds and loads the bodies, with resultants, as lists for the report.
+/// Supports and loads of the bodies, with resultants, as lists for the report.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

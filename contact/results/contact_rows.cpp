@@ -114,7 +114,7 @@ void set_friction(const BodyModel& model, const ContactLink* link, const Vec3& n
 /// Open for certain: nothing lies opposite, or more than the larger one of both cells away.
 bool is_far_from_contact(const ContactRow& row) { return !(row.gap < row.larger_cell); }
 
-/// What patches with closed points leave at open ones, where they carry nothing, is rounding: zero.
+/// Clears rounding that patches with closed points leave at open ones, where they carry nothing.
 void clear_rounding(const SolvedState& state, std::vector<ContactRow>& rows) {
   if (!state.scene.recovery.spr_c) return;
   std::vector<double> largest(state.pairs.size(), 0.0);

@@ -10,8 +10,8 @@ namespace cgcontact {
 ContactRow contact_row(const SolvedState& state, int body, int pair, int cell, const Vec3& position,
                        const Vec3& normal);
 
-/// What relative errors of a row's pressure refer to, Pa: the pressure; on bonded faces, which may carry shear alone,
-/// the traction.
+/// Returns the scale of relative errors of a row's pressure, Pa: the pressure; on bonded faces, which may carry shear
+/// alone, the traction.
 double size_of_traction(const ContactRow& row, bool bonded);
 
 /// Appends a row for every boundary point of the contact faces.

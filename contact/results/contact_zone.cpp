@@ -73,7 +73,7 @@ std::vector<TransmittedForce> ContactZone::closed_cells() const {
     whole.normal.normalize();
     closed.push_back(whole);
   }
-  // Where the first ones decide, they are the same in a mirror image, whose cells have another order.
+  // A stable order: the first criteria hold in a mirror image too, whose cells have another order.
   std::stable_sort(closed.begin(), closed.end(), [&](const TransmittedForce& a, const TransmittedForce& b) {
     return std::pair(a.image, (a.position - middle_).norm()) < std::pair(b.image, (b.position - middle_).norm());
   });

@@ -7,7 +7,7 @@
 
 namespace cgcontact {
 
-/// What a contact point transmits; global axes.
+/// Force that a contact point transmits; global axes.
 struct TransmittedForce {
   int pair, cell;  ///< active cell of the pair's primary body
   int image;       ///< in which planes of symmetry it is mirrored, a bit each; 0: it is no image

@@ -86,7 +86,7 @@ void smooth_facets(const SolvedState& state, const ContactPair& pair, const Zone
   }
 }
 
-/// What the groups and patches of a zone say, for its problem.
+/// Collects a zone's groups and patches for its problem.
 FaceZone make_zone(const SolvedState& state, const PairGroups& face, const std::vector<int>& closed,
                    const ZonePatches& patches) {
   const ContactPair& pair = face.pair();
@@ -116,7 +116,7 @@ FaceZone make_zone(const SolvedState& state, const PairGroups& face, const std::
   };
   for (const int g : closed) add(g);
   for (std::size_t n = 0; n < shares.size(); ++n) {
-    // What another zone transmits is not this one's.
+    // Forces that another zone transmits are not this one's.
     const bool mine = std::none_of(shares[n].begin(), shares[n].end(), [&](const auto& share) {
       return groups[share.first].closed() && number[share.first] < 0;
     });

@@ -17,7 +17,7 @@ double held_part(const SolvedState& state, int body);
 /// The larger one of the two bodies of a pair.
 double held_part(const SolvedState& state, const ContactPair& pair);
 
-/// Where bodies are held along surfaces: what that takes. Empty: none are.
+/// Warns of bodies that are held along surfaces, with the force that it takes. Empty: none are.
 std::string place_keeping_warning(const SolvedState& state);
 
 /// Tells whether any pair carries more than rounding beside all that acts on the bodies.

@@ -1,4 +1,4 @@
-/// After the solve: have faces met that no contact pair sees, or that no closed contact point tells of?
+/// Check after the solve for faces that have met although no contact pair or no closed contact point shows it.
 #pragma once
 
 #include <optional>

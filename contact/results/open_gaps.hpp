@@ -1,4 +1,4 @@
-/// Faces that nothing presses: is the gap that is left one, or an error of the displacements?
+/// Faces that nothing presses: check whether the gap that is left exceeds the error of the displacements.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

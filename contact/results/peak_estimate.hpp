@@ -1,4 +1,4 @@
-/// How far the largest contact pressure may be off. Evidence: docs/recovery.md, "Error figures".
+/// Estimated error of the largest contact pressure. Evidence: docs/recovery.md, "Error figures".
 #pragma once
 
 #include "core/results/results.hpp"

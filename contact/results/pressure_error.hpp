@@ -1,4 +1,4 @@
-/// How far the pressure on the contact faces is from a reference.
+/// Error of the pressure on the contact faces against a reference.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-/// How far the recovered contact pressure and the contact force may be off, from the solution alone. Evidence:
+/// Estimated errors of the recovered contact pressure and the contact force, from the solution alone. Evidence:
 /// docs/recovery.md, "Error figures".
 #pragma once
 

@@ -88,7 +88,7 @@ void walk(const FaceProjection& project, const ContactRow& top, const Vec3& alon
   }
 }
 
-/// How far a path goes.
+/// Extent of a path.
 struct Extent {
   double length = 0;
   bool closed = false;  ///< back at its beginning

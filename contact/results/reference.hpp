@@ -21,7 +21,7 @@ class ReferenceTable {
   std::vector<std::vector<double>> rows_;
 };
 
-/// What is known of the solution on the contact face.
+/// Known values of the solution on the contact face.
 class Reference {
  public:
   /// `spec`: the scene's, at the computed contact force. Both must outlive this.

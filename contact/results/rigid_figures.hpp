@@ -1,4 +1,4 @@
-/// How rigid bodies have moved, and the moments that act on them.
+/// Motions of rigid bodies, and the moments that act on them.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

@@ -1,4 +1,4 @@
-/// Is the result within what the theory of small strain and small sliding covers?
+/// Check of the result against the limits of small strain and small sliding.
 #pragma once
 
 #include <string>

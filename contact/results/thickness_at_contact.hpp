@@ -1,5 +1,5 @@
-/// How thick are the bodies where they touch, in cells? A body thinner than a cell bends far too stiffly, and with it
-/// forces and pressures are wrong, however many cells the contact zone has.
+/// Thickness of the bodies at contact, in cells. A body thinner than a cell bends far too stiffly, and with it forces
+/// and pressures are wrong, however many cells the contact zone has.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

@@ -32,7 +32,7 @@ struct Judged {
   double thickness = 0;  // of that body, its cells
 };
 
-/// Is one of the bodies thinner than its cells where they touch?
+/// Judges whether one of the bodies is thinner than its cells where they touch.
 void judge_thickness(const SolvedState& state, const ContactPair& pair, Judged& j) {
   for (const int body : {pair.primary, pair.secondary}) {
     if (state.bodies[body].spec->rigid()) continue;

@@ -1,4 +1,4 @@
-/// What a run says of itself first of all: is its contact resolved, and if not, which cells would do?
+/// Verdict on a run: whether its contact is resolved, and if not, which cells would do.
 #pragma once
 
 #include "contact/solve/solved_state.hpp"

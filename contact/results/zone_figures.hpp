@@ -10,7 +10,7 @@ namespace cgcontact {
 /// Sets PairFigures::zone of all pairs. Needs their other figures, scaled to the thickness of the bodies.
 void fill_zone_figures(const SolvedState& state, Results& results);
 
-/// How the zone of a pair lies.
+/// Position and symmetries of the zone of a pair.
 struct ZonePlace {
   std::vector<SymmetryPlane> planes;  ///< behind which it goes on; none where they are neither parallel nor across
   std::optional<Vec3> normal;         ///< mean, outward of the primary body, where the zone is nearly flat

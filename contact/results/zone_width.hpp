@@ -1,4 +1,4 @@
-/// How many cells lie across the contact zones of each pair: is the contact resolved?
+/// Number of cells across the contact zones of each pair: whether the contact is resolved.
 #pragma once
 
 #include <optional>

@@ -10,7 +10,7 @@ namespace {
 constexpr double no_force = 1e-10;
 
 /// Closes all points whose gap is not positive and, where a pair has none, those whose gap is larger than its smallest
-/// one by no more than `allowance` of the smaller cell. Are all points closed?
+/// one by no more than `allowance` of the smaller cell. Returns whether all points are closed.
 bool close_near_the_smallest_gap(const OuterProblem& problem, double allowance) {
   bool all = true;
   for (ContactPair& pair : problem.pairs) {

@@ -1,4 +1,4 @@
-/// Which contact points are closed.
+/// Active set: the contact points that are closed.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
-/// What the active set did during an outer iteration: how much it changes, whether it comes back to states it had,
-/// where.
+/// History of the active set during an outer iteration: size of changes, states that come back, positions.
 #pragma once
 
 #include <set>

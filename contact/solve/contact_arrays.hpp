@@ -9,8 +9,8 @@ namespace cgcontact {
 
 /// Groups and points of all pairs; `active` is that of the pairs' points where kernels reach the host's memory.
 ContactGroupArrays<MemSpace> make_group_arrays(const OuterProblem& problem);
-/// What changes in the outer iteration and between solves: stiffness and gaps of the groups, zones smaller than the
-/// cells, which points are closed.
+/// Copies what changes in the outer iteration and between solves: stiffness and gaps of the groups, zones smaller than
+/// the cells, closed points.
 void take_state(const OuterProblem& problem, const SmallZones& zones, const ContactGroupArrays<MemSpace>& groups);
 /// Hands which points are closed back to the pairs.
 void give_state(const OuterProblem& problem, const ContactGroupArrays<MemSpace>& groups);
@@ -26,7 +26,7 @@ DirectionArrays<MemSpace> row_places(const OuterProblem& problem);
 /// Finds the place of each entry of the rows in GroupRows::dof_list.
 IntView places_of_entries(const GroupRows& rows);
 
-/// What supports (but those that plane strain stands for) and rows of groups act on.
+/// Returns the nodes that supports (but those that plane strain stands for) and rows of groups act on.
 TouchedNodes<MemSpace> make_touched_nodes(const OuterProblem& problem);
 
 }  // namespace cgcontact

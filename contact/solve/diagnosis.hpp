@@ -1,4 +1,4 @@
-/// Why the outer iteration ended without convergence, in words.
+/// Messages on why the outer iteration ended without convergence.
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@ namespace cgcontact {
 constexpr const char* numbers_underflow =
     "numbers underflow: loads and prescribed displacements are so small that nothing can be computed with them";
 
-/// Why nothing holds a body any more: from the present state of the contact points.
+/// Describes why nothing holds a body any more, from the present state of the contact points.
 std::string describe_loss_of_contact(const std::vector<ContactPair>& pairs);
 
 /// `opened`: names of the contacts that parted as the loads moved the bodies, of `num_pairs` in all.
 std::string describe_parting(const std::vector<std::string>& opened, std::size_t num_pairs);
 
-/// Where the iteration stood when it was cut off.
+/// Describes the residual at which the iteration was cut off.
 std::string describe_residual(const SolverOptions& solver, const std::vector<double>& residuals);
 
 /// `error`: of the solver's library, where it gave up; "": it did not. force_norm: what its residual is relative to.

@@ -10,10 +10,11 @@
 namespace cgcontact {
 namespace {
 
-/// What loads ask of friction beyond what it carries, of that: less is the error of the iteration. From one iteration
-/// to the next it stays the same, up to the second, only where a body slides.
+/// Fraction of what friction carries by which loads may exceed it: less is the error of the iteration. Largest relative
+/// change of that from one iteration to the next, beyond which no body slides steadily.
 constexpr double little_beyond = 1e-4, steady = 0.02;
-/// What slides is out of balance by mu times that, relative to the pressure; so much more is a state still on its way.
+/// Largest other imbalance, relative to mu times that of the pressure, of a state that slides; more is a state still on
+/// its way.
 constexpr double most_else = 2;
 /// Part of the sum of pressures: faces whose resultant is less are pressed from all sides, and come together nowhere.
 constexpr double least_common = 0.1;

@@ -30,7 +30,7 @@ struct Iterate {
   /// Unit of forces, N.
   double force_unit() const { return problem.scales.stress * problem.scales.length * problem.scales.length; }
 
-  /// What kernels run on, as the host has left it.
+  /// Return the arrays that kernels run on, as the host has left them.
   const ContactGroupArrays<MemSpace>& groups() const;
   const SupportArrays<MemSpace>& supports() const;
 

@@ -1,4 +1,4 @@
-/// How far to go along the step of a linear solve.
+/// Line search along the step of a linear solve.
 #pragma once
 
 #include "contact/solve/iterate.hpp"

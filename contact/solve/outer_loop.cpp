@@ -79,9 +79,9 @@ struct ContactSolver::Impl {
   RightHandSide right_hand_side_;
   std::vector<Vec3> load_of_body_;               // N
   FreeMotions unbalanced_;                       // what the loads drive without end
-  bool warm_ = false;                            // is there a converged solution to start from?
+  bool warm_ = false;                            // whether there is a converged solution to start from
   std::unique_ptr<SurfaceWanderers> wanderers_;  // where contact alone holds bodies
-  bool has_support_terms_ = true;                // does the system have the terms of the supports?
+  bool has_support_terms_ = true;                // whether the system has the terms of the supports
   std::string solver_error_;                     // of Trilinos, where it gave up
   std::string why_fallback_;                     // what multigrid gave up with
   int fallbacks_ = 0;                            // linear solves since then
@@ -126,7 +126,7 @@ OuterResult ContactSolver::Impl::run(const std::function<void(const OuterStep&)>
   return iterate(progress, held);
 }
 
-/// held: do the closed points that it starts from hold all bodies?
+/// Iterates; held: the closed points that it starts from hold all bodies.
 OuterResult ContactSolver::Impl::iterate(const std::function<void(const OuterStep&)>& progress, bool held) {
   OuterResult result;
   result.u = now_.u;
@@ -236,7 +236,7 @@ bool ContactSolver::Impl::wanders_far() const {
   return wanderers_ && wanderers_->farthest(now_.rigid_parts.of_bodies()) > farthest_wandering;
 }
 
-/// Does all else stand still, while bodies that soft springs follow do not come to rest?
+/// Returns whether all else stands still, while bodies that soft springs follow do not come to rest.
 bool ContactSolver::Impl::wanders_on(const std::vector<double>& residuals) const {
   const std::size_t n = residuals.size();
   return n > patience && residuals[n - 1] < nearly_converged && residuals[n - 1] > 0.5 * residuals[n - 3] &&

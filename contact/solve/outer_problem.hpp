@@ -1,4 +1,4 @@
-/// What the outer iteration works on.
+/// Data of the outer iteration.
 #pragma once
 
 #include "contact/model/contact_pairs.hpp"

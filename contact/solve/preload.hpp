@@ -14,11 +14,11 @@ class Preload {
   explicit Preload(const Scene& scene);
 
   bool any() const { return !tightened_.empty(); }
-  /// What was found for the same scene on other grids.
+  /// Starts from the result for the same scene on other grids.
   void start_from(const Preload& earlier);
   /// Before the first solve; without a start, a guess by the size of the bodies.
   void begin(const std::vector<BodyModel>& bodies, const std::vector<ContactPair>& pairs);
-  /// What a pair's interference has to be more than the scene says, m.
+  /// Returns the amount by which a pair's interference has to exceed that of the scene, m.
   double tightening(const ContactPair& pair) const;
   /// forces: sum of the pressure of every pair in the last solve, N. False: all preloads are there. Else tightening()
   /// has changed, and the scene is to be solved again; throws InputError where no interference gives the force.

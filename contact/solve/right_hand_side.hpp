@@ -13,7 +13,7 @@ class RightHandSide {
   void begin(const std::vector<double>& load, bool keep_scale);
   /// The rows of the system have been turned.
   void take_rows(const OuterProblem& problem);
-  /// What supports and contact add in the present state.
+  /// Assembles the terms of supports and contact in the present state.
   void assemble(const Iterate& iterate);
 
   const RealView& vector() const { return vector_; }

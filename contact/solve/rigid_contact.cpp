@@ -123,7 +123,7 @@ Eigen::VectorXd RigidBodies::newton_step(const Eigen::VectorXd& force, double op
   return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(force);
 }
 
-/// Where along the step, up to its end, the energy is least: its slope grows.
+/// Returns the position of least energy along the step, up to its end: the slope of the energy grows.
 double RigidBodies::step_length(const Eigen::VectorXd& step) const {
   std::vector<std::pair<double, double>> gaps;  // now, and its change along the step
   gaps.reserve(springs.size());

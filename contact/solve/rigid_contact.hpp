@@ -25,9 +25,9 @@ class FloatingBodies {
   /// References stay valid outside.
   FloatingBodies(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                  const std::vector<ContactPair>& pairs);
-  /// Is there a body that its supports alone, with those of bodies that it is bonded to, do not hold?
+  /// Returns whether supports, with those of bodies that are bonded to it, leave any body free.
   bool any() const { return any_; }
-  /// Do its supports alone not hold this body?
+  /// Returns whether its supports alone leave this body free.
   bool floats(int body) const;
   const std::vector<RigidPiece>& pieces() const { return pieces_; }
 

@@ -61,7 +61,7 @@ class GroupPlaces {
 
 }  // namespace
 
-/// Where the undeformed bodies overlap.
+/// Overlap of the undeformed bodies.
 struct SmallZones::Overlap {
   double volume = 0, area = 0;
   Vec3 first = Vec3::Zero();  ///< moments of the area
@@ -352,7 +352,8 @@ double SmallZones::nearest_distance(std::size_t pair, std::size_t g) const {
   return nearest;
 }
 
-/// How deep the faces of squeezed bodies overlap, m: so much deeper a body may come on its other side; a cell at most.
+/// Returns the deepest overlap of the faces of squeezed bodies, m, at most a cell: by that much deeper a body may come
+/// on its other side.
 double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
                                    const std::vector<double>& group_force) const {
   double deepest = 0;
@@ -365,7 +366,7 @@ double SmallZones::deepest_squeeze(const std::vector<double>& gap_change,
   return deepest;
 }
 
-/// Which groups of a pair lie in small zones.
+/// Decides which groups of a pair lie in small zones.
 void SmallZones::decide_pair(std::size_t pair, const std::vector<double>& gap_change,
                              const std::vector<double>& group_force) {
   const ContactPair& p = pairs_[pair];

@@ -27,7 +27,7 @@ struct ZoneSpring {
   std::vector<std::array<double, 2>> points;  ///< weight, m^2, and stress, Pa
 };
 
-/// Which forces of a pair prescribed motions, interferences or overlaps give: none (loads do: it is left alone), that
+/// Forces of a pair that prescribed motions, interferences or overlaps give: none (loads do: it is left alone), that
 /// between two bodies held by supports, that on a body which is squeezed between others.
 enum class Led { no, held, squeezed };
 
@@ -50,8 +50,8 @@ class SmallZones {
     const State& g = groups_[group];
     return {g.force, g.stiffness, g.gap};
   }
-  /// How the group presses while rigid motions change its gap, in pairs of squeezed bodies: as force() says, or by
-  /// its samples where the zone carries nothing yet.
+  /// Returns the spring of a group while rigid motions change its gap, in pairs of squeezed bodies: as force() says, or
+  /// by its samples where the zone carries nothing yet.
   ZoneSpring spring(std::size_t group) const;
   /// Groups of a pair that are in small zones and carry force.
   int count(int pair) const;

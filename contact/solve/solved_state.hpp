@@ -43,7 +43,7 @@ inline double force_unit(const SolvedState& state) {
 
 /// m
 Vec3 displacement(const SolvedState& state, int body, int cell, const Vec3& xi);
-/// That of the displacements, Pa.
+/// Evaluates the stress of the displacements, Pa.
 Sym3 raw_stress(const SolvedState& state, int body, int cell, const Vec3& xi);
 /// Evaluates one of the recovered fields of the body, Pa.
 Sym3 recovered_stress(const SolvedState& state, const RecoveredField& field, int body, int cell, const Vec3& xi);

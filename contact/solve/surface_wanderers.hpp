@@ -17,7 +17,7 @@ class SurfaceWanderers {
  public:
   SurfaceWanderers(const std::vector<BodyModel>& bodies, const std::vector<SupportPoint>& supports,
                    const std::vector<ContactPair>& pairs);
-  /// How far a body has moved along surfaces, in its smallest cells at contact: the largest of all.
+  /// Returns the largest distance that a body has moved along surfaces, in its smallest cells at contact.
   double farthest(const std::vector<RigidPart>& parts) const;
   /// Points that hold all these motions.
   std::vector<SupportPoint> hold(const std::vector<BodyModel>& bodies) const;

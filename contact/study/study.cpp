@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What went wrong, from how the process ended and its last words.
+/// Describes a failure by how the process ended and its last words.
 std::string describe_failure(const ChildOutcome& outcome, const std::string& log) {
   if (outcome.error != 0) return fmt::format("could not be started: {}", std::strerror(outcome.error));
   const std::string mark = "cgcontact: ";

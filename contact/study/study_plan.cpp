@@ -73,8 +73,8 @@ Scene read_changed_scene(const std::string& file, std::vector<std::string> overr
   }
 }
 
-/// What the run replaces in the scene. Pictures, fields and intermediate steps are left out unless the user asks for
-/// them.
+/// Returns what the run replaces in the scene. Pictures, fields and intermediate steps are left out unless the user
+/// asks for them.
 std::vector<std::string> overrides_of(const CommandLine& line, const Variant& variant, const std::string& size,
                                       const Scene& as_it_is, bool own_reference) {
   std::vector<std::string> overrides{"output.vtk=false", "output.plots=false"};

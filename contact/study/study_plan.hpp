@@ -1,4 +1,4 @@
-/// What a study is going to run.
+/// Plan of a study's runs.
 #pragma once
 
 #include <vector>
